@@ -1,0 +1,59 @@
+"""Mass properties of a link in its own frame: origin at its first joint, x to its second joint."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite, pi
+
+from .errors import InvalidParameter
+
+
+@dataclass(frozen=True)
+class Body:
+    """
+    Rigid body of one link.
+
+    The first joint is O1 for the crank, A for the coupler and O4 for the output link.
+
+    Parameters
+    ----------
+    mass : float
+        Mass [kg], zero or more.
+    cg_along, cg_across : float
+        Centre of gravity from the first joint, along the link and to its left [m].
+    inertia : float
+        Moment of inertia about the centre of gravity [kg m^2], zero or more.
+    """
+
+    mass: float
+    cg_along: float = 0.0
+    cg_across: float = 0.0
+    inertia: float = 0.0
+
+    def __post_init__(self):
+        for name in ('mass', 'inertia'):
+            value = getattr(self, name)
+            if not (isfinite(value) and value >= 0.0):
+                raise InvalidParameter(name, value, 'must be a finite number, zero or more')
+        for name in ('cg_along', 'cg_across'):
+            if not isfinite(getattr(self, name)):
+                raise InvalidParameter(name, getattr(self, name), 'must be a finite number')
+
+
+def round_rod(length, density, radius):
+    """
+    Body of a uniform round rod between its two joints.
+
+    m = rho pi r^2 L, I = m (3 r^2 + L^2)/12 (solid cylinder about a transverse axis), centre of
+    gravity at half length: the links of the paper's Table 1.
+
+    Parameters
+    ----------
+    length, density, radius : float
+        Length [m], density [kg/m^3], radius [m], all positive.
+
+    """
+    for name, value in (('length', length), ('density', density), ('radius', radius)):
+        if not (isfinite(value) and value > 0.0):
+            raise InvalidParameter(name, value, 'must be a positive number')
+    mass = density * pi * radius**2 * length
+    return Body(mass, 0.5 * length, 0.0, mass * (3.0 * radius**2 + length**2) / 12.0)

@@ -1,0 +1,69 @@
+"""
+One formula, three kinds of numbers.
+
+Formulas of the core are written once, as plain functions of floats that use ``math``, without ``if``:
+a choice is ``where(condition, one, other)``. :func:`dialects` derives from one such function
+
+* ``scalar``: the same code with every ``where(c, a, b)`` rewritten to ``a if c else b``. One sample in
+  plain floats takes 1-2 microseconds; numpy would take thirty.
+* ``array``: the same code object with the numpy functions in place of those of ``math``.
+* ``analytic``: as ``array`` for complex input, for exact derivatives by a complex step. Angles are not
+  analytic in this sense: ``atan2`` gives zero.
+"""
+from __future__ import annotations
+
+import ast
+import inspect
+import textwrap
+from types import FunctionType
+from typing import Callable, NamedTuple
+
+import numpy as np
+
+
+def where(condition, one, other):
+    """Return ``one`` if ``condition`` else ``other``; both may be tuples of equal length."""
+    return one if condition else other
+
+
+def _array_where(condition, one, other):
+    if isinstance(one, tuple):
+        return tuple(np.where(condition, a, b) for a, b in zip(one, other))
+    return np.where(condition, one, other)
+
+
+_ARRAY = {'sin': np.sin, 'cos': np.cos, 'sqrt': np.sqrt, 'atan2': np.arctan2, 'hypot': np.hypot,
+          'fabs': np.abs, 'where': _array_where}
+_ANALYTIC = {**_ARRAY, 'atan2': lambda y, x: 0.0, 'hypot': lambda x, y: np.sqrt(x * x + y * y),
+             'fabs': lambda x: np.where(x.real < 0.0, -x, x)}
+
+
+class _Unfold(ast.NodeTransformer):
+    """``where(c, a, b)`` becomes ``a if c else b``: saves a call and the branch not taken."""
+
+    def visit_Call(self, node):
+        self.generic_visit(node)
+        if isinstance(node.func, ast.Name) and node.func.id == 'where':
+            condition, one, other = node.args
+            return ast.copy_location(ast.IfExp(condition, one, other), node)
+        return node
+
+
+class Dialects(NamedTuple):
+    scalar: Callable
+    array: Callable
+    analytic: Callable
+
+
+def dialects(function):
+    """Return the :class:`Dialects` of a function (or of a factory of inner functions)."""
+    def with_globals(changes):
+        return FunctionType(function.__code__, {**function.__globals__, **changes},
+                            function.__name__, function.__defaults__)
+
+    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
+    tree.body[0].decorator_list = []
+    ast.fix_missing_locations(_Unfold().visit(tree))
+    namespace = dict(function.__globals__)
+    exec(compile(tree, inspect.getsourcefile(function), 'exec'), namespace)
+    return Dialects(namespace[function.__name__], with_globals(_ARRAY), with_globals(_ANALYTIC))
