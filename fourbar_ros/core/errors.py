@@ -6,11 +6,11 @@ class FourBarError(Exception):
 
 
 class InvalidParameter(FourBarError, ValueError):
-    """A parameter has a value that is not allowed; ``name`` and ``value`` are kept."""
+    """A parameter has a value that is not allowed; ``name``, ``value``, ``allowed`` are kept."""
 
     def __init__(self, name, value, allowed):
-        self.name, self.value = name, value
-        super().__init__(f'{name} = {value!r}: {allowed}')
+        self.name, self.value, self.allowed = name, value, allowed
+        super().__init__(f'{name}: {allowed}' if value is None else f'{name} = {value!r}: {allowed}')
 
 
 class OutOfRange(FourBarError, ValueError):

@@ -1,0 +1,62 @@
+"""
+Every topic and service of the node, once: names, types, quality of service. No ROS is imported here.
+
+Names starting with ``~/`` live below the node's name, the others are relative to its namespace.
+"""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+QUEUE_DEPTH = 10          # reliable, keep last: serves reliable and best-effort readers
+INPUT_DEPTH = 100         # best effort, so that every kind of writer is heard; deep enough for a burst
+
+
+class Topic(NamedTuple):
+    """A topic; ``needs_loads``: only for scenes with masses."""
+
+    name: str
+    topic: str
+    type: str
+    text: str
+    needs_loads: bool = False
+
+
+class Service(NamedTuple):
+    """A service of the node."""
+
+    name: str
+    service: str
+    type: str
+    text: str
+
+
+INPUTS = {topic.name: topic for topic in (
+    Topic('motion', '~/input', 'fourbar_msgs/msg/Motion',
+          'motion of the crank; a timer-driven node publishes its own here'),
+    Topic('joint_state', '~/input_joint_states', 'sensor_msgs/msg/JointState',
+          'the joint named by `drive.joint` is the crank'),
+)}
+
+OUTPUTS = {topic.name: topic for topic in (
+    Topic('state', '~/state', 'fourbar_msgs/msg/LinkageState',
+          'angles, rates and accelerations of all joints, transmission angle, condition'),
+    Topic('output', '~/output', 'fourbar_msgs/msg/Motion',
+          'motion of the output link: the input of a next node'),
+    Topic('joint_states', 'joint_states', 'sensor_msgs/msg/JointState',
+          'the four joints for robot_state_publisher, RViz, Foxglove; effort of the crank: driving torque'),
+    Topic('loads', '~/loads', 'fourbar_msgs/msg/LinkageLoads',
+          'joint reactions, driving torque, shaking force and moment', True),
+    Topic('shaking_wrench', '~/shaking_wrench', 'geometry_msgs/msg/WrenchStamped',
+          'force and moment of the linkage on the ground, about O1, the origin of the frame', True),
+)}
+
+SERVICES = {service.name: service for service in (
+    Service('find_extrema', '~/find_extrema', 'fourbar_msgs/srv/FindExtrema',
+            'all extremes of motion and loads over the input angle'),
+    Service('evaluate', '~/evaluate', 'fourbar_msgs/srv/Evaluate',
+            'state and loads for one input'),
+    Service('start_recording', '~/start_recording', 'fourbar_msgs/srv/StartRecording',
+            'start a bag of the input and of everything published'),
+    Service('stop_recording', '~/stop_recording', 'std_srvs/srv/Trigger',
+            'close the bag; the message is its path'),
+)}

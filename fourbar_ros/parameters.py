@@ -1,0 +1,140 @@
+"""
+The parameters of a scene, once: type, unit, default, allowed values, text. No ROS is imported here.
+
+This table feeds the declaration in the node, the check of scene files, the manual and the tests.
+"""
+from __future__ import annotations
+
+from math import inf, isfinite, isnan, nan
+from typing import Any, NamedTuple
+
+from .core import InvalidParameter
+from .interfaces import INPUTS, OUTPUTS
+
+REQUIRED = object()        # as a default: the scene must give the value
+TYPES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings': list}
+
+
+class Parameter(NamedTuple):
+    """One parameter; ``default`` NaN means "not given", low and high are inclusive unless 0 < is said."""
+
+    name: str
+    type: str
+    default: Any
+    unit: str
+    text: str
+    low: float = -inf
+    high: float = inf
+    positive: bool = False
+    choices: tuple[str, ...] = ()
+
+    def check(self, value):
+        """Return the value in its own type, or raise InvalidParameter saying what is allowed."""
+        kind = TYPES[self.type]
+        if kind is float and isinstance(value, int) and not isinstance(value, bool):
+            value = float(value)
+        if kind is list and isinstance(value, tuple):
+            value = list(value)
+        if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
+            raise InvalidParameter(self.name, value, f'must be a {self.type}')
+        if kind is list:
+            for item in value:
+                if not isinstance(item, str) or (self.choices and item not in self.choices):
+                    raise InvalidParameter(self.name, item, f'must be some of {", ".join(self.choices)}')
+        elif self.choices and value not in self.choices:
+            raise InvalidParameter(self.name, value, f'must be one of {", ".join(self.choices)}')
+        if kind in (float, int):
+            self._check_number(value)
+        return value
+
+    def _check_number(self, value):
+        if isnan(value) and isinstance(self.default, float) and isnan(self.default):
+            return                                             # not given
+        if not isfinite(value):
+            raise InvalidParameter(self.name, value, 'must be a finite number')
+        if self.positive and value <= 0:
+            raise InvalidParameter(self.name, value, 'must be positive')
+        if not self.low <= value <= self.high:
+            raise InvalidParameter(self.name, value, f'must lie in {self.allowed}')
+
+    @property
+    def allowed(self):
+        """Return the allowed values as text."""
+        if self.choices:
+            return ', '.join(self.choices)
+        if self.positive:
+            return '> 0' if self.high == inf else f'(0, {self.high:g}]'
+        if self.low > -inf:
+            return f'>= {self.low:g}' if self.high == inf else f'[{self.low:g}, {self.high:g}]'
+        return ''
+
+
+def _body(link, first_joint):
+    name = f'bodies.{link}.'
+    return (
+        Parameter(name + 'mass', 'double', nan, 'kg', f'mass of the {link}', low=0.0),
+        Parameter(name + 'inertia', 'double', nan, 'kg m^2',
+                  'moment of inertia about the centre of gravity; needed with a mass', low=0.0),
+        Parameter(name + 'cg_along', 'double', nan, 'm',
+                  f'centre of gravity from {first_joint} along the link; not given: half its length'),
+        Parameter(name + 'cg_across', 'double', 0.0, 'm',
+                  'centre of gravity to the left of the link line'),
+    )
+
+
+PARAMETERS = {parameter.name: parameter for parameter in (
+    Parameter('linkage.a1', 'double', REQUIRED, 'm', 'length of the crank O1-A (input)', positive=True),
+    Parameter('linkage.a2', 'double', REQUIRED, 'm', 'length of the coupler A-B', positive=True),
+    Parameter('linkage.a3', 'double', REQUIRED, 'm', 'length of the output link O4-B', positive=True),
+    Parameter('linkage.a4', 'double', REQUIRED, 'm', 'length of the ground O1-O4', positive=True),
+    Parameter('linkage.mode', 'integer', 2, '', 'assembly mode: 1 crossed, 2 open', 1, 2),
+    Parameter('gravity.x', 'double', 0.0, 'm/s^2', 'field of gravity along O1-O4'),
+    Parameter('gravity.y', 'double', 0.0, 'm/s^2', 'field of gravity across O1-O4'),
+    Parameter('bodies.rods.density', 'double', nan, 'kg/m^3',
+              'all three links are uniform round rods of this density', positive=True),
+    Parameter('bodies.rods.radius', 'double', nan, 'm', 'and of this radius', positive=True),
+    *_body('crank', 'O1'),
+    *_body('coupler', 'A'),
+    *_body('output', 'O4'),
+    Parameter('drive.source', 'string', 'timer', '',
+              'what drives the crank: the clock, a Motion message, or a joint of a JointState',
+              choices=('timer', *INPUTS)),
+    Parameter('drive.speed', 'double', 1.0, 'rad/s', 'timer: constant speed of the crank'),
+    Parameter('drive.start', 'double', 0.0, 'rad', 'timer: crank angle at the first sample'),
+    Parameter('drive.rate', 'double', 100.0, 'Hz', 'timer: samples a second', high=5000.0, positive=True),
+    Parameter('drive.joint', 'string', '', '', 'joint_state: name of the joint that is the crank'),
+    Parameter('outputs', 'strings', ['state', 'output', 'joint_states'], '',
+              'what is published, by name; what is not named is not computed', choices=tuple(OUTPUTS)),
+    Parameter('frame_id', 'string', 'fourbar', '', 'frame of all outputs: origin O1, x towards O4'),
+    Parameter('joint_names', 'strings', ['crank', 'coupler', 'coupler_output', 'output'], '',
+              'names in joint_states of the joints at O1, A, B, O4'),
+    Parameter('recording.start', 'bool', False, '', 'record from the first sample on'),
+    Parameter('recording.directory', 'string', 'bags', '', 'where bags go'),
+    Parameter('recording.name', 'string', '', '', 'name of the bag; empty: a fresh one from the clock'),
+)}
+
+
+def check(values):
+    """
+    Return all parameters with defaults filled in, each in its own type.
+
+    Raises
+    ------
+    InvalidParameter
+        For the first unknown, missing or bad one.
+
+    """
+    for name in values:
+        if name not in PARAMETERS:
+            raise InvalidParameter(name, values[name], f'unknown parameter{_nearest(name)}')
+    for parameter in PARAMETERS.values():
+        if parameter.default is REQUIRED and parameter.name not in values:
+            raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
+    return {name: parameter.check(values.get(name, parameter.default))
+            for name, parameter in PARAMETERS.items()}
+
+
+def _nearest(name):
+    from difflib import get_close_matches
+    close = get_close_matches(name, PARAMETERS, 1)
+    return f'; did you mean {close[0]}?' if close else f'; known: {", ".join(PARAMETERS)}'

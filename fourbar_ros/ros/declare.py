@@ -1,0 +1,50 @@
+"""Declare the parameters of the table in a node and read its scene."""
+from __future__ import annotations
+
+from math import inf
+
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, ParameterType
+from rclpy.parameter import Parameter as RosParameter
+
+from .. import scene as scenes
+from ..parameters import PARAMETERS, REQUIRED, TYPES
+
+# Parameters that rclpy itself owns.
+BUILT_IN = ('use_sim_time', 'start_type_description_service', 'qos_overrides.')
+
+_ROS_TYPES = {'double': ParameterType.PARAMETER_DOUBLE, 'integer': ParameterType.PARAMETER_INTEGER,
+              'string': ParameterType.PARAMETER_STRING, 'bool': ParameterType.PARAMETER_BOOL,
+              'strings': ParameterType.PARAMETER_STRING_ARRAY}
+
+
+def scene(node):
+    """
+    Return the Scene of a node that has declared its overrides, every parameter declared as in the table.
+
+    The overrides are read as they came and declared again with type and text: so an unknown name is an
+    error instead of being ignored, and ``3`` is good for a double.
+
+    Raises
+    ------
+    InvalidParameter
+        Naming the parameter, what was given and what is allowed.
+
+    """
+    given = {name: parameter.value for name, parameter in node.get_parameters_by_prefix('').items()
+             if not name.startswith(BUILT_IN)}
+    checked = scenes.from_values(given)
+    for name in given:
+        node.undeclare_parameter(name)
+    for name, value in checked.values.items():
+        node.declare_parameter(name, value, descriptor(PARAMETERS[name]), ignore_override=True)
+    return checked
+
+
+def descriptor(parameter):
+    """Return the ROS descriptor of a parameter of the table."""
+    unit = f' [{parameter.unit}]' if parameter.unit else ''
+    found = ParameterDescriptor(name=parameter.name, type=_ROS_TYPES[parameter.type], read_only=True,
+                                description=parameter.text + unit, additional_constraints=parameter.allowed)
+    if parameter.type == 'integer' and parameter.high < inf:
+        found.integer_range = [IntegerRange(from_value=int(parameter.low), to_value=int(parameter.high))]
+    return found

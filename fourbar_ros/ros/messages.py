@@ -1,0 +1,48 @@
+"""From numbers to messages: each message is made once, filled many times, serialised once."""
+from __future__ import annotations
+
+from importlib import import_module
+
+from .. import records
+
+
+def resolve(type_name):
+    """Return the class of 'package/msg/Name' (or srv)."""
+    package, kind, name = type_name.split('/')
+    try:
+        return getattr(import_module(f'{package}.{kind}'), name)
+    except ModuleNotFoundError:
+        if package != 'fourbar_msgs':
+            raise
+        raise ModuleNotFoundError('fourbar_msgs is not built: colcon needs both folders, '
+                                  'colcon build --base-paths . msg_defs') from None
+
+
+def filler(output, message):
+    """
+    Return the function (stamp, status, mode, values) that fills ``message``.
+
+    ``values`` is (*Motion, *Loads) of floats. Targets are looked up here, not per message.
+    """
+    plan, arrays = [], []
+    for field, source in records.FIELDS[output].items():
+        *path, attribute = field.split('.')
+        target = message
+        for step in path:
+            target = getattr(target, step)
+        if isinstance(source, tuple):
+            arrays.append((target, attribute, [None if s is None else records.PLACE[s] for s in source]))
+        else:
+            plan.append((target, attribute, records.PLACE[source]))
+    has_status = hasattr(message, 'status')
+
+    def fill(stamp, status, mode, values):
+        message.header.stamp = stamp
+        if has_status:
+            message.status, message.mode = status, mode
+        for target, attribute, place in plan:
+            setattr(target, attribute, values[place])
+        for target, attribute, places in arrays:
+            setattr(target, attribute, [records.PASSIVE_EFFORT if place is None else values[place]
+                                        for place in places])
+    return fill

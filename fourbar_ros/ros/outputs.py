@@ -1,0 +1,35 @@
+"""Publishers that serialise a message once, for the wire and for the bag."""
+from __future__ import annotations
+
+from rclpy.serialization import serialize_message
+
+from .. import interfaces
+from .messages import filler, resolve
+
+
+class Output:
+    """One published topic."""
+
+    def __init__(self, node, topic, scene, channel):
+        self.name, self.channel = topic.name, channel
+        self.needs_loads = topic.needs_loads or (topic.name == 'joint_states' and scene.needs_loads)
+        message_type = resolve(topic.type)
+        self._message = message_type()
+        self._message.header.frame_id = scene.frame_id
+        if topic.name == 'joint_states':
+            self._message.name = list(scene.joint_names)
+        self._fill = filler(topic.name, self._message)
+        self._publisher = node.create_publisher(message_type, topic.topic, interfaces.QUEUE_DEPTH)
+
+    @property
+    def is_heard(self):
+        """Return whether anybody listens."""
+        return self._publisher.get_subscription_count() > 0
+
+    def send(self, stamp, status, mode, values, recorder):
+        """Fill, serialise, publish, record."""
+        self._fill(stamp, status, mode, values)
+        data = serialize_message(self._message)
+        self._publisher.publish(data)
+        if recorder:
+            recorder.write(self.channel, data)

@@ -1,0 +1,115 @@
+"""The services of the node: extremes, one evaluation, recording. Errors are answers, never exceptions."""
+from __future__ import annotations
+
+from math import isfinite
+
+from .. import interfaces
+from ..core import FourBarError, OutOfRange
+from ..core.quantities import UnknownQuantity, select
+from ..core.status import INVALID_INPUT, OK, OUT_OF_RANGE, TOGGLE, evaluate
+from .messages import filler, resolve
+
+
+def create(node):
+    """Create all services of a node and return them."""
+    handlers = {'find_extrema': find_extrema, 'evaluate': evaluate_one,
+                'start_recording': start_recording, 'stop_recording': stop_recording}
+
+    def serve(service, handler):
+        def answer(request, response):
+            return handler(node, request, response)
+        return node.create_service(resolve(service.type), service.service, answer)
+    return [serve(service, handlers[service.name]) for service in interfaces.SERVICES.values()]
+
+
+def find_extrema(node, request, response):
+    """Answer FindExtrema."""
+    from ..core.extrema import find_extrema as search     # not needed by a node that only streams
+
+    drive = node.scene.drive
+    omega1 = request.omega1 or (drive.speed if drive.source == 'timer' else 0.0)
+    modes = {request.MODE_OF_SCENE: (node.linkage.mode,), request.MODE_CROSSED: (1,),
+             request.MODE_OPEN: (2,), request.MODE_BOTH: (1, 2)}.get(request.mode)
+    try:
+        if modes is None:
+            raise _BadRequest(f'mode = {request.mode}: must be 0 (of the scene), 1, 2 or 3 (both)')
+        if not isfinite(omega1) or omega1 == 0.0:
+            raise _BadRequest(f'omega1 = {omega1!r}: must be a finite speed, not zero '
+                              '(zero stands for the speed of the timer drive, if there is one)')
+        quantities = select(request.quantities, node.linkage.bodies is not None)
+        missing = [q.name for q in quantities if q.is_load and node.linkage.bodies is None]
+        if missing:
+            raise _BadRequest(f'{missing[0]}: the scene has no masses')
+        names = [quantity.name for quantity in quantities]
+        found = [extremum for mode in modes
+                 for extremum in search(node.linkage.in_mode(mode), names, omega1)]
+        found.sort(key=lambda extremum: (names.index(extremum.quantity), extremum.mode))
+        response.extrema = [_extremum_message(extremum) for extremum in found]
+        response.result = response.RESULT_OK
+    except UnknownQuantity as error:
+        response.result, response.message = response.RESULT_UNKNOWN_QUANTITY, str(error)
+    except _BadRequest as error:
+        response.result, response.message = response.RESULT_INVALID_REQUEST, str(error)
+    except FourBarError as error:
+        response.result, response.message = response.RESULT_UNSUPPORTED, str(error)
+    return response
+
+
+def _extremum_message(extremum):
+    message = resolve('fourbar_msgs/msg/Extremum')()
+    message.quantity, message.unit, message.mode = extremum.quantity, extremum.unit, extremum.mode
+    message.kind = {'minimum': message.KIND_MINIMUM, 'maximum': message.KIND_MAXIMUM}[extremum.kind]
+    message.theta1, message.value = float(extremum.theta1), float(extremum.value)
+    message.is_global = bool(extremum.is_global)
+    return message
+
+
+class _BadRequest(FourBarError):
+    pass
+
+
+def evaluate_one(node, request, response):
+    """Answer Evaluate."""
+    if request.mode not in (0, 1, 2):
+        response.result = response.RESULT_INVALID_REQUEST
+        response.message = f'mode = {request.mode}: must be 0 (of the scene), 1 or 2'
+        return response
+    linkage = node.linkage.in_mode(request.mode or node.linkage.mode)
+    response.has_loads = linkage.bodies is not None
+    status, motion, loads = evaluate(linkage, request.theta1, request.omega1, request.alpha1,
+                                     response.has_loads)
+    stamp = node.get_clock().now().to_msg()
+    for output in ('state', 'loads'):
+        message = getattr(response, output)
+        message.header.frame_id = node.scene.frame_id
+        filler(output, message)(stamp, status, linkage.mode, (*motion, *loads))
+    response.result = {OK: response.RESULT_OK, OUT_OF_RANGE: response.RESULT_OUT_OF_RANGE,
+                       INVALID_INPUT: response.RESULT_INVALID_REQUEST, TOGGLE: response.RESULT_TOGGLE}[status]
+    if status == OUT_OF_RANGE:
+        response.message = str(OutOfRange(request.theta1, linkage.input_ranges))
+    elif status == INVALID_INPUT:
+        response.message = 'theta1, omega1, alpha1 must be finite, and so must the result'
+    elif status == TOGGLE:
+        response.message = 'toggle position: rates and loads are unbounded'
+    return response
+
+
+def start_recording(node, request, response):
+    """Answer StartRecording."""
+    try:
+        response.path = str(node.start_recording(request.name))
+        response.success = True
+    except FourBarError as error:
+        response.message = str(error)
+    return response
+
+
+def stop_recording(node, _, response):
+    """Answer Trigger: the message is the path of the bag, or why there is none."""
+    try:
+        path = node.stop_recording()
+        response.success = path is not None
+        response.message = str(path or 'not recording')
+    except FourBarError as error:
+        response.message = str(error)
+    return response
