@@ -12,10 +12,11 @@ setup(
         ('share/ament_index/resource_index/packages', ['resource/' + package_name]),
         ('share/' + package_name, ['package.xml']),
         ('share/' + package_name + '/config', glob('config/*.yaml')),
+        ('share/' + package_name + '/config/published', glob('config/published/*.yaml')),
         ('share/' + package_name + '/launch', glob('launch/*.launch.py')),
     ],
     python_requires='>=3.10',
-    install_requires=['setuptools', 'numpy>=1.26', 'pyyaml>=6'],
+    install_requires=['setuptools', 'numpy>=1.26', 'pyyaml>=6', 'rich>=13'],
     extras_require={
         'bag': ['mcap>=1.5,<2', 'mcap-ros2-support>=0.6,<1'],
         'test': ['pytest<9', 'mpmath', 'rosbags'],

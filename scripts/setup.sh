@@ -224,9 +224,11 @@ if [ "$ros" = wheels ]; then
   run_files=(requirements/ros.txt requirements/python.txt)
   text='ROS 2 Jazzy and Python packages'
 fi
-install pip "$text into .venv" "${run_files[@]}"
 if [ "${1:-}" = test ]; then
-  install pip-test 'test packages into .venv' "${run_files[@]}" requirements/test.txt
+  install pip-test "$text, test packages into .venv" "${run_files[@]}" requirements/test.txt
+  hash_of "${run_files[@]}" >"$stamps/pip"
+else
+  install pip "$text into .venv" "${run_files[@]}"
 fi
 
 # ---- the two packages

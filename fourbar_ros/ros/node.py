@@ -8,6 +8,7 @@ import threading
 
 import rclpy
 from rclpy.experimental import EventsExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
@@ -18,6 +19,7 @@ from . import declare, services
 from .drives import SimulatedTimerDrive, TimerDrive, TopicDrive
 from .outputs import Output
 
+RCLError = rclpy_implementation.RCLError     # a scene file that rcl cannot parse, among others
 SPIN = 0.2      # [s] the events executor must be given a finite time: endless, it can hang (see docs/node.md)
 
 
@@ -105,11 +107,11 @@ def main(args=None):
     stop = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stop.set())
-    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     try:
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         node = FourBarNode()
-    except FourBarError as error:
-        print(f'fourbar_node: {error}', file=sys.stderr)
+    except (FourBarError, RCLError) as error:
+        print(f'fourbar_node: {" ".join(str(error).split())}', file=sys.stderr)
         rclpy.try_shutdown()
         return 2
     executor = EventsExecutor()

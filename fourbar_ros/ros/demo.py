@@ -1,0 +1,246 @@
+"""fourbar_demo: a scene through a real node: live table, extremes by service, bag, bag recomputed."""
+from __future__ import annotations
+
+import argparse
+import signal
+import subprocess
+import sys
+import time
+from math import degrees, isfinite
+from pathlib import Path
+
+import rclpy
+import yaml
+from rclpy.experimental import EventsExecutor
+from rich.console import Console
+from rich.live import Live
+from rich.table import Table
+
+from .. import interfaces
+from .. import scene as scenes
+from ..bag.recompute import recompute
+from ..core import FourBarError
+from ..core.status import STATUS_NAMES
+from ..show import MODE_NAMES, what_it_is
+from .drives import to_stamp
+from .messages import resolve
+
+NODE = '/fourbar'
+PATIENCE = 20.0        # [s] for the node to be found and to answer
+REFRESH = 8            # live tables a second
+
+
+class DemoError(FourBarError):
+    """The demonstration could not go on; the message says at what."""
+
+
+class Client:
+    """The other side of the wire: a node of its own that listens, drives and asks."""
+
+    def __init__(self, scene):
+        rclpy.init()
+        self.scene = scene
+        self.node = rclpy.create_node('fourbar_demo')
+        self.executor = EventsExecutor()
+        self.executor.add_node(self.node)
+        self.latest, self.received = {}, {}
+        for name in scene.outputs:
+            topic = interfaces.OUTPUTS[name]
+            self.node.create_subscription(resolve(topic.type), topic.topic.replace('~', NODE),
+                                          lambda message, name=name: self._take(name, message), 100)
+        self.input = None
+        if scene.drive.source != 'timer':
+            topic = interfaces.INPUTS[scene.drive.source]
+            self.input = self.node.create_publisher(resolve(topic.type), topic.topic.replace('~', NODE), 10)
+
+    def _take(self, name, message):
+        self.latest[name] = message
+        self.received[name] = self.received.get(name, 0) + 1
+
+    def spin(self, seconds):
+        """Handle what comes in during some seconds."""
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0.0:
+            self.executor.spin_once(timeout_sec=left)
+
+    def drive(self, seconds):
+        """Send one input of a crank at the scene's constant speed, ``seconds`` after its start."""
+        if not self.input:
+            return
+        drive = self.scene.drive
+        message = resolve(interfaces.INPUTS[drive.source].type)()
+        message.header.stamp = to_stamp(self.node.get_clock().now().nanoseconds)
+        angle = drive.start + drive.speed * seconds
+        if drive.source == 'joint_state':
+            message.name, message.position, message.velocity = [drive.joint], [angle], [drive.speed]
+        else:
+            message.position, message.velocity = angle, drive.speed
+        self.input.publish(message)
+
+    def ask(self, service_name, /, **request):
+        """Return the answer of a service."""
+        service = interfaces.SERVICES[service_name]
+        kind = resolve(service.type)
+        client = self.node.create_client(kind, service.service.replace('~', NODE))
+        future = None
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            if future is None and client.service_is_ready():
+                future = client.call_async(kind.Request(**request))
+            if future is not None and future.done():
+                return future.result()
+            self.executor.spin_once(timeout_sec=0.02)
+        raise DemoError(f'no answer from {service.service.replace("~", NODE)} in {PATIENCE:g} s')
+
+    def close(self):
+        """Leave the graph."""
+        self.executor.shutdown()
+        self.node.destroy_node()
+        rclpy.try_shutdown()
+
+
+def live_table(client, seconds):
+    """Return the table of the newest messages."""
+    table = Table(title=f'{NODE} at {seconds:4.1f} s', title_justify='left')
+    for name, justify in (('', 'left'), ('value', 'right'), ('unit', 'left')):
+        table.add_column(name, justify=justify, min_width=14)
+    state, loads = client.latest.get('state'), client.latest.get('loads')
+    if state:
+        table.add_row('status', STATUS_NAMES[state.status], '')
+        for name in ('theta1', 'theta4'):
+            table.add_row(name, f'{degrees(getattr(state, name)) % 360.0 if isfinite(getattr(state, name)) else float("nan"):.3f}', 'deg')
+        table.add_row('omega4', f'{state.omega4:.4f}', 'rad/s')
+        table.add_row('alpha4', f'{state.alpha4:.3f}', 'rad/s^2')
+        table.add_row('transmission angle', f'{degrees(state.transmission_angle):.2f}', 'deg')
+    if loads:
+        for name, unit in (('f41', 'N'), ('f21', 'N'), ('f32', 'N'), ('f43', 'N'), ('driving_torque', 'N m'),
+                           ('shaking_force', 'N'), ('shaking_moment', 'N m')):
+            table.add_row(name, f'{getattr(loads, name):.3f}', unit)
+    for name, count in client.received.items():
+        table.add_row(f'received {name}', str(count), 'messages')
+    return table
+
+
+def watch(client, node, seconds, console):
+    """Show the stream for some seconds; raises DemoError if nothing comes or the node ends."""
+    began = first = time.monotonic()
+    with Live(console=console, refresh_per_second=REFRESH, transient=False) as live:
+        while time.monotonic() - first < seconds:
+            if node.poll() is not None:
+                raise DemoError(f'the node ended with exit code {node.returncode}')
+            if not client.received:
+                first = time.monotonic()
+                if first - began > PATIENCE:
+                    raise DemoError(f'no message from {NODE} in {PATIENCE:g} s')
+            client.drive(time.monotonic() - first)
+            client.spin(0.01 if client.input else 1.0 / REFRESH)
+            live.update(live_table(client, time.monotonic() - first))
+
+
+def published_for(path):
+    """Return what is printed elsewhere for a scene file: entries of published/NAME beside it."""
+    file = Path(path).parent / 'published' / Path(path).name
+    return yaml.safe_load(file.read_text()) if file.exists() else []
+
+
+def compare_extremes(client, published, console):
+    """Ask for all extremes; print them, and what was published beside them."""
+    scene = client.scene
+    speed = scene.drive.speed
+    answer = client.ask('find_extrema', mode=3 if not published else 0, omega1=speed)
+    if answer.result != answer.RESULT_OK:
+        console.print(f'find_extrema: {answer.message}')
+        return
+    table = Table(title=f'global extremes at {speed:g} rad/s, asked over {NODE}/find_extrema', title_justify='left')
+    for name, justify in (('quantity', 'left'), ('mode', 'left'), ('value', 'right'), ('theta1 [rad]', 'right'),
+                          ('unit', 'left'), ('published', 'right'), ('at', 'right')):
+        table.add_column(name, justify=justify)
+    notes = []
+    kinds = {answer.extrema[0].KIND_MINIMUM: 'minimum', answer.extrema[0].KIND_MAXIMUM: 'maximum'} if answer.extrema else {}
+    for extremum in answer.extrema:
+        if not extremum.is_global:
+            continue
+        kind = kinds.get(extremum.kind)
+        printed = next((p for p in published if p.get('quantity') == extremum.quantity and p.get('kind') == kind), None)
+        mark = ''
+        if printed and printed.get('note'):
+            notes.append(f'({len(notes) + 1}) {printed["source"]}: {printed["note"]}')
+            mark = f' ({len(notes)})'
+        table.add_row(f'{extremum.quantity} {kind}', MODE_NAMES[extremum.mode], f'{extremum.value:.10g}',
+                      f'{extremum.theta1:.9f}', extremum.unit,
+                      f'{printed["value"]:.10g}{mark}' if printed else '', f'{printed["theta1"]:.10g}' if printed else '')
+    console.print(table)
+    for note in notes:
+        console.print(note)
+
+
+def compare_poses(client, published, console):
+    """Evaluate the published poses; print theirs beside ours."""
+    for entry in published:
+        if 'at' not in entry:
+            continue
+        answer = client.ask('evaluate', mode=entry['mode'], **entry['at'])
+        table = Table(title=f'{entry["source"]}, mode {MODE_NAMES[entry["mode"]]}, by {NODE}/evaluate',
+                      title_justify='left')
+        for name in ('', 'ours', 'published'):
+            table.add_column(name, justify='right' if name else 'left')
+        for name, value in entry['values'].items():
+            ours = getattr(answer.state, name.removesuffix('_deg'))
+            table.add_row(name, f'{degrees(ours) if name.endswith("_deg") else ours:.6f}', f'{value:g}')
+        console.print(table)
+
+
+def check_bag(path, console):
+    """Open a bag again, compute every value from its input; returns whether nothing differs."""
+    found = recompute(path)
+    messages = {difference.topic: difference.messages for difference in found}
+    worst = max((difference.largest for difference in found), default=0.0)
+    console.print(f'bag reopened: {sum(messages.values())} outputs on {len(messages)} topics recomputed from '
+                  f'their recorded input, {len(found)} fields, largest difference {worst:g}')
+    return bool(messages) and worst == 0.0
+
+
+def run(path, seconds, directory, console):
+    """Run the whole demonstration; returns whether all of it was right."""
+    scene = scenes.load(path)
+    published = published_for(path)
+    console.print(what_it_is(scene.linkage, path))
+    name = f'{Path(path).stem}_{time.strftime("%Y_%m_%d-%H_%M_%S")}'
+    node = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node', '--ros-args',
+                             '--params-file', str(path), '-p', 'recording.start:=true',
+                             '-p', f'recording.directory:={directory}', '-p', f'recording.name:={name}'])
+    client = Client(scene)
+    try:
+        watch(client, node, seconds, console)
+        compare_poses(client, published, console)
+        compare_extremes(client, [p for p in published if 'quantity' in p], console)
+    finally:
+        client.close()
+        node.send_signal(signal.SIGTERM)
+        code = node.wait()
+    console.print(f'node stopped by SIGTERM, exit code {code}')
+    bag = Path(directory) / name
+    good = check_bag(bag, console)
+    console.print(f'bag: {bag}   ({bag / (name + "_0.mcap")}: Foxglove, PlotJuggler)')
+    return good and code == 0
+
+
+def main(args=None):
+    """Parse arguments and run; exit code 0 only if the node and its bag were right."""
+    parser = argparse.ArgumentParser(prog='fourbar_demo', description=__doc__)
+    parser.add_argument('scene', help='parameter file of the scene (YAML)')
+    parser.add_argument('--seconds', type=float, default=5.0, help='how long to stream (default 5)')
+    parser.add_argument('--directory', default='bags', help='where the bag goes (default bags)')
+    arguments = parser.parse_args(args)
+    try:
+        good = run(arguments.scene, arguments.seconds, arguments.directory, Console(highlight=False))
+    except FourBarError as error:
+        print(f'fourbar_demo: {error}', file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 130
+    return 0 if good else 1
+
+
+if __name__ == '__main__':
+    sys.exit(main())

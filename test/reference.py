@@ -1,0 +1,142 @@
+"""
+Reference for the tests: many digits and another formulation.
+
+Positions from coordinates (intersection of two circles on the diagonal A-O4), rates and accelerations
+from the differentiated loop, loads from the free bodies: nothing here is shared with the package. The
+working precision leaves fifty digits after the cancellations of the worst case of the tests.
+"""
+from typing import NamedTuple
+
+import mpmath as mp
+import numpy as np
+
+EPS = float(np.finfo(float).eps)
+DIGITS = 120
+RELATIVE_STEP = mp.mpf(10)**-45     # of the difference quotients of :func:`condition`
+mp.mp.dps = DIGITS
+
+
+class Pose(NamedTuple):
+    """Output and coupler angle and their derivatives by theta1."""
+
+    y: mp.mpf
+    b: mp.mpf
+    dy: mp.mpf
+    db: mp.mpf
+    ddy: mp.mpf
+    ddb: mp.mpf
+
+
+class FreeBody(NamedTuple):
+    """What moves one link: the sum of its joint forces, their moment about its CG; its CG and end."""
+
+    force: mp.mpc
+    moment: mp.mpf
+    centre: mp.mpc           # from the first joint: O1, A, O4
+    end: mp.mpc              # second joint from the first
+    acceleration: mp.mpc     # of the centre of gravity
+
+
+def cross(r, f):
+    return r.real * f.imag - r.imag * f.real
+
+
+def pose(lengths, sign, x):
+    """Return the :class:`Pose` for theta1 = x, or None where the linkage cannot close or is at a toggle."""
+    a1, a2, a3, a4 = map(mp.mpf, lengths)
+    crank = a1 * mp.expj(x)
+    diagonal = a4 - crank
+    q = diagonal.real**2 + diagonal.imag**2
+    along = (q + a2**2 - a3**2) / (2 * q)
+    square = a2**2 / q - along**2
+    if square <= 0:
+        return None
+    coupler = diagonal * mp.mpc(along, sign * mp.sqrt(square))
+    output = coupler - diagonal
+    area = cross(coupler, output)
+
+    def rates(right):
+        """Solve coupler b' - output y' = right."""
+        return cross(right, output) / area, cross(right, coupler) / area
+
+    db, dy = rates(-crank)
+    ddb, ddy = rates(-1j * (crank + coupler * db**2 - output * dy**2))
+    return Pose(mp.arg(output), mp.arg(coupler), dy, db, ddy, ddb)
+
+
+def free_bodies(lengths, place, x, omega, alpha, bodies, applied, gravity):
+    """
+    Return three :class:`FreeBody`: crank, coupler, output link.
+
+    ``bodies``: three of (mass, along, across, inertia); ``applied``: two of (force_x, force_y, along,
+    across, couple) on coupler and output link; ``gravity``: (x, y). All of it numbers for mpmath.
+    """
+    angles = (x, place.b, place.y)
+    rates = (omega, place.db * omega, place.dy * omega)
+    second = (alpha, place.db * alpha + place.ddb * omega**2, place.dy * alpha + place.ddy * omega**2)
+    of_a, links = 0, []
+    for i, (mass, along, across, inertia) in enumerate(bodies):
+        force_x, force_y, at_along, at_across, couple = applied[i - 1] if i else (0,) * 5
+        turn, spin = mp.expj(angles[i]), mp.mpc(-rates[i]**2, second[i])
+        centre, end = turn * mp.mpc(along, across), turn * lengths[i]
+        acceleration = spin * centre + (of_a if i == 1 else 0)
+        if i == 0:
+            of_a = spin * end
+        push = mp.mpc(force_x, force_y)
+        links.append(FreeBody(mass * (acceleration - mp.mpc(*gravity)) - push,
+                              inertia * second[i] - couple
+                              - cross(turn * mp.mpc(at_along, at_across) - centre, push),
+                              centre, end, acceleration))
+    return links
+
+
+def nine_by_nine(links):
+    """Return (F41, F21, F32, F43, T41) from the paper's Eq. (9)."""
+    matrix, right = mp.zeros(9, 9), mp.zeros(9, 1)
+    for i, link in enumerate(links):
+        arms = [-link.centre, link.end - link.centre]
+        if i == 2:
+            arms.reverse()     # F32 acts at the end of the output link, F43 at its origin O4
+        for column, sign, arm in zip((2 * i, 2 * i + 2), (1 if i == 0 else -1, 1), arms):
+            matrix[3 * i, column] = matrix[3 * i + 1, column + 1] = sign
+            matrix[3 * i + 2, column] = -sign * arm.imag
+            matrix[3 * i + 2, column + 1] = sign * arm.real
+        right[3 * i], right[3 * i + 1], right[3 * i + 2] = link.force.real, link.force.imag, link.moment
+    matrix[2, 8] = 1
+    f = mp.lu_solve(matrix, right)
+    return tuple(mp.mpc(f[2 * i], f[2 * i + 1]) for i in range(4)) + (f[8],)
+
+
+def reactions(links):
+    """Return the same as :func:`nine_by_nine` twenty times faster: F32 by Cramer, then the rest."""
+    crank, coupler, output = links
+    p, q = coupler.end, output.end
+    about_a = coupler.moment + cross(coupler.centre, coupler.force)     # = p x F32
+    about_o4 = output.moment + cross(output.centre, output.force)       # = -q x F32
+    f32 = (about_a * q + about_o4 * p) / cross(p, q)
+    f21 = f32 - coupler.force
+    torque = crank.moment + cross(crank.centre, crank.force) - cross(crank.end, f21)
+    return crank.force - f21, f21, f32, output.force + f32, torque
+
+
+def condition(function, values):
+    """
+    Return f and its first-order condition: the sum of |v df/dv| over the values, per output of f.
+
+    Times eps it is what an exact f would move by if each value were rounded once. For a force (mpc)
+    the modulus is taken, so that it is the condition of the vector.
+    """
+    base = function(values)
+    total = [mp.mpf(0)] * len(base)
+    for i, value in enumerate(values):
+        if value:
+            moved = list(values)
+            moved[i] = value * (1 + RELATIVE_STEP)
+            total = [t + abs(f - g) for t, f, g in zip(total, function(moved), base)]
+    return base, [t / RELATIVE_STEP for t in total]
+
+
+def random_lengths(rng, count):
+    """Return an array (count, 4) of lengths in [0.1, 1] that close, of all classes [m]."""
+    lengths = rng.uniform(0.1, 1.0, (4 * count, 4))
+    return lengths[2 * lengths.max(1) < lengths.sum(1)][:count]

@@ -1,0 +1,28 @@
+"""Fixtures of the ROS tests: a client, and nodes that must end well."""
+import pytest
+
+from harness import Client, NodeProcess
+
+
+@pytest.fixture
+def client():
+    """Return a Client, closed afterwards."""
+    made = Client()
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def run_node(tmp_path):
+    """Return the function that starts a NodeProcess; all are stopped afterwards and must exit with 0."""
+    started = []
+
+    def run(parameters, **kwargs):
+        started.append(NodeProcess(parameters, tmp_path, **kwargs))
+        return started[-1]
+    yield run
+    for node in started:
+        running = node.process.poll() is None
+        code = node.stop()
+        if running:
+            assert code == 0, node.said

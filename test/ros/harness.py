@@ -1,0 +1,120 @@
+"""A real node in a process of its own and a real client beside it."""
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import rclpy
+from rclpy.experimental import EventsExecutor
+from rclpy.qos import QoSProfile
+
+from fourbar_ros import interfaces
+from fourbar_ros.ros.messages import resolve
+
+PATIENCE = 30.0       # [s] discovery takes 0.3 s mostly and 4 s sometimes; a slow machine more
+ALL_OUTPUTS = list(interfaces.OUTPUTS)
+
+
+class NodeProcess:
+    """fourbar_node with these parameters; what it says is kept in ``said``."""
+
+    def __init__(self, parameters, tmp_path, name='fourbar', remaps=()):
+        self.name = name
+        file = tmp_path / f'{name}.yaml'
+        file.write_text(json.dumps({'/**': {'ros__parameters': parameters}}))    # JSON is YAML
+        remap = [part for rule in (f'__node:={name}', *remaps) for part in ('-r', rule)]
+        self.process = subprocess.Popen(
+            [sys.executable, '-m', 'fourbar_ros.ros.node', '--ros-args', '--params-file', str(file), *remap],
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=tmp_path, env=os.environ)
+        self.said = ''
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self):
+        for line in self.process.stdout:
+            self.said += line
+
+    def wait(self):
+        """Wait for its end and return the exit code."""
+        code = self.process.wait(PATIENCE)
+        self._reader.join(PATIENCE)
+        return code
+
+    def stop(self, number=signal.SIGTERM):
+        """Signal it and return the exit code."""
+        if self.process.poll() is None:
+            self.process.send_signal(number)
+        return self.wait()
+
+
+class Client:
+    """Listens, drives and asks, over real DDS."""
+
+    def __init__(self):
+        rclpy.init()
+        self.node = rclpy.create_node('tester')
+        self.executor = EventsExecutor()
+        self.executor.add_node(self.node)
+        self.received = {}
+
+    def until(self, condition, what, patience=PATIENCE):
+        """Handle messages until the condition holds; fail after ``patience``."""
+        end = time.monotonic() + patience
+        while not condition():
+            assert time.monotonic() < end, f'not in {patience:g} s: {what}'
+            self.executor.spin_once(timeout_sec=0.05)
+
+    def listen(self, names=ALL_OUTPUTS, node='fourbar', depth=1000):
+        """Collect all messages of these topics in ``received``."""
+        topics = {**interfaces.OUTPUTS, 'input': interfaces.INPUTS['motion']}
+        for name in names:
+            inbox = self.received.setdefault(name, [])
+            self.node.create_subscription(resolve(topics[name].type), self.topic(topics[name], node),
+                                          inbox.append, QoSProfile(depth=depth))
+
+    @staticmethod
+    def topic(spec, node='fourbar'):
+        """Return the absolute name of a topic or service of a node."""
+        name = spec.service if hasattr(spec, 'service') else spec.topic
+        return name.replace('~', f'/{node}')
+
+    def publisher(self, source='motion', node='fourbar'):
+        """Return a publisher on the input topic."""
+        topic = interfaces.INPUTS[source]
+        return self.node.create_publisher(resolve(topic.type), self.topic(topic, node), 100)
+
+    def handshake(self, send, inbox='state'):
+        """Send until an answer comes on every listened topic, then forget the answers."""
+        end = time.monotonic() + PATIENCE
+        while not all(self.received.values()):
+            assert time.monotonic() < end, f'no answer: {({k: len(v) for k, v in self.received.items()})}'
+            send()
+            self.executor.spin_once(timeout_sec=0.05)
+        quiet = time.monotonic()
+        count = -1
+        while time.monotonic() - quiet < 0.3:          # until nothing of the handshake is under way
+            if (now := sum(map(len, self.received.values()))) != count:
+                count, quiet = now, time.monotonic()
+            self.executor.spin_once(timeout_sec=0.05)
+        for messages in self.received.values():
+            messages.clear()
+
+    def call(self, service_name, /, node='fourbar', **request):
+        """Return the answer of a service."""
+        service = interfaces.SERVICES[service_name]
+        kind = resolve(service.type)
+        client = self.node.create_client(kind, self.topic(service, node))
+        self.until(client.service_is_ready, f'service {service_name}')
+        future = client.call_async(kind.Request(**request))
+        self.until(future.done, f'answer of {service_name}')
+        self.node.destroy_client(client)
+        return future.result()
+
+    def close(self):
+        """Leave the graph."""
+        self.executor.shutdown()
+        self.node.destroy_node()
+        rclpy.try_shutdown()

@@ -1,0 +1,151 @@
+"""A bag of a real run: read back by independent readers, recomputed without a difference."""
+import math
+import signal
+
+import pytest
+import yaml
+from mcap.reader import make_reader
+from rosbags.highlevel import AnyReader
+from rosbags.rosbag2 import Reader
+from rosbags.typesys import Stores, get_typestore, get_types_from_msg
+
+from fourbar_ros.bag.reader import records
+from fourbar_ros.bag.recompute import recompute
+from harness import ALL_OUTPUTS
+from scenes import PAPER, RODS
+
+
+@pytest.fixture
+def bag(run_node, client, tmp_path):
+    """Return (directory of a bag, messages heard while it was written)."""
+    node = run_node({**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 200.0, 'outputs': ALL_OUTPUTS,
+                     'recording.directory': str(tmp_path / 'deep/bags')})
+    client.listen()
+    client.until(lambda: all(client.received.values()), 'the stream')
+    answer = client.call('start_recording', name='run')
+    assert answer.success and answer.path == str(tmp_path / 'deep/bags/run')
+    count = len(client.received['state'])
+    client.until(lambda: len(client.received['state']) > count + 100, '100 more samples')
+    answer = client.call('stop_recording')
+    assert answer.success and answer.message == str(tmp_path / 'deep/bags/run')
+    assert node.stop(signal.SIGINT) == 0
+    return tmp_path / 'deep/bags/run', client.received
+
+
+def plain(message, skip=('__msgtype__',)):
+    """Return a message of any library as nested plain values, NaN as text so that it equals itself."""
+    if hasattr(message, 'get_fields_and_field_types'):
+        return {name: plain(getattr(message, name)) for name in message.get_fields_and_field_types()}
+    if hasattr(message, '__dataclass_fields__'):
+        return {name: plain(getattr(message, name)) for name in message.__dataclass_fields__
+                if name not in skip and not name.isupper()}
+    if hasattr(message, '__slots__') and not isinstance(message, (str, bytes)):
+        return {name.lstrip('_'): plain(getattr(message, name)) for name in message.__slots__}
+    if hasattr(message, '__len__') and not isinstance(message, str):
+        return [plain(item) for item in message]
+    return 'NaN' if isinstance(message, float) and math.isnan(message) else message
+
+
+def test_rosbags_reads_the_directory_and_every_value_is_what_was_heard(bag):
+    path, heard = bag
+    by_stamp = {(name, m.header.stamp.sec, m.header.stamp.nanosec): plain(m)
+                for name, messages in heard.items() for m in messages}
+    compared = dict.fromkeys(heard, 0)
+    for source in (path, path / 'run_0.mcap'):
+        with AnyReader([source], default_typestore=None) as reader:
+            topics = {connection.topic: connection for connection in reader.connections}
+            assert set(topics) == {'/fourbar/input', '/joint_states', '/fourbar/state', '/fourbar/output',
+                                   '/fourbar/loads', '/fourbar/shaking_wrench'}
+            for connection, _, data in reader.messages():
+                name = connection.topic.rsplit('/', 1)[-1]
+                message = reader.deserialize(data, connection.msgtype)
+                stamp = message.header.stamp
+                if (key := (name, stamp.sec, stamp.nanosec)) in by_stamp:
+                    assert plain(message) == by_stamp[key]
+                    compared[name] += 1
+    assert min(compared.values()) >= 150
+
+
+def test_the_file_is_what_the_mcap_library_and_rosbag2_expect(bag):
+    path, _ = bag
+    with open(path / 'run_0.mcap', 'rb') as file:
+        reader = make_reader(file, validate_crcs=True)
+        summary = reader.get_summary()
+        assert reader.get_header().profile == 'ros2'
+        counts = {summary.channels[i].topic: n for i, n in summary.statistics.channel_message_counts.items()}
+        times, sequences = [], {}
+        for _, channel, message in reader.iter_messages(log_time_order=False):
+            times.append(message.log_time)
+            assert message.sequence == sequences.get(channel.topic, 0)          # no gap
+            sequences[channel.topic] = message.sequence + 1
+    assert counts == sequences and len(set(counts.values())) == 1 and min(counts.values()) >= 100
+    assert times == sorted(times)
+    for channel in summary.channels.values():
+        qos, = yaml.safe_load(channel.metadata['offered_qos_profiles'])
+        assert (qos['history'], qos['reliability'], qos['durability']) == ('keep_last', 'reliable', 'volatile')
+        assert channel.metadata['topic_type_hash'].startswith('RIHS01_') and channel.message_encoding == 'cdr'
+    about = yaml.safe_load((path / 'metadata.yaml').read_text())['rosbag2_bagfile_information']
+    assert (about['version'], about['storage_identifier']) == (9, 'mcap')
+    assert about['message_count'] == sum(counts.values()) == summary.statistics.message_count
+    assert about['starting_time']['nanoseconds_since_epoch'] == min(times)
+    assert about['duration']['nanoseconds'] == max(times) - min(times)
+    with Reader(path) as strict:
+        assert strict.message_count == sum(counts.values())
+
+
+def test_schemas_and_hashes_are_those_an_independent_parser_computes(bag):
+    path, _ = bag
+    store = get_typestore(Stores.EMPTY)
+    with open(path / 'run_0.mcap', 'rb') as file:
+        summary = make_reader(file).get_summary()
+    for schema in summary.schemas.values():
+        assert schema.encoding == 'ros2msg'
+        store.register({k: v for k, v in get_types_from_msg(schema.data.decode(), schema.name).items()
+                        if k not in store.types})
+    for channel in summary.channels.values():
+        assert store.hash_rihs01(summary.schemas[channel.schema_id].name) == channel.metadata['topic_type_hash']
+
+
+def test_recompute_finds_no_difference_and_does_find_a_false_scene(bag):
+    path, _ = bag
+    found = recompute(path)
+    assert {d.topic for d in found} == {'/joint_states', '/fourbar/state', '/fourbar/output', '/fourbar/loads',
+                                        '/fourbar/shaking_wrench'}
+    assert len(found) > 40 and all(d.messages >= 100 for d in found)
+    assert max(d.largest for d in found) == 0.0
+    file = path / 'run_0.mcap'
+    true, false = b'"linkage.a1": 0.4,', b'"linkage.a1": 0.5,'
+    data = file.read_bytes()
+    assert true in data
+    file.write_bytes(data.replace(true, false))
+    assert max(d.largest for d in recompute(path)) > 1.0
+
+
+def test_records_keep_the_order_input_then_its_outputs(bag):
+    path, _ = bag
+    stamp = None
+    for record in records(path):
+        if record.topic == '/fourbar/input':
+            stamp = record.message.header.stamp
+        assert record.message.header.stamp.nanosec == stamp.nanosec
+
+
+def test_recording_refuses_with_a_reason_and_the_stream_goes_on(run_node, client, tmp_path):
+    run_node({**PAPER, 'outputs': ['state'], 'recording.directory': str(tmp_path / 'bags')})
+    client.listen(['state'])
+    answer = client.call('stop_recording')
+    assert not answer.success and answer.message == 'not recording'
+    for name in ('../escape', 'a/b', '..', '/abs'):
+        answer = client.call('start_recording', name=name)
+        assert not answer.success and 'plain name' in answer.message
+    assert client.call('start_recording', name='once').success
+    answer = client.call('start_recording', name='twice')
+    assert not answer.success and 'already recording' in answer.message
+    assert client.call('stop_recording').success
+    answer = client.call('start_recording', name='once')
+    assert not answer.success and 'exists already' in answer.message
+    fresh = client.call('start_recording')
+    assert fresh.success and fresh.path.startswith(str(tmp_path / 'bags/fourbar_'))
+    client.received['state'].clear()
+    client.until(lambda: len(client.received['state']) > 20, 'the stream')
+    assert sorted(p.name for p in tmp_path.iterdir()) == ['bags', 'fourbar.yaml']

@@ -1,0 +1,61 @@
+"""What a scene does not name is not created, not computed, not imported."""
+import json
+import subprocess
+import sys
+
+from scenes import PAPER, RODS
+
+SCRIPT = '''
+import json, sys
+import rclpy
+from rclpy.parameter import Parameter
+import fourbar_ros.core.linkage as linkage
+from fourbar_ros.ros.node import FourBarNode
+from fourbar_ros.ros.drives import to_stamp
+
+calls = []
+original = linkage.FourBar.loads, linkage.FourBar.step
+linkage.FourBar.loads = lambda self, *a: calls.append('loads') or original[0](self, *a)
+linkage.FourBar.step = lambda self, *a: calls.append('step') or original[1](self, *a)
+motion = linkage.FourBar.motion
+linkage.FourBar.motion = lambda self, *a: calls.append('motion') or motion(self, *a)
+
+rclpy.init()
+node = FourBarNode(parameter_overrides=[Parameter(k, value=v) for k, v in json.loads(sys.argv[1]).items()])
+listener = rclpy.create_node('listener')
+from fourbar_msgs.msg import LinkageState
+if sys.argv[2] == 'heard':
+    listener.create_subscription(LinkageState, '/fourbar/state', lambda message: None, 10)
+    while not node._outputs[0].is_heard:
+        rclpy.spin_once(listener, timeout_sec=0.05)
+for k in range(5):
+    node.step(to_stamp(k), 0.1 * k, 1.0, 0.0)
+topics = sorted(name for name, _ in node.get_publisher_names_and_types_by_node('fourbar', '/'))
+print(json.dumps({'calls': calls, 'topics': topics,
+                  'imported': [m for m in ('scipy', 'mcap', 'matplotlib', 'rich', 'fourbar_ros.core.extrema')
+                               if m in sys.modules]}))
+node.close()
+listener.destroy_node()
+rclpy.try_shutdown()
+'''
+
+
+def run(parameters, heard='heard'):
+    done = subprocess.run([sys.executable, '-c', SCRIPT, json.dumps(parameters), heard],
+                          capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def test_a_kinematics_only_scene_has_no_loads_and_no_heavy_imports():
+    found = run({**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ['state', 'output']})
+    assert set(found['calls']) == {'motion'}
+    assert found['imported'] == []
+    assert '/fourbar/state' in found['topics'] and '/fourbar/output' in found['topics']
+    assert not {'/fourbar/loads', '/fourbar/shaking_wrench', '/joint_states'} & set(found['topics'])
+
+
+def test_outputs_that_nobody_hears_are_not_computed():
+    everything = {**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ['state', 'loads']}
+    assert set(run(everything)['calls']) == {'motion'}          # only state is heard
+    assert run(everything, heard='not heard')['calls'] == []

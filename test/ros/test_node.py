@@ -1,0 +1,234 @@
+"""The node over the wire: every topic, every service, against the core to the last bit."""
+import math
+import random
+import signal
+
+import pytest
+from builtin_interfaces.msg import Time
+from fourbar_msgs.msg import LinkageState, Motion
+from sensor_msgs.msg import JointState
+
+from fourbar_ros import records, scene
+from fourbar_ros.core import status as codes
+from fourbar_ros.core.extrema import find_extrema
+from harness import ALL_OUTPUTS
+from scenes import PAPER, RODS, ROCKER, SLIDES_7_6, SLIDES_7_7
+
+DRIVEN = {**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ALL_OUTPUTS, 'frame_id': 'machine'}
+
+
+def motion(position, velocity=0.0, acceleration=0.0, stamp=0):
+    message = Motion(position=position, velocity=velocity, acceleration=acceleration)
+    message.header.stamp = Time(sec=stamp, nanosec=stamp + 1)
+    return message
+
+
+def send_all(client, publisher, inputs):
+    """Send the inputs after a handshake; return {output: messages} when each has been answered."""
+    client.handshake(lambda: publisher.publish(motion(0.1)))
+    for message in inputs:
+        publisher.publish(message)
+    client.until(lambda: all(len(m) >= len(inputs) for m in client.received.values()),
+                 f'{len(inputs)} answers on every topic')
+    return client.received
+
+
+def test_every_topic_carries_the_values_of_the_core_to_the_last_bit(run_node, client):
+    run_node(DRIVEN)
+    client.listen()
+    random.seed(1)
+    inputs = [motion(random.uniform(-20, 20), random.uniform(-50, 50), random.uniform(-900, 900), k)
+              for k in range(60)]
+    received = send_all(client, client.publisher(), inputs)
+    linkage = scene.from_values(DRIVEN).linkage
+    for name, messages in received.items():
+        assert len(messages) == len(inputs)
+        for sent, message in zip(inputs, messages):
+            values = sum(linkage.step(sent.position, sent.velocity, sent.acceleration), ())
+            assert records.found(name, message) == records.expected(name, values)
+            assert message.header.stamp == sent.header.stamp
+            assert message.header.frame_id == 'machine'
+            if hasattr(message, 'status'):
+                assert (message.status, message.mode) == (LinkageState.STATUS_OK, LinkageState.MODE_OPEN)
+    assert list(received['joint_states'][0].name) == ['crank', 'coupler', 'coupler_output', 'output']
+
+
+def test_a_named_joint_of_a_joint_state_drives_it(run_node, client):
+    run_node({**PAPER, 'drive.source': 'joint_state', 'drive.joint': 'motor', 'outputs': ['state']})
+    client.listen(['state'])
+    publisher = client.publisher('joint_state')
+
+    def joints(position, velocity, name='motor'):
+        return JointState(name=['other', name], position=[9.0, position], velocity=[8.0, velocity])
+
+    client.handshake(lambda: publisher.publish(joints(0.1, 1.0)))
+    publisher.publish(joints(0.5, 3.0, name='elsewhere'))      # ignored, said once
+    publisher.publish(joints(0.7, 3.0))
+    client.until(lambda: client.received['state'], 'an answer')
+    state, = client.received['state']
+    expected = scene.from_values(PAPER).linkage.motion(0.7, 3.0)
+    assert (state.theta1, state.theta4, state.omega4, state.alpha4) == (
+        0.7, expected.theta4, expected.omega4, expected.alpha4)
+
+
+def test_the_output_of_one_node_drives_the_next(run_node, client):
+    run_node({**PAPER, 'drive.source': 'motion', 'outputs': ['output']}, name='first')
+    run_node({**SLIDES_7_6, 'drive.source': 'motion', 'outputs': ['state']}, name='second',
+             remaps=['~/input:=/first/output'])
+    client.listen(['state'], node='second')
+    publisher = client.publisher(node='first')
+    client.handshake(lambda: publisher.publish(motion(0.1)))
+    publisher.publish(motion(0.4, 2.0, 5.0, stamp=77))
+    client.until(lambda: client.received['state'], 'an answer')
+    state, = client.received['state']
+    between = scene.from_values(PAPER).linkage.motion(0.4, 2.0, 5.0)
+    after = scene.from_values(SLIDES_7_6).linkage.motion(between.theta4, between.omega4, between.alpha4)
+    assert (state.theta4, state.omega4, state.alpha4) == (after.theta4, after.omega4, after.alpha4)
+    assert state.header.stamp.sec == 77
+
+
+def test_the_timer_turns_the_crank_at_constant_speed_on_its_grid(run_node, client):
+    run_node({**PAPER, 'drive.speed': 25.0, 'drive.start': 0.3, 'drive.rate': 250.0, 'outputs': ['state']})
+    client.listen(['state', 'input'])
+    client.until(lambda: all(len(m) >= 200 for m in client.received.values()), '200 samples')
+    states = client.received['state']
+    linkage = scene.from_values(PAPER).linkage
+    first = states[0]
+    for state in states:
+        assert (state.omega1, state.alpha1) == (25.0, 0.0)
+        assert state.theta4 == linkage.motion(state.theta1, 25.0).theta4
+        elapsed = (state.header.stamp.sec - first.header.stamp.sec) + 1e-9 * (
+            state.header.stamp.nanosec - first.header.stamp.nanosec)
+        assert elapsed * 250.0 == pytest.approx(round(elapsed * 250.0), abs=250.0 * 2e-9)    # two roundings to 1 ns
+        assert state.theta1 - first.theta1 == pytest.approx(25.0 * elapsed, abs=25.0 * 2e-9)
+    assert {m.position for m in client.received['input']} & {s.theta1 for s in states}
+
+
+@pytest.mark.parametrize('bad', [(math.nan, 1.0, 0.0), (0.1, math.inf, 0.0), (0.1, 1.0, -math.inf),
+                                 (0.1, 1e300, 0.0)])
+def test_bad_numbers_are_reported_and_the_next_good_message_works(run_node, client, bad):
+    run_node(DRIVEN)
+    client.listen()
+    received = send_all(client, client.publisher(), [motion(*bad, stamp=5), motion(0.2, 1.0)])
+    state, good = received['state']
+    assert state.status == received['loads'][0].status == LinkageState.STATUS_INVALID_INPUT
+    assert math.isnan(state.theta4) and math.isnan(received['loads'][0].f41)
+    assert math.isnan(received['shaking_wrench'][0].wrench.force.x)
+    assert state.header.stamp.sec == 5
+    assert good.status == LinkageState.STATUS_OK and math.isfinite(good.theta4)
+
+
+def test_input_out_of_range_is_reported_and_the_next_good_message_works(run_node, client):
+    run_node({**ROCKER, 'drive.source': 'motion', 'outputs': ['state', 'output', 'joint_states']})
+    client.listen(['state', 'output', 'joint_states'])
+    received = send_all(client, client.publisher(), [motion(1.0, 1.0), motion(0.2, 1.0)])
+    out, good = received['state']
+    assert out.status == LinkageState.STATUS_OUT_OF_RANGE and out.theta1 == 1.0 and math.isnan(out.theta4)
+    assert math.isnan(received['output'][0].position)
+    assert good.status == LinkageState.STATUS_OK
+
+
+def test_status_numbers_are_those_of_the_message():
+    for name in ('OK', 'OUT_OF_RANGE', 'INVALID_INPUT', 'TOGGLE'):
+        assert getattr(codes, name) == getattr(LinkageState, f'STATUS_{name}')
+
+
+# --- services ---------------------------------------------------------------------------------------
+
+def test_find_extrema_answers_what_the_core_finds_in_both_modes(run_node, client):
+    run_node({**PAPER, **RODS, 'drive.speed': 25.0, 'outputs': ['state']})
+    answer = client.call('find_extrema', mode=3)
+    assert (answer.result, answer.message) == (answer.RESULT_OK, '')
+    linkage = scene.from_values({**PAPER, **RODS}).linkage
+    expected = [e for mode in (1, 2) for e in find_extrema(linkage.in_mode(mode), (), 25.0)]
+    found = {(e.quantity, e.mode, e.theta1, e.value, e.is_global) for e in answer.extrema}
+    assert found == {(e.quantity, e.mode, e.theta1, e.value, e.is_global) for e in expected}
+    assert len(answer.extrema) == len(expected) > 60
+    force = max((e for e in answer.extrema if e.quantity == 'shaking_force' and e.mode == 2), key=lambda e: e.value)
+    assert force.value == pytest.approx(2512.318373, abs=5e-7)
+    assert force.theta1 == pytest.approx(0.10962848, abs=5e-9)
+
+
+def test_find_extrema_refuses_with_a_reason(run_node, client):
+    run_node({**PAPER, 'drive.source': 'motion', 'outputs': ['state']})
+    answer = client.call('find_extrema', quantities=['theta9'], omega1=1.0)
+    assert answer.result == answer.RESULT_UNKNOWN_QUANTITY and 'known: omega4' in answer.message
+    answer = client.call('find_extrema', omega1=0.0)
+    assert answer.result == answer.RESULT_INVALID_REQUEST and 'omega1' in answer.message
+    answer = client.call('find_extrema', omega1=math.nan)
+    assert answer.result == answer.RESULT_INVALID_REQUEST and 'omega1' in answer.message
+    answer = client.call('find_extrema', quantities=['f41'], omega1=1.0)
+    assert answer.result == answer.RESULT_INVALID_REQUEST and 'no masses' in answer.message
+    answer = client.call('find_extrema', mode=7, omega1=1.0)
+    assert answer.result == answer.RESULT_INVALID_REQUEST and 'mode = 7' in answer.message
+    answer = client.call('find_extrema', omega1=2.0)                       # and it still answers
+    assert answer.result == answer.RESULT_OK and {e.quantity for e in answer.extrema} >= {'omega4', 'alpha4'}
+    assert not any(e.unit == 'N' for e in answer.extrema)
+
+
+def test_evaluate_answers_the_values_of_the_core(run_node, client):
+    run_node(DRIVEN)
+    linkage = scene.from_values(DRIVEN).linkage
+    for mode in (0, 1, 2):
+        answer = client.call('evaluate', theta1=0.7, omega1=25.0, alpha1=-3.0, mode=mode)
+        assert (answer.result, answer.has_loads) == (answer.RESULT_OK, True)
+        values = sum(linkage.in_mode(mode or 2).step(0.7, 25.0, -3.0), ())
+        for name in ('state', 'loads'):
+            assert records.found(name, getattr(answer, name)) == records.expected(name, values)
+        assert answer.state.mode == (mode or 2) and answer.state.header.frame_id == 'machine'
+    bad = client.call('evaluate', theta1=math.nan)
+    assert bad.result == bad.RESULT_INVALID_REQUEST and 'finite' in bad.message
+    bad = client.call('evaluate', theta1=0.1, mode=9)
+    assert bad.result == bad.RESULT_INVALID_REQUEST and 'mode = 9' in bad.message
+
+
+def test_evaluate_says_the_range_when_out_of_it(run_node, client):
+    run_node({**ROCKER, 'drive.source': 'motion'})
+    answer = client.call('evaluate', theta1=1.0)
+    assert answer.result == answer.RESULT_OUT_OF_RANGE and '0.536750177' in answer.message
+    assert not answer.has_loads and math.isnan(answer.loads.f41)
+
+
+# --- ends -------------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize('numbers', [[signal.SIGINT], [signal.SIGTERM], [signal.SIGINT, signal.SIGINT]])
+def test_signals_end_it_with_code_0_and_a_closed_bag(run_node, client, tmp_path, numbers):
+    node = run_node({**PAPER, **RODS, 'outputs': ALL_OUTPUTS, 'recording.start': True, 'recording.name': 'run'})
+    client.listen(['state'])
+    client.until(lambda: len(client.received['state']) > 20, 'a stream')
+    for number in numbers:
+        node.process.send_signal(number)
+    assert node.wait() == 0, node.said
+    assert 'Traceback' not in node.said
+    assert (tmp_path / 'bags/run/run_0.mcap').read_bytes().endswith(b'\x89MCAP0\r\n')
+
+
+BAD_SCENES = [
+    ({'linkage.a2': -1.2}, 'linkage.a2 = -1.2'),
+    ({'linkage.a3': 0.0}, 'linkage.a3 = 0.0'),
+    ({'linkage.a4': 99.0}, 'linkage.a4 = 99.0: the links cannot close'),
+    ({'linkage.a1': math.nan}, 'linkage.a1 = nan'),
+    ({'linkage.mode': 3}, 'linkage.mode = 3'),
+    ({'outputs': ['state', 'torque']}, "outputs = 'torque'"),
+    ({'outputs': ['loads']}, 'bodies.crank.mass'),
+    ({'bodies.crank.mass': 1.0}, 'bodies.crank.inertia'),
+    ({'linkage.a5': 1.0}, 'linkage.a5 = 1.0: unknown parameter; did you mean linkage.a'),
+    ({'drive.rate': 0.0}, 'drive.rate = 0.0'),
+    ({'drive.source': 'joint_state'}, 'drive.joint'),
+    ({'drive.speed': 'fast'}, "drive.speed = 'fast': must be a double"),
+]
+
+
+@pytest.mark.parametrize('change, reason', BAD_SCENES, ids=[reason[:24] for _, reason in BAD_SCENES])
+def test_a_bad_scene_is_refused_at_start_in_one_line(run_node, change, reason):
+    node = run_node({**PAPER, **change})
+    assert node.wait() == 2
+    lines = [line for line in node.said.splitlines() if line.startswith('fourbar_node:')]
+    assert len(lines) == 1 and reason in lines[0]
+    assert 'Traceback' not in node.said
+
+
+def test_whole_numbers_are_good_for_doubles(run_node, client):
+    run_node({**{name: int(value) for name, value in SLIDES_7_7.items()}, 'drive.source': 'motion'})
+    answer = client.call('evaluate', theta1=0.5)
+    assert answer.state.theta4 == scene.from_values(SLIDES_7_7).linkage.motion(0.5).theta4

@@ -1,0 +1,65 @@
+"""The core needs numpy alone, and nothing is loaded before it is needed."""
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+HEAVY = ('rclpy', 'scipy', 'mcap', 'matplotlib', 'rich', 'yaml', 'mpmath', 'flint')
+
+
+def run(code):
+    return subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, cwd=ROOT, check=False)
+
+
+def test_the_core_works_with_everything_but_numpy_blocked():
+    done = run(f'''
+import sys
+for name in {HEAVY!r}:
+    sys.modules[name] = None                 # any import of it raises ImportError
+from math import isclose
+import fourbar_ros
+from fourbar_ros.core.extrema import find_extrema
+rods = fourbar_ros.Bodies(*(fourbar_ros.round_rod(a, 7750.0, 0.01) for a in (0.4, 1.2, 0.8)))
+linkage = fourbar_ros.FourBar(0.4, 1.2, 0.8, 1.0, bodies=rods)
+motion, loads = linkage.step(0.10962848, 25.0)
+assert isclose(loads.shaking_force, 2512.318373, rel_tol=1e-9)
+assert linkage.step([0.1, 0.2], 25.0)[1].f41.shape == (2,)
+assert len(find_extrema(linkage, (), 25.0)) > 20
+''')
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize('name', ['core', 'scene', 'records', 'cli', 'interfaces', 'parameters'])
+def test_ros_scipy_mcap_and_matplotlib_are_not_imported_by(name):
+    done = run(f'''
+import sys
+import fourbar_ros.{name}
+print([m for m in ('rclpy', 'scipy', 'mcap', 'matplotlib') if m in sys.modules])
+''')
+    assert done.stdout.strip() == '[]', done.stdout + done.stderr
+
+
+@pytest.mark.parametrize('name', ['bag.writer', 'bag.reader', 'bag.recompute', 'show'])
+def test_bags_and_tables_need_no_ros(name):
+    done = run(f'import sys; sys.modules["rclpy"] = None; import fourbar_ros.{name}')
+    assert done.returncode == 0, done.stderr
+
+
+def test_only_modules_in_ros_name_ros_packages():
+    packages = ('rclpy', 'fourbar_msgs', 'std_msgs', 'sensor_msgs', 'geometry_msgs', 'std_srvs',
+                'builtin_interfaces', 'rcl_interfaces', 'ament_index_python')
+    for file in (ROOT / 'fourbar_ros').rglob('*.py'):
+        if 'ros' in file.relative_to(ROOT / 'fourbar_ros').parts[:-1]:
+            continue
+        for line in file.read_text().splitlines():
+            words = line.split()
+            if words[:1] in (['import'], ['from']):
+                assert words[1].split('.')[0] not in packages, f'{file.name}: {line}'
+
+
+def test_every_public_name_exists():
+    import fourbar_ros
+    for name in fourbar_ros.__all__:
+        assert hasattr(fourbar_ros, name)

@@ -1,0 +1,70 @@
+"""Scene files and the parameter table."""
+import math
+from pathlib import Path
+
+import pytest
+
+from fourbar_ros import scene
+from fourbar_ros.core import InvalidParameter
+from fourbar_ros.parameters import PARAMETERS, REQUIRED
+from scenes import PAPER, RODS
+
+CONFIG = Path(__file__).parent.parent / 'config'
+
+
+@pytest.mark.parametrize('file', sorted(CONFIG.glob('*.yaml')), ids=lambda file: file.stem)
+def test_every_scene_that_is_shipped_is_good(file):
+    assert scene.load(file).linkage.classification
+
+
+def test_defaults_are_themselves_allowed():
+    for parameter in PARAMETERS.values():
+        if parameter.default is not REQUIRED:
+            value = parameter.check(parameter.default)
+            assert value == parameter.default or math.isnan(value)
+
+
+def test_a_dump_of_all_values_is_the_same_scene():
+    first = scene.from_values({**PAPER, **RODS, 'outputs': ['loads']})
+    again = scene.from_values(first.values)
+    assert again.linkage == first.linkage and again.outputs == first.outputs
+
+
+def test_bodies_one_by_one():
+    bodies = {f'bodies.{link}.{field}': value for link in scene.LINKS
+              for field, value in (('mass', 2.0), ('inertia', 0.5), ('cg_across', 0.01))}
+    linkage = scene.from_values({**PAPER, **bodies, 'bodies.coupler.cg_along': 0.9}).linkage
+    assert (linkage.bodies.crank.cg_along, linkage.bodies.coupler.cg_along) == (0.2, 0.9)
+    assert linkage.bodies.output.cg_across == 0.01
+    with pytest.raises(InvalidParameter, match='bodies.crank.mass.*not both'):
+        scene.from_values({**PAPER, **bodies, **RODS})
+
+
+@pytest.mark.parametrize('change, name', [
+    ({'linkage.a1': True}, 'linkage.a1'), ({'linkage.mode': 1.0}, 'linkage.mode'),
+    ({'linkage.a1': math.inf}, 'linkage.a1'), ({'outputs': 'state'}, 'outputs'),
+    ({'outputs': ['state', 'state']}, 'outputs'), ({'frame_id': ''}, 'frame_id'),
+    ({'joint_names': ['a', 'b', 'c']}, 'joint_names'), ({'bodies.rods.density': 7000.0}, 'bodies.rods.radius'),
+    ({'bodies.crank.mass': -1.0}, 'bodies.crank.mass'), ({'gravity.y': math.nan}, 'gravity.y'),
+    ({'recording.start': 'yes'}, 'recording.start'), ({'drive.rate': 1e9}, 'drive.rate'),
+])
+def test_a_bad_value_is_refused_by_name(change, name):
+    with pytest.raises(InvalidParameter) as caught:
+        scene.from_values({**PAPER, **change})
+    assert caught.value.name == name and str(caught.value).startswith(name)
+
+
+def test_a_missing_length_is_refused_by_name():
+    with pytest.raises(InvalidParameter, match='linkage.a3: must be given'):
+        scene.from_values({name: value for name, value in PAPER.items() if name != 'linkage.a3'})
+
+
+@pytest.mark.parametrize('text, reason', [('a: [1', 'not YAML'), ('[1, 2]', 'not a scene'), ('', 'not a scene'),
+                                          ('linkage: {a1: 1.0}', 'not a scene')])
+def test_a_file_that_is_no_scene_is_refused_with_its_name(tmp_path, text, reason):
+    file = tmp_path / 'scene.yaml'
+    file.write_text(text)
+    with pytest.raises(scene.SceneError, match=f'scene.yaml.*{reason}'):
+        scene.load(file)
+    with pytest.raises(scene.SceneError, match='missing.yaml: No such file'):
+        scene.load(tmp_path / 'missing.yaml')
