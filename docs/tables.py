@@ -1,0 +1,67 @@
+"""
+Write the tables of docs/node.md that have a source in the code: ``python docs/tables.py``.
+
+Text between ``<!-- NAME -->`` and ``<!-- end -->`` is replaced; a test checks that nothing is out of date.
+"""
+import re
+import sys
+from math import isnan
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+
+from fourbar_ros.core.quantities import QUANTITIES  # noqa: E402
+from fourbar_ros.interfaces import INPUTS, OUTPUTS, SERVICES  # noqa: E402
+from fourbar_ros.parameters import PARAMETERS, REQUIRED  # noqa: E402
+
+PAGE = ROOT / 'docs' / 'node.md'
+
+
+def table(head, rows):
+    """Return a Markdown table."""
+    lines = [head, ['---'] * len(head), *rows]
+    return '\n'.join('| ' + ' | '.join(str(cell).replace('|', '\\|') for cell in line) + ' |' for line in lines)
+
+
+def default(parameter):
+    """Return the default of a parameter as text."""
+    if parameter.default is REQUIRED:
+        return 'required'
+    if isinstance(parameter.default, float) and isnan(parameter.default):
+        return 'not given'
+    if parameter.default in ('', []):
+        return 'empty'
+    return f'`{parameter.default}`'.replace("'", '')
+
+
+def tables():
+    """Return {name: Markdown table}."""
+    return {
+        'inputs': table(('`drive.source`', 'topic', 'type', 'what'),
+                        [(f'`{t.name}`', f'`{t.topic}`', f'`{t.type}`', t.text) for t in INPUTS.values()]),
+        'outputs': table(('name in `outputs`', 'topic', 'type', 'what', 'needs masses'),
+                         [(f'`{t.name}`', f'`{t.topic}`', f'`{t.type}`', t.text, 'yes' if t.needs_loads else '')
+                          for t in OUTPUTS.values()]),
+        'services': table(('service', 'type', 'what'),
+                          [(f'`{s.service}`', f'`{s.type}`', s.text) for s in SERVICES.values()]),
+        'parameters': table(('parameter', 'type', 'unit', 'default', 'allowed', 'what'),
+                            [(f'`{p.name}`', p.type, p.unit, default(p), p.allowed, p.text)
+                             for p in PARAMETERS.values()]),
+        'quantities': table(('quantity', 'unit', 'what'),
+                            [(f'`{q.name}`', q.unit, q.text) for q in QUANTITIES.values()]),
+    }
+
+
+def filled(text):
+    """Return the page with its tables as they should be."""
+    for name, content in tables().items():
+        text, count = re.subn(rf'(<!-- {name} -->\n).*?(<!-- end -->)', lambda m: m[1] + content + '\n' + m[2], text,
+                              flags=re.S)
+        if count != 1:
+            raise SystemExit(f'{PAGE}: expected one <!-- {name} -->, found {count}')
+    return text
+
+
+if __name__ == '__main__':
+    PAGE.write_text(filled(PAGE.read_text()))
