@@ -5,6 +5,7 @@ from math import degrees, radians
 
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from . import scene as scenes
 from .core import OPEN
@@ -12,6 +13,7 @@ from .core.extrema import find_extrema
 from .core.quantities import select
 from .core.status import STATUS_NAMES, evaluate
 
+PIPE_WIDTH = 120
 MODE_NAMES = {1: '1 (crossed)', 2: '2 (open)'}
 
 
@@ -20,19 +22,36 @@ def show(path, mode=None, speed=None, at_deg=None, console=None):
     scene = scenes.load(path)
     linkage = scene.linkage.in_mode(mode or scene.linkage.mode)
     speed = scene.drive.speed if speed is None else speed
-    console = console or Console(highlight=False)
+    console = console or make_console()
     console.print(what_it_is(linkage, path))
+    console.print()
     console.print(extremes_table(find_extrema(linkage, (), speed),
                                  f'extremes at {speed:g} rad/s, mode {MODE_NAMES[linkage.mode]}'))
     if linkage.bodies is None:
         console.print('no masses given, so no loads: see bodies.* in docs/node.md')
     if at_deg is not None:
+        console.print()
         console.print(state_table(linkage, radians(at_deg), speed))
+
+
+def make_console():
+    """Return the console all verbs print to: as wide as the terminal, or enough for any table in a pipe."""
+    console = Console(highlight=False)
+    return console if console.is_terminal else Console(highlight=False, width=PIPE_WIDTH)
+
+
+def plain_table(title, columns):
+    """Return an empty table with these column heads; a head ending in ``>`` is right-aligned."""
+    table = Table(title=Text(title), title_justify='left', box=None, padding=(0, 2, 0, 0), title_style='bold')
+    for column in columns:
+        table.add_column(Text(column.rstrip('>')), justify='right' if column.endswith('>') else 'left', no_wrap=True)
+    return table
 
 
 def what_it_is(linkage, title):
     """Return the table of a linkage's own properties."""
-    table = Table(title=str(title), title_justify='left', show_header=False)
+    table = plain_table(str(title), ('', ''))
+    table.show_header = False
     ranges = ('full turns' if linkage.turns_fully else
               ', '.join(f'{degrees(low):.4f} to {degrees(high):.4f} deg' for low, high in linkage.input_ranges))
     rows = [('lengths', '  '.join(f'a{i} {a:g}' for i, a in enumerate(linkage.lengths, 1)) + '  m'),
@@ -42,7 +61,7 @@ def what_it_is(linkage, title):
             ('input range', ranges),
             ('change-point margin', f'{linkage.change_point_margin:.6g} of the perimeter')]
     if linkage.bodies:
-        rows += [(f'{name}', f'{body.mass:.6g} kg, {body.inertia:.6g} kg m^2, centre of gravity '
+        rows += [(f'{name}', f'{body.mass:.6g} kg, {body.inertia:.6g} kg m^2, CG at '
                              f'({body.cg_along:g}, {body.cg_across:g}) m')
                  for name, body in linkage.bodies._asdict().items()]
     for row in rows:
@@ -52,19 +71,14 @@ def what_it_is(linkage, title):
 
 def extremes_table(extrema, title):
     """Return the table of a list of Extremum."""
-    table = Table(title=title, title_justify='left')
-    for name in ('quantity', 'kind', ''):
-        table.add_column(name)
-    for name in ('value', 'theta1 [rad]', '[deg]'):
-        table.add_column(name, justify='right')
-    table.add_column('unit')
+    table = plain_table(title, ('quantity', 'kind', '', 'value>', 'unit', 'theta1 [rad]>', '[deg]>'))
     last = None
     for extremum in extrema:
         if last not in (None, extremum.quantity):
             table.add_section()
         table.add_row('' if extremum.quantity == last else extremum.quantity, str(extremum.kind),
-                      'global' if extremum.is_global else '', f'{extremum.value:.10g}',
-                      f'{extremum.theta1:.8f}', f'{degrees(extremum.theta1):.4f}', extremum.unit)
+                      'global' if extremum.is_global else '', f'{extremum.value:.10g}', extremum.unit,
+                      f'{extremum.theta1:.8f}', f'{degrees(extremum.theta1):.4f}')
         last = extremum.quantity
     return table
 
@@ -73,9 +87,8 @@ def state_table(linkage, theta1, omega1):
     """Return the table of all quantities at one input."""
     with_loads = linkage.bodies is not None
     status, motion, loads = evaluate(linkage, theta1, omega1, 0.0, with_loads)
-    table = Table(title=f'at theta1 = {degrees(theta1):g} deg: {STATUS_NAMES[status]}', title_justify='left')
-    for name in ('quantity', 'value', 'unit', ''):
-        table.add_column(name, justify='right' if name == 'value' else 'left')
+    table = plain_table(f'at theta1 = {degrees(theta1):g} deg: {STATUS_NAMES[status]}',
+                        ('quantity', 'value>', 'unit', ''))
     table.add_row('theta4', f'{degrees(motion.theta4):.8g}', 'deg', 'output link')
     table.add_row('beta', f'{degrees(motion.beta):.8g}', 'deg', 'coupler')
     table.add_row('transmission angle', f'{degrees(motion.transmission_angle):.8g}', 'deg', '')

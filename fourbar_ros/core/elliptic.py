@@ -12,7 +12,7 @@ log(1/gap) points; at a toggle, u passes from one assembly mode into the other w
 """
 from __future__ import annotations
 
-from math import pi
+from math import pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -22,8 +22,9 @@ from .factors import difference_of_squares
 # At a change point itself K is infinite. There the branches are smooth in x, so the points of a
 # linkage that clears the flat position by this much (of 4 a1 a4) serve.
 CLEARANCE = 2.0**-6
-# Points added towards an end of a path, each four times closer than the one before.
-END_POINTS = 7
+# Points added towards a toggle and a flat position, each four times closer than the one before. The
+# last are 1e-6 in u away: at a toggle 1e-12 in x, where x itself has four digits left.
+END_POINTS = {False: 7, True: 3}
 
 
 class End(NamedTuple):
@@ -37,23 +38,32 @@ class InputPath(NamedTuple):
     """
     A range of theta1 in which the linkage moves smoothly in one assembly mode.
 
+    Parameters
+    ----------
     theta1 : ndarray, shape (n,)
-        Increasing [rad]; inside the range.
+        Increasing [rad], inside the range.
     low, high : End or None
-        None, None: full turns; the point after the last is the first one plus 2 pi.
-    uniform : slice
-        The points which are half a step, one and a half, ... from the ends in u.
+        None for full turns: the point after the last is the first plus 2 pi.
+    first : int
+        Index of the point half a step of u after ``low``; points one step apart follow. By symmetry
+        the point with index -1 - first is as far from ``high``.
+
     """
 
     theta1: np.ndarray
     low: End | None
     high: End | None
-    uniform: slice
+    first: int
+
+    @property
+    def is_closed(self):
+        """Return whether the path is a full turn."""
+        return self.low is None
 
 
 def jacobi(sine, cosine, m1):
     """
-    Return sn, cn, dn at the phases pi u/(2 K) of given sine and cosine.
+    Return sn, cn, dn of u at the phase pi u/(2 K), given by its sine and cosine.
 
     Descending Landen steps written in the complementary parameter m1 = 1 - m, with sums of positive
     terms only: nothing is lost for m1 -> 0.
@@ -73,51 +83,53 @@ def jacobi(sine, cosine, m1):
 
 def input_paths(linkage, points):
     """
-    Return the :class:`InputPath` of each range of theta1 in one assembly mode.
+    Return the list of :class:`InputPath` that make up the motion of a linkage in its mode.
 
-    Parameters
-    ----------
-    linkage : FourBar
-    points : int
-        Number of points over all paths together, before those added at the ends.
-
+    ``points`` is their number over all paths together, without those added at the ends.
     """
     a1, a2, a3, a4 = (length / max(linkage.lengths) for length in linkage.lengths)
     k = 4.0 * a1 * a4
     s1, s2 = difference_of_squares(a2, a3, a1, a4), difference_of_squares(a1, -a4, a2, -a3)
-    flat_out, flat_in = s1 == 0.0, s2 == 0.0       # flat position at theta1 = pi, 0
+    flat_in, flat_out = s2 == 0.0, s1 == 0.0       # flat position at theta1 = 0, at pi
     s1, s2 = s1 or CLEARANCE * k, s2 or CLEARANCE * k
     s1b, s2b = s1 + k, s2 + k
-
+    p, q = abs(s1 * s2), s1b * s2b
     toggles = [End(angle, False) for bounds in linkage.input_ranges for angle in bounds]
-    out, inner = End(pi, True), End(0.0, True)
+
+    # Phases of the ends in order; None where the motion goes on.
     if s1 > 0.0 and s2 > 0.0:
         def angle(phase):
-            sn, cn, _ = jacobi(np.sin(phase), np.cos(phase), s1 * s2 / (s1b * s2b))
-            return 2.0 * np.arctan2(np.sqrt(s2) * sn, np.sqrt(s2b) * cn)
-        low, high = (End(-pi, True), out) if flat_out else (None, None)
-        pieces = [(-0.5 * pi, low, 0.5 * pi, high)]
-        if flat_in and flat_out:
-            pieces = [(-0.5 * pi, low, 0.0, inner), (0.0, inner, 0.5 * pi, high)]
-        elif flat_in:
-            pieces = [(0.0, inner, pi, End(2.0 * pi, True))]
-    elif s2 > 0.0:
+            sn, cn, _ = jacobi(np.sin(phase), np.cos(phase), p / q)
+            return 2.0 * np.arctan2(sqrt(s2) * sn, sqrt(s2b) * cn)
+        ends = [(-0.5 * pi, flat_out and End(-pi, True)), (0.0, flat_in and End(0.0, True)),
+                (0.5 * pi, flat_out and End(pi, True)), (pi, flat_in and End(2.0 * pi, True))]
+        ends = [end for end in ends if end[1]][:2 + (flat_in and flat_out)]
+        ends = ends or [(-0.5 * pi, None), (0.5 * pi, None)]
+    elif s1 < 0.0 and s2 < 0.0:
         def angle(phase):
-            _, cn, _ = jacobi(np.sin(phase), np.cos(phase), -s1 * s2 / (-s1 * s2 + s1b * s2b))
-            return -2.0 * np.arctan2(np.sqrt(s1b) * cn, np.sqrt(-s1))
-        pieces = [(0.0, toggles[0], pi, toggles[-1])]
-        if flat_in:
-            pieces = [(0.0, toggles[0], 0.5 * pi, inner), (0.5 * pi, inner, pi, toggles[-1])]
-    elif s1 > 0.0:
-        def angle(phase):
-            _, cn, _ = jacobi(np.sin(phase), np.cos(phase), -s1 * s2 / (-s1 * s2 + s1b * s2b))
-            return 2.0 * np.arctan2(np.sqrt(-s2), np.sqrt(s2b) * cn)
-        pieces = [(0.0, toggles[0], pi, toggles[-1])]
-        if flat_out:
-            pieces = [(0.0, toggles[0], 0.5 * pi, out), (0.5 * pi, out, pi, toggles[-1])]
+            _, _, dn = jacobi(np.sin(phase), np.cos(phase), p / q)
+            return np.copysign(2.0, -phase) * np.arctan2(sqrt(s1b) * dn, sqrt(-s1))
+        far_low, near_low, near, far = toggles
+        return [_path(angle, 0.0, far_low, 0.5 * pi, near_low, points // 2),
+                _path(angle, -0.5 * pi, near, 0.0, far, points // 2)]
     else:
         def angle(phase):
-            _, _, dn = jacobi(np.sin(phase), np.cos(phase), s1 * s2 / (s1b * s2b))
-            return np.copysign(2.0, phase) * np.arctan2(np.sqrt(s1b) * dn, np.sqrt(-s1))
-        raise NotImplementedError
-    return [_path(angle, *piece, points // len(pieces)) for piece in pieces]
+            _, cn, _ = jacobi(np.sin(phase), np.cos(phase), p / (p + q))
+            if s1 < 0.0:
+                return -2.0 * np.arctan2(sqrt(s1b) * cn, sqrt(-s1))
+            return 2.0 * np.arctan2(sqrt(-s2), sqrt(s2b) * cn)
+        middle = flat_in and End(0.0, True) if s1 < 0.0 else flat_out and End(pi, True)
+        ends = [(0.0, toggles[0]), *([(0.5 * pi, middle)] if middle else []), (pi, toggles[-1])]
+    return [_path(angle, *one, *other, points // (len(ends) - 1)) for one, other in zip(ends, ends[1:])]
+
+
+def _path(angle, phase_low, low, phase_high, high, points):
+    """Return the path between two phases."""
+    step = (phase_high - phase_low) / points
+    phase = phase_low + step * (np.arange(points) + 0.5)
+    if low is None:
+        return InputPath(angle(phase), low, high, 0)
+    before, after = (0.5 * step * 4.0**-np.arange(1.0, 1 + END_POINTS[end.is_flat])
+                     for end in (low, high))
+    x = angle(np.concatenate((phase_low + before[::-1], phase, phase_high - after)))
+    return InputPath(x, low, high, (before.size, after.size))

@@ -1,14 +1,35 @@
 """
 Position, velocity and acceleration of the 4R linkage, stable in the last bits.
 
-Notation of this module: x = theta1, y = theta4, b = beta (all absolute), mu = y - b, primes are
-derivatives with respect to x. Loop: a1 e^{ix} + a2 e^{ib} = a4 + a3 e^{iy}.
+Notation of this module: x = theta1, y = theta4, b = beta (all absolute), mu = y - b, q = |A O4|^2,
+primes are derivatives with respect to x. Loop: a1 e^{ix} + a2 e^{ib} = a4 + a3 e^{iy}.
 
-Every angle comes from its own homogeneous half-angle quadratic p t^2 - 2 m t + r = 0 (slides,
-Eqs. (16), (17) and their rotations), with t = n/d kept as a pair, so that no angle is special
-(t = tan(pi/2) is just d = 0), and of the two forms of a root the one without cancellation is taken.
-The quadratics share one discriminant T = (2 a2 a3 sin mu)^2, which is a product of two sums of
-bilinear factors: it keeps its digits near toggles and change points, where coordinates lose them.
+Positions. Every angle comes from its own homogeneous half-angle quadratic p t^2 - 2 m t + r = 0
+(slides, Eqs. (16), (17) and their rotations), with t = n/d kept as a pair, so that no angle is special
+(t = tan(pi/2) is just d = 0), and of the two forms of a root, (m + root)/p and r/(m - root), the one
+without cancellation is taken. The quadratics share one discriminant T = (2 a2 a3 sin mu)^2 = u w,
+
+    u = 4 a2 a3 cos^2(mu/2) = s1 sin^2(x/2) + c1 cos^2(x/2)
+    w = 4 a2 a3 sin^2(mu/2) = c2 sin^2(x/2) + s2 cos^2(x/2)
+
+whose coefficients are products of two bilinear factors each: they keep their digits near toggles and
+change points, where coordinates lose them.
+
+Rates. The relative rates at the four joints are as the areas of the triangles of the other three
+joints, so each is a product, without a difference of rates:
+
+    y' = a1 sin(x - b) / (a3 sin mu)        b' - 1 = -a4 sin y / (a2 sin mu)
+    b' = a1 sin(x - y) / (a2 sin mu)        y' - b' = a1 a4 sin x / (a2 a3 sin mu)
+
+Accelerations. mu is a function of q alone, and y and b are the direction of the diagonal A-O4 plus or
+minus an angle of the triangle A-B-O4. With e = a1^2 - a4^2, f = a2^2 - a3^2, rho = (e + f mu')/q:
+
+    mu'' = 2 a1 a4 (s2 cos^2(x/2) u - s1 sin^2(x/2) w) / T^(3/2)
+    y'' = ((f + q) mu'' - 2 a1 a4 sin x rho) / (2 q)      b'' = ((f - q) mu'' - 2 a1 a4 sin x rho) / (2 q)
+
+Every difference in these is one that the data make: the error stays within a few eps times the
+condition at any link ratio. Where a factor is exactly zero (change point) it is so in the formula,
+and the powers of sin(x/2) or cos(x/2) that s1 = 0 or s2 = 0 leave are cancelled by the division.
 """
 from __future__ import annotations
 
@@ -19,8 +40,8 @@ from .dialects import dialects, where
 from .factors import difference_of_squares, half_angle_coefficients
 
 # Added to sin(x/2): nothing, except at x = 0 exactly, where an exact change point (0/0) thereby takes
-# its one-sided value for x -> 0+. Its square is still a normal number.
-INFINITESIMAL = 2.0**-500
+# its one-sided value for x -> 0+. Its third power is still a normal number.
+INFINITESIMAL = 2.0**-250
 
 
 class Motion(NamedTuple):
@@ -70,55 +91,57 @@ def make_motion(a1, a2, a3, a4, sign):
     """
     exponent = frexp(max(a1, a2, a3, a4))[1]     # scaling by a power of two is exact
     a1, a2, a3, a4 = ldexp(a1, -exponent), ldexp(a2, -exponent), ldexp(a3, -exponent), ldexp(a4, -exponent)
+    Ay, By, Cy, Dy, My = half_angle_coefficients(a1, a2, a3, a4)        # y
+    Ar, Br, Cr, Dr, Mr = half_angle_coefficients(-a4, a2, a3, -a1)      # y - x: seen from the crank the
+    Ab, Bb, Cb, Db, Mb = half_angle_coefficients(-a4, a3, -a2, -a1)     # ground turns by -x; b - x
+    e, f = (a1 - a4) * (a1 + a4), (a2 - a3) * (a2 + a3)
 
     def motion(x, omega, alpha, sign=sign, a1=a1, a2=a2, a3=a3, a4=a4,
-               s1=difference_of_squares(a2, a3, a1, a4), s2=difference_of_squares(a1, -a4, a2, -a3),
-               k=4.0 * a1 * a4, r12=a1 / a2, r13=a1 / a3,
-               sine_scale=0.5 / (a2 * a3), cosine_scale=0.25 / (a2 * a3),
-               absolute_y=half_angle_coefficients(a1, a2, a3, a4),
-               relative_y=half_angle_coefficients(-a4, a2, a3, -a1),
-               relative_b=half_angle_coefficients(-a4, a3, -a2, -a1)):
+               s1=difference_of_squares(a2, a3, a1, a4), c1=difference_of_squares(a2, a3, a1, -a4),
+               s2=difference_of_squares(a1, -a4, a2, -a3), c2=difference_of_squares(a1, a4, a2, -a3),
+               upper=(By, Dy, Br, Dr, Bb, Db, 1.0), lower=(Ay, Cy, Ar, Cr, Ab, Cb, -1.0),
+               My=My, Mr=-Mr, Mb=Mb, r13=a1 / a3, r12=a1 / a2, r42=a4 / a2, r=a1 * a4 / (a2 * a3),
+               e=e, f=f, k=4.0 * a1 * a4, half_k=2.0 * a1 * a4, near=(a1 - a4)**2,
+               y_near=f + (a1 - a4)**2, y_far=f + (a1 + a4)**2,
+               b_near=f - (a1 - a4)**2, b_far=f - (a1 + a4)**2):
         sh, ch = sin(0.5 * x) + INFINITESIMAL, cos(0.5 * x)
         ss, cc, sc = sh * sh, ch * ch, sh * ch
-        u = s1 + k * cc                # (a2 + a3)^2 - |A O4|^2 = 4 a2 a3 cos^2(mu/2)
-        w = s2 + k * ss                # |A O4|^2 - (a2 - a3)^2 = 4 a2 a3 sin^2(mu/2)
-        root = sign * sqrt(u * w)      # 2 a2 a3 sin mu; not real where the linkage cannot close
-
-        A, B, C, D, M = absolute_y
-        m = M * sc
-        n, d = where((m * root).real > 0.0, (B * ss + D * cc, m + root), (m - root, A * ss + C * cc))
-        theta4 = atan2(2.0 * n * d, (d - n) * (d + n))
-
-        A, B, C, D, M = relative_y     # y - x: seen from the crank, the ground turns by -x
-        m = -M * sc
-        n, d = where((m * root).real > 0.0, (B * ss + D * cc, m + root), (m - root, A * ss + C * cc))
-        scale = 1.0 / (n * n + d * d)
-        cos_yx, sin_yx = (d - n) * (d + n) * scale, 2.0 * n * d * scale
-
-        A, B, C, D, M = relative_b     # b - x: the other root of its quadratic
-        m = -M * sc
-        n, d = where((m * root).real < 0.0, (B * ss + D * cc, m - root), (m + root, A * ss + C * cc))
-        scale = 1.0 / (n * n + d * d)
-        cos_bx, sin_bx = (d - n) * (d + n) * scale, 2.0 * n * d * scale
-        theta2 = atan2(sin_bx, cos_bx)
-
-        cos_x, sin_x = (ch - sh) * (ch + sh), 2.0 * sc
-        cos_b, sin_b = cos_x * cos_bx - sin_x * sin_bx, sin_x * cos_bx + cos_x * sin_bx
-        cos_y, sin_y = cos_x * cos_yx - sin_x * sin_yx, sin_x * cos_yx + cos_x * sin_yx
-        cos_mu, sin_mu = (u - w) * cosine_scale, root * sine_scale
+        u, w = s1 * ss + c1 * cc, c2 * ss + s2 * cc
+        square = u * w
+        root = sign * sqrt(square)     # 2 a2 a3 sin mu; not real where the linkage cannot close
+        scale = 1.0 / (u + w)          # 1 / (4 a2 a3) with the rounding of u and w
+        cos_mu, sin_mu = (u - w) * scale, 2.0 * root * scale
         mu = atan2(sin_mu, cos_mu)
 
-        dy = -r13 * sin_bx / sin_mu
-        db = -r12 * sin_yx / sin_mu
-        turn = cos_mu * (dy - db)
-        ddy = (r13 * cos_bx * (1.0 - db) - dy * turn) / sin_mu
-        ddb = (r12 * cos_yx * (1.0 - dy) - db * turn) / sin_mu
+        # t = g/h or h/g with h = m +- root, whichever adds: the same one for all three angles
+        same = (sc * root).real > 0.0
+        B, D, E, F, G, H, side = where(same, upper, lower)
+        signed = side * root
+        g, h = B * ss + D * cc, My * sc + signed
+        scale = 1.0 / (g * g + h * h)
+        cos_y, sin_y = side * (h - g) * (h + g) * scale, 2.0 * g * h * scale
+        g, h = E * ss + F * cc, Mr * sc + signed
+        sin_yx = 2.0 * g * h / (g * g + h * h)
+        g, h = G * ss + H * cc, -Mb * sc - signed
+        scale = 1.0 / (g * g + h * h)
+        cos_bx, sin_bx = side * (h - g) * (h + g) * scale, 2.0 * g * h * scale
+        cos_x, sin_x = (ch - sh) * (ch + sh), 2.0 * sc
+        cos_b, sin_b = cos_x * cos_bx - sin_x * sin_bx, sin_x * cos_bx + cos_x * sin_bx
+
+        d2, d3, dy, db = -r42 * sin_y / sin_mu, r * sin_x / sin_mu, -r13 * sin_bx / sin_mu, -r12 * sin_yx / sin_mu
+        q = near + k * ss
+        turn = half_k * sin_x * (e + f * d3) / q     # 2 a1 a4 sin x rho
+        dd3 = half_k * (s2 * cc * u - s1 * ss * w) / (square * root)
+        ddy = 0.5 * ((y_near * cc + y_far * ss) * dd3 - turn) / q
+        ddb = 0.5 * ((b_near * cc + b_far * ss) * dd3 - turn) / q
 
         omega4, omega_b, square = dy * omega, db * omega, omega * omega
-        alpha4, alpha_b = dy * alpha + ddy * square, db * alpha + ddb * square
         condition = (fabs(a1 * cos_bx) + a2 + fabs(a3 * cos_mu) + fabs(a4 * cos_b)) / (a3 * fabs(sin_mu))
-        return (x, omega, alpha, theta2, omega_b - omega, alpha_b - alpha,
-                mu - sign * pi, omega4 - omega_b, alpha4 - alpha_b, theta4, omega4, alpha4,
-                atan2(sin_b, cos_b), omega_b, alpha_b, fabs(mu), dy, condition,
+        return (x, omega, alpha,
+                atan2(sin_bx, cos_bx), d2 * omega, d2 * alpha + ddb * square,
+                mu - sign * pi, d3 * omega, d3 * alpha + dd3 * square,
+                atan2(sin_y, cos_y), omega4, dy * alpha + ddy * square,
+                atan2(sin_b, cos_b), omega_b, db * alpha + ddb * square,
+                fabs(mu), dy, condition,
                 cos_x, sin_x, cos_b, sin_b, cos_y, sin_y, cos_mu, sin_mu)
     return motion

@@ -6,28 +6,29 @@ import signal
 import subprocess
 import sys
 import time
-from math import degrees, isfinite
+from math import cos, degrees, remainder, sin
 from pathlib import Path
 
 import rclpy
 import yaml
+from fourbar_msgs.msg import Extremum
 from rclpy.experimental import EventsExecutor
-from rich.console import Console
 from rich.live import Live
-from rich.table import Table
 
 from .. import interfaces
 from .. import scene as scenes
 from ..bag.recompute import recompute
 from ..core import FourBarError
 from ..core.status import STATUS_NAMES
-from ..show import MODE_NAMES, what_it_is
+from ..show import MODE_NAMES, make_console, plain_table, what_it_is
 from .drives import to_stamp
 from .messages import resolve
 
 NODE = '/fourbar'
 PATIENCE = 20.0        # [s] for the node to be found and to answer
+SWING = 0.95           # share of a rocker's range that is swung through
 REFRESH = 8            # live tables a second
+KINDS = {Extremum.KIND_MINIMUM: 'minimum', Extremum.KIND_MAXIMUM: 'maximum'}
 
 
 class DemoError(FourBarError):
@@ -63,18 +64,29 @@ class Client:
         while (left := end - time.monotonic()) > 0.0:
             self.executor.spin_once(timeout_sec=left)
 
+    def crank(self, seconds):
+        """Return angle, rate and acceleration: constant speed, or a swing inside the range of a rocker."""
+        drive, linkage = self.scene.drive, self.scene.linkage
+        if linkage.turns_fully:
+            return drive.start + drive.speed * seconds, drive.speed, 0.0
+        low, high = linkage.input_ranges[-1]
+        middle, reach = 0.5 * (low + high), SWING * 0.5 * (high - low)
+        rate = drive.speed / reach                      # the speed of the scene is that in the middle
+        sine, cosine = reach * sin(rate * seconds), reach * cos(rate * seconds)
+        return middle + sine, rate * cosine, -rate * rate * sine
+
     def drive(self, seconds):
-        """Send one input of a crank at the scene's constant speed, ``seconds`` after its start."""
+        """Send one input, ``seconds`` after the start."""
         if not self.input:
             return
         drive = self.scene.drive
         message = resolve(interfaces.INPUTS[drive.source].type)()
         message.header.stamp = to_stamp(self.node.get_clock().now().nanoseconds)
-        angle = drive.start + drive.speed * seconds
+        angle, rate, acceleration = self.crank(seconds)
         if drive.source == 'joint_state':
-            message.name, message.position, message.velocity = [drive.joint], [angle], [drive.speed]
+            message.name, message.position, message.velocity = [drive.joint], [angle], [rate]
         else:
-            message.position, message.velocity = angle, drive.speed
+            message.position, message.velocity, message.acceleration = angle, rate, acceleration
         self.input.publish(message)
 
     def ask(self, service_name, /, **request):
@@ -101,14 +113,12 @@ class Client:
 
 def live_table(client, seconds):
     """Return the table of the newest messages."""
-    table = Table(title=f'{NODE} at {seconds:4.1f} s', title_justify='left')
-    for name, justify in (('', 'left'), ('value', 'right'), ('unit', 'left')):
-        table.add_column(name, justify=justify, min_width=14)
+    table = plain_table(f'{NODE} at {seconds:4.1f} s', ('', '        value>', 'unit'))
     state, loads = client.latest.get('state'), client.latest.get('loads')
     if state:
         table.add_row('status', STATUS_NAMES[state.status], '')
         for name in ('theta1', 'theta4'):
-            table.add_row(name, f'{degrees(getattr(state, name)) % 360.0 if isfinite(getattr(state, name)) else float("nan"):.3f}', 'deg')
+            table.add_row(name, f'{remainder(degrees(getattr(state, name)), 360.0):.3f}', 'deg')
         table.add_row('omega4', f'{state.omega4:.4f}', 'rad/s')
         table.add_row('alpha4', f'{state.alpha4:.3f}', 'rad/s^2')
         table.add_row('transmission angle', f'{degrees(state.transmission_angle):.2f}', 'deg')
@@ -144,34 +154,33 @@ def published_for(path):
 
 
 def compare_extremes(client, published, console):
-    """Ask for all extremes; print them, and what was published beside them."""
-    scene = client.scene
-    speed = scene.drive.speed
-    answer = client.ask('find_extrema', mode=3 if not published else 0, omega1=speed)
+    """Ask for all extremes; print the global ones, and what was published beside them."""
+    speed = client.scene.drive.speed
+    answer = client.ask('find_extrema', omega1=speed)
     if answer.result != answer.RESULT_OK:
         console.print(f'find_extrema: {answer.message}')
         return
-    table = Table(title=f'global extremes at {speed:g} rad/s, asked over {NODE}/find_extrema', title_justify='left')
-    for name, justify in (('quantity', 'left'), ('mode', 'left'), ('value', 'right'), ('theta1 [rad]', 'right'),
-                          ('unit', 'left'), ('published', 'right'), ('at', 'right')):
-        table.add_column(name, justify=justify)
+    table = plain_table(f'global extremes at {speed:g} rad/s, mode {MODE_NAMES[client.scene.linkage.mode]}, '
+                        f'asked over {NODE}/find_extrema',
+                        ('quantity', '', 'value>', 'unit', 'theta1>', 'published>', 'at>'))
     notes = []
-    kinds = {answer.extrema[0].KIND_MINIMUM: 'minimum', answer.extrema[0].KIND_MAXIMUM: 'maximum'} if answer.extrema else {}
     for extremum in answer.extrema:
         if not extremum.is_global:
             continue
-        kind = kinds.get(extremum.kind)
-        printed = next((p for p in published if p.get('quantity') == extremum.quantity and p.get('kind') == kind), None)
-        mark = ''
-        if printed and printed.get('note'):
-            notes.append(f'({len(notes) + 1}) {printed["source"]}: {printed["note"]}')
-            mark = f' ({len(notes)})'
-        table.add_row(f'{extremum.quantity} {kind}', MODE_NAMES[extremum.mode], f'{extremum.value:.10g}',
-                      f'{extremum.theta1:.9f}', extremum.unit,
-                      f'{printed["value"]:.10g}{mark}' if printed else '', f'{printed["theta1"]:.10g}' if printed else '')
+        kind = KINDS[extremum.kind]
+        row = [extremum.quantity, kind[:3], f'{extremum.value:.9g}', extremum.unit, f'{extremum.theta1:.7f}']
+        for entry in published:
+            if (entry['quantity'], entry['kind']) == (extremum.quantity, kind):
+                mark = ''
+                if 'note' in entry:
+                    notes.append(f'({len(notes) + 1}) {entry["source"]}: {entry["note"]}')
+                    mark = f'({len(notes)}) '
+                row += [f'{mark}{entry["value"]:.8g}', f'{entry["theta1"]:.6f}']
+        table.add_row(*row)
     console.print(table)
     for note in notes:
         console.print(note)
+    console.print()
 
 
 def compare_poses(client, published, console):
@@ -180,14 +189,13 @@ def compare_poses(client, published, console):
         if 'at' not in entry:
             continue
         answer = client.ask('evaluate', mode=entry['mode'], **entry['at'])
-        table = Table(title=f'{entry["source"]}, mode {MODE_NAMES[entry["mode"]]}, by {NODE}/evaluate',
-                      title_justify='left')
-        for name in ('', 'ours', 'published'):
-            table.add_column(name, justify='right' if name else 'left')
+        table = plain_table(f'{entry["source"]}, mode {MODE_NAMES[entry["mode"]]}, asked over {NODE}/evaluate',
+                            ('', 'ours>', 'published>'))
         for name, value in entry['values'].items():
             ours = getattr(answer.state, name.removesuffix('_deg'))
             table.add_row(name, f'{degrees(ours) if name.endswith("_deg") else ours:.6f}', f'{value:g}')
         console.print(table)
+        console.print()
 
 
 def check_bag(path, console):
@@ -196,7 +204,7 @@ def check_bag(path, console):
     messages = {difference.topic: difference.messages for difference in found}
     worst = max((difference.largest for difference in found), default=0.0)
     console.print(f'bag reopened: {sum(messages.values())} outputs on {len(messages)} topics recomputed from '
-                  f'their recorded input, {len(found)} fields, largest difference {worst:g}')
+                  f'their recorded input, {len(found)} fields, largest difference {worst:g}', soft_wrap=True)
     return bool(messages) and worst == 0.0
 
 
@@ -221,7 +229,7 @@ def run(path, seconds, directory, console):
     console.print(f'node stopped by SIGTERM, exit code {code}')
     bag = Path(directory) / name
     good = check_bag(bag, console)
-    console.print(f'bag: {bag}   ({bag / (name + "_0.mcap")}: Foxglove, PlotJuggler)')
+    console.print(f'bag: {bag}\nfor Foxglove and PlotJuggler: {bag / (name + "_0.mcap")}', soft_wrap=True)
     return good and code == 0
 
 
@@ -233,7 +241,7 @@ def main(args=None):
     parser.add_argument('--directory', default='bags', help='where the bag goes (default bags)')
     arguments = parser.parse_args(args)
     try:
-        good = run(arguments.scene, arguments.seconds, arguments.directory, Console(highlight=False))
+        good = run(arguments.scene, arguments.seconds, arguments.directory, make_console())
     except FourBarError as error:
         print(f'fourbar_demo: {error}', file=sys.stderr)
         return 1

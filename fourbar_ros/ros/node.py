@@ -1,7 +1,6 @@
 """fourbar_node: one linkage, driven by the clock or by messages; publishes, answers, records."""
 from __future__ import annotations
 
-import json
 import signal
 import sys
 import threading
@@ -18,6 +17,7 @@ from ..core.status import OK, STATUS_NAMES, evaluate
 from . import declare, services
 from .drives import SimulatedTimerDrive, TimerDrive, TopicDrive
 from .outputs import Output
+from .recording import Recording
 
 RCLError = rclpy_implementation.RCLError     # a scene file that rcl cannot parse, among others
 SPIN = 0.2      # [s] the events executor must be given a finite time: endless, it can hang (see docs/node.md)
@@ -30,7 +30,6 @@ class FourBarNode(Node):
         super().__init__('fourbar', automatically_declare_parameters_from_overrides=True, **kwargs)
         self.scene = declare.scene(self)
         self.linkage = self.scene.linkage
-        self._recorder = None
         self._status = OK
         topics = [interfaces.OUTPUTS[name] for name in self.scene.outputs]
         source = self.scene.drive.source
@@ -43,59 +42,37 @@ class FourBarNode(Node):
             self.topics = [interfaces.INPUTS[source], *topics]
         first = len(self.topics) - len(topics)
         self._outputs = [Output(self, topic, self.scene, i) for i, topic in enumerate(topics, first)]
+        self.recording = Recording(self, self.scene, self.topics)
         self._services = services.create(self)
         if self.scene.recording.start:
-            self.start_recording(self.scene.recording.name)
+            self.recording.start(self.scene.recording.name)
         self._drive = drive(self, self.scene.drive, self.step)
         self._drive.start()
         self.get_logger().info(f'{self.linkage.classification}, mode {self.linkage.mode}, driven by {source}')
 
     def step(self, stamp, theta1, omega1, alpha1, data=None):
         """Evaluate one input and send what is heard or recorded; ``data``: the input as it came."""
-        recorder = self._recorder
-        if recorder and data is not None:
-            recorder.write(0, bytes(data))
-        wanted = [output for output in self._outputs if recorder or output.is_heard]
+        recording = self.recording
+        if data is not None:
+            recording.write(0, bytes(data))
+        recorded = recording.active
+        wanted = [output for output in self._outputs if recorded or output.is_heard]
         if not wanted:
             return
         with_loads = any(output.needs_loads for output in wanted)
         status, motion, loads = evaluate(self.linkage, theta1, omega1, alpha1, with_loads)
         values = (*motion, *loads)
         for output in wanted:
-            output.send(stamp, status, self.linkage.mode, values, recorder)
+            output.send(stamp, status, self.linkage.mode, values, recording)
         if status != self._status:                       # once per change, not per sample
             self._status = status
             self.get_logger().warning(f'theta1 = {theta1!r} rad: {STATUS_NAMES[status]}')
-
-    # --- recording ------------------------------------------------------------------------------
-
-    def start_recording(self, name):
-        """Start a bag and return its path; raises BagError."""
-        from ..bag.writer import BagError, BagWriter     # only scenes that record need the mcap library
-        from .schemas import channel
-
-        if self._recorder:
-            raise BagError(f'already recording to {self._recorder.path}')
-        names = {topic.name: self.resolve_topic_name(topic.topic) for topic in self.topics}
-        names['input'] = names.pop(self.topics[0].name)
-        about = {'scene': json.dumps(self.scene.values), 'topics': json.dumps(names),
-                 'units': 'SI: m, kg, s, rad, N, N m'}
-        channels = [channel(topic, self.resolve_topic_name(topic.topic)) for topic in self.topics]
-        recorder = BagWriter(self.scene.recording.directory, name, channels, about)
-        self._recorder = recorder
-        self.get_logger().info(f'recording to {recorder.path}')
-        return recorder.path
-
-    def stop_recording(self):
-        """Close the bag and return its path, None if there was none; raises BagError."""
-        recorder, self._recorder = self._recorder, None
-        return recorder.close() if recorder else None
 
     def close(self):
         """Stop the stream, close the bag, leave the graph."""
         self._drive.stop()
         try:
-            path = self.stop_recording()
+            path = self.recording.stop()
             if path:
                 self.get_logger().info(f'recorded {path}')
         finally:

@@ -26,10 +26,9 @@ class Output:
         """Return whether anybody listens."""
         return self._publisher.get_subscription_count() > 0
 
-    def send(self, stamp, status, mode, values, recorder):
+    def send(self, stamp, status, mode, values, recording):
         """Fill, serialise, publish, record."""
         self._fill(stamp, status, mode, values)
         data = serialize_message(self._message)
         self._publisher.publish(data)
-        if recorder:
-            recorder.write(self.channel, data)
+        recording.write(self.channel, data)

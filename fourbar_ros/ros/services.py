@@ -97,7 +97,7 @@ def evaluate_one(node, request, response):
 def start_recording(node, request, response):
     """Answer StartRecording."""
     try:
-        response.path = str(node.start_recording(request.name))
+        response.path = str(node.recording.start(request.name))
         response.success = True
     except FourBarError as error:
         response.message = str(error)
@@ -107,7 +107,7 @@ def start_recording(node, request, response):
 def stop_recording(node, _, response):
     """Answer Trigger: the message is the path of the bag, or why there is none."""
     try:
-        path = node.stop_recording()
+        path = node.recording.stop()
         response.success = path is not None
         response.message = str(path or 'not recording')
     except FourBarError as error:

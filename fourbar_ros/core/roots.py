@@ -1,0 +1,104 @@
+"""All sign changes of sampled functions, many brackets at once."""
+from __future__ import annotations
+
+import numpy as np
+
+EPS = 2.0**-52
+# Halvings of a dip before it is taken for a touching point without a sign change.
+HALVINGS = 26
+
+
+def brackets(x, f):
+    """
+    Return (row, xa, xb, fa, fb): where rows of f change sign between neighbours; zero counts as positive.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+    f : ndarray, shape (m, n)
+
+    """
+    positive = f >= 0.0
+    row, i = np.nonzero(positive[:, 1:] != positive[:, :-1])
+    return row, x[i], x[i + 1], f[row, i], f[row, i + 1]
+
+
+def dips(function, x, f):
+    """
+    Return brackets, as :func:`brackets`, of pairs of roots that hide between neighbouring samples.
+
+    Where |f| has a minimum whose parabola comes down to less than half of the middle sample, the
+    interval is halved around the smallest |f| until f changes sign or the parabola says that it does
+    not. ``function(x, row)`` evaluates the rows given.
+    """
+    size = np.abs(f)
+    same = (f[:, 1:] >= 0.0) == (f[:, :-1] >= 0.0)
+    row, i = np.nonzero((size[:, 1:-1] <= size[:, :-2]) & (size[:, 1:-1] < size[:, 2:])
+                        & same[:, 1:] & same[:, :-1])
+    xs, fs = [x[i + j] for j in range(3)], [f[row, i + j] for j in range(3)]
+    found = []
+    for _ in range(HALVINGS):
+        going = _may_touch(xs, fs)
+        row, xs, fs = row[going], [v[going] for v in xs], [v[going] for v in fs]
+        if not row.size:
+            break
+        mids = 0.5 * (xs[0] + xs[1]), 0.5 * (xs[1] + xs[2])
+        f_mids = np.split(function(np.concatenate(mids), np.concatenate((row, row))), 2)
+        xs = np.stack((xs[0], mids[0], xs[1], mids[1], xs[2]))
+        fs = np.stack((fs[0], f_mids[0], fs[1], f_mids[1], fs[2]))
+        positive = fs >= 0.0
+        change, column = np.nonzero(positive[1:] != positive[:-1])
+        found.append((row[column], xs[change, column], xs[change + 1, column],
+                      fs[change, column], fs[change + 1, column]))
+        on = np.nonzero((positive == positive[0]).all(axis=0))[0]
+        middle = 1 + np.argmin(np.abs(fs[1:4, on]), axis=0)
+        row, xs, fs = row[on], [xs[middle + j, on] for j in (-1, 0, 1)], [fs[middle + j, on] for j in (-1, 0, 1)]
+    return [np.concatenate(parts) for parts in zip(*found)] if found else [row, *xs[:2], *fs[:2]]
+
+
+def _may_touch(xs, fs):
+    """Return whether the parabola through three samples of one sign comes down to half the middle one."""
+    left, right = xs[1] - xs[0], xs[2] - xs[1]
+    with np.errstate(divide='ignore', invalid='ignore'):
+        slope_left, slope_right = (fs[1] - fs[0]) / left, (fs[2] - fs[1]) / right
+        curvature = (slope_right - slope_left) / (left + right)
+        slope = (slope_left * right + slope_right * left) / (left + right)
+        return 0.25 * slope * slope / np.abs(curvature) > 0.5 * np.abs(fs[1])
+
+
+def bracketed_roots(function, row, xa, xb, fa, fb):
+    """
+    Return the root of ``function(x, row)`` in each bracket, to the last bits of x.
+
+    Chandrupatla, Adv. Eng. Software 28 (1997) 145-149: inverse quadratic steps where they are safe,
+    bisection elsewhere; all brackets advance together.
+    """
+    root = np.where(np.abs(fa) < np.abs(fb), xa, xb)
+    todo = np.arange(root.size)
+    xc, fc = xa, fa
+    t = np.full(root.size, 0.5)
+    while todo.size:
+        x = xa + t * (xb - xa)
+        f = function(x, row)
+        same = (f >= 0.0) == (fa >= 0.0)
+        xc, fc = np.where(same, xa, xb), np.where(same, fa, fb)
+        xb, fb = np.where(same, xb, xa), np.where(same, fb, fa)
+        xa, fa = x, f
+        better = np.abs(fa) < np.abs(fb)
+        best, best_f = np.where(better, xa, xb), np.where(better, fa, fb)
+        root[todo] = best
+        width = np.abs(xb - xa)
+        tolerance = EPS * np.abs(best)
+        going = (width > 2.0 * tolerance) & (best_f != 0.0)
+        if not going.all():
+            row, todo = row[going], todo[going]
+            xa, xb, xc, fa, fb, fc, width, tolerance = (
+                v[going] for v in (xa, xb, xc, fa, fb, fc, width, tolerance))
+        with np.errstate(divide='ignore', invalid='ignore'):
+            xi, phi = (xa - xb) / (xc - xb), (fa - fb) / (fc - fb)
+            safe = (phi * phi < xi) & ((1.0 - phi)**2 < 1.0 - xi)
+            t = np.where(safe, fa / (fb - fa) * fc / (fb - fc)
+                         + (xc - xa) / (xb - xa) * fa / (fc - fa) * fb / (fc - fb), 0.5)
+            least = tolerance / width
+        t = np.clip(t, least, 1.0 - least)
+    return root
