@@ -47,4 +47,4 @@ bench:
 	@$(env) && python -m bench $(ARGS)
 
 clean:
-	rm -rf .venv build install log
+	rm -rf .venv/setup install/*/.built .venv build install log

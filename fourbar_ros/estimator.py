@@ -27,7 +27,7 @@ class RateEstimator:
     window : int
         Number of newest samples that are fitted, 3 or more.
     gap : float
-        A longer pause [s] starts afresh.
+        A longer pause [s], or a longer step back of the clock, starts afresh.
     jump : float
         A larger step between two samples [rad], after taking off whole turns, starts afresh.
 
@@ -36,7 +36,8 @@ class RateEstimator:
     def __init__(self, window=5, gap=1.0, jump=1.0):
         self._gap, self._jump = gap, jump
         self._samples = deque(maxlen=window)     # (time, unwrapped angle, velocity), newest last
-        self.restarts = 0
+        self.restarts = 0                        # after a jump, a gap, a clock set back
+        self.late = 0                            # samples older than the newest
 
     def reset(self):
         """Forget all samples."""
@@ -49,7 +50,8 @@ class RateEstimator:
         Parameters
         ----------
         time : float
-            Stamp [s], later than the one before; an earlier or equal one leaves the memory as it is.
+            Stamp [s]. One that stands still or goes back leaves the memory as it is, unless it goes back by
+            more than ``gap``: then the clock was set and the estimate starts afresh.
         position, velocity : float
             Angle [rad], wrapped or not, and its rate [rad/s], NaN if the stream has none.
 
@@ -57,10 +59,13 @@ class RateEstimator:
         samples = self._samples
         if samples:
             last_time, last_angle, _ = samples[-1]
-            if time <= last_time:
+            if time == last_time:
                 return self._estimate(velocity)
+            if last_time - self._gap < time < last_time:
+                self.late += 1
+                return velocity, nan
             step = (position - last_angle + pi) % tau - pi
-            if time - last_time > self._gap or abs(step) > self._jump:
+            if abs(time - last_time) > self._gap or abs(step) > self._jump:
                 samples.clear()
                 self.restarts += 1
             else:

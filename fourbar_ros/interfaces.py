@@ -32,10 +32,16 @@ class Service(NamedTuple):
 
 INPUTS = {topic.name: topic for topic in (
     Topic('motion', '~/input', 'fourbar_msgs/msg/Motion',
-          'motion of the crank; a timer-driven node publishes its own here'),
+          'motion of the crank; a NaN rate or acceleration is estimated'),
     Topic('joint_state', '~/input_joint_states', 'sensor_msgs/msg/JointState',
           'the joint named by `drive.joint` is the crank'),
 )}
+
+# Always there, whatever the scene names; they cost nothing until heard or recorded.
+CRANK = Topic('crank', '~/crank', 'fourbar_msgs/msg/Motion',
+              'the motion of the crank that the outputs belong to: from the clock, or the input completed')
+SCENE = Topic('scene', '~/scene', 'std_msgs/msg/String',
+              'all parameters as JSON; latched, sent again after every change')
 
 OUTPUTS = {topic.name: topic for topic in (
     Topic('state', '~/state', 'fourbar_msgs/msg/LinkageState',

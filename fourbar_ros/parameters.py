@@ -27,6 +27,7 @@ class Parameter(NamedTuple):
     high: float = inf
     positive: bool = False
     choices: tuple[str, ...] = ()
+    live: bool = True          # can be changed while the node runs
 
     def check(self, value):
         """Return the value in its own type, or raise InvalidParameter saying what is allowed."""
@@ -98,19 +99,31 @@ PARAMETERS = {parameter.name: parameter for parameter in (
     *_body('output', 'O4'),
     Parameter('drive.source', 'string', 'timer', '',
               'what drives the crank: the clock, a Motion message, or a joint of a JointState',
-              choices=('timer', *INPUTS)),
+              choices=('timer', *INPUTS), live=False),
     Parameter('drive.speed', 'double', 1.0, 'rad/s', 'timer: constant speed of the crank'),
-    Parameter('drive.start', 'double', 0.0, 'rad', 'timer: crank angle at the first sample'),
+    Parameter('drive.start', 'double', 0.0, 'rad', 'timer: crank angle at the first sample', live=False),
     Parameter('drive.rate', 'double', 100.0, 'Hz', 'timer: samples a second', high=5000.0, positive=True),
-    Parameter('drive.joint', 'string', '', '', 'joint_state: name of the joint that is the crank'),
+    Parameter('drive.joint', 'string', '', '', 'joint_state: name of the joint that is the crank',
+              live=False),
+    Parameter('drive.window', 'integer', 5, '',
+              'missing rates: number of newest samples the estimate is fitted to', 3, 50),
+    Parameter('drive.jump', 'double', 1.0, 'rad',
+              'missing rates: a larger step between two samples starts the estimate afresh', positive=True),
+    Parameter('drive.timeout', 'double', 1.0, 's',
+              'messages: longer without input and the status says so; 0: never', low=0.0),
+    Parameter('drive.out_of_range', 'string', 'nan', '',
+              'where the linkage cannot be assembled: nan, hold the last good values, or clamp to the limit',
+              choices=('nan', 'hold', 'clamp')),
     Parameter('outputs', 'strings', ['state', 'output', 'joint_states'], '',
               'what is published, by name; what is not named is not computed', choices=tuple(OUTPUTS)),
-    Parameter('frame_id', 'string', 'fourbar', '', 'frame of all outputs: origin O1, x towards O4'),
+    Parameter('frame_id', 'string', 'fourbar', '', 'frame of all outputs: origin O1, x towards O4',
+              live=False),
     Parameter('joint_names', 'strings', ['crank', 'coupler', 'coupler_output', 'output'], '',
-              'names in joint_states of the joints at O1, A, B, O4'),
-    Parameter('recording.start', 'bool', False, '', 'record from the first sample on'),
-    Parameter('recording.directory', 'string', 'bags', '', 'where bags go'),
-    Parameter('recording.name', 'string', '', '', 'name of the bag; empty: a fresh one from the clock'),
+              'names in joint_states of the joints at O1, A, B, O4', live=False),
+    Parameter('recording.start', 'bool', False, '', 'record from the first sample on', live=False),
+    Parameter('recording.directory', 'string', 'bags', '', 'where bags go', live=False),
+    Parameter('recording.name', 'string', '', '', 'name of the first bag; empty: a fresh one',
+              live=False),
 )}
 
 

@@ -15,7 +15,7 @@ JOINTS = ('theta1', 'theta2', 'theta3', 'theta4')      # the order of the scene'
 PASSIVE_EFFORT = 0.0                                   # frictionless joints
 
 FIELDS = {
-    'motion': {'position': 'theta1', 'velocity': 'omega1', 'acceleration': 'alpha1'},
+    'crank': {'position': 'theta1', 'velocity': 'omega1', 'acceleration': 'alpha1'},
     'output': {'position': 'theta4', 'velocity': 'omega4', 'acceleration': 'alpha4'},
     'state': {name: name for name in STATE_FIELDS},
     'loads': {name: name for name in Loads._fields},
@@ -48,17 +48,17 @@ def found(output, message):
     return {field: plain(attrgetter(field)(message)) for field in FIELDS[output]}
 
 
-def crank_of(message, drive):
+def crank_of(message, joint=''):
     """
-    Return (position, velocity, acceleration) of the crank from an input message; None if not in it.
+    Return (position, velocity, acceleration) of the crank from a Motion or of a joint of a JointState.
 
-    A JointState has no acceleration: taken as zero (constant speed); a missing velocity is NaN.
+    NaN for what the message does not have; None if it does not have the joint.
     """
-    if drive.source != 'joint_state':
+    if not hasattr(message, 'name'):
         return message.position, message.velocity, message.acceleration
     try:
-        i = list(message.name).index(drive.joint)
+        i = message.name.index(joint)
         position = message.position[i]
     except (ValueError, IndexError):
         return None
-    return position, message.velocity[i] if i < len(message.velocity) else nan, 0.0
+    return position, message.velocity[i] if i < len(message.velocity) else nan, nan

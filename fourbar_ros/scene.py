@@ -26,6 +26,10 @@ class Drive(NamedTuple):
     start: float
     rate: float
     joint: str
+    window: int
+    jump: float
+    timeout: float
+    out_of_range: str
 
 
 class Recording(NamedTuple):

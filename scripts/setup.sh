@@ -20,6 +20,11 @@ die() { printf 'set-up: %s\n' "$@" >&2; exit 1; }
 trap 'echo; die "interrupted; the next call repairs what is half done"' INT TERM
 trap 'die "line $LINENO of scripts/setup.sh failed unexpectedly"' ERR
 
+if (LC_ALL=C; [[ $root == *[!A-Za-z0-9._/+-]* ]]); then
+  die "this folder's path, $root, holds a space or another character that colcon, CMake and ROS's" \
+    'generators cannot take; letters a to z, digits and . _ + - are safe.  Move the folder.'
+fi
+
 # ---- one thing at a time, on the screen and in the folder
 
 if command -v flock >/dev/null; then
@@ -146,8 +151,11 @@ have_any() {
 
 # ---- .venv
 
+# make_venv WHY
 make_venv() {
   check_tools
+  if [ -n "$1" ]; then echo "$1: making it anew"; fi
+  rm -rf "$stamps"                      # first, so that an interrupted removal leaves no claims
   rm -rf .venv build install
   local args=()
   if [ "$ros" != wheels ]; then args=(--system-site-packages); fi
@@ -159,13 +167,11 @@ make_venv() {
 }
 
 if [ ! -e .venv ]; then
-  make_venv
+  make_venv ''
 elif [ ! -e "$stamps/identity" ] || [ -e "$stamps/unfinished" ]; then
-  echo '.venv was left half done: making it anew'
-  make_venv
+  make_venv '.venv was left half done'
 elif [ "$(cat "$stamps/identity")" != "$identity" ] || ! version "$py" >/dev/null; then
-  echo '.venv is of another folder, Python or ROS: making it anew'
-  make_venv
+  make_venv '.venv is of another folder, Python or ROS'
 fi
 
 # ---- what goes into it
@@ -177,14 +183,12 @@ why_pip_failed() {
   local log=$logs/$1.log
   if grep -qE 'NewConnectionError|Connection refused|ConnectTimeout|Name or service|name resolution|Network is unreachable|ProxyError|ReadTimeout|RemoteDisconnected|Connection aborted|Max retries' "$log"; then
     echo 'the package registry cannot be reached: check the network, or set PIP_INDEX_URL or HTTPS_PROXY.'
-  elif grep -q 'CERTIFICATE_VERIFY_FAILED' "$log"; then
-    echo 'the package registry'"'"'s certificate is not trusted here: set PIP_CERT to your CA file.'
+  elif grep -qiE 'CERTIFICATE_VERIFY_FAILED|TLS CA certificate' "$log"; then
+    echo "the package registry's certificate is not trusted here: set PIP_CERT to your CA file."
   elif grep -q 'No space left on device' "$log"; then
     echo 'the disk is full: the set-up needs about 1 GB.'
-  elif grep -q 'No matching distribution found' "$log"; then
-    grep -m1 'No matching distribution found' "$log"
   else
-    echo 'pip failed.'
+    echo "pip failed. $(grep -m1 '^ERROR: No matching' "$log" || grep -m1 '^ERROR' "$log" || true)"
   fi
 }
 
@@ -248,7 +252,10 @@ fi
 
 if [ "${#stale[@]}" -gt 0 ]; then
   check_tools
-  for package in "${stale[@]}"; do rm -rf "build/$package" "install/$package"; done
+  for package in "${stale[@]}"; do
+    rm -f "install/$package/.built"
+    rm -rf "build/$package" "install/$package"
+  done
   if [ "$ros" = wheels ]; then export AMENT_PREFIX_PATH=$venv CMAKE_PREFIX_PATH=$venv; fi
   # VIRTUAL_ENV and PATH as when activated, for what CMake runs.
   # BUILD_TESTING is off because the message package has no tests and its linters are no wheels.

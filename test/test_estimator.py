@@ -46,11 +46,15 @@ def test_jump_gap_and_wrong_order():
     estimator = RateEstimator(window=3, gap=0.5, jump=1.0)
     times = np.arange(10) * 0.1
     feed(estimator, times, times)
-    assert estimator.update(0.85, 99.0) == pytest.approx((1.0, 0.0), abs=1e-9)     # older than the newest: unused
+    assert estimator.update(0.9, 0.9) == pytest.approx((1.0, 0.0), abs=1e-9)       # the newest again
+    assert np.isnan(estimator.update(0.85, 99.0)).all() and estimator.late == 1    # older than the newest: unused
+    assert estimator.update(0.95, 0.95) == pytest.approx((1.0, 0.0), abs=1e-9)
     assert np.isnan(estimator.update(1.0, 2.9)).all() and estimator.restarts == 1  # a jump, not a speed
     assert estimator.update(1.1, 3.0)[0] == pytest.approx(1.0)
     assert np.isnan(estimator.update(9.0, 3.1)).all() and estimator.restarts == 2  # after a gap
     assert estimator.update(9.1, 3.2)[0] == pytest.approx(1.0)
+    assert np.isnan(estimator.update(0.0, 3.3)).all() and estimator.restarts == 3  # the clock was set back
+    assert estimator.update(0.1, 3.4)[0] == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize('window, velocity_noise, acceleration_noise, jerk_share',

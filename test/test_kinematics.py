@@ -169,7 +169,20 @@ def test_input_that_is_no_number_is_refused(theta1, omega1, alpha1):
 
 
 def test_toggle_raises_for_one_value_and_is_nan_in_arrays():
-    linkage = FourBar(3.0, 2.0, 4.0, 3.0)      # cos(theta1) = 7/9 and -1: coupler and output in line at pi/2...
+    """At a limit the angle is rounded: it is called a toggle from both sides, and nothing is finite."""
+    for lengths in ((4.0, 3.0, 2.0, 8.0), (3.0, 2.0, 4.0, 3.5), (1.0, 0.5, 0.25, 0.5)):
+        linkage = FourBar(*lengths)
+        for end in (end for bounds in linkage.input_ranges for end in bounds):
+            outcomes = set()
+            for theta1 in (nextafter(end, -9.0), end, nextafter(end, 9.0)):
+                try:
+                    motion = linkage.motion(theta1, 1.0)
+                    assert abs(motion.sin_mu) < 1e-7 and abs(motion.omega4) > 1e5
+                    outcomes.add('finite')
+                except Toggle:
+                    assert not np.isfinite(linkage.motion([theta1], 1.0).omega4[0])
+                    outcomes.add('toggle')
+            assert 'toggle' in outcomes
 
 
 # --- symmetries ------------------------------------------------------------------------------------

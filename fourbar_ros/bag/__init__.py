@@ -1,1 +1,11 @@
-"""Bags in the layout of rosbag2: written with the mcap library alone, read without ROS."""
+"""
+Bags in the layout of rosbag2: written, read, repaired, recomputed; no ROS needed.
+
+Downward: container and scan (the MCAP file), rosbag2 (what lies around it), cdr (bytes to numbers),
+reader and writer, then what is done with a bag: recover, recompute, export, diff, plot, replay.
+"""
+from ..core import FourBarError
+
+
+class BagError(FourBarError):
+    """A bag cannot be written or read; the message says which and why."""

@@ -1,15 +1,29 @@
-"""Read a bag without ROS: a directory or a single .mcap file."""
+"""
+Read a bag without ROS: a directory or a single .mcap file; finished, cut, or still being written.
+
+>>> for record in records('bags/run', ['/fourbar/state']):
+...     print(record.time, record.message.theta4)
+"""
 from __future__ import annotations
 
+import contextlib
+import time
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 import yaml
-from mcap.exceptions import McapError
+from mcap.opcode import Opcode
 from mcap.reader import make_reader
-from mcap_ros2.decoder import DecoderFactory
+from mcap.records import Channel
 
-from .writer import BagError
+from . import BagError, rosbag2
+from .cdr import Decoder
+from .scan import HEAD, IS_MESSAGE, MESSAGE, Damaged, Scan, is_being_written, parse, split, unpacked
+
+BLOCK = 20_000          # messages that are decoded together: large for numpy, small for the memory
+POLL = 0.02             # [s] between two looks at a bag that grows
+NOTE = 'fourbar_ros'    # metadata record: what holds from here on
 
 
 class Record(NamedTuple):
@@ -20,6 +34,237 @@ class Record(NamedTuple):
     message: Any
 
 
+class Raw(NamedTuple):
+    """One recorded message as it was sent."""
+
+    topic: str
+    type: str
+    time: int
+    sequence: int
+    data: bytes
+
+
+class Columns(NamedTuple):
+    """Messages of one topic and one layout, in order: log times [ns], their places in the bag, fields."""
+
+    topic: str
+    times: np.ndarray
+    places: np.ndarray
+    records: np.ndarray      # one row a message; field names are paths
+    layout: Any
+
+    @property
+    def tree(self):
+        """Return the fields as nested namespaces of arrays: ``tree.header.stamp.sec``."""
+        return self.layout.tree(self.records)
+
+
+class Note(NamedTuple):
+    """What was noted between two messages, as a dict of str; see BagWriter.note."""
+
+    values: dict
+
+
+class Bag:
+    """
+    A bag to be read, any number of times.
+
+    Parameters
+    ----------
+    path : str or Path
+        Folder of a bag or its .mcap file.
+
+    Attributes
+    ----------
+    file : Path
+        The .mcap file.
+    cut : bool or None
+        Whether the last reading met the end of the data without the end of the file: a crash, or a bag
+        still being written. None before.
+
+    """
+
+    def __init__(self, path):
+        self.path, self.file = Path(path), file_of(path)
+        self.channels, self._schemas, self._decoders = {}, {}, {}
+        self.cut = None
+
+    # --- about it -------------------------------------------------------------------------------
+
+    @property
+    def is_being_written(self):
+        """Return whether a recorder is at work on it."""
+        return is_being_written(self.file)
+
+    def summary(self):
+        """Return the mcap library's Summary of a finished bag, None for any other."""
+        with open(self.file, 'rb') as file, contextlib.suppress(Exception):    # it raises what it likes
+            return make_reader(file).get_summary()
+        return None
+
+    def metadata(self):
+        """Return the rosbag2 metadata kept in the file itself; the last record wins."""
+        found = None
+        for record in self._scan_metadata():
+            if record.name == rosbag2.RECORD and rosbag2.KEY in record.metadata:
+                found = record.metadata[rosbag2.KEY]
+        if found is None:
+            raise BagError(f'{self.path}: has no rosbag2 metadata')
+        return yaml.load(found, Loader=getattr(yaml, 'CSafeLoader', yaml.SafeLoader))
+
+    def _scan_metadata(self):
+        with open(self.file, 'rb') as file:
+            scan = Scan(file, {Opcode.METADATA})
+            for _, opcode, body in scan:
+                if opcode == Opcode.METADATA:
+                    yield parse(opcode, body)
+            self.cut = not scan.complete
+
+    # --- messages -------------------------------------------------------------------------------
+
+    def records(self, topics=None, start=None, follow=False):
+        """Yield every :class:`Record` in the order of writing; arguments as in :meth:`raw`."""
+        for raw in self.raw(topics, start, follow):
+            yield Record(raw.topic, raw.time, self.decode(raw))
+
+    def decode(self, raw):
+        """Return the message of a :class:`Raw` as nested namespaces."""
+        return self._decoder(raw.topic).message(raw.data)
+
+    def raw(self, topics=None, start=None, follow=False):
+        """
+        Yield every :class:`Raw` message in the order of writing.
+
+        Parameters
+        ----------
+        topics : list of str, optional
+            Only these.
+        start : int, optional
+            Only messages at or after this log time [ns].
+        follow : bool
+            At the end of a bag that is being written, wait for more until it is finished.
+
+        """
+        for item in self._items(topics, start, follow):
+            if not isinstance(item, Note):
+                for number, sequence, stamp, data in item:
+                    channel = self.channels[number]
+                    yield Raw(channel.topic, self.type_of(channel.topic), stamp, sequence, data)
+
+    def columns(self, topics=None, progress=None):
+        """Yield all :class:`Columns`, block by block; arguments as in :meth:`blocks`."""
+        for block in self.blocks(topics, progress):
+            if not isinstance(block, Note):
+                yield from block
+
+    def blocks(self, topics=None, progress=None):
+        """
+        Yield lists of :class:`Columns`, and each :class:`Note` where it stands.
+
+        A block is about BLOCK messages of all topics together, in stretches of the bag that follow each
+        other. ``progress`` is called with the number of bytes read.
+        """
+        block, place = [], 0
+        for item in self._items(topics, progress=progress):
+            if not isinstance(item, Note):
+                block += item
+            if block and (isinstance(item, Note) or len(block) >= BLOCK):
+                yield self._block(block, place)
+                place, block = place + len(block), []
+            if isinstance(item, Note):
+                yield item
+        if block:
+            yield self._block(block, place)
+
+    def _block(self, block, place):
+        by_channel = {}
+        for i, (number, _, stamp, data) in enumerate(block, place):
+            by_channel.setdefault(number, []).append((i, stamp, data))
+        made = []
+        for number, found in by_channel.items():
+            places, times, data = zip(*found)
+            places, times = np.array(places), np.array(times, np.int64)
+            topic = self.channels[number].topic
+            made += [Columns(topic, times[rows], places[rows], records, layout)
+                     for layout, rows, records in self._decoder(topic).arrays(data)]
+        return made
+
+    def type_of(self, topic):
+        """Return the type of a topic met so far."""
+        return self._schema_of(topic).name
+
+    def _schema_of(self, topic):
+        return next(self._schemas[channel.schema_id] for channel in self.channels.values() if channel.topic == topic)
+
+    def _decoder(self, topic):
+        if topic not in self._decoders:
+            schema = self._schema_of(topic)
+            if schema.encoding != 'ros2msg':
+                raise BagError(f'{self.path}: {topic} is defined in {schema.encoding!r}, only ros2msg is known')
+            self._decoders[topic] = Decoder(schema.name, schema.data.decode())
+        return self._decoders[topic]
+
+    # --- the file -------------------------------------------------------------------------------
+
+    def _items(self, topics=None, start=None, follow=False, progress=None):
+        """Yield lists of Messages, one a chunk, and Notes."""
+        wanted = None if topics is None else set(topics)
+
+        def wait():
+            if not is_being_written(self.file):
+                return False
+            time.sleep(POLL)
+            return True
+        with open(self.file, 'rb') as file:
+            scan = Scan(file, {Opcode.SCHEMA, Opcode.CHANNEL, Opcode.CHUNK, Opcode.MESSAGE, Opcode.METADATA},
+                        wait if follow else None)
+            for offset, opcode, body in scan:
+                try:
+                    item = self._item(opcode, body, wanted, start)
+                except Damaged as error:
+                    raise BagError(f'{self.path}: at byte {offset}: {error}; '
+                                   'fourbar bag recover keeps the rest') from None
+                if item:
+                    yield item
+                if progress:
+                    progress(scan.end)
+            self.cut = not scan.complete
+
+    def _item(self, opcode, body, wanted, start):
+        if opcode == Opcode.CHUNK:
+            return self._messages(unpacked(parse(opcode, body)), wanted, start)
+        if opcode == Opcode.MESSAGE:
+            return self._messages(HEAD.pack(opcode, len(body)) + body, wanted, start)
+        if opcode == Opcode.METADATA:
+            record = parse(opcode, body)
+            return Note(record.metadata) if record.name == NOTE else None
+        if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+            self._learn(parse(opcode, body))
+        return None
+
+    def _messages(self, content, wanted, start):
+        """Return [(channel, sequence, log time, bytes)] of the content of a chunk."""
+        found, unpack = [], MESSAGE.unpack_from
+        for _, opcode, begin, end in split(content):
+            if opcode == IS_MESSAGE:
+                channel, sequence, stamp, _ = unpack(content, begin)
+                found.append((channel, sequence, stamp, content[begin + 22:end]))
+            elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                self._learn(parse(opcode, content[begin:end]))
+        if not {item[0] for item in found} <= self.channels.keys():
+            raise Damaged('message of an unknown channel')
+        if wanted is not None:
+            numbers = {number for number, channel in self.channels.items() if channel.topic in wanted}
+            found = [item for item in found if item[0] in numbers]
+        return found if start is None else [item for item in found if item[2] >= start]
+
+    def _learn(self, record):
+        if isinstance(record, Channel):
+            self.channels[record.id] = record
+        else:
+            self._schemas[record.id] = record
+
+
 def file_of(path):
     """Return the .mcap file of a bag given as directory or file."""
     path = Path(path)
@@ -28,30 +273,16 @@ def file_of(path):
     if path.is_file():
         return path
     files = sorted(path.glob('*.mcap'))
-    if not files:
-        raise BagError(f'{path}: holds no .mcap file')
+    if len(files) != 1:
+        raise BagError(f'{path}: holds {len(files) or "no"} .mcap files' + (', name one' if files else ''))
     return files[0]
 
 
-def records(path, topics=None):
-    """Yield every :class:`Record` in the order of writing; ``topics``: only these."""
-    with open(file_of(path), 'rb') as file:
-        try:
-            reader = make_reader(file, decoder_factories=[DecoderFactory()])
-            for item in reader.iter_decoded_messages(topics, log_time_order=False):
-                yield Record(item.channel.topic, item.message.log_time, item.decoded_message)
-        except McapError as error:
-            raise BagError(f'{path}: {error or type(error).__name__}') from None
+def records(path, topics=None, start=None, follow=False):
+    """Yield every :class:`Record` of a bag; see :meth:`Bag.raw`."""
+    return Bag(path).records(topics, start, follow)
 
 
 def metadata(path):
-    """Return the rosbag2 metadata kept in the file itself (the last record wins)."""
-    with open(file_of(path), 'rb') as file:
-        try:
-            found = [record.metadata['serialized_metadata'] for record in make_reader(file).iter_metadata()
-                     if record.name == 'rosbag2']
-        except McapError as error:
-            raise BagError(f'{path}: {error or type(error).__name__}') from None
-    if not found:
-        raise BagError(f'{path}: has no rosbag2 metadata')
-    return yaml.safe_load(found[-1])
+    """Return the rosbag2 metadata of a bag."""
+    return Bag(path).metadata()

@@ -1,54 +1,42 @@
 """
-Write a rosbag2 bag: directory NAME with NAME_0.mcap and metadata.yaml (version 9, as Jazzy writes it).
+Write a rosbag2 bag while it happens: directory NAME with NAME_0.mcap and metadata.yaml.
 
 The caller hands over serialised messages and is never held up by the disk: they wait in a bounded
-queue, a thread takes them to the file and flushes it every ``flush_period``. After a crash the file
-holds everything older than that.
+queue, a thread takes them to the file and flushes it every ``flush_period``. After a crash of the
+process the file holds everything older than that, after a power cut everything older than
+``sync_period``.
 """
 from __future__ import annotations
 
 import os
+import shutil
 import threading
 import time
 from collections import deque
-from pathlib import Path
-from typing import NamedTuple
 
-import yaml
 from mcap import __version__ as mcap_version
-from mcap.writer import CompressionType, Writer
 
 from .. import __version__
-from ..core import FourBarError
+from . import BagError, rosbag2
+from .container import Container
+from .rosbag2 import Channel
+from .scan import mark_as_being_written
 
-FLUSH_PERIOD = 0.1          # [s]
-QUEUE_LIMIT = 100_000       # messages; more than that and the newest are dropped and counted
-METADATA_VERSION = 9
-NOT_STARTED = 2**63 - 1     # rosbag2's starting time of a bag without messages
+__all__ = ['BagError', 'BagWriter', 'Channel', 'SteadyClock']
 
-
-class BagError(FourBarError):
-    """A bag cannot be written or read; the message says which and why."""
-
-
-class Channel(NamedTuple):
-    """A recorded topic: absolute name, type, schema text, type hash and (depth, reliability, durability)."""
-
-    topic: str
-    type: str
-    schema: str
-    hash: str
-    depth: int
-    reliable: bool = True
-
-    @property
-    def qos(self):
-        """Return the QoS profile in rosbag2's words."""
-        endless = {'sec': 9223372036, 'nsec': 854775807}
-        return {'history': 'keep_last', 'depth': self.depth,
-                'reliability': 'reliable' if self.reliable else 'best_effort', 'durability': 'volatile',
-                'deadline': endless, 'lifespan': endless, 'liveliness': 'automatic',
-                'liveliness_lease_duration': endless, 'avoid_ros_namespace_conventions': False}
+# [s] A kill costs what was recorded since the last flush, so this bounds it; half of it is the mean.
+FLUSH_PERIOD = 0.1
+# [s] A robot's off switch is a power cut, and the kernel may keep data for 30 s. The sync has a thread of
+# its own, so a slow disk delays neither the flush nor the caller. 0: never.
+SYNC_PERIOD = 1.0
+# [s] The thread takes messages this often, in small bites: a bite holds the interpreter, and with it the
+# thread that drives the crank, for 2 us a message.
+BITE = 0.02
+SPACE_PERIOD = 1.0          # [s] between two looks at the free space
+SPACE_LEFT = 32 * 2**20     # [bytes] a bag is closed while its end still fits on the disk
+QUEUE_MESSAGES = 100_000    # more than that, or more bytes, waits for no disk: the newest are dropped
+QUEUE_BYTES = 128 * 2**20
+CDR_HEADER = 4              # [bytes] the shortest message
 
 
 class SteadyClock:
@@ -64,7 +52,7 @@ class SteadyClock:
 
 class BagWriter:
     """
-    One bag being written; :meth:`write` from any one thread, :meth:`close` when done.
+    One bag being written; :meth:`write` from any thread, :meth:`close` when done.
 
     Parameters
     ----------
@@ -74,6 +62,20 @@ class BagWriter:
     channels : list of Channel
     about : dict of str
         Kept with the bag (custom_data), so that it explains itself.
+    flush_period, sync_period : float
+        What a crash and what a power cut may cost at most [s].
+    tell : callable, optional
+        Called with one line of text when recording stops by itself and when messages are first dropped.
+
+    Attributes
+    ----------
+    path : Path
+        The folder of the bag.
+    accepted, dropped : int
+        Messages that are or will be in the bag, and those that found the queue full. Each dropped one
+        leaves a gap in the sequence numbers of its channel.
+    error : str or None
+        Why recording has stopped by itself; later messages are not accepted.
 
     Raises
     ------
@@ -82,38 +84,100 @@ class BagWriter:
 
     """
 
-    def __init__(self, directory, name, channels, about):
+    def __init__(self, directory, name, channels, about, flush_period=FLUSH_PERIOD, sync_period=SYNC_PERIOD,
+                 tell=None):
         self.clock = SteadyClock()
-        self.path, self._file = _create(Path(directory), name)
-        self._channels, self._about = channels, {str(k): str(v) for k, v in about.items()}
-        self._counts = [0] * len(channels)
-        self._start, self._end = NOT_STARTED, 0
-        self._queue = deque()
-        self.dropped = 0
-        self.error = None
-        self._stop = threading.Event()
-        self._writer = Writer(self._file, compression=CompressionType.ZSTD, enable_data_crcs=True)
-        self._writer.start('ros2', f'fourbar_ros {__version__}, mcap {mcap_version}')
-        self._ids = [self._register(channel) for channel in channels]
-        self._write_metadata_record()
-        self._writer.flush()
-        self._write_metadata_file()
-        self._thread = threading.Thread(target=self._run, name='bag', daemon=True)
-        self._thread.start()
+        self.accepted, self.dropped, self.error = 0, 0, None
+        self.flush_period, self.sync_period, self._tell = flush_period, sync_period, tell or (lambda text: None)
+        self._about = {str(key): str(value) for key, value in about.items()}
+        self._sequences = [0] * len(channels)          # next number of every channel
+        self._queue, self._lock = deque(), threading.Lock()
+        self._bytes_in = self._bytes_out = 0           # each changed by one side of the queue only
+        self._closed, self._sync_error, self._stop = False, None, threading.Event()
+        self.path, self._file = rosbag2.create(directory, name)
+        try:
+            if shutil.disk_usage(self.path).free < SPACE_LEFT:
+                raise BagError(f'{self.path}: less than {SPACE_LEFT >> 20} MiB free')
+            mark_as_being_written(self._file)
+            self._container = Container(self._file, 'ros2', f'fourbar_ros {__version__}, mcap {mcap_version}')
+            for channel in channels:
+                self._register(channel)
+            self._describe()
+            rosbag2.write_metadata_file(self.path, self._metadata())
+        except (OSError, BagError) as error:
+            self._file.close()
+            shutil.rmtree(self.path)
+            raise BagError(str(error)) from None
+        self._threads = [threading.Thread(target=self._run, name='bag', daemon=True)]
+        if sync_period > 0.0:
+            self._threads.append(threading.Thread(target=self._keep_synced, name='bag sync', daemon=True))
+        for thread in self._threads:
+            thread.start()
 
     def write(self, channel, data):
-        """Take the bytes of one message of the channel of this number; returns at once."""
-        if len(self._queue) >= QUEUE_LIMIT or self.error:
-            self.dropped += 1
-            return
-        self._queue.append((channel, self.clock.now(), data))
+        """
+        Take the bytes of one serialised message of the channel of this number; returns at once.
+
+        Returns
+        -------
+        accepted : bool
+            False if the queue is full, recording has stopped by an error, or the bag is closed.
+
+        Raises
+        ------
+        BagError
+            For an argument that would spoil the file; the bag is not touched by it.
+
+        """
+        if type(channel) is not int or not 0 <= channel < len(self._sequences):
+            raise BagError(f'channel {channel!r}: must be a number from 0 to {len(self._sequences) - 1}')
+        if type(data) is not bytes:
+            if not isinstance(data, (bytearray, memoryview)):
+                raise BagError(f'data of type {type(data).__name__}: must be the bytes of a message')
+            data = bytes(data)                          # its owner may change it
+        size = len(data)
+        if size < CDR_HEADER:
+            raise BagError(f'data of {size} bytes: a message has at least {CDR_HEADER}')
+        with self._lock:
+            if self._closed or self.error:
+                return False
+            sequence = self._sequences[channel]
+            self._sequences[channel] = (sequence + 1) & 0xFFFFFFFF
+            full = (len(self._queue) >= QUEUE_MESSAGES
+                    or self._bytes_in - self._bytes_out + size > QUEUE_BYTES)
+            if full:
+                self.dropped += 1
+            else:
+                self._bytes_in += size
+                self.accepted += 1
+                self._queue.append((channel, sequence, self.clock.now(), data))
+        if full and self.dropped == 1:
+            self._tell(f'{self.path}: the disk is too slow, messages are dropped')
+        return not full
+
+    def add_channel(self, channel):
+        """Add a Channel while recording and return its number."""
+        with self._lock:
+            self._queue.append(('channel', 0, 0, channel))
+            self._sequences.append(0)
+            return len(self._sequences) - 1
+
+    def note(self, values):
+        """Keep a dict of str in the file, behind all messages written so far: what holds from here on."""
+        with self._lock:
+            self._queue.append(('note', 0, 0, {str(key): str(value) for key, value in values.items()}))
 
     def close(self):
         """Write what waits, finish the file and its metadata; returns the path of the bag."""
+        with self._lock:
+            first, self._closed = not self._closed, True
         self._stop.set()
-        self._thread.join()
-        self._guard(self._finish)
-        self._file.close()
+        for thread in self._threads:
+            thread.join()
+        if first:
+            if not self.error:
+                self._guard(self._finish)
+            self._file.close()
         if self.error:
             raise BagError(f'{self.path}: {self.error}')
         return self.path
@@ -121,88 +185,104 @@ class BagWriter:
     # --- in the thread --------------------------------------------------------------------------
 
     def _run(self):
-        while not self._stop.wait(FLUSH_PERIOD):
+        flushed = looked = time.monotonic()
+        while not self._stop.wait(min(BITE, self.flush_period)) and not self.error:
             self._guard(self._drain)
+            now = time.monotonic()
+            if now - flushed >= self.flush_period - 0.5 * BITE:
+                flushed = now
+                self._guard(self._flush)
+            if now - looked >= SPACE_PERIOD:
+                looked = now
+                self._guard(self._look_at_the_disk)
 
     def _guard(self, action):
-        """Run an action; after a first error (disk full, ...) the file is left as it is."""
-        if not self.error:
-            try:
-                action()
-            except Exception as error:      # of any kind: the stream must go on, the file must not
-                self.error = f'recording stopped: {error}'
+        """Run an action; after a first error nothing more goes into the file than its end."""
+        if self.error:
+            return
+        try:
+            action()
+        except Exception as error:      # of any kind: the stream must go on
+            self._give_up(str(error))
+
+    def _give_up(self, why):
+        self.error = f'recording stopped: {why}'
+        self._queue.clear()
+        try:
+            self._end()
+            self.error += f'; the bag is whole, {sum(self._container.counts.values())} messages'
+        except OSError:
+            self.error += '; what was flushed is in the file: fourbar bag recover'
+        self._tell(f'{self.path}: {self.error}')
 
     def _drain(self):
-        while self._queue:
-            channel, stamp, data = self._queue.popleft()
-            self._writer.add_message(self._ids[channel], stamp, data, stamp, self._counts[channel])
-            self._counts[channel] += 1
-            self._start, self._end = min(self._start, stamp), max(self._end, stamp)
-        self._writer.flush()
+        queue, add = self._queue, self._container.add_message
+        while queue:
+            channel, sequence, stamp, data = queue.popleft()
+            if type(channel) is int:
+                add(channel + 1, sequence, stamp, data)
+                self._bytes_out += len(data)
+            elif channel == 'channel':
+                self._register(data)
+            else:
+                self._container.add_metadata('fourbar_ros', data)
+
+    def _flush(self):
+        before = self._container.start
+        self._container.flush()
+        if before != self._container.start:            # rosbag2 plays from the start that stands there
+            rosbag2.write_metadata_file(self.path, self._metadata())
+
+    def _look_at_the_disk(self):
+        if self._sync_error:
+            raise self._sync_error
+        if shutil.disk_usage(self.path).free < SPACE_LEFT:
+            self._container.flush()
+            raise BagError(f'less than {SPACE_LEFT >> 20} MiB free')
 
     def _finish(self):
         self._drain()
-        self._write_metadata_record()
-        self._writer.finish()
-        self._file.flush()
-        self._write_metadata_file()
+        self._container.flush()
+        self._end()
 
-    # --- what rosbag2 wants to know -------------------------------------------------------------
+    def _end(self):
+        """Write the last metadata, the end of the file, metadata.yaml."""
+        if self.dropped:
+            self._about['dropped'] = str(self.dropped)
+        self._describe()
+        self._container.finish()
+        if self.sync_period > 0.0:
+            os.fsync(self._file.fileno())
+        rosbag2.write_metadata_file(self.path, self._metadata())
+
+    def _keep_synced(self):
+        synced = 0
+        try:
+            sync_folders(self.path)
+            while not self._stop.wait(self.sync_period) and not self.error:
+                if synced != self._container.size:
+                    synced = self._container.size
+                    os.fdatasync(self._file.fileno())
+        except OSError as error:
+            self._sync_error = error                   # the other thread acts on it
+
+    def _metadata(self):
+        return rosbag2.describe(f'{self.path.name}_0.mcap', self._container, self._about)
+
+    def _describe(self):
+        self._container.add_metadata(rosbag2.RECORD, {rosbag2.KEY: rosbag2.dumped(self._metadata())})
 
     def _register(self, channel):
-        schema = self._writer.register_schema(channel.type, 'ros2msg', channel.schema.encode())
-        return self._writer.register_channel(channel.topic, 'cdr', schema, {
-            'offered_qos_profiles': yaml.safe_dump([channel.qos], sort_keys=False),
-            'topic_type_hash': channel.hash})
-
-    def metadata(self):
-        """Return the metadata as rosbag2 of Jazzy writes it."""
-        started = self._start != NOT_STARTED
-        duration = {'nanoseconds': self._end - self._start if started else 0}
-        begin = {'nanoseconds_since_epoch': self._start}
-        count, name = sum(self._counts), f'{self.path.name}_0.mcap'
-        return {
-            'version': METADATA_VERSION, 'storage_identifier': 'mcap', 'duration': duration,
-            'starting_time': begin, 'message_count': count,
-            'topics_with_message_count': [
-                {'topic_metadata': {'name': channel.topic, 'type': channel.type,
-                                    'serialization_format': 'cdr', 'offered_qos_profiles': [channel.qos],
-                                    'type_description_hash': channel.hash},
-                 'message_count': number} for channel, number in zip(self._channels, self._counts)],
-            'compression_format': '', 'compression_mode': '',
-            'relative_file_paths': [name],
-            'files': [{'path': name, 'starting_time': begin, 'duration': duration,
-                       'message_count': count}],
-            'custom_data': self._about, 'ros_distro': os.environ.get('ROS_DISTRO', 'jazzy'),
-        }
-
-    def _write_metadata_record(self):
-        text = yaml.dump(self.metadata(), Dumper=_NoAliases, sort_keys=False)
-        self._writer.add_metadata('rosbag2', {'serialized_metadata': text})
-
-    def _write_metadata_file(self):
-        text = yaml.dump({'rosbag2_bagfile_information': self.metadata()}, Dumper=_NoAliases, sort_keys=False)
-        part = self.path / 'metadata.yaml.part'
-        part.write_text(text)
-        part.replace(self.path / 'metadata.yaml')
+        known = {schema.name: number for number, schema in self._container.schemas.items()}
+        schema = known.get(channel.type) or self._container.add_schema(channel.type, channel.schema)
+        self._container.add_channel(channel.topic, schema, channel.metadata)
 
 
-class _NoAliases(yaml.SafeDumper):
-    def ignore_aliases(self, data):
-        return True
-
-
-def _create(directory, name):
-    """Make the bag's folder and file, both new; returns (path, open file)."""
-    name = name or time.strftime('fourbar_%Y_%m_%d-%H_%M_%S') + f'_{time.time_ns() % 10**9 // 10**6:03d}'
-    if name in ('.', '..') or '/' in name or '\0' in name:
-        raise BagError(f'bag name {name!r}: must be a plain name inside the recording directory')
-    path = directory / name
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        path.mkdir()
-        return path, open(path / f'{name}_0.mcap', 'xb')
-    except FileExistsError:
-        raise BagError(f'{path}: exists already; recordings never overwrite') from None
-    except OSError as error:
-        raise BagError(f'{path}: {error.strerror}') from None
+def sync_folders(path):
+    """Bring the entries of a new folder and its parent to the disk: a file without a name is lost."""
+    for folder in (path, path.parent):
+        number = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(number)
+        finally:
+            os.close(number)

@@ -1,4 +1,4 @@
-"""Mass properties of a link in its own frame: origin at its first joint, x to its second joint."""
+"""What is given for a link, in its own frame: origin at its first joint, x to its second joint."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -37,6 +37,40 @@ class Body:
         for name in ('cg_along', 'cg_across'):
             if not isfinite(getattr(self, name)):
                 raise InvalidParameter(name, getattr(self, name), 'must be a finite number')
+
+
+@dataclass(frozen=True)
+class Applied:
+    """
+    External force and couple on a link.
+
+    The force acts at a point fixed in the link; its direction, like that of gravity, is constant along
+    the ground axes (x from O1 to O4), whatever the link does.
+
+    Parameters
+    ----------
+    force_x, force_y : float
+        Force [N].
+    along, across : float
+        Where it acts: from the first joint (A of the coupler, O4 of the output link), along the link
+        and to its left [m].
+    couple : float
+        Couple, counter-clockwise positive [N m].
+    """
+
+    force_x: float = 0.0
+    force_y: float = 0.0
+    along: float = 0.0
+    across: float = 0.0
+    couple: float = 0.0
+
+    def __post_init__(self):
+        for name in ('force_x', 'force_y', 'along', 'across', 'couple'):
+            if not isfinite(getattr(self, name)):
+                raise InvalidParameter(name, getattr(self, name), 'must be a finite number')
+
+
+NOT_APPLIED = Applied()
 
 
 def round_rod(length, density, radius):

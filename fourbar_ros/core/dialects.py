@@ -32,7 +32,13 @@ def _array_where(condition, one, other):
     return np.where(condition, one, other)
 
 
-_ARRAY = {'sin': np.sin, 'cos': np.cos, 'sqrt': np.sqrt, 'atan2': np.arctan2, 'hypot': np.hypot,
+def _array_hypot(x, y):
+    """Return sqrt(x^2 + y^2), as fast as that where no square can be too large or too small."""
+    length = np.sqrt(x * x + y * y)
+    return length if 1e-140 < length.min() and length.max() < 1e150 else np.hypot(x, y)
+
+
+_ARRAY = {'sin': np.sin, 'cos': np.cos, 'sqrt': np.sqrt, 'atan2': np.arctan2, 'hypot': _array_hypot,
           'fabs': np.abs, 'where': _array_where}
 _ANALYTIC = {**_ARRAY, 'atan2': lambda y, x: 0.0, 'hypot': lambda x, y: np.sqrt(x * x + y * y),
              'fabs': lambda x: np.where(x.real < 0.0, -x, x)}

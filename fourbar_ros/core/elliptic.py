@@ -9,22 +9,25 @@ s1 = (a2+a3)^2 - (a1+a4)^2, s1b = (a2+a3)^2 - (a1-a4)^2, s2 = (a1-a4)^2 - (a2-a3
 - (a2-a3)^2, products of the bilinear factors. All quantities of the linkage are smooth in u at one
 scale: near a change point, where they change within sqrt(gap) in x, equal steps in u need only
 log(1/gap) points; at a toggle, u passes from one assembly mode into the other without a root.
+
+Input ranges are symmetric about theta1 = 0, so the points of 0 < theta1 < pi give all.
 """
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import pi
 from typing import NamedTuple
 
 import numpy as np
 
 from .factors import difference_of_squares
 
-# At a change point itself K is infinite. There the branches are smooth in x, so the points of a
-# linkage that clears the flat position by this much (of 4 a1 a4) serve.
+# At a change point itself the period of u is infinite. There the branches are smooth in x, so the
+# points of a linkage that clears the flat position by this much (of 4 a1 a4) serve.
 CLEARANCE = 2.0**-6
-# Points added towards a toggle and a flat position, each four times closer than the one before. The
-# last are 1e-6 in u away: at a toggle 1e-12 in x, where x itself has four digits left.
-END_POINTS = {False: 7, True: 3}
+# Points added towards a toggle and towards a flat position, each four times closer than the one
+# before. The last are 1e-6 in u from a toggle, 1e-12 in x, where x itself has four digits left, and
+# 1e-4 from a flat position, where quantities are quotients of vanishing numbers.
+TOGGLE_POINTS, FLAT_POINTS = 7, 3
 
 
 class End(NamedTuple):
@@ -41,12 +44,11 @@ class InputPath(NamedTuple):
     Parameters
     ----------
     theta1 : ndarray, shape (n,)
-        Increasing [rad], inside the range.
+        In [-pi, pi], inside the range, in the order of motion: after pi comes -pi.
     low, high : End or None
-        None for full turns: the point after the last is the first plus 2 pi.
-    first : int
-        Index of the point half a step of u after ``low``; points one step apart follow. By symmetry
-        the point with index -1 - first is as far from ``high``.
+        Where it begins and ends; None for full turns: after the last point comes the first.
+    first, last : int
+        Indices of the points half a step of u from ``low`` and ``high``; between them steps are equal.
 
     """
 
@@ -54,6 +56,7 @@ class InputPath(NamedTuple):
     low: End | None
     high: End | None
     first: int
+    last: int
 
     @property
     def is_closed(self):
@@ -61,75 +64,106 @@ class InputPath(NamedTuple):
         return self.low is None
 
 
-def jacobi(sine, cosine, m1):
+def landen_steps(m1):
     """
-    Return sn, cn, dn of u at the phase pi u/(2 K), given by its sine and cosine.
+    Return the steps of the descending Landen transformation for the complementary parameter m1 = 1 - m.
 
-    Descending Landen steps written in the complementary parameter m1 = 1 - m, with sums of positive
-    terms only: nothing is lost for m1 -> 0.
+    ``m1`` is a float or an array. Written in the complementary modulus, with sums of positive terms
+    only, it loses nothing for m1 -> 0. Six digits will do, but relative to m for m -> 0.
     """
-    modulus, steps = np.sqrt(m1), []
-    while np.min(modulus) < 1.0 - 1e-12:
-        steps.append(modulus)
-        modulus = 2.0 * np.sqrt(modulus) / (1.0 + modulus)
-    sn, cn, dn = sine, cosine, np.ones_like(sine)
-    for modulus in reversed(steps):
-        k = (1.0 - modulus) / (1.0 + modulus)
-        scale = 1.0 / (1.0 + k * sn * sn)
-        sn, cn, dn = ((1.0 + k) * sn * scale, cn * dn * scale,
-                      (2.0 * modulus / (1.0 + modulus) + k * cn * cn) * scale)
+    steps, modulus, smallest = [], m1**0.5, float(np.min(m1))**0.5
+    while not steps or smallest < 1.0 - 1e-3:
+        next_one = 1.0 / (1.0 + modulus)
+        steps.append(((1.0 - modulus) * next_one, 2.0 * modulus * next_one))
+        modulus, smallest = 2.0 * modulus**0.5 * next_one, 2.0 * smallest**0.5 / (1.0 + smallest)
+    return steps[::-1]
+
+
+def jacobi(sine, cosine, steps):
+    """Return sn, cn, dn of u at the phase pi u/(2 K), given by its sine and cosine."""
+    sn, cn, dn = sine, cosine, sine * sine + cosine * cosine
+    for k, k1 in steps:
+        square = sn * sn
+        scale = 1.0 / (1.0 + k * square)
+        sn, cn, dn = (1.0 + k) * sn * scale, cn * dn * scale, (k1 + k * cn * cn) * scale
     return sn, cn, dn
+
+
+def half_turn(s1, s2, k, crosses_out, crosses_in):
+    """
+    Return the function that gives theta1/2 as a pair (numerator, denominator of its tangent).
+
+    Its arguments are the sine and cosine of pi t/2, t from 0 at the lower end of theta1 in [0, pi] to 1
+    at the upper end, uniform in u.
+
+    Parameters
+    ----------
+    s1, s2, k : float or ndarray
+        Not zero; k = 4 a1 a4.
+    crosses_out, crosses_in : bool
+        Whether s1 > 0, so that theta1 reaches pi, and s2 > 0, so that it reaches 0.
+
+    """
+    s1b, s2b = s1 + k, s2 + k
+    p, q = abs(s1 * s2), s1b * s2b
+    a, b, c, d = abs(s1)**0.5, s1b**0.5, abs(s2)**0.5, s2b**0.5
+    steps = landen_steps(p / q if crosses_out == crosses_in else p / (p + q))
+
+    def crank(sine, cosine):
+        sn, cn, _ = jacobi(sine, cosine, steps)
+        return c * sn, d * cn
+
+    def through_zero(sine, cosine):
+        return b * jacobi(cosine, sine, steps)[1], a
+
+    def through_pi(sine, cosine):
+        return c, d * jacobi(sine, cosine, steps)[1]
+
+    def apart(sine, cosine):
+        return b * jacobi(cosine, sine, steps)[2], a
+
+    if crosses_out:
+        return crank if crosses_in else through_pi
+    return through_zero if crosses_in else apart
 
 
 def input_paths(linkage, points):
     """
     Return the list of :class:`InputPath` that make up the motion of a linkage in its mode.
 
-    ``points`` is their number over all paths together, without those added at the ends.
+    ``points`` is the number of points of a full turn, without those added at the ends.
     """
     a1, a2, a3, a4 = (length / max(linkage.lengths) for length in linkage.lengths)
     k = 4.0 * a1 * a4
     s1, s2 = difference_of_squares(a2, a3, a1, a4), difference_of_squares(a1, -a4, a2, -a3)
-    flat_in, flat_out = s2 == 0.0, s1 == 0.0       # flat position at theta1 = 0, at pi
+    low_end, high_end = linkage.input_ranges[-1]
+    low = End(max(low_end, 0.0), s2 == 0.0) if s2 <= 0.0 else None
+    high = End(min(high_end, pi), s1 == 0.0) if s1 <= 0.0 else None
     s1, s2 = s1 or CLEARANCE * k, s2 or CLEARANCE * k
-    s1b, s2b = s1 + k, s2 + k
-    p, q = abs(s1 * s2), s1b * s2b
-    toggles = [End(angle, False) for bounds in linkage.input_ranges for angle in bounds]
 
-    # Phases of the ends in order; None where the motion goes on.
-    if s1 > 0.0 and s2 > 0.0:
-        def angle(phase):
-            sn, cn, _ = jacobi(np.sin(phase), np.cos(phase), p / q)
-            return 2.0 * np.arctan2(sqrt(s2) * sn, sqrt(s2b) * cn)
-        ends = [(-0.5 * pi, flat_out and End(-pi, True)), (0.0, flat_in and End(0.0, True)),
-                (0.5 * pi, flat_out and End(pi, True)), (pi, flat_in and End(2.0 * pi, True))]
-        ends = [end for end in ends if end[1]][:2 + (flat_in and flat_out)]
-        ends = ends or [(-0.5 * pi, None), (0.5 * pi, None)]
-    elif s1 < 0.0 and s2 < 0.0:
-        def angle(phase):
-            _, _, dn = jacobi(np.sin(phase), np.cos(phase), p / q)
-            return np.copysign(2.0, -phase) * np.arctan2(sqrt(s1b) * dn, sqrt(-s1))
-        far_low, near_low, near, far = toggles
-        return [_path(angle, 0.0, far_low, 0.5 * pi, near_low, points // 2),
-                _path(angle, -0.5 * pi, near, 0.0, far, points // 2)]
-    else:
-        def angle(phase):
-            _, cn, _ = jacobi(np.sin(phase), np.cos(phase), p / (p + q))
-            if s1 < 0.0:
-                return -2.0 * np.arctan2(sqrt(s1b) * cn, sqrt(-s1))
-            return 2.0 * np.arctan2(sqrt(-s2), sqrt(s2b) * cn)
-        middle = flat_in and End(0.0, True) if s1 < 0.0 else flat_out and End(pi, True)
-        ends = [(0.0, toggles[0]), *([(0.5 * pi, middle)] if middle else []), (pi, toggles[-1])]
-    return [_path(angle, *one, *other, points // (len(ends) - 1)) for one, other in zip(ends, ends[1:])]
+    count = points // 2
+    before, after = _closer(low, count), _closer(high, count)
+    phase = 0.5 * pi * np.concatenate((before[::-1], (np.arange(count) + 0.5) / count, 1.0 - after))
+    x = 2.0 * np.arctan2(*half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)(np.sin(phase), np.cos(phase)))
+
+    # Nearer to a toggle than this, x has no digits left for the distance.
+    beyond = [np.abs(x - end.theta1) < 2.0**-40 * end.theta1 if end else np.zeros(x.shape, bool)
+              for end in (low, high)]
+    before, after = before.size - beyond[0].sum(), after.size - beyond[1].sum()
+    x = x[~(beyond[0] | beyond[1])]
+    if low and high:
+        return [InputPath(-x[::-1], _mirror(high), _mirror(low), after, x.size - 1 - before),
+                InputPath(x, low, high, before, x.size - 1 - after)]
+    if low:
+        return [InputPath(np.concatenate((x, -x[::-1])), low, _mirror(low), before, 2 * x.size - 1 - before)]
+    return [InputPath(np.concatenate((-x[::-1], x)), _mirror(high), high, after, 2 * x.size - 1 - after)]
 
 
-def _path(angle, phase_low, low, phase_high, high, points):
-    """Return the path between two phases."""
-    step = (phase_high - phase_low) / points
-    phase = phase_low + step * (np.arange(points) + 0.5)
-    if low is None:
-        return InputPath(angle(phase), low, high, 0)
-    before, after = (0.5 * step * 4.0**-np.arange(1.0, 1 + END_POINTS[end.is_flat])
-                     for end in (low, high))
-    x = angle(np.concatenate((phase_low + before[::-1], phase, phase_high - after)))
-    return InputPath(x, low, high, (before.size, after.size))
+def _closer(end, count):
+    """Return the parameters t of the points added at an end at t = 0, outwards."""
+    number = 0 if end is None else FLAT_POINTS if end.is_flat else TOGGLE_POINTS
+    return 0.5 / count * 4.0**-np.arange(1.0, 1 + number)
+
+
+def _mirror(end):
+    return end and End(-end.theta1, end.is_flat)

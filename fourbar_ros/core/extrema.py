@@ -1,32 +1,30 @@
 """
 All extreme values of motion and loads over the input angle: none missed, for any linkage and mode.
 
-Each quantity Q is sampled on the paths of :mod:`.elliptic` with its exact derivative dQ/dtheta1, by a
-complex step through the same formulas that compute Q. Sign changes of the derivative, and dips of its
-magnitude between samples, are bracketed and all brackets of all quantities solved at once. To these come the ends of the
-paths: toggles, where quantities are unbounded, and flat positions, where they have one-sided values.
+The rate and acceleration of the output at constant input rate have a fast path of their own
+(:mod:`.rates`); everything else is searched for by :mod:`.search`. To the extremes inside the input
+range come its ends: toggles, where quantities are unbounded, and the flat positions of change points,
+where they have one-sided values.
 """
 from __future__ import annotations
 
-from math import comb, inf, isfinite, pi
-from typing import NamedTuple
+from math import inf, isfinite, nan
+from typing import Callable, NamedTuple
 
 import numpy as np
 
 from .elliptic import input_paths
-from .errors import InvalidParameter, MissingBodies
-from .kinematics import Motion
-from .loads import Loads
-from .quantities import Quantity, select
-from .roots import EPS, bracketed_roots, brackets, dips
+from .errors import FourBarError, InvalidParameter
+from .quantities import select
+from .rates import rate_extrema
+from .roots import EPS
+from .search import DifferenceSampler, Found, Sampler, fold, search_path
 
 MINIMUM, MAXIMUM, CONSTANT = 'minimum', 'maximum', 'constant'
 INTERIOR, LIMIT, ONE_SIDED = 'interior', 'limit', 'one-sided'
+_KINDS = {-1: MINIMUM, 1: MAXIMUM, 0: CONSTANT}
 
 SAMPLES = 128
-# Complex step: its square vanishes beside one, and it is nothing beside the distance of any sample
-# from a toggle or a flat position.
-STEP = 2.0**-200
 
 
 class Extremum(NamedTuple):
@@ -47,9 +45,12 @@ class Extremum(NamedTuple):
         No other minimum (maximum) of the quantity in this mode is lower (higher).
     place : str
         'interior'; 'limit': at a toggle, where the range of the input ends; 'one-sided': the value
-        towards a flat position, where the quantity jumps.
+        towards the flat position of a change point, where the quantity jumps.
     side : int
         +1 (-1): theta1 is approached from above (below); 0 in the interior.
+    condition, value_condition : float
+        Link lengths each wrong by a relative eps move ``theta1`` by up to eps * condition [rad] and
+        ``value`` by up to the relative eps * value_condition. NaN at ends.
 
     """
 
@@ -62,9 +63,20 @@ class Extremum(NamedTuple):
     is_global: bool
     place: str = INTERIOR
     side: int = 0
+    condition: float = nan
+    value_condition: float = nan
 
 
-def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0):
+class UserQuantity(NamedTuple):
+    """A quantity given as a function (Motion, Loads) -> value."""
+
+    name: str
+    unit: str
+    of: Callable
+    is_load: bool = False     # not known: without masses, loads raise MissingBodies when used
+
+
+def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False):
     """
     Return all extreme values over the input angle, in the mode of the linkage.
 
@@ -72,8 +84,10 @@ def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0):
     ----------
     linkage : FourBar
     quantities : sequence of str, Quantity or callable
-        Names (see :data:`.quantities.QUANTITIES`), or functions (Motion, Loads) -> value. Empty: all
-        names for which the linkage has data.
+        Names (see :data:`.quantities.QUANTITIES`), or functions (Motion, Loads) -> value of plain
+        arithmetic and numpy functions; with abs, comparisons or ``math`` they are slower and located
+        to about 1e-10 rad. Attributes ``unit`` and ``__name__`` are used. Empty: all names for which the
+        linkage has data.
     omega1, alpha1 : float
         Input rate [rad/s] and acceleration [rad/s^2], the same at every angle.
 
@@ -87,92 +101,78 @@ def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0):
         if not isfinite(value):
             raise InvalidParameter(name, value, 'must be a finite number')
     quantities = _resolve(quantities, linkage.bodies is not None)
+    is_fast = alpha1 == 0.0 != omega1 and linkage.change_point_margin > 0.0
+    fast, smooth, rough = [], [], []
+    for row, quantity in enumerate(quantities):
+        if isinstance(quantity, UserQuantity):
+            (smooth if _has_complex_step(linkage, quantity, omega1, alpha1) else rough).append(row)
+        else:
+            (fast if is_fast and quantity.name in ('omega4', 'alpha4') else smooth).append(row)
+
     found = [[] for _ in quantities]
-    for path in input_paths(linkage, SAMPLES):
-        sampler = _Sampler(linkage, quantities, omega1, alpha1)
-        for row, extremum in _search(sampler, path):
-            found[row].append(extremum)
-    return [extremum for part in found for extremum in _mark_global(part)]
+    if fast:
+        for part in _at_constant_rate(linkage, [quantities[row].name for row in fast], omega1):
+            found[fast[part.row]].append(part)
+    for kind, rows in ((Sampler, smooth), (DifferenceSampler, rough)):
+        if rows:
+            chosen = [quantities[row] for row in rows]
+            sampler = kind(linkage, chosen, omega1, alpha1, any(isinstance(q, UserQuantity) for q in chosen))
+            for path in input_paths(linkage, SAMPLES):
+                for part in search_path(sampler, path):
+                    found[rows[part.row]].append(part)
+    return [extremum for quantity, part in zip(quantities, found)
+            for extremum in _extrema(quantity, linkage.mode, part)]
 
 
 def _resolve(quantities, has_bodies):
-    if isinstance(quantities, str) or callable(quantities):
+    """Return the quantities meant."""
+    if isinstance(quantities, str) or hasattr(quantities, 'of') or callable(quantities):
         quantities = (quantities,)
-    if not quantities:
+    if not len(quantities):
         return select((), has_bodies)
-    return [q if hasattr(q, 'of') else select((q,))[0] if isinstance(q, str) else _UserQuantity(q)
-            for q in quantities]
+    return [quantity if hasattr(quantity, 'of') else select((quantity,))[0] if not callable(quantity)
+            else UserQuantity(getattr(quantity, '__name__', 'quantity'), getattr(quantity, 'unit', ''), quantity)
+            for quantity in quantities]
 
 
-class _UserQuantity:
-    def __init__(self, function):
-        self.name, self.unit = getattr(function, '__name__', repr(function)), getattr(function, 'unit', '')
-        self.of = function
-        self.is_load = True
+def _has_complex_step(linkage, quantity, omega1, alpha1):
+    """Return whether the complex step gives the derivative of a function: tried at some points."""
+    path = input_paths(linkage, 32)[0]
+    x = path.theta1[path.first:path.last:3]
+    step = 2.0**-12 * np.gradient(path.theta1)[path.first:path.last:3]
+    sampler = Sampler(linkage, (quantity,), omega1, alpha1, with_angles=True)
+    try:
+        values, slopes = sampler.sample(x)
+        differences = (sampler.values(x + step) - sampler.values(x - step)) / (2.0 * step)
+    except (TypeError, ValueError):
+        return False
+    return bool(np.all(values == sampler.values(x))
+                and np.all(np.abs(slopes - differences) <= 1e-3 * np.max(np.abs(differences))))
 
 
-class _Sampler:
-    """Values and derivatives of some quantities of a linkage."""
-
-    def __init__(self, linkage, quantities, omega1, alpha1):
-        self.linkage, self.quantities, self.rates = linkage, quantities, (omega1, alpha1)
-        self.needs_loads = any(q.is_load for q in quantities)
-        if self.needs_loads and linkage.bodies is None:
-            raise MissingBodies
-
-    def __call__(self, x, dialect=2):
-        """Return the quantities at x, shape (quantities, x.size)."""
-        with np.errstate(all='ignore'):
-            motion = self.linkage._motion[dialect](x, *self.rates)
-            loads = Loads(*self.linkage._loads[dialect](motion)) if self.needs_loads else None
-            motion = Motion(*motion)
-            values = np.empty((len(self.quantities), x.size), x.dtype)
-            for row, quantity in zip(values, self.quantities):
-                row[:] = quantity.of(motion, loads)
-        return values
-
-    def with_slopes(self, x):
-        """Return values and exact derivatives with respect to x."""
-        values = self(x + 1j * STEP)
-        return values.real, values.imag / STEP
-
-    def slope(self, x, row):
-        """Return the derivative of quantity ``row[i]`` at x[i]."""
-        return self(x + 1j * STEP)[row, np.arange(x.size)].imag / STEP
+def _at_constant_rate(linkage, names, omega1):
+    """Yield the :class:`Found` of omega4 and alpha4; ``row`` is the index in names."""
+    roots, toggles = rate_extrema(linkage)
+    motion = linkage._motion[0]
+    for row, name in enumerate(names):
+        i, field, sign = (0, 10, 1 if omega1 > 0.0 else -1) if name == 'omega4' else (1, 11, 1)
+        for x, is_maximum, *conditions in roots[i]:
+            theta1 = float(fold(x))
+            yield Found(row, theta1, motion(theta1, omega1, 0.0)[field], sign if is_maximum else -sign, 0, False,
+                        *conditions)
+        for x, side, *is_up in toggles:
+            sense = sign if is_up[i] else -sign
+            yield Found(row, float(fold(x)), sense * inf, sense, side)
 
 
-def _search(sampler, path):
-    """Yield (row, Extremum) along one path."""
-    x = path.theta1
-    values, slopes = sampler.with_slopes(x)
-    if path.is_closed:
-        x = np.concatenate((x, x[:2] + 2.0 * pi))
-        slopes = np.concatenate((slopes, slopes[:, :2]), axis=1)
-        found = brackets(x[:-1], slopes[:, :-1])
-    else:
-        found = brackets(x, slopes)
-    hidden = dips(sampler.slope, x, slopes)
-    row, xa, xb, fa, fb = (np.concatenate(parts) for parts in zip(found, hidden))
-    root = bracketed_roots(sampler.slope, row, xa, xb, fa, fb)
-    theta1 = fold(root)
-    value = sampler(theta1, 1)[row, np.arange(row.size)]
-    for q, kind, angle, v in sorted(zip(row.tolist(), fa >= 0.0, theta1.tolist(), value.tolist())):
-        quantity = sampler.quantities[q]
-        yield q, Extremum(quantity.name, quantity.unit, sampler.linkage.mode, MAXIMUM if kind else MINIMUM,
-                          angle, v, False)
-
-
-def fold(x):
-    """Return angles in [0, 2 pi)."""
-    folded = np.where(x < 0.0, x + 2.0 * pi, np.where(x >= 2.0 * pi, x - 2.0 * pi, x))
-    return np.where(folded >= 2.0 * pi, 0.0, folded)
-
-
-def _mark_global(extrema):
+def _extrema(quantity, mode, found):
     """Return the extrema of one quantity by theta1, the global ones marked."""
-    if not extrema:
+    if not found:
         return []
-    low, high = min(e.value for e in extrema), max(e.value for e in extrema)
-    return [e._replace(is_global=e.value <= low + 64 * EPS * abs(low) if e.kind == MINIMUM
-                       else e.value >= high - 64 * EPS * abs(high))
-            for e in sorted(extrema, key=lambda e: (e.theta1, e.side))]
+    low, high = min(part.value for part in found), max(part.value for part in found)
+    low, high = (v + margin * abs(v) if isfinite(v) else v for v, margin in ((low, 64 * EPS), (high, -64 * EPS)))
+    return [Extremum(quantity.name, quantity.unit, mode, _KINDS[part.sense], part.theta1, part.value,
+                     part.sense <= 0 and part.value <= low or part.sense >= 0 and part.value >= high,
+                     INTERIOR if not part.side or not part.sense else ONE_SIDED if part.is_flat else LIMIT,
+                     part.side, part.condition, part.value_condition)
+            for part in sorted(found, key=lambda part: (part.theta1, part.side))]

@@ -8,6 +8,28 @@ it everything that is built of products and of sums without cancellation.
 from __future__ import annotations
 
 from math import fsum
+from typing import NamedTuple
+
+
+class Factors(NamedTuple):
+    """The eight sums in the slides' letters [m]. The paper's letters A1..D2 name others of them."""
+
+    A1: float
+    A2: float
+    B1: float
+    B2: float
+    C1: float
+    C2: float
+    D1: float
+    D2: float
+
+
+def bilinear_factors(a1, a2, a3, a4):
+    """Return the :class:`Factors` of four lengths [m]; one that is zero is exactly so: a change point."""
+    return Factors(A1=fsum((a1, -a2, -a3, a4)), A2=fsum((a1, a2, -a3, a4)),
+                   B1=fsum((a1, -a2, a3, a4)), B2=fsum((a1, a2, a3, a4)),
+                   C1=fsum((a1, -a2, a3, -a4)), C2=fsum((a1, a2, a3, -a4)),
+                   D1=fsum((a1, a2, -a3, -a4)), D2=fsum((a1, -a2, -a3, -a4)))
 
 
 def half_angle_coefficients(a1, a2, a3, a4):
@@ -25,11 +47,8 @@ def half_angle_coefficients(a1, a2, a3, a4):
         [m^2]
 
     """
-    return (fsum((a1, -a2, -a3, a4)) * fsum((a1, a2, -a3, a4)),
-            fsum((a1, -a2, a3, a4)) * fsum((a1, a2, a3, a4)),
-            fsum((a1, -a2, a3, -a4)) * fsum((a1, a2, a3, -a4)),
-            fsum((a1, a2, -a3, -a4)) * fsum((a1, -a2, -a3, -a4)),
-            4.0 * a1 * a3)
+    f = bilinear_factors(a1, a2, a3, a4)
+    return f.A1 * f.A2, f.B1 * f.B2, f.C1 * f.C2, f.D1 * f.D2, 4.0 * a1 * a3
 
 
 def difference_of_squares(a, b, c, d):

@@ -96,52 +96,62 @@ def make_motion(a1, a2, a3, a4, sign):
     Ab, Bb, Cb, Db, Mb = half_angle_coefficients(-a4, a3, -a2, -a1)     # ground turns by -x; b - x
     e, f = (a1 - a4) * (a1 + a4), (a2 - a3) * (a2 + a3)
 
-    def motion(x, omega, alpha, sign=sign, a1=a1, a2=a2, a3=a3, a4=a4,
+    def motion(x, omega, alpha, sign=sign, straight=sign * pi,
                s1=difference_of_squares(a2, a3, a1, a4), c1=difference_of_squares(a2, a3, a1, -a4),
                s2=difference_of_squares(a1, -a4, a2, -a3), c2=difference_of_squares(a1, a4, a2, -a3),
                upper=(By, Dy, Br, Dr, Bb, Db, 1.0), lower=(Ay, Cy, Ar, Cr, Ab, Cb, -1.0),
-               My=My, Mr=-Mr, Mb=Mb, r13=a1 / a3, r12=a1 / a2, r42=a4 / a2, r=a1 * a4 / (a2 * a3),
-               e=e, f=f, k=4.0 * a1 * a4, half_k=2.0 * a1 * a4, near=(a1 - a4)**2,
-               y_near=f + (a1 - a4)**2, y_far=f + (a1 + a4)**2,
-               b_near=f - (a1 - a4)**2, b_far=f - (a1 + a4)**2):
-        sh, ch = sin(0.5 * x) + INFINITESIMAL, cos(0.5 * x)
+               My=My, Mr=-Mr, Mb=-Mb, r2=-a4 / a2, r3=a1 * a4 / (a2 * a3), r4=-a1 / a3, rb=-a1 / a2,
+               j1=2.0 * a1 * a4 * difference_of_squares(a2, a3, a1, a4),
+               j2=2.0 * a1 * a4 * difference_of_squares(a1, -a4, a2, -a3),
+               e=e, f=f, k=4.0 * a1 * a4, near=(a1 - a4)**2, half_k=a1 * a4,
+               y_near=0.5 * (f + (a1 - a4)**2), y_far=0.5 * (f + (a1 + a4)**2),
+               b_near=0.5 * (f - (a1 - a4)**2), b_far=0.5 * (f - (a1 + a4)**2),
+               n1=sign * a1 / a3, n2=sign * a2 / a3, n4=sign * a4 / a3):
+        half = 0.5 * x
+        sh, ch = sin(half) + INFINITESIMAL, cos(half)
         ss, cc, sc = sh * sh, ch * ch, sh * ch
+        cos_x, sin_x = cc - ss, sc + sc
         u, w = s1 * ss + c1 * cc, c2 * ss + s2 * cc
         square = u * w
         root = sign * sqrt(square)     # 2 a2 a3 sin mu; not real where the linkage cannot close
-        scale = 1.0 / (u + w)          # 1 / (4 a2 a3) with the rounding of u and w
-        cos_mu, sin_mu = (u - w) * scale, 2.0 * root * scale
+        # 1/(4 a2 a3) with the roundings of u and w; the root makes cos_mu NaN where nothing is real
+        scale = 1.0 / (u + w + 0.0 * root)
+        cos_mu, sin_mu = (u - w) * scale, (root + root) * scale
         mu = atan2(sin_mu, cos_mu)
 
-        # t = g/h or h/g with h = m +- root, whichever adds: the same one for all three angles
+        # Of (m + root)/p and r/(m - root) the first is h/g, the second g/h, so that the sine is that of
+        # either, the cosine has the sign "side". What adds for one angle adds for all three.
         same = (sc * root).real > 0.0
         B, D, E, F, G, H, side = where(same, upper, lower)
         signed = side * root
         g, h = B * ss + D * cc, My * sc + signed
-        scale = 1.0 / (g * g + h * h)
-        cos_y, sin_y = side * (h - g) * (h + g) * scale, 2.0 * g * h * scale
+        hh = h * h
+        scale = 2.0 / (g * g + hh)
+        cos_y, sin_y = side * (hh * scale - 1.0), g * h * scale
         g, h = E * ss + F * cc, Mr * sc + signed
         sin_yx = 2.0 * g * h / (g * g + h * h)
-        g, h = G * ss + H * cc, -Mb * sc - signed
-        scale = 1.0 / (g * g + h * h)
-        cos_bx, sin_bx = side * (h - g) * (h + g) * scale, 2.0 * g * h * scale
-        cos_x, sin_x = (ch - sh) * (ch + sh), 2.0 * sc
+        g, h = G * ss + H * cc, Mb * sc - signed
+        hh = h * h
+        scale = 2.0 / (g * g + hh)
+        cos_bx, sin_bx = side * (hh * scale - 1.0), g * h * scale
         cos_b, sin_b = cos_x * cos_bx - sin_x * sin_bx, sin_x * cos_bx + cos_x * sin_bx
 
-        d2, d3, dy, db = -r42 * sin_y / sin_mu, r * sin_x / sin_mu, -r13 * sin_bx / sin_mu, -r12 * sin_yx / sin_mu
-        q = near + k * ss
-        turn = half_k * sin_x * (e + f * d3) / q     # 2 a1 a4 sin x rho
-        dd3 = half_k * (s2 * cc * u - s1 * ss * w) / (square * root)
-        ddy = 0.5 * ((y_near * cc + y_far * ss) * dd3 - turn) / q
-        ddb = 0.5 * ((b_near * cc + b_far * ss) * dd3 - turn) / q
+        scale = 1.0 / sin_mu
+        d2, d3, dy, db = r2 * sin_y * scale, r3 * sin_x * scale, r4 * sin_bx * scale, rb * sin_yx * scale
+        condition = (n1 * fabs(cos_bx) + n2 + sign * fabs(cos_mu) + n4 * fabs(cos_b)) * scale
+
+        scale = 1.0 / (near + k * ss)
+        turn = half_k * sin_x * (e + f * d3) * scale
+        dd3 = (j2 * cc * u - j1 * ss * w) / (square * root)
+        ddy = ((y_near * cc + y_far * ss) * dd3 - turn) * scale
+        ddb = ((b_near * cc + b_far * ss) * dd3 - turn) * scale
 
         omega4, omega_b, square = dy * omega, db * omega, omega * omega
-        condition = (fabs(a1 * cos_bx) + a2 + fabs(a3 * cos_mu) + fabs(a4 * cos_b)) / (a3 * fabs(sin_mu))
         return (x, omega, alpha,
                 atan2(sin_bx, cos_bx), d2 * omega, d2 * alpha + ddb * square,
-                mu - sign * pi, d3 * omega, d3 * alpha + dd3 * square,
+                mu - straight, d3 * omega, d3 * alpha + dd3 * square,
                 atan2(sin_y, cos_y), omega4, dy * alpha + ddy * square,
                 atan2(sin_b, cos_b), omega_b, db * alpha + ddb * square,
-                fabs(mu), dy, condition,
+                sign * mu, dy, condition,
                 cos_x, sin_x, cos_b, sin_b, cos_y, sin_y, cos_mu, sin_mu)
     return motion

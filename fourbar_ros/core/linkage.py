@@ -3,12 +3,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import atan2, fsum, isfinite, pi, sqrt
+from math import atan2, fsum, isfinite, pi, remainder, sqrt
+from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
 
-from .bodies import Body
+from .bodies import NOT_APPLIED, Applied, Body
 from .errors import InvalidParameter, MissingBodies, OutOfRange, Toggle
 from .factors import difference_of_squares
 from .kinematics import Motion, make_motion
@@ -18,6 +19,9 @@ CROSSED, OPEN = 1, 2     # assembly modes: sin(theta4 - beta) < 0, > 0
 
 # Samples a numpy evaluation takes at once: its temporaries then stay in the cache.
 CHUNK = 8192
+
+EPS = 2.0**-52
+_new = tuple.__new__     # of a NamedTuple from a tuple: four times faster than its own constructor
 
 # Signs of (a4 - a1 + a3 - a2, a4 - a1 - a3 + a2, a2 + a3 - a4 - a1): McCarthy and Soh, Geometric Design
 # of Linkages, table of the eight basic planar 4R linkages.
@@ -41,6 +45,23 @@ class Bodies(NamedTuple):
     output: Body
 
 
+class External(NamedTuple):
+    """What acts on coupler and output link from outside."""
+
+    coupler: Applied = NOT_APPLIED
+    output: Applied = NOT_APPLIED
+
+
+def _are_numbers(*values):
+    return all(isinstance(value, Real) for value in values)
+
+
+def _require_finite(theta1, omega1, alpha1):
+    for name, value in (('theta1', theta1), ('omega1', omega1), ('alpha1', alpha1)):
+        if not isfinite(value):
+            raise InvalidParameter(name, value, 'must be a finite number')
+
+
 @dataclass(frozen=True)
 class FourBar:
     """
@@ -61,6 +82,8 @@ class FourBar:
         Masses; without them there are no loads.
     gravity : tuple of 2 floats
         Field of gravity (x, y) [m/s^2].
+    external : External
+        Forces and couples on coupler and output link.
 
     Raises
     ------
@@ -76,6 +99,7 @@ class FourBar:
     mode: int = OPEN
     bodies: Bodies | None = None
     gravity: tuple[float, float] = (0.0, 0.0)
+    external: External = External()
 
     def __post_init__(self):
         lengths = self.lengths
@@ -162,7 +186,7 @@ class FourBar:
     def _loads(self):
         if self.bodies is None:
             raise MissingBodies
-        return [make(*self.lengths, self.bodies, self.gravity) for make in make_loads]
+        return [make(*self.lengths, self.bodies, self.gravity, self.external) for make in make_loads]
 
     def motion(self, theta1, omega1=0.0, alpha1=0.0):
         """
@@ -176,36 +200,49 @@ class FourBar:
 
         Raises
         ------
-        OutOfRange, Toggle
-            For a single value. In arrays such samples are NaN.
+        InvalidParameter, OutOfRange, Toggle
+            For a single value that is not finite, out of range, at a toggle. In arrays such samples
+            are NaN in every field that depends on it.
 
         """
-        return self._evaluate(theta1, omega1, alpha1, False)[0]
+        if not (type(theta1) is type(omega1) is type(alpha1) is float):
+            if _are_numbers(theta1, omega1, alpha1):
+                return self.motion(float(theta1), float(omega1), float(alpha1))
+            return self._evaluate_arrays(theta1, omega1, alpha1, False)[0]
+        if (theta1 + omega1 + alpha1) * 0.0 != 0.0:
+            _require_finite(theta1, omega1, alpha1)
+        try:
+            return _new(Motion, self._motion[0](theta1, omega1, alpha1))
+        except (ValueError, ZeroDivisionError):
+            raise self._why_no_motion(theta1) from None
 
     def loads(self, theta1, omega1=0.0, alpha1=0.0):
         """Return the :class:`Loads`; arguments and errors as in :meth:`motion`, or MissingBodies."""
-        return self._evaluate(theta1, omega1, alpha1, True)[1]
+        return self.step(theta1, omega1, alpha1)[1]
 
     def step(self, theta1, omega1=0.0, alpha1=0.0):
         """Return (Motion, Loads) together, at the cost of one; arguments as in :meth:`motion`."""
-        return self._evaluate(theta1, omega1, alpha1, True)
-
-    def _evaluate(self, theta1, omega1, alpha1, with_loads):
-        if not (isinstance(theta1, (float, int)) and isinstance(omega1, (float, int))
-                and isinstance(alpha1, (float, int))):
-            return self._evaluate_arrays(theta1, omega1, alpha1, with_loads)
+        if not (type(theta1) is type(omega1) is type(alpha1) is float):
+            if _are_numbers(theta1, omega1, alpha1):
+                return self.step(float(theta1), float(omega1), float(alpha1))
+            return self._evaluate_arrays(theta1, omega1, alpha1, True)
+        if (theta1 + omega1 + alpha1) * 0.0 != 0.0:
+            _require_finite(theta1, omega1, alpha1)
+        loads = self._loads[0]
         try:
             motion = self._motion[0](theta1, omega1, alpha1)
-            return (tuple.__new__(Motion, motion),
-                    tuple.__new__(Loads, self._loads[0](motion)) if with_loads else None)
-        except ValueError:
-            if isinstance(theta1, float) and not isfinite(theta1):
-                raise InvalidParameter('theta1', theta1, 'must be a finite number') from None
-            if self.bodies is None and with_loads:
-                raise
-            raise OutOfRange(theta1, self.input_ranges) from None
-        except ZeroDivisionError:
-            raise Toggle(theta1) from None
+            return _new(Motion, motion), _new(Loads, loads(motion))
+        except (ValueError, ZeroDivisionError):
+            raise self._why_no_motion(theta1) from None
+
+    def _why_no_motion(self, theta1):
+        """Return the error for an angle at which a square root was not real or a sine zero."""
+        # A limit and the angle compared with it are each rounded, and so is their distance.
+        tolerance = 4.0 * EPS * abs(theta1)
+        for end in (end for bounds in self.input_ranges for end in bounds):
+            if abs(remainder(theta1 - end, 2.0 * pi)) <= tolerance:
+                return Toggle(theta1)
+        return OutOfRange(theta1, self.input_ranges)
 
     def _evaluate_arrays(self, theta1, omega1, alpha1, with_loads):
         kind = 2 if np.iscomplexobj(theta1) else 1

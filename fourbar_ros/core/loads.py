@@ -6,13 +6,18 @@ output link need about A and O4, the two moment equations give the force at B di
 
     F32 = (M3/a3 e_b + M2/a2 e_y) / sin(mu),     e_b, e_y: directions of coupler and output link,
 
-and every other reaction follows by subtraction. Rigid links, frictionless joints, no clearance.
+and every other reaction follows by subtraction.
+
+Assumed: rigid links moving in one plane; joints without clearance and without friction (a joint
+transmits a force through its centre and no couple); gravity uniform; external forces and couples
+constant along the ground axes, at points fixed in their link. The drive is a pure torque on the crank.
 """
 from __future__ import annotations
 
 from math import frexp, hypot, ldexp
 from typing import NamedTuple
 
+from .bodies import NOT_APPLIED
 from .dialects import dialects
 
 
@@ -43,47 +48,72 @@ class Loads(NamedTuple):
     shaking_moment: float     # on the ground about O1: T14 + (O4 - O1) x F34
 
 
+def _about_first_joint(body, unit, gravity, applied=NOT_APPLIED):
+    """
+    Return the constants of a link in the equations; lengths in ``unit``, origin at its first joint.
+
+    Returns
+    -------
+    along, across : float
+        Mass times centre of gravity [kg unit * unit].
+    inertia : float
+        About the first joint.
+    hold_x, hold_y : float
+        What the joint forces add up to at rest: minus weight and applied force [N].
+    couple, by_cosine, by_sine : float
+        Their moment at rest: couple + by_cosine cos(angle) + by_sine sin(angle) [N unit].
+
+    """
+    mass, along, across = body.mass * unit, body.cg_along / unit, body.cg_across / unit
+    inertia = body.inertia / unit + mass * (along * along + across * across)
+    along, across = mass * along, mass * across
+    g_x, g_y = gravity[0] / unit, gravity[1] / unit
+    f_x, f_y, p_along, p_across = applied.force_x, applied.force_y, applied.along / unit, applied.across / unit
+    return (along, across, inertia, -mass * g_x - f_x, -mass * g_y - f_y, -applied.couple / unit,
+            across * g_x - along * g_y + p_across * f_x - p_along * f_y,
+            across * g_y + along * g_x + p_across * f_y + p_along * f_x)
+
+
 @dialects
-def make_loads(a1, a2, a3, a4, bodies, gravity):
+def make_loads(a1, a2, a3, a4, bodies, gravity, external):
     """
     Return the function (fields of Motion) -> fields of :class:`Loads` for a fixed linkage.
 
-    ``bodies``: three of :class:`~.bodies.Body`; ``gravity``: (x, y) of the field [m/s^2]. Lengths are
-    scaled by a power of two into masses and inertias, so that no square of a length can overflow.
+    ``bodies``: three of :class:`~.bodies.Body`; ``gravity``: (x, y) of the field [m/s^2]; ``external``:
+    two of :class:`~.bodies.Applied`. Lengths are scaled by a power of two into masses and inertias, so
+    that no square of a length can overflow.
     """
-    exponent = frexp(max(a1, a2, a3, a4))[1]
-    a1, a2, a3, a4 = ldexp(a1, -exponent), ldexp(a2, -exponent), ldexp(a3, -exponent), ldexp(a4, -exponent)
-    g_x, g_y = ldexp(gravity[0], -exponent), ldexp(gravity[1], -exponent)
-    body1, body2, body3 = [(ldexp(body.mass, exponent), ldexp(body.cg_along, -exponent),
-                            ldexp(body.cg_across, -exponent), ldexp(body.inertia, -exponent))
-                           for body in bodies]
+    unit = ldexp(1.0, frexp(max(a1, a2, a3, a4))[1])
+    crank, coupler, output = bodies
 
-    def loads(motion, a1=a1, a2=a2, a3=a3, a4=a4, unit=ldexp(1.0, exponent), g_x=g_x, g_y=g_y,
-              body1=body1, body2=body2, body3=body3):
+    def loads(motion, a1=a1 / unit, a2=a2 / unit, a3=a3 / unit, a4=a4 / unit, unit=unit,
+              mass2=coupler.mass * unit, crank=_about_first_joint(crank, unit, gravity),
+              coupler=_about_first_joint(coupler, unit, gravity, external.coupler),
+              output=_about_first_joint(output, unit, gravity, external.output)):
         (_, omega, alpha, _, _, _, _, _, _, _, omega4, alpha4, _, omega_b, alpha_b, _, _, _,
          cos_x, sin_x, cos_b, sin_b, cos_y, sin_y, _, sin_mu) = motion
 
-        # For each link: f = mass (acceleration - gravity) at its centre of gravity, and the moment
-        # of inertia terms and of f about its first joint.
-        mass, along, across, inertia = body1
-        square = omega * omega
+        # For each link: x, y = mass times centre of gravity, f = sum of its joint forces, and their
+        # moment about its first joint, without the drive's.
+        along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = crank
         x, y = along * cos_x - across * sin_x, along * sin_x + across * cos_x
-        f1_x, f1_y = mass * (-alpha * y - square * x - g_x), mass * (alpha * x - square * y - g_y)
-        moment1 = inertia * alpha + x * f1_y - y * f1_x
-        x, y = a1 * cos_x, a1 * sin_x
-        g2_x, g2_y = g_x + alpha * y + square * x, g_y - alpha * x + square * y    # gravity - that of A
+        square = omega * omega
+        f1_x, f1_y = hold_x - alpha * y - square * x, hold_y + alpha * x - square * y
+        moment1 = inertia * alpha + by_cosine * cos_x + by_sine * sin_x
+        a_x, a_y = -a1 * (alpha * sin_x + square * cos_x), a1 * (alpha * cos_x - square * sin_x)
 
-        mass, along, across, inertia = body2
-        square = omega_b * omega_b
+        along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = coupler
         x, y = along * cos_b - across * sin_b, along * sin_b + across * cos_b
-        f2_x, f2_y = mass * (-alpha_b * y - square * x - g2_x), mass * (alpha_b * x - square * y - g2_y)
-        moment2 = inertia * alpha_b + x * f2_y - y * f2_x
+        square = omega_b * omega_b
+        f2_x = mass2 * a_x + hold_x - alpha_b * y - square * x
+        f2_y = mass2 * a_y + hold_y + alpha_b * x - square * y
+        moment2 = inertia * alpha_b + x * a_y - y * a_x + by_cosine * cos_b + by_sine * sin_b + couple
 
-        mass, along, across, inertia = body3
-        square = omega4 * omega4
+        along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = output
         x, y = along * cos_y - across * sin_y, along * sin_y + across * cos_y
-        f3_x, f3_y = mass * (-alpha4 * y - square * x - g_x), mass * (alpha4 * x - square * y - g_y)
-        moment3 = inertia * alpha4 + x * f3_y - y * f3_x
+        square = omega4 * omega4
+        f3_x, f3_y = hold_x - alpha4 * y - square * x, hold_y + alpha4 * x - square * y
+        moment3 = inertia * alpha4 + by_cosine * cos_y + by_sine * sin_y + couple
 
         from_output, from_coupler = moment3 / (a3 * sin_mu), moment2 / (a2 * sin_mu)
         f32_x = from_output * cos_b + from_coupler * cos_y

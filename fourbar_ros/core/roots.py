@@ -1,5 +1,11 @@
-"""All sign changes of sampled functions, many brackets at once."""
+"""
+All sign changes of sampled functions: one function in plain floats, or many brackets at once.
+
+Zero counts as positive. Angles are given in order; a smaller one after a larger one is a turn later.
+"""
 from __future__ import annotations
+
+from math import pi
 
 import numpy as np
 
@@ -8,9 +14,14 @@ EPS = 2.0**-52
 HALVINGS = 26
 
 
+def turn_after(x, start):
+    """Return the angle x as the one that comes after ``start``."""
+    return x + 2.0 * pi * (x < start)
+
+
 def brackets(x, f):
     """
-    Return (row, xa, xb, fa, fb): where rows of f change sign between neighbours; zero counts as positive.
+    Return (row, xa, xb, fa, fb): where rows of f change sign between neighbours.
 
     Parameters
     ----------
@@ -20,7 +31,7 @@ def brackets(x, f):
     """
     positive = f >= 0.0
     row, i = np.nonzero(positive[:, 1:] != positive[:, :-1])
-    return row, x[i], x[i + 1], f[row, i], f[row, i + 1]
+    return row, x[i], turn_after(x[i + 1], x[i]), f[row, i], f[row, i + 1]
 
 
 def dips(function, x, f):
@@ -35,10 +46,10 @@ def dips(function, x, f):
     same = (f[:, 1:] >= 0.0) == (f[:, :-1] >= 0.0)
     row, i = np.nonzero((size[:, 1:-1] <= size[:, :-2]) & (size[:, 1:-1] < size[:, 2:])
                         & same[:, 1:] & same[:, :-1])
-    xs, fs = [x[i + j] for j in range(3)], [f[row, i + j] for j in range(3)]
+    xs, fs = [turn_after(x[i + j], x[i]) for j in range(3)], [f[row, i + j] for j in range(3)]
     found = []
     for _ in range(HALVINGS):
-        going = _may_touch(xs, fs)
+        going = may_touch(xs, fs)
         row, xs, fs = row[going], [v[going] for v in xs], [v[going] for v in fs]
         if not row.size:
             break
@@ -56,14 +67,13 @@ def dips(function, x, f):
     return [np.concatenate(parts) for parts in zip(*found)] if found else [row, *xs[:2], *fs[:2]]
 
 
-def _may_touch(xs, fs):
+def may_touch(xs, fs):
     """Return whether the parabola through three samples of one sign comes down to half the middle one."""
     left, right = xs[1] - xs[0], xs[2] - xs[1]
-    with np.errstate(divide='ignore', invalid='ignore'):
-        slope_left, slope_right = (fs[1] - fs[0]) / left, (fs[2] - fs[1]) / right
-        curvature = (slope_right - slope_left) / (left + right)
-        slope = (slope_left * right + slope_right * left) / (left + right)
-        return 0.25 * slope * slope / np.abs(curvature) > 0.5 * np.abs(fs[1])
+    slope_left, slope_right = (fs[1] - fs[0]) / left, (fs[2] - fs[1]) / right
+    curvature = (slope_right - slope_left) / (left + right)
+    slope = (slope_left * right + slope_right * left) / (left + right)
+    return slope * slope > 2.0 * abs(fs[1] * curvature)
 
 
 def bracketed_roots(function, row, xa, xb, fa, fb):
@@ -102,3 +112,26 @@ def bracketed_roots(function, row, xa, xb, fa, fb):
             least = tolerance / width
         t = np.clip(t, least, 1.0 - least)
     return root
+
+
+def solve_one(function, xa, xb, fa, fb):
+    """Return the root in one bracket, as :func:`bracketed_roots`, in plain floats."""
+    t = 0.5
+    while True:
+        x = xa + t * (xb - xa)
+        f = function(x)
+        if (f >= 0.0) is (fa >= 0.0):
+            xc, fc = xa, fa
+        else:
+            xc, fc, xb, fb = xb, fb, xa, fa
+        xa, fa = x, f
+        best, best_f = (xa, fa) if abs(fa) < abs(fb) else (xb, fb)
+        width, tolerance = abs(xb - xa), EPS * abs(best)
+        if best_f == 0.0 or width <= 2.0 * tolerance:
+            return best
+        t = 0.5
+        xi, phi = (xa - xb) / (xc - xb), (fa - fb) / (fc - fb)
+        if phi * phi < xi and (1.0 - phi)**2 < 1.0 - xi:
+            t = fa / (fb - fa) * fc / (fb - fc) + (xc - xa) / (xb - xa) * fa / (fc - fa) * fb / (fc - fb)
+        least = tolerance / width
+        t = min(max(t, least), 1.0 - least)

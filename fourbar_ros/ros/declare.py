@@ -3,11 +3,11 @@ from __future__ import annotations
 
 from math import inf
 
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, ParameterType
-from rclpy.parameter import Parameter as RosParameter
+from rcl_interfaces.msg import IntegerRange, ParameterDescriptor, ParameterType, SetParametersResult
 
 from .. import scene as scenes
-from ..parameters import PARAMETERS, REQUIRED, TYPES
+from ..core import FourBarError
+from ..parameters import PARAMETERS
 
 # Parameters that rclpy itself owns.
 BUILT_IN = ('use_sim_time', 'start_type_description_service', 'qos_overrides.')
@@ -40,10 +40,41 @@ def scene(node):
     return checked
 
 
+def watch(node, current, apply):
+    """
+    Check every change of parameters as a whole scene; call ``apply(scene)`` with a good one.
+
+    A refused change says why and changes nothing. ``current()`` returns the scene in force.
+    """
+    checked = []
+
+    def changed(given):
+        return {parameter.name: parameter.value for parameter in given if parameter.name in PARAMETERS}
+
+    def check(given):
+        checked.clear()
+        try:
+            if changes := changed(given):
+                scene = scenes.from_values({**current().values, **changes})
+                if node.recording.active and scene.outputs != current().outputs:
+                    return SetParametersResult(successful=False, reason='outputs: not while recording')
+                checked.append(scene)
+        except FourBarError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def accept(given):
+        if checked and changed(given):
+            apply(checked.pop())
+
+    node.add_on_set_parameters_callback(check)
+    node.add_post_set_parameters_callback(accept)
+
+
 def descriptor(parameter):
     """Return the ROS descriptor of a parameter of the table."""
     unit = f' [{parameter.unit}]' if parameter.unit else ''
-    found = ParameterDescriptor(name=parameter.name, type=_ROS_TYPES[parameter.type], read_only=True,
+    found = ParameterDescriptor(name=parameter.name, type=_ROS_TYPES[parameter.type], read_only=not parameter.live,
                                 description=parameter.text + unit, additional_constraints=parameter.allowed)
     if parameter.type == 'integer' and parameter.high < inf:
         found.integer_range = [IntegerRange(from_value=int(parameter.low), to_value=int(parameter.high))]

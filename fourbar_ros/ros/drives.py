@@ -3,16 +3,21 @@ from __future__ import annotations
 
 import threading
 import time
+from math import isnan
 
 from builtin_interfaces.msg import Time
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
 from .. import interfaces, records
+from ..estimator import RateEstimator
 from .messages import resolve
 
 SLEEP = 0.1            # [s] longest sleep: how soon a thread sees that it shall stop
-CATCH_UP = 1.0         # [s] a later thread than this skips the samples it missed
+CATCH_UP = 1.0         # [s] a thread later than this skips the samples it missed
+CLOCK_STEP = 0.05      # [s] the wall clock was set if it is this far from the monotonic one
+CHECK_CLOCK = 1.0      # [s] how often that is looked at
+FUTURE = 1.0           # [s] a stamp further ahead of our clock is counted as of the future
 
 
 def to_stamp(nanoseconds):
@@ -20,20 +25,37 @@ def to_stamp(nanoseconds):
     return Time(sec=nanoseconds // 10**9, nanosec=nanoseconds % 10**9)
 
 
-class TimerDrive:
+class Drive:
+    """What all drives have: counters for the diagnostics, and a new scene between two samples."""
+
+    def __init__(self, node, stream, recording):
+        self._node, self._stream, self._recording = node, stream, recording
+        self.settings = stream.scene.drive
+        self.counts = dict.fromkeys(self.COUNTED, 0)
+
+    def apply(self, settings):
+        """Take over changed settings (a Drive of the scene)."""
+        self.settings = settings
+
+    def age(self):
+        """Return the time since the newest input [s], NaN if there is none to wait for."""
+        return float('nan')
+
+
+class TimerDrive(Drive):
     """
     Constant speed on the wall clock: sample k belongs to start + k / rate, whatever the scheduler does.
 
-    An own thread, not a ROS timer: rclpy's timers drop the ticks they miss and slip their grid.
+    An own thread, not a ROS timer: rclpy's timers drop the ticks they miss and slip their grid. The
+    angle comes from the time of the sample, never from adding up.
     """
 
-    def __init__(self, node, drive, step):
-        self._node, self._drive, self._step = node, drive, step
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, name='drive', daemon=True)
+    COUNTED = ('late', 'missed', 'clock_steps')
 
     def start(self):
         """Start the thread."""
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name='drive', daemon=True)
         self._thread.start()
 
     def stop(self):
@@ -42,70 +64,151 @@ class TimerDrive:
         self._thread.join()
 
     def _run(self):
-        speed, start, period = self._drive.speed, self._drive.start, 1.0 / self._drive.rate
-        began, stamp0 = time.monotonic(), self._node.get_clock().now().nanoseconds
-        sample = 0
+        settings, angle, began = self.settings, self.settings.start, time.monotonic()
+        offset, checked = self._offset(), began
+        sample, period = 0, 1.0 / settings.rate
         while not self._stop.is_set():
             elapsed = sample * period
             wait = began + elapsed - time.monotonic()
             if wait > 0.0:
                 time.sleep(min(wait, SLEEP))
                 continue
-            if wait < -CATCH_UP:
-                sample = int((time.monotonic() - began) / period)
+            if wait < -CATCH_UP:                         # suspended, or a rate this machine cannot do
+                skipped = int(-wait / period)
+                self.counts['missed'] += skipped
+                sample += skipped
                 continue
-            self._step(to_stamp(stamp0 + round(elapsed * 1e9)), start + speed * elapsed, speed, 0.0)
+            if -wait > period:
+                self.counts['late'] += 1
+            moment = began + elapsed
+            if moment - checked > CHECK_CLOCK:
+                offset, checked = self._follow_clock(offset), moment
+            now = angle + settings.speed * elapsed
+            self._stream.step(to_stamp(round(moment * 1e9) + offset), now, settings.speed, 0.0)
             sample += 1
+            if self.settings is not settings:            # go on from here at the new speed and rate
+                settings, angle, began, sample = self.settings, now, moment, 1
+                period = 1.0 / settings.rate
+
+    def _offset(self):
+        return self._node.get_clock().now().nanoseconds - time.monotonic_ns()
+
+    def _follow_clock(self, offset):
+        """Return the offset from monotonic to wall clock, a new one if the wall clock was set."""
+        new = self._offset()
+        if abs(new - offset) < CLOCK_STEP * 1e9:
+            return offset
+        self.counts['clock_steps'] += 1
+        self._node.get_logger().warning(f'the clock was set by {(new - offset) * 1e-9:.3f} s')
+        return new
 
 
-class SimulatedTimerDrive:
+class SimulatedTimerDrive(Drive):
     """Constant speed on simulated time: a ROS timer, the angle taken from the clock."""
 
-    def __init__(self, node, drive, step):
-        self._node, self._drive, self._step = node, drive, step
-        self._timer, self._began = None, None
+    COUNTED = ('clock_steps',)
 
     def start(self):
         """Start the timer."""
-        self._timer = self._node.create_timer(1.0 / self._drive.rate, self._tick)
+        self._angle, self._began, self._last = self.settings.start, None, 0
+        self._timer = self._node.create_timer(1.0 / self.settings.rate, self._tick)
 
     def stop(self):
         """Stop it."""
-        self._timer.cancel()
+        self._node.destroy_timer(self._timer)
+
+    def apply(self, settings):
+        """Take over speed and rate: go on from the angle of now."""
+        if self._began is not None:
+            self._angle += self.settings.speed * (self._last - self._began) * 1e-9
+            self._began = self._last
+        rate_changed = settings.rate != self.settings.rate
+        super().apply(settings)
+        if rate_changed:
+            self.stop()
+            self._timer = self._node.create_timer(1.0 / settings.rate, self._tick)
 
     def _tick(self):
         now = self._node.get_clock().now().nanoseconds
-        if self._began is None:
+        if now == 0:
+            return                                       # no /clock yet
+        if self._began is None or now < self._last:      # the first tick, or the simulation starts again
+            if self._began is not None:
+                self.counts['clock_steps'] += 1
+                self._node.get_logger().warning('simulated time went back: starting again')
+                self._angle = self.settings.start
             self._began = now
-        angle = self._drive.start + self._drive.speed * (now - self._began) * 1e-9
-        self._step(to_stamp(now), angle, self._drive.speed, 0.0)
+        self._last = now
+        angle = self._angle + self.settings.speed * (now - self._began) * 1e-9
+        self._stream.step(to_stamp(now), angle, self.settings.speed, 0.0)
 
 
-class TopicDrive:
-    """Every input message makes one step, stamped as the message."""
+class TopicDrive(Drive):
+    """Every input message makes one step, stamped as the message; missing rates are estimated."""
 
-    def __init__(self, node, drive, step):
-        self._node, self._drive, self._step = node, drive, step
-        self._topic = interfaces.INPUTS[drive.source]
-        self._type = resolve(self._topic.type)
-        self._subscription, self._joint_seen = None, True
+    COUNTED = ('received', 'malformed', 'without_joint', 'future', 'timeouts')
 
     def start(self):
         """Subscribe. Raw bytes: they are what is recorded."""
+        self._topic = interfaces.INPUTS[self.settings.source]
+        self._type = resolve(self._topic.type)
+        self._heard, self._waiting = time.monotonic(), False
+        self.apply(self.settings)
         qos = QoSProfile(depth=interfaces.INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         self._subscription = self._node.create_subscription(
             self._type, self._topic.topic, self._receive, qos, raw=True)
+        self._timer = self._node.create_timer(SLEEP, self._watch)
 
     def stop(self):
         """Unsubscribe."""
+        self._node.destroy_timer(self._timer)
         self._node.destroy_subscription(self._subscription)
 
+    def apply(self, settings):
+        """Take over settings; the estimate starts afresh."""
+        super().apply(settings)
+        self.estimator = RateEstimator(settings.window, settings.timeout or 1.0, settings.jump)
+
+    def age(self):
+        """Return the time since the newest input [s]."""
+        return time.monotonic() - self._heard
+
     def _receive(self, data):
-        message = deserialize_message(data, self._type)
-        crank = records.crank_of(message, self._drive)
-        if (crank is not None) != self._joint_seen:      # once per change, not per message
-            self._joint_seen = crank is not None
-            if not self._joint_seen:
-                self._node.get_logger().warning(f'joint {self._drive.joint!r} is not in the input message')
-        if crank is not None:
-            self._step(message.header.stamp, *crank, data)
+        self.counts['received'] += 1
+        self._heard, self._waiting = time.monotonic(), True
+        self._recording.write(self._topic.name, data)
+        try:
+            message = deserialize_message(data, self._type)
+        except Exception:                                # whatever a foreign writer sends, the node goes on
+            self._once('malformed', f'{self._topic.topic}: a message that is no {self._topic.type}')
+            return
+        crank = records.crank_of(message, self.settings.joint)
+        if crank is None:
+            self._once('without_joint', f'joint {self.settings.joint!r} is not in the input message')
+            return
+        stamp = message.header.stamp
+        now = self._node.get_clock().now().nanoseconds
+        time_of = stamp.sec * 10**9 + stamp.nanosec
+        if time_of == 0:                                 # unstamped: it belongs to the time it comes
+            stamp, time_of = to_stamp(now), now
+        elif time_of > now + FUTURE * 1e9:
+            self._once('future', f'input stamped {(time_of - now) * 1e-9:.3f} s ahead of the clock')
+        position, velocity, acceleration = crank
+        if isnan(velocity) or isnan(acceleration):
+            velocity, estimate = self.estimator.update(time_of * 1e-9, position, velocity)
+            acceleration = estimate if isnan(acceleration) else acceleration
+        self._stream.step(stamp, position, velocity, acceleration)
+
+    def _once(self, what, text):
+        """Count, and say it the first time."""
+        self.counts[what] += 1
+        if self.counts[what] == 1:
+            self._node.get_logger().warning(text + ' (said once; counted in the diagnostics)')
+
+    def _watch(self):
+        limit = self.settings.timeout
+        if limit and self._waiting and self.age() > limit:
+            self._waiting = False
+            self.counts['timeouts'] += 1
+            self.estimator.reset()
+            self._stream.timeout(self._node.get_clock().now().to_msg(), limit)

@@ -11,13 +11,12 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from .. import interfaces
 from ..core import FourBarError
-from ..core.status import OK, STATUS_NAMES, evaluate
 from . import declare, services
+from .diagnostics import Diagnostics
 from .drives import SimulatedTimerDrive, TimerDrive, TopicDrive
-from .outputs import Output
 from .recording import Recording
+from .stream import Stream
 
 RCLError = rclpy_implementation.RCLError     # a scene file that rcl cannot parse, among others
 SPIN = 0.2      # [s] the events executor must be given a finite time: endless, it can hang (see docs/node.md)
@@ -28,61 +27,48 @@ class FourBarNode(Node):
 
     def __init__(self, **kwargs):
         super().__init__('fourbar', automatically_declare_parameters_from_overrides=True, **kwargs)
-        self.scene = declare.scene(self)
-        self.linkage = self.scene.linkage
-        self._status = OK
-        topics = [interfaces.OUTPUTS[name] for name in self.scene.outputs]
-        source = self.scene.drive.source
-        if source == 'timer':
-            drive = SimulatedTimerDrive if self.get_parameter('use_sim_time').value else TimerDrive
-            topics.insert(0, interfaces.INPUTS['motion'])
-            self.topics = topics
-        else:
-            drive = TopicDrive
-            self.topics = [interfaces.INPUTS[source], *topics]
-        first = len(self.topics) - len(topics)
-        self._outputs = [Output(self, topic, self.scene, i) for i, topic in enumerate(topics, first)]
-        self.recording = Recording(self, self.scene, self.topics)
-        self._services = services.create(self)
-        if self.scene.recording.start:
-            self.recording.start(self.scene.recording.name)
-        self._drive = drive(self, self.scene.drive, self.step)
-        self._drive.start()
-        self.get_logger().info(f'{self.linkage.classification}, mode {self.linkage.mode}, driven by {source}')
+        scene = declare.scene(self)
+        self.recording = Recording(self)
+        self.stream = Stream(self, scene, self.recording)
+        self.drive = self._drive_of(scene.drive.source)(self, self.stream, self.recording)
+        declare.watch(self, lambda: self.stream.scene, self.apply)
+        services.create(self)
+        self._diagnostics = Diagnostics(self)
+        if scene.recording.start:
+            self.stream.start_recording(scene.recording.name)
+        self.drive.start()
+        self.get_logger().info(f'{scene.linkage.classification}, mode {scene.linkage.mode}, '
+                               f'driven by {scene.drive.source}')
 
-    def step(self, stamp, theta1, omega1, alpha1, data=None):
-        """Evaluate one input and send what is heard or recorded; ``data``: the input as it came."""
-        recording = self.recording
-        if data is not None:
-            recording.write(0, bytes(data))
-        recorded = recording.active
-        wanted = [output for output in self._outputs if recorded or output.is_heard]
-        if not wanted:
-            return
-        with_loads = any(output.needs_loads for output in wanted)
-        status, motion, loads = evaluate(self.linkage, theta1, omega1, alpha1, with_loads)
-        values = (*motion, *loads)
-        for output in wanted:
-            output.send(stamp, status, self.linkage.mode, values, recording)
-        if status != self._status:                       # once per change, not per sample
-            self._status = status
-            self.get_logger().warning(f'theta1 = {theta1!r} rad: {STATUS_NAMES[status]}')
+    def _drive_of(self, source):
+        if source != 'timer':
+            return TopicDrive
+        return SimulatedTimerDrive if self.get_parameter('use_sim_time').value else TimerDrive
+
+    def apply(self, scene):
+        """Take over a changed scene between two steps."""
+        settings_changed = scene.drive != self.stream.scene.drive
+        self.stream.apply(scene)
+        if settings_changed:
+            self.drive.apply(scene.drive)
 
     def close(self):
         """Stop the stream, close the bag, leave the graph."""
-        self._drive.stop()
+        self.drive.stop()
         try:
             path = self.recording.stop()
             if path:
                 self.get_logger().info(f'recorded {path}')
+        except FourBarError as error:
+            self.get_logger().error(str(error))
         finally:
             self.destroy_node()
 
 
 def main(args=None):
-    """Run the node until SIGINT or SIGTERM; exit code 0, or 2 for a scene that cannot be."""
+    """Run the node until SIGINT, SIGTERM or SIGHUP; exit code 0, or 2 for a scene that cannot be."""
     stop = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda *_: stop.set())
     try:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)

@@ -10,9 +10,10 @@ from .messages import filler, resolve
 class Output:
     """One published topic."""
 
-    def __init__(self, node, topic, scene, channel):
-        self.name, self.channel = topic.name, channel
-        self.needs_loads = topic.needs_loads or (topic.name == 'joint_states' and scene.needs_loads)
+    def __init__(self, node, topic, scene):
+        self.name, self.topic = topic.name, topic
+        self.needs_loads = False
+        self._node = node
         message_type = resolve(topic.type)
         self._message = message_type()
         self._message.header.frame_id = scene.frame_id
@@ -31,4 +32,8 @@ class Output:
         self._fill(stamp, status, mode, values)
         data = serialize_message(self._message)
         self._publisher.publish(data)
-        recording.write(self.channel, data)
+        recording.write(self.name, data)
+
+    def destroy(self):
+        """Leave the graph."""
+        self._node.destroy_publisher(self._publisher)

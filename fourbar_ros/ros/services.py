@@ -1,6 +1,7 @@
 """The services of the node: extremes, one evaluation, recording. Errors are answers, never exceptions."""
 from __future__ import annotations
 
+from functools import partial
 from math import isfinite
 
 from .. import interfaces
@@ -11,24 +12,21 @@ from .messages import filler, resolve
 
 
 def create(node):
-    """Create all services of a node and return them."""
+    """Create all services of a node."""
     handlers = {'find_extrema': find_extrema, 'evaluate': evaluate_one,
                 'start_recording': start_recording, 'stop_recording': stop_recording}
 
-    def serve(service, handler):
-        def answer(request, response):
-            return handler(node, request, response)
-        return node.create_service(resolve(service.type), service.service, answer)
-    return [serve(service, handlers[service.name]) for service in interfaces.SERVICES.values()]
+    for service in interfaces.SERVICES.values():
+        node.create_service(resolve(service.type), service.service, partial(handlers[service.name], node))
 
 
 def find_extrema(node, request, response):
     """Answer FindExtrema."""
     from ..core.extrema import find_extrema as search     # not needed by a node that only streams
 
-    drive = node.scene.drive
+    drive = node.stream.scene.drive
     omega1 = request.omega1 or (drive.speed if drive.source == 'timer' else 0.0)
-    modes = {request.MODE_OF_SCENE: (node.linkage.mode,), request.MODE_CROSSED: (1,),
+    modes = {request.MODE_OF_SCENE: (node.stream.scene.linkage.mode,), request.MODE_CROSSED: (1,),
              request.MODE_OPEN: (2,), request.MODE_BOTH: (1, 2)}.get(request.mode)
     try:
         if modes is None:
@@ -36,13 +34,13 @@ def find_extrema(node, request, response):
         if not isfinite(omega1) or omega1 == 0.0:
             raise _BadRequest(f'omega1 = {omega1!r}: must be a finite speed, not zero '
                               '(zero stands for the speed of the timer drive, if there is one)')
-        quantities = select(request.quantities, node.linkage.bodies is not None)
-        missing = [q.name for q in quantities if q.is_load and node.linkage.bodies is None]
+        quantities = select(request.quantities, node.stream.scene.linkage.bodies is not None)
+        missing = [q.name for q in quantities if q.is_load and node.stream.scene.linkage.bodies is None]
         if missing:
             raise _BadRequest(f'{missing[0]}: the scene has no masses')
         names = [quantity.name for quantity in quantities]
         found = [extremum for mode in modes
-                 for extremum in search(node.linkage.in_mode(mode), names, omega1)]
+                 for extremum in search(node.stream.scene.linkage.in_mode(mode), names, omega1)]
         found.sort(key=lambda extremum: (names.index(extremum.quantity), extremum.mode))
         response.extrema = [_extremum_message(extremum) for extremum in found]
         response.result = response.RESULT_OK
@@ -74,14 +72,14 @@ def evaluate_one(node, request, response):
         response.result = response.RESULT_INVALID_REQUEST
         response.message = f'mode = {request.mode}: must be 0 (of the scene), 1 or 2'
         return response
-    linkage = node.linkage.in_mode(request.mode or node.linkage.mode)
+    linkage = node.stream.scene.linkage.in_mode(request.mode or node.stream.scene.linkage.mode)
     response.has_loads = linkage.bodies is not None
     status, motion, loads = evaluate(linkage, request.theta1, request.omega1, request.alpha1,
                                      response.has_loads)
     stamp = node.get_clock().now().to_msg()
     for output in ('state', 'loads'):
         message = getattr(response, output)
-        message.header.frame_id = node.scene.frame_id
+        message.header.frame_id = node.stream.scene.frame_id
         filler(output, message)(stamp, status, linkage.mode, (*motion, *loads))
     response.result = {OK: response.RESULT_OK, OUT_OF_RANGE: response.RESULT_OUT_OF_RANGE,
                        INVALID_INPUT: response.RESULT_INVALID_REQUEST, TOGGLE: response.RESULT_TOGGLE}[status]
@@ -97,7 +95,7 @@ def evaluate_one(node, request, response):
 def start_recording(node, request, response):
     """Answer StartRecording."""
     try:
-        response.path = str(node.recording.start(request.name))
+        response.path = str(node.stream.start_recording(request.name))
         response.success = True
     except FourBarError as error:
         response.message = str(error)

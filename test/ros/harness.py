@@ -69,7 +69,7 @@ class Client:
 
     def listen(self, names=ALL_OUTPUTS, node='fourbar', depth=1000):
         """Collect all messages of these topics in ``received``."""
-        topics = {**interfaces.OUTPUTS, 'input': interfaces.INPUTS['motion']}
+        topics = {**interfaces.OUTPUTS, 'crank': interfaces.CRANK}
         for name in names:
             inbox = self.received.setdefault(name, [])
             self.node.create_subscription(resolve(topics[name].type), self.topic(topics[name], node),

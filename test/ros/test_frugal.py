@@ -26,10 +26,10 @@ listener = rclpy.create_node('listener')
 from fourbar_msgs.msg import LinkageState
 if sys.argv[2] == 'heard':
     listener.create_subscription(LinkageState, '/fourbar/state', lambda message: None, 10)
-    while not node._outputs[0].is_heard:
+    while not node.stream._outputs[0].is_heard:
         rclpy.spin_once(listener, timeout_sec=0.05)
 for k in range(5):
-    node.step(to_stamp(k), 0.1 * k, 1.0, 0.0)
+    node.stream.step(to_stamp(k), 0.1 * k, 1.0, 0.0)
 topics = sorted(name for name, _ in node.get_publisher_names_and_types_by_node('fourbar', '/'))
 print(json.dumps({'calls': calls, 'topics': topics,
                   'imported': [m for m in ('scipy', 'mcap', 'matplotlib', 'rich', 'fourbar_ros.core.extrema')

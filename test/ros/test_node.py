@@ -66,9 +66,10 @@ def test_a_named_joint_of_a_joint_state_drives_it(run_node, client):
     publisher.publish(joints(0.7, 3.0))
     client.until(lambda: client.received['state'], 'an answer')
     state, = client.received['state']
-    expected = scene.from_values(PAPER).linkage.motion(0.7, 3.0)
+    expected = scene.from_values(PAPER).linkage.motion(0.7, 3.0, state.alpha1)     # which is estimated
     assert (state.theta1, state.theta4, state.omega4, state.alpha4) == (
         0.7, expected.theta4, expected.omega4, expected.alpha4)
+    assert state.alpha1 > 0.0
 
 
 def test_the_output_of_one_node_drives_the_next(run_node, client):
@@ -89,7 +90,7 @@ def test_the_output_of_one_node_drives_the_next(run_node, client):
 
 def test_the_timer_turns_the_crank_at_constant_speed_on_its_grid(run_node, client):
     run_node({**PAPER, 'drive.speed': 25.0, 'drive.start': 0.3, 'drive.rate': 250.0, 'outputs': ['state']})
-    client.listen(['state', 'input'])
+    client.listen(['state', 'crank'])
     client.until(lambda: all(len(m) >= 200 for m in client.received.values()), '200 samples')
     states = client.received['state']
     linkage = scene.from_values(PAPER).linkage
@@ -101,7 +102,7 @@ def test_the_timer_turns_the_crank_at_constant_speed_on_its_grid(run_node, clien
             state.header.stamp.nanosec - first.header.stamp.nanosec)
         assert elapsed * 250.0 == pytest.approx(round(elapsed * 250.0), abs=250.0 * 2e-9)    # two roundings to 1 ns
         assert state.theta1 - first.theta1 == pytest.approx(25.0 * elapsed, abs=25.0 * 2e-9)
-    assert {m.position for m in client.received['input']} & {s.theta1 for s in states}
+    assert {m.position for m in client.received['crank']} & {s.theta1 for s in states}
 
 
 @pytest.mark.parametrize('bad', [(math.nan, 1.0, 0.0), (0.1, math.inf, 0.0), (0.1, 1.0, -math.inf),
@@ -129,7 +130,7 @@ def test_input_out_of_range_is_reported_and_the_next_good_message_works(run_node
 
 
 def test_status_numbers_are_those_of_the_message():
-    for name in ('OK', 'OUT_OF_RANGE', 'INVALID_INPUT', 'TOGGLE'):
+    for name in ('OK', 'OUT_OF_RANGE', 'INVALID_INPUT', 'TOGGLE', 'RATES_UNKNOWN', 'INPUT_TIMEOUT'):
         assert getattr(codes, name) == getattr(LinkageState, f'STATUS_{name}')
 
 

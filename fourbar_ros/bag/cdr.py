@@ -1,0 +1,286 @@
+"""
+From serialised messages to numbers, by the definition that stands in the bag.
+
+A :class:`Layout` knows where every field lies in a message of given lengths (of its strings and
+sequences). All messages of one layout are read as one numpy array of records, 50 times faster than one
+by one, and nothing about any message type is written down here.
+"""
+from __future__ import annotations
+
+import re
+from functools import cached_property
+from struct import Struct
+from types import SimpleNamespace
+from typing import NamedTuple
+
+import numpy as np
+
+from . import BagError
+
+HEADER = 4                  # [bytes] encapsulation header; alignment counts from behind it
+_PRIMITIVES = {'bool': '?', 'byte': 'u1', 'char': 'u1', 'float32': 'f4', 'float64': 'f8', 'int8': 'i1',
+               'uint8': 'u1', 'int16': 'i2', 'uint16': 'u2', 'int32': 'i4', 'uint32': 'u4', 'int64': 'i8',
+               'uint64': 'u8'}
+_CODES = {'?': '?', 'u1': 'B', 'i1': 'b', 'f4': 'f', 'f8': 'd', 'i2': 'h', 'u2': 'H', 'i4': 'i', 'u4': 'I',
+          'i8': 'q', 'u8': 'Q'}
+_FIELD = re.compile(r'([A-Za-z][\w/]*)(?:<=\d+)?(\[(?:(<=)?(\d+))?\])?\s+([A-Za-z]\w*)(?!\s*=|\w)')
+
+
+class Field(NamedTuple):
+    """A field of a message: ``count`` is None for a single one, -1 for a sequence."""
+
+    name: str
+    type: str
+    count: int | None
+
+
+class Leaf(NamedTuple):
+    """A run of numbers or a string in a message: its path of names and indices, dtype and place."""
+
+    path: tuple
+    format: str
+    shape: tuple
+    offset: int
+
+    @property
+    def name(self):
+        """Return the path as one writes it in Python."""
+        return ''.join(f'[{step}]' if isinstance(step, int) else f'.{step}' for step in self.path)[1:]
+
+
+class Definition:
+    """The fields of a message type and of all it consists of, from the text of a schema."""
+
+    def __init__(self, name, text):
+        self.name = name
+        parts = re.split(r'^=+[ \t]*\n', text.replace('\r', ''), flags=re.M)
+        self._types = {short(name): _fields(name, parts[0])}
+        for part in parts[1:]:
+            head, _, body = part.partition('\n')
+            other = head.removeprefix('MSG:').strip()
+            self._types[short(other)] = _fields(other, body)
+
+    def fields(self, type_name):
+        """Return the fields of a type; an empty message has one byte on the wire."""
+        try:
+            return self._types[short(type_name)] or [Field('structure_needs_at_least_one_member', 'uint8', None)]
+        except KeyError:
+            raise BagError(f'{self.name}: the schema does not define {type_name}') from None
+
+
+def short(name):
+    """Return 'package/Name' of 'package/msg/Name'."""
+    package, *_, last = name.split('/')
+    return f'{package}/{last}'
+
+
+def _fields(owner, text):
+    found = []
+    for line in text.splitlines():
+        line = line.split('#')[0].strip()
+        match = _FIELD.match(line)
+        if match:
+            kind, array, bounded, number, name = match.groups()
+            if kind not in _PRIMITIVES and kind not in ('string', 'wstring') and '/' not in kind:
+                kind = f'{owner.split("/")[0]}/{kind}'
+            found.append(Field(name, kind, None if not array else int(number) if number and not bounded else -1))
+    return found
+
+
+class Layout:
+    """
+    Where the fields of one message lie, and of all that have the same lengths.
+
+    Attributes
+    ----------
+    dtype : numpy.dtype
+        A message as a record; the names are paths, ``header.stamp.sec``.
+    leaves : list of Leaf
+    texts : dict
+        Sequences of strings and empty strings by path; they belong to the layout (joint names change rarely).
+
+    """
+
+    def __init__(self, definition, data):
+        self._data, self._at, self._definition = data, HEADER, definition
+        self.size = len(data)
+        if self.size < HEADER or data[0] != 0 or data[1] > 1:
+            raise BagError(f'{definition.name}: not a CDR message')
+        self._order = '<' if data[1] else '>'
+        self.leaves, self.texts, self._fixed = [], {}, []
+        try:
+            self._tree = self._walk(definition.name, ())
+        except (IndexError, ValueError):
+            raise BagError(f'{definition.name}: a message is shorter than its definition says') from None
+        self.dtype = np.dtype({
+            'names': [leaf.name for leaf in self.leaves], 'offsets': [leaf.offset for leaf in self.leaves],
+            'formats': [(leaf.format, leaf.shape) for leaf in self.leaves], 'itemsize': self.size})
+
+    def matches(self, data):
+        """Return whether a message has this layout."""
+        return len(data) == self.size and all(data[a:b] == value for a, b, value in self._fixed)
+
+    def matching(self, block):
+        """Return which rows of a block of messages, uint8 of shape (n, size), have this layout."""
+        good = np.ones(len(block), bool)
+        for a, b, value in self._fixed:
+            good &= (block[:, a:b] == np.frombuffer(value, np.uint8)).all(axis=1)
+        return good
+
+    def tree(self, records):
+        """
+        Return the fields of an array of ``dtype`` as nested namespaces.
+
+        A number is an array of shape (n,), an array field one of shape (length, n): ``position[i]`` is
+        joint i over time.
+        """
+        return self._build(self._tree, [records[leaf.name].T if leaf.shape else records[leaf.name]
+                                        for leaf in self.leaves])
+
+    def message(self, data):
+        """Return one message as nested namespaces of numbers, lists and str."""
+        values = self._struct.unpack(data)
+        return self._build(self._tree, [
+            list(values[a:b]) if leaf.shape else
+            values[a].decode(errors='replace') if leaf.format[0] == 'S' else values[a]
+            for leaf, (a, b) in zip(self.leaves, self._places)])
+
+    def _build(self, node, values):
+        kind = type(node)
+        if kind is int:
+            return values[node]
+        if kind is dict:
+            found = SimpleNamespace()
+            found.__dict__.update({name: values[child] if type(child) is int else self._build(child, values)
+                                   for name, child in node.items()})
+            return found
+        return self.texts[node] if kind is str else [self._build(child, values) for child in node]
+
+    @cached_property
+    def _struct(self):
+        """The same layout for the struct module: quicker than numpy for a single message."""
+        parts, at, self._places, number = [self._order], 0, [], 0
+        for leaf in self.leaves:
+            count = leaf.shape[0] if leaf.shape else 1
+            parts.append(f'{leaf.offset - at}x')
+            if leaf.format[0] == 'S':
+                parts.append(f'{leaf.format[1:]}s')
+                at = leaf.offset + int(leaf.format[1:])
+            else:
+                parts.append(f'{count}{_CODES[leaf.format[-2:]]}')
+                at = leaf.offset + count * np.dtype(leaf.format).itemsize
+            self._places.append((number, number + count))
+            number += count
+        return Struct(''.join(parts) + f'{self.size - at}x')
+
+    # --------------------------------------------------------------------------------------------
+
+    def _walk(self, type_name, path):
+        """Return the tree of a struct: {name: subtree}, a leaf being its number."""
+        return {field.name: self._field(field, (*path, field.name)) for field in self._definition.fields(type_name)}
+
+    def _field(self, field, path):
+        if field.type in _PRIMITIVES:
+            format_ = _PRIMITIVES[field.type]
+            if field.count is None:
+                return self._leaf(path, format_, (), int(format_[-1]) if format_ != '?' else 1)
+            count = self._length() if field.count < 0 else field.count
+            return self._leaf(path, format_, (count,), int(format_[-1]) if format_ != '?' else 1)
+        if field.type == 'wstring':
+            raise BagError(f'{self._definition.name}: wstring is not supported')
+        if field.count is None:
+            return self._string(path) if field.type == 'string' else self._walk(field.type, path)
+        start = self._at
+        count = self._length() if field.count < 0 else field.count
+        if field.type == 'string':
+            return self._strings(path, count, start)
+        return [self._walk(field.type, (*path, i)) for i in range(count)]
+
+    def _leaf(self, path, format_, shape, size):
+        if size > 1 and shape != (0,):
+            self._at += -(self._at - HEADER) % size
+        self.leaves.append(Leaf(path, format_ if size == 1 else self._order + format_, shape, self._at))
+        self._at += size * (shape[0] if shape else 1)
+        if self._at > self.size:
+            raise IndexError
+        return len(self.leaves) - 1
+
+    def _length(self):
+        """Read the length of a string or sequence; it becomes part of the layout."""
+        self._at += -(self._at - HEADER) % 4
+        end = self._at + 4
+        if end > self.size:
+            raise IndexError
+        length = int.from_bytes(self._data[self._at:end], 'little' if self._order == '<' else 'big')
+        self._fixed.append((self._at, end, self._data[self._at:end]))
+        self._at = end
+        if length > self.size:
+            raise IndexError
+        return length
+
+    def _string(self, path):
+        length = self._length()
+        if length > 1:
+            leaf = self._leaf(path, f'S{length - 1}', (), 1)
+            self._at += length - 1
+            if self._at > self.size:
+                raise IndexError
+            return leaf
+        self._at += length                              # an empty one has its final zero, or not even that
+        return self._text(path, '')
+
+    def _strings(self, path, count, start):
+        found, fixed = [], len(self._fixed)
+        for _ in range(count):
+            length = self._length()
+            found.append(self._data[self._at:self._at + max(length - 1, 0)].decode(errors='replace'))
+            self._at += length
+        if self._at > self.size:
+            raise IndexError
+        self._fixed[fixed:] = [(start, self._at, self._data[start:self._at])]
+        return self._text(path, found)
+
+    def _text(self, path, value):
+        name = Leaf(path, '', (), 0).name
+        self.texts[name] = value
+        return name
+
+
+class Decoder:
+    """The messages of one channel: keeps the layouts it has met."""
+
+    def __init__(self, type_name, schema_text):
+        self.definition = Definition(type_name, schema_text)
+        self._layouts = {}
+
+    def layout(self, data):
+        """Return the Layout of a message."""
+        known = self._layouts.setdefault(len(data), [])
+        for layout in known:
+            if layout.matches(data):
+                return layout
+        known.append(Layout(self.definition, data))
+        return known[-1]
+
+    def message(self, data):
+        """Return one message as nested namespaces."""
+        return self.layout(data).message(data)
+
+    def arrays(self, messages):
+        """
+        Yield (layout, rows, records) for a list of serialised messages, all of one layout at a time.
+
+        ``rows`` are their places in the list, ``records`` a numpy array of the layout's dtype.
+        """
+        sizes = np.fromiter(map(len, messages), np.int64, len(messages))
+        for size in np.unique(sizes):
+            rows = np.flatnonzero(sizes == size)
+            every = len(rows) == len(messages)
+            block = b''.join(messages if every else [messages[i] for i in rows])
+            block = np.frombuffer(block, np.uint8).reshape(len(rows), size)
+            while len(rows):
+                layout = self.layout(block[0].tobytes())
+                good = layout.matching(block)
+                part = block if good.all() else np.ascontiguousarray(block[good])
+                yield layout, rows[good], part.view(layout.dtype)[:, 0]
+                rows, block = rows[~good], block[~good]

@@ -1,0 +1,179 @@
+"""
+Write an MCAP file that is whole up to the last flush, whatever happens after it.
+
+The record types are the mcap library's, the order is ours: one append per flush, undone if the disk
+refuses it, so that the file can always be finished in place. (The library's own Writer counts messages
+that never reached the disk and cannot be asked to forget them; it also takes 3 us a message.)
+"""
+from __future__ import annotations
+
+import struct
+import zlib
+from collections import defaultdict
+
+import zstandard
+from mcap.data_stream import RecordBuilder
+from mcap.opcode import Opcode
+from mcap.records import (Channel, Chunk, ChunkIndex, DataEnd, Footer, Header, Metadata, MetadataIndex, Schema,
+                          Statistics, SummaryOffset)
+
+from .scan import HEAD, IS_MESSAGE, MAGIC, MESSAGE, Damaged, parse, split, unpacked
+
+CHUNK_SIZE = 1 << 20          # [bytes] a chunk is closed at this size, flush or not
+_MESSAGE = struct.Struct('<BQHIQQ')
+_INDEX = struct.Struct('<BQHI')
+
+
+class Container:
+    """
+    An MCAP file being written; ``file`` is an unbuffered binary file at its beginning.
+
+    Every method leaves a file of whole records, also when it raises OSError.
+    """
+
+    def __init__(self, file, profile, library):
+        self._file = file
+        self.size = 0                                  # [bytes] what is in the file for good
+        self._crc = 0
+        self.schemas, self.channels = {}, {}
+        self.counts = defaultdict(int)                 # messages in the file, by channel
+        self.start, self.end = None, 0                 # [ns] log times of the first and the last of them
+        self._chunk_indices, self._metadata_indices = [], []
+        self._compressor = zstandard.ZstdCompressor()
+        self._clear()
+        self._append(MAGIC + encoded(Header(profile, library)))
+
+    def add_schema(self, name, text, encoding='ros2msg'):
+        """Write a schema and return its number."""
+        schema = Schema(len(self.schemas) + 1, text.encode(), encoding, name)
+        self.copy(schema)
+        return schema.id
+
+    def add_channel(self, topic, schema, metadata):
+        """Write a channel of CDR messages and return its number."""
+        channel = Channel(len(self.channels) + 1, topic, 'cdr', metadata, schema)
+        self.copy(channel)
+        return channel.id
+
+    def copy(self, record):
+        """Write a Schema or Channel under the number it has; again is no error."""
+        known = self.schemas if isinstance(record, Schema) else self.channels
+        if record.id not in known:
+            self._append(encoded(record))
+            known[record.id] = record
+
+    def add_metadata(self, name, values):
+        """Write a metadata record behind all messages so far."""
+        self.flush()
+        offset, record = self.size, encoded(Metadata(name=name, metadata=values))
+        self._append(record)
+        self._metadata_indices.append(MetadataIndex(offset, len(record), name))
+
+    def add_message(self, channel, sequence, time, data):
+        """Take a message; arguments are trusted. It is in the file after the next :meth:`flush`."""
+        self._index[channel] += (time, self._length)
+        self._parts += (_MESSAGE.pack(Opcode.MESSAGE, 22 + len(data), channel, sequence, time, time), data)
+        self._length += 31 + len(data)
+        if self._length > CHUNK_SIZE:
+            self.flush()
+
+    def flush(self):
+        """Write what was taken as one chunk; on OSError the file is as before and the messages are gone."""
+        if not self._parts:
+            return
+        content, index = b''.join(self._parts), self._index
+        self._clear()
+        times = [entry for entries in index.values() for entry in entries[::2]]
+        self._append_chunk(Chunk('zstd', self._compressor.compress(content), max(times), min(times),
+                                 zlib.crc32(content), len(content)), index)
+
+    def copy_chunk(self, body):
+        """Write a chunk of another file, its index made anew; raises Damaged before anything is written."""
+        chunk = parse(Opcode.CHUNK, body)
+        content, index = unpacked(chunk), defaultdict(list)
+        records = []
+        for offset, opcode, start, end in split(content):
+            if opcode == IS_MESSAGE:
+                channel, _, time, _ = MESSAGE.unpack_from(content, start)
+                index[channel] += (time, offset)
+            elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                records.append(parse(opcode, content[start:end]))
+        known = self.channels.keys() | {r.id for r in records if isinstance(r, Channel)}
+        if not index.keys() <= known:
+            raise Damaged('chunk has messages of an unknown channel')
+        for record in records:
+            self.copy(record)
+        if index:
+            self._append_chunk(chunk, index)
+
+    def finish(self):
+        """Write the end: statistics and indices. On OSError the file is as before, without an end."""
+        self.flush()
+        end = encoded(DataEnd(self._crc))
+        start = self.size + len(end)
+        parts, offsets = b'', []
+        statistics = Statistics(
+            attachment_count=0, schema_count=len(self.schemas), channel_count=len(self.channels),
+            chunk_count=len(self._chunk_indices), metadata_count=len(self._metadata_indices),
+            message_count=sum(self.counts.values()), channel_message_counts=dict(self.counts),
+            message_start_time=self.start or 0, message_end_time=self.end)
+        for opcode, group in ((Opcode.SCHEMA, self.schemas.values()), (Opcode.CHANNEL, self.channels.values()),
+                              (Opcode.STATISTICS, [statistics]), (Opcode.CHUNK_INDEX, self._chunk_indices),
+                              (Opcode.METADATA_INDEX, self._metadata_indices)):
+            content = encoded(*group)
+            if content:
+                offsets.append(SummaryOffset(opcode, start + len(parts), len(content)))
+            parts += content
+        offset_start = start + len(parts)
+        summary = parts + encoded(*offsets)
+        crc = zlib.crc32(HEAD.pack(Opcode.FOOTER, 20) + struct.pack('<QQ', start, offset_start),
+                         zlib.crc32(summary))
+        self._append(end + summary + encoded(Footer(start, offset_start, crc)) + MAGIC)
+
+    # --------------------------------------------------------------------------------------------
+
+    def _clear(self):
+        self._parts, self._length, self._index = [], 0, defaultdict(list)
+
+    def _append_chunk(self, chunk, index):
+        """Write a Chunk and its message index {channel: [time, offset, time, offset, ...]}."""
+        record = encoded(chunk)
+        parts, at, offsets = [record], self.size + len(record), {}
+        for channel, entries in index.items():
+            offsets[channel] = at
+            size = 8 * len(entries)
+            parts.append(_INDEX.pack(Opcode.MESSAGE_INDEX, 6 + size, channel, size)
+                         + struct.pack(f'<{len(entries)}Q', *entries))
+            at += len(parts[-1])
+        offset = self.size
+        self._append(b''.join(parts))
+        self._chunk_indices.append(ChunkIndex(
+            len(record), offset, chunk.compression, len(chunk.data), chunk.message_end_time,
+            at - offset - len(record), offsets, chunk.message_start_time, chunk.uncompressed_size))
+        for channel, entries in index.items():
+            self.counts[channel] += len(entries) // 2
+        low = chunk.message_start_time
+        self.start = low if self.start is None else min(self.start, low)
+        self.end = max(self.end, chunk.message_end_time)
+
+    def _append(self, data):
+        """Write all of it or, on OSError, nothing."""
+        view = memoryview(data)
+        try:
+            while view:
+                view = view[self._file.write(view):]
+        except OSError:
+            self._file.truncate(self.size)
+            self._file.seek(self.size)
+            raise
+        self._crc = zlib.crc32(data, self._crc)
+        self.size += len(data)
+
+
+def encoded(*records):
+    """Return the bytes of records of the mcap library."""
+    builder = RecordBuilder()
+    for record in records:
+        record.write(builder)
+    return builder.end()
+

@@ -1,0 +1,122 @@
+"""What rosbag2 of Jazzy keeps around the messages: folder, file names, QoS, metadata version 9."""
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+import yaml
+
+from . import BagError
+
+VERSION = 9
+NOT_STARTED = 2**63 - 1     # rosbag2's starting time of a bag without messages
+RECORD = 'rosbag2'          # name of the metadata record in the file; its one key:
+KEY = 'serialized_metadata'
+QOS, HASH = 'offered_qos_profiles', 'topic_type_hash'      # keys of the metadata of a channel
+_ENDLESS = {'sec': 9223372036, 'nsec': 854775807}
+
+
+class Channel(NamedTuple):
+    """A recorded topic: absolute name, type, schema text, type hash and (depth, reliability)."""
+
+    topic: str
+    type: str
+    schema: str
+    hash: str
+    depth: int
+    reliable: bool = True
+
+    @property
+    def qos(self):
+        """Return the QoS profile in rosbag2's words."""
+        return {'history': 'keep_last', 'depth': self.depth,
+                'reliability': 'reliable' if self.reliable else 'best_effort', 'durability': 'volatile',
+                'deadline': _ENDLESS, 'lifespan': _ENDLESS, 'liveliness': 'automatic',
+                'liveliness_lease_duration': _ENDLESS, 'avoid_ros_namespace_conventions': False}
+
+    @property
+    def metadata(self):
+        """Return the metadata of the channel in the file."""
+        return {QOS: dumped([self.qos]), HASH: self.hash}
+
+
+def describe(file_name, container, about, distro=None):
+    """
+    Return the metadata of a bag as rosbag2 of Jazzy writes it.
+
+    Counts, times and topics are those of the container; QoS and hash come from the channels, so that
+    file and metadata.yaml cannot differ (rosbags then silently yields no messages).
+    """
+    begun = container.start is not None
+    begin = {'nanoseconds_since_epoch': container.start if begun else NOT_STARTED}
+    duration = {'nanoseconds': container.end - container.start if begun else 0}
+    total = sum(container.counts.values())
+    topics = [{'topic_metadata': {
+        'name': channel.topic, 'type': container.schemas[channel.schema_id].name,
+        'serialization_format': 'cdr', 'offered_qos_profiles': yaml.safe_load(channel.metadata.get(QOS) or '[]'),
+        'type_description_hash': channel.metadata.get(HASH, '')},
+        'message_count': container.counts.get(channel.id, 0)} for channel in container.channels.values()]
+    return {
+        'version': VERSION, 'storage_identifier': 'mcap', 'duration': duration, 'starting_time': begin,
+        'message_count': total, 'topics_with_message_count': topics,
+        'compression_format': '', 'compression_mode': '', 'relative_file_paths': [file_name],
+        'files': [{'path': file_name, 'starting_time': begin, 'duration': duration, 'message_count': total}],
+        'custom_data': about, 'ros_distro': distro or os.environ.get('ROS_DISTRO', 'jazzy'),
+    }
+
+
+def dumped(value):
+    """Return a value as YAML."""
+    return yaml.dump(value, Dumper=_NoAliases, sort_keys=False, width=2**30)
+
+
+class _NoAliases(getattr(yaml, 'CSafeDumper', yaml.SafeDumper)):
+    def ignore_aliases(self, data):
+        return True
+
+
+def write_metadata_file(folder, metadata):
+    """Write metadata.yaml, at once or not at all."""
+    part = folder / 'metadata.yaml.part'
+    part.write_text(dumped({'rosbag2_bagfile_information': metadata}))
+    part.replace(folder / 'metadata.yaml')
+
+
+def create(directory, name):
+    """
+    Make the folder and the file of a bag, both new; return (path of the folder, open file).
+
+    An empty name takes a fresh one from the clock. Raises BagError.
+    """
+    directory = Path(directory)
+    name = check_name(name) or fresh_name()
+    path = directory / name
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        path.mkdir()
+    except FileExistsError:
+        what = path if directory.is_dir() else directory
+        raise BagError(f'{what}: exists already; recordings never overwrite') from None
+    except OSError as error:
+        raise BagError(f'{path}: {error.strerror}') from None
+    try:
+        return path, open(path / f'{name}_0.mcap', 'x+b', buffering=0)
+    except OSError as error:
+        path.rmdir()
+        raise BagError(f'{path}: {error.strerror}') from None
+
+
+def fresh_name():
+    """Return a name from the clock."""
+    nanoseconds = time.time_ns()
+    return time.strftime('fourbar_%Y_%m_%d-%H_%M_%S', time.localtime(nanoseconds // 10**9)) \
+        + f'_{nanoseconds % 10**9 // 10**6:03d}'
+
+
+def check_name(name):
+    """Return the name of a bag; raises BagError if it could lead out of the recording directory."""
+    if not isinstance(name, str) or name in ('.', '..') or '/' in name or not (name + 'x').isprintable():
+        raise BagError(f'bag name {name!r}: must be a plain name inside the recording directory')
+    return name

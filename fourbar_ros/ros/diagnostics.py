@@ -1,0 +1,64 @@
+"""Once a second on /diagnostics: how the stream runs, how far the linkage is from trouble."""
+from __future__ import annotations
+
+import time
+from math import isnan, sin
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+from ..core.status import OK, STATUS_NAMES
+from ..records import PLACE
+
+PERIOD = 1.0               # [s]
+NEAR_TOGGLE = 0.05         # |sin| of the transmission angle below which a warning is due
+
+
+class Diagnostics:
+    """Publishes the health of a node."""
+
+    def __init__(self, node):
+        self._node = node
+        self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
+        self._before = (time.monotonic(), 0, 0, {})
+        self._timer = node.create_timer(PERIOD, self._publish)
+
+    def _publish(self):
+        message = DiagnosticArray(status=[self.status()])
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        self._publisher.publish(message)
+
+    def status(self):
+        """Return the DiagnosticStatus of the time since the last call."""
+        node, stream, drive = self._node, self._node.stream, self._node.drive
+        scene, now = stream.scene, time.monotonic()
+        before, steps, bad, counts = self._before
+        self._before = (now, stream.steps, stream.bad_steps, dict(drive.counts))
+        grown = {name: count - counts.get(name, 0) for name, count in drive.counts.items()}
+        sine = abs(sin(stream.values[PLACE['transmission_angle']]))
+        recorder = node.recording.state()
+
+        problems = [f'{count} {name.replace("_", " ")}' for name, count in grown.items()
+                    if count and name != 'received']
+        if stream.bad_steps - bad:
+            problems.append(f'{stream.bad_steps - bad} steps not ok')
+        if stream.status != OK:
+            problems.append(STATUS_NAMES[stream.status])
+        if sine < NEAR_TOGGLE:
+            problems.append('near a toggle')
+        problems += recorder.problems
+        values = {
+            'source': scene.drive.source,
+            'rate [Hz]': f'{(stream.steps - steps) / max(now - before, 1e-9):.1f}',
+            'steps': stream.steps, 'steps not ok': stream.bad_steps,
+            'input age [s]': 'none' if isnan(drive.age()) else f'{drive.age():.3f}',
+            **{name.replace('_', ' '): count for name, count in drive.counts.items()},
+            'status': STATUS_NAMES[stream.status],
+            'sin of transmission angle': 'unknown' if isnan(sine) else f'{sine:.6g}',
+            'change-point margin': f'{scene.linkage.change_point_margin:.6g}',
+            **recorder.values,
+        }
+        level = DiagnosticStatus.ERROR if recorder.problems else DiagnosticStatus.WARN
+        return DiagnosticStatus(
+            level=level if problems else DiagnosticStatus.OK, name=f'{node.get_name()}: linkage',
+            message=', '.join(problems) or 'ok', hardware_id=node.get_fully_qualified_name(),
+            values=[KeyValue(key=key, value=str(value)) for key, value in values.items()])

@@ -1,0 +1,215 @@
+"""Input streams as they are in the field: rates missing, late, repeated, silent, out of range."""
+import json
+import math
+
+import pytest
+from builtin_interfaces.msg import Time
+from fourbar_msgs.msg import LinkageState, Motion
+from sensor_msgs.msg import JointState
+
+from fourbar_ros import scene
+from scenes import PAPER, ROCKER
+
+NANOSECONDS = 10**9
+
+
+def stamped(message, time):
+    message.header.stamp = Time(sec=int(time // NANOSECONDS), nanosec=int(time % NANOSECONDS))
+    return message
+
+
+@pytest.fixture
+def drive(run_node, client):
+    """Return the function that starts a node and gives (send, states) for its input."""
+    def start(parameters, source='joint_state'):
+        run_node({**PAPER, 'drive.source': source, 'drive.joint': 'motor', 'drive.timeout': 0.0,
+                  'outputs': ['state'], **parameters})
+        client.listen(['state'])
+        publisher = client.publisher(source)
+        began = client.node.get_clock().now().nanoseconds - 100 * NANOSECONDS
+
+        def message(seconds, position, velocity=None):
+            made = JointState(name=['motor'], position=[position],
+                              velocity=[] if velocity is None else [velocity])
+            return stamped(made, began + round(seconds * 1e9))
+
+        # far before what the tests send: the estimate starts afresh after it
+        client.handshake(lambda: publisher.publish(message(-50.0, 0.3)) if source == 'joint_state'
+                         else publisher.publish(Motion(position=0.1)))
+        return (publisher.publish, message)
+    return start
+
+
+def answers(client, send, messages):
+    """Send and return one state for each."""
+    client.received['state'].clear()
+    for message in messages:
+        send(message)
+    client.until(lambda: len(client.received['state']) >= len(messages), f'{len(messages)} answers')
+    return client.received['state']
+
+
+def test_missing_rates_are_estimated_and_belong_to_the_input(drive, client):
+    send, message = drive({'drive.window': 3})
+    times = [0.0, 0.01, 0.021, 0.03, 0.04, 0.049]
+    states = answers(client, send, [message(t, (3.0 + 4.0 * t - t * t + math.pi) % math.tau - math.pi) for t in times])
+    assert [s.status for s in states[:2]] == [LinkageState.STATUS_RATES_UNKNOWN] * 2
+    assert math.isfinite(states[0].theta4) and math.isnan(states[0].omega4)
+    assert math.isfinite(states[1].omega4) and math.isnan(states[1].alpha4)
+    linkage = scene.from_values(PAPER).linkage
+    for t, state in zip(times[2:], states[2:]):
+        assert state.status == LinkageState.STATUS_OK
+        # stamps of 1e9 s held as doubles are good to 2.4e-7 s: over steps of 10 ms
+        assert state.omega1 == pytest.approx(4.0 - 2.0 * t, abs=4.0 * 3 * 2.4e-7 / 0.009)
+        expected = linkage.motion(state.theta1, state.omega1, state.alpha1)
+        assert (state.theta4, state.omega4, state.alpha4) == (expected.theta4, expected.omega4, expected.alpha4)
+
+
+def test_a_jump_makes_no_spike_and_an_old_sample_no_estimate(drive, client):
+    send, message = drive({'drive.window': 3})
+    states = answers(client, send, [message(k * 0.01, 0.01 * k) for k in range(6)]
+                     + [message(0.06, 2.5), message(0.07, 2.51), message(0.08, 2.52)]
+                     + [message(0.05, 0.05), message(0.08, 2.52)])
+    jump, after, again, late, repeated = states[6:]
+    assert jump.status == after.status == LinkageState.STATUS_RATES_UNKNOWN and math.isnan(jump.omega1)
+    assert again.omega1 == pytest.approx(1.0, rel=1e-3)
+    assert late.status == LinkageState.STATUS_RATES_UNKNOWN and late.theta1 == 0.05
+    assert (repeated.omega1, repeated.alpha1) == (again.omega1, again.alpha1)
+
+
+def test_silence_is_said_once_and_the_next_message_works(run_node, client):
+    node = run_node({**PAPER, 'drive.source': 'motion', 'drive.timeout': 1.0, 'outputs': ['state', 'output']})
+    client.listen(['state', 'output'])
+    publisher = client.publisher()
+    client.handshake(lambda: publisher.publish(Motion(position=0.1)))
+    client.until(lambda: all(client.received.values()), 'the timeout')
+    state, = client.received['state']
+    assert state.status == LinkageState.STATUS_INPUT_TIMEOUT and math.isnan(state.theta4)
+    assert math.isnan(client.received['output'][0].position)
+    good, = answers(client, publisher.publish, [Motion(position=0.2)])
+    assert good.status == LinkageState.STATUS_OK
+    client.until(lambda: len(client.received['state']) == 2, 'the next timeout')
+    node.stop()
+    assert node.said.count('no input for') <= 3              # the handshake may have had a pause
+
+
+@pytest.mark.parametrize('policy', ['nan', 'hold', 'clamp'])
+def test_out_of_range_does_what_the_scene_says(drive, client, policy):
+    send, _ = drive({**ROCKER, 'drive.out_of_range': policy}, source='motion')
+    good, out, back = answers(client, send, [Motion(position=0.2, velocity=1.0), Motion(position=1.0, velocity=1.0),
+                                             Motion(position=-0.1, velocity=1.0)])
+    assert (good.status, out.status, back.status) == (LinkageState.STATUS_OK, LinkageState.STATUS_OUT_OF_RANGE,
+                                                      LinkageState.STATUS_OK)
+    linkage = scene.from_values(ROCKER).linkage
+    assert back.theta4 == linkage.motion(-0.1, 1.0).theta4
+    if policy == 'nan':
+        assert out.theta1 == 1.0 and math.isnan(out.theta4)
+    elif policy == 'hold':
+        assert (out.theta1, out.theta4, out.omega4) == (0.2, good.theta4, good.omega4)
+    else:
+        assert out.theta1 == pytest.approx(linkage.input_ranges[0][1], rel=4e-16)
+        assert math.isnan(out.omega4) and abs(math.sin(out.transmission_angle)) < 1e-7
+
+
+def test_unstamped_inputs_are_stamped_on_arrival(drive, client):
+    send, _ = drive({}, source='motion')
+    before = client.node.get_clock().now().nanoseconds
+    state, = answers(client, send, [Motion(position=0.2, velocity=1.0)])
+    after = client.node.get_clock().now().nanoseconds
+    assert before <= state.header.stamp.sec * NANOSECONDS + state.header.stamp.nanosec <= after
+
+
+# --- changes while it runs --------------------------------------------------------------------------
+
+def set_parameters(client, values, atomically=False):
+    from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+    from rclpy.parameter import Parameter
+    kind = SetParametersAtomically if atomically else SetParameters
+    caller = client.node.create_client(kind, '/fourbar/set_parameters' + ('_atomically' if atomically else ''))
+    client.until(caller.service_is_ready, 'the parameter service')
+    future = caller.call_async(kind.Request(
+        parameters=[Parameter(name, value=value).to_parameter_msg() for name, value in values.items()]))
+    client.until(future.done, 'the answer')
+    client.node.destroy_client(caller)
+    return [future.result().result] if atomically else future.result().results
+
+
+def test_parameters_change_between_two_steps_or_are_refused_with_the_reason(drive, client):
+    send, _ = drive({}, source='motion')
+    assert set_parameters(client, {'linkage.a1': 0.5})[0].successful
+    state, = answers(client, send, [Motion(position=0.2)])
+    assert state.theta4 == scene.from_values({**PAPER, 'linkage.a1': 0.5}).linkage.motion(0.2).theta4
+    for bad, reason in (({'linkage.a1': -1.0}, 'must be positive'), ({'linkage.a4': 9.0}, 'cannot close'),
+                        ({'outputs': ['loads']}, 'bodies.crank.mass'), ({'linkage.mode': 3}, ''),
+                        ({'drive.source': 'timer'}, 'read-only')):
+        result, = set_parameters(client, bad)
+        assert not result.successful and reason in result.reason
+    # one by one these would not close on the way; together they are good
+    new = {'linkage.a1': 8.0, 'linkage.a2': 14.0, 'linkage.a3': 9.0, 'linkage.a4': 17.0, 'linkage.mode': 1}
+    assert not set_parameters(client, {'linkage.a4': 17.0})[0].successful
+    assert set_parameters(client, new, atomically=True)[0].successful
+    state, = answers(client, send, [Motion(position=0.2)])
+    assert state.theta4 == scene.from_values(new).linkage.motion(0.2).theta4 and state.mode == 1
+
+
+def test_outputs_come_and_go_while_it_runs(drive, client):
+    send, _ = drive({}, source='motion')
+    client.listen(['output'])
+    assert set_parameters(client, {'outputs': ['state', 'output']})[0].successful
+    client.until(lambda: client.node.count_publishers('/fourbar/output') == 1, 'the new output')
+    client.handshake(lambda: send(Motion(position=0.1)))
+    answers(client, send, [Motion(position=0.2)])
+    client.until(lambda: client.received['output'], 'the new output')
+    assert set_parameters(client, {'outputs': ['state']})[0].successful
+    client.until(lambda: client.node.count_publishers('/fourbar/output') == 0, 'the output to go')
+
+
+def test_the_timer_goes_on_from_its_angle_at_a_new_speed(run_node, client):
+    run_node({**PAPER, 'drive.speed': 2.0, 'drive.rate': 100.0, 'outputs': ['state']})
+    client.listen(['state'])
+    client.until(lambda: len(client.received['state']) > 20, 'the stream')
+    assert set_parameters(client, {'drive.speed': -3.0, 'drive.rate': 200.0}, atomically=True)[0].successful
+    client.until(lambda: client.received['state'][-1].omega1 == -3.0, 'the new speed')
+    count = len(client.received['state'])
+    client.until(lambda: len(client.received['state']) > count + 20, 'the stream')
+    states = client.received['state']
+    for a, b in zip(states, states[1:]):
+        step = (b.header.stamp.sec - a.header.stamp.sec) + 1e-9 * (b.header.stamp.nanosec - a.header.stamp.nanosec)
+        assert b.theta1 - a.theta1 == pytest.approx(b.omega1 * step, abs=3.0 * 2e-9)     # two stamps to 1 ns
+    assert step == pytest.approx(0.005, abs=2e-9)
+
+
+def test_a_change_is_in_the_bag_and_recompute_follows_it(run_node, client, tmp_path):
+    from fourbar_ros.bag.reader import records
+    from fourbar_ros.bag.recompute import recompute
+    node = run_node({**PAPER, 'drive.rate': 200.0, 'outputs': ['state'], 'recording.start': True,
+                     'recording.name': 'changed'})
+    client.listen(['state'])
+    client.until(lambda: len(client.received['state']) > 20, 'the stream')
+    assert set_parameters(client, {'linkage.a2': 1.1})[0].successful
+    result, = set_parameters(client, {'outputs': ['state', 'output']})
+    assert not result.successful and 'while recording' in result.reason
+    count = len(client.received['state'])
+    client.until(lambda: len(client.received['state']) > count + 20, 'the stream')
+    assert node.stop() == 0
+    path = tmp_path / 'bags/changed'
+    scenes = [json.loads(r.message.data) for r in records(path) if r.topic == '/fourbar/scene']
+    assert [values['linkage.a2'] for values in scenes] == [1.2, 1.1]
+    assert max(d.largest for d in recompute(path)) == 0.0
+
+
+def test_diagnostics_say_how_it_runs(run_node, client):
+    from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+    heard = []
+    client.node.create_subscription(DiagnosticArray, '/diagnostics', heard.append, 10)
+    run_node({**ROCKER, 'drive.speed': 0.1, 'drive.start': 0.5, 'drive.rate': 50.0, 'outputs': ['state']})
+    client.listen(['state'])
+    client.until(lambda: client.received['state'], 'the stream')
+
+    def newest():
+        return heard[-1].status[0] if heard else DiagnosticStatus()
+    client.until(lambda: 'out of range' in newest().message, 'the warning')      # the limit is at 0.5368 rad
+    values = {pair.key: pair.value for pair in newest().values}
+    assert newest().level == DiagnosticStatus.WARN
+    assert float(values['rate [Hz]']) == pytest.approx(50.0, rel=0.2)            # of a second, on a busy machine
+    assert values['recording'] == 'off' and float(values['change-point margin']) == pytest.approx(3.0 / 17.0, abs=5e-7)        # six digits
