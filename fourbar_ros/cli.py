@@ -1,4 +1,4 @@
-"""The ``fourbar`` command: what can be known of a scene without ROS."""
+"""The ``fourbar`` command; each verb is a module of :mod:`fourbar_ros.verbs`."""
 from __future__ import annotations
 
 import argparse
@@ -6,9 +6,12 @@ import sys
 
 from . import __version__
 from .core import FourBarError
+from .verbs import bag, record, replay, scene, show
 
+VERBS = (show, scene, bag, record, replay)
 DESCRIPTION = """\
-Planar four-bar linkages: motion, loads and extremes of a scene. Needs no ROS.
+Planar four-bar linkages: motion, loads and extremes of a scene; recorded runs. Needs no ROS, but for
+record and replay, which talk to a node.
 
 A scene is a ROS 2 parameter file (see config/): the same file runs the node,
   fourbar_node --ros-args --params-file SCENE
@@ -18,43 +21,37 @@ examples:
   fourbar show config/paper.yaml               class, limits, extremes, loads
   fourbar show config/paper.yaml --mode 1      of the other assembly mode
   fourbar show config/slides_7_7.yaml --speed 10 --at 24.6475
+  fourbar scene check config/paper.yaml        what a node with this scene does, and its cost
+  fourbar bag info bags/run                    what is in a bag
+  fourbar bag recompute bags/run               every recorded value computed again
+  fourbar replay bags/run --rate 2             published once more, twice as fast
+
+exit codes: 0 good; 1 an error, said in one line; 2 bad arguments; 3 done, but the bag is cut, lossy or
+different (see the help of the verb)
 """
 
 
 def parser():
-    """Return the argument parser; every verb sets ``run``."""
+    """Return the argument parser; every verb sets ``run``, which returns an exit code or None."""
     top = argparse.ArgumentParser(prog='fourbar', description=DESCRIPTION, epilog=EPILOG,
                                   formatter_class=argparse.RawDescriptionHelpFormatter)
     top.add_argument('--version', action='version', version=f'fourbar {__version__}')
     verbs = top.add_subparsers(dest='verb', required=True, metavar='VERB')
-
-    show = verbs.add_parser(
-        'show', help='class, modes, limits, extremes and loads of a scene, as tables',
-        description='Show what a scene is: Grashof class, input range, transmission angle, all extremes of '
-                    'motion and (with masses) of loads at constant input speed, and the state at one angle.')
-    show.add_argument('scene', metavar='SCENE', help='parameter file of the scene (YAML)')
-    show.add_argument('--mode', type=int, choices=(1, 2), help='assembly mode; default: that of the scene')
-    show.add_argument('--speed', type=float, metavar='RAD_S',
-                      help='constant input speed [rad/s]; default: drive.speed of the scene')
-    show.add_argument('--at', type=float, metavar='DEG',
-                      help='also state and loads at this input angle [degrees]')
-    show.set_defaults(run=_show)
+    for verb in VERBS:
+        verb.add(verbs)
     return top
 
 
-def _show(arguments):
-    from .show import show
-    show(arguments.scene, arguments.mode, arguments.speed, arguments.at)
-
-
 def main(args=None):
-    """Run one verb; exit code 0, 1 for an error of the verb (one line on stderr), 2 for bad arguments."""
+    """Run one verb and return the exit code; an error is one line on stderr."""
     arguments = parser().parse_args(args)
     try:
-        arguments.run(arguments)
+        return arguments.run(arguments) or 0
     except FourBarError as error:
         print(f'fourbar: {error}', file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        return 130
     except BrokenPipeError:                 # the reader of our output has gone: head, less
         sys.stderr.close()
     return 0

@@ -10,7 +10,8 @@ from operator import attrgetter
 
 from .core import Loads, Motion
 
-STATE_FIELDS = Motion._fields[:Motion._fields.index('condition') + 1]
+STATE_FIELDS = tuple(name for name in Motion._fields[:Motion._fields.index('condition') + 1]
+                     if name != 'coupler_ratio')       # omega_beta says it
 JOINTS = ('theta1', 'theta2', 'theta3', 'theta4')      # the order of the scene's joint_names
 PASSIVE_EFFORT = 0.0                                   # frictionless joints
 

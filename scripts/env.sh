@@ -27,13 +27,11 @@ _fourbar_env() {
   fi
 
   export VIRTUAL_ENV=$venv
-  local dir
-  for dir in "$venv/bin" "$install/fourbar_ros/lib/fourbar_ros"; do
-    case ":$PATH:" in
-      "$dir:"*) ;;
-      *) export PATH=$dir:$PATH ;;
-    esac
-  done
+  local bin=$install/fourbar_ros/lib/fourbar_ros:$venv/bin
+  case $PATH in
+    "$bin:"*) ;;
+    *) export PATH=$bin:$PATH ;;
+  esac
   export ROS_AUTOMATIC_DISCOVERY_RANGE=${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}
 
   # colcon's script reads unset variables and is written for sh.

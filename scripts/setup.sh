@@ -51,10 +51,14 @@ step() {
 drop_from_path() { PATH=":$PATH:"; PATH=${PATH//":$1:"/:}; PATH=${PATH#:}; PATH=${PATH%:}; }
 
 drop_from_path "$venv/bin"
-if [ -n "${CONDA_PREFIX:-}" ]; then drop_from_path "$CONDA_PREFIX/bin"; fi
+if [ -n "${CONDA_PREFIX:-}" ]; then
+  drop_from_path "$CONDA_PREFIX/bin"
+  unset CC CXX CPPFLAGS CFLAGS CXXFLAGS LDFLAGS         # conda's compilers set them to its own
+fi
 unset VIRTUAL_ENV PYTHONHOME PYTHONSTARTUP PYTHONOPTIMIZE "${!COLCON_@}" \
-  PIP_USER PIP_TARGET PIP_PREFIX PIP_ROOT PIP_REQUIRE_VIRTUALENV \
+  PIP_TARGET PIP_PREFIX PIP_ROOT PIP_REQUIRE_VIRTUALENV \
   MAKEFLAGS MFLAGS MAKELEVEL CMAKE_GENERATOR DESTDIR
+export PIP_USER=0                       # against a pip.conf that says otherwise
 export COLCON_HOME=$logs/colcon         # not ~/.colcon: its defaults.yaml may change the layout
 
 ros=wheels
@@ -130,9 +134,9 @@ check_tools() {
   "$base" -c 'import venv, ensurepip' 2>/dev/null || missing+=("python$xy-venv")
   [ -e "$("$base" -c 'import sysconfig; print(sysconfig.get_path("include"))')/Python.h" ] ||
     missing+=("python$xy-dev")
-  have_any ${CC:+"${CC%% *}"} cc gcc clang || missing+=(gcc)
-  have_any ${CXX:+"${CXX%% *}"} c++ g++ clang++ || missing+=(g++)
-  have_any make || missing+=(make)
+  have "${CC:-cc}" || missing+=(gcc)
+  have "${CXX:-c++}" || missing+=(g++)
+  have make || missing+=(make)
   if [ "${#missing[@]}" -gt 0 ]; then
     die "missing for $about: ${missing[*]}.  sudo apt install ${missing[*]}"
   fi
@@ -141,13 +145,7 @@ check_tools() {
   fi
 }
 
-have_any() {
-  local name
-  for name; do
-    if command -v "$name" >/dev/null; then return 0; fi
-  done
-  return 1
-}
+have() { command -v "${1%% *}" >/dev/null; }           # the first word: CC may be 'ccache gcc'
 
 # ---- .venv
 
@@ -181,10 +179,10 @@ done_with() { [ "$(cat "$1" 2>/dev/null)" = "$2" ]; }
 
 why_pip_failed() {
   local log=$logs/$1.log
-  if grep -qE 'NewConnectionError|Connection refused|ConnectTimeout|Name or service|name resolution|Network is unreachable|ProxyError|ReadTimeout|RemoteDisconnected|Connection aborted|Max retries' "$log"; then
-    echo 'the package registry cannot be reached: check the network, or set PIP_INDEX_URL or HTTPS_PROXY.'
-  elif grep -qiE 'CERTIFICATE_VERIFY_FAILED|TLS CA certificate' "$log"; then
+  if grep -qiE 'CERTIFICATE_VERIFY_FAILED|TLS CA certificate' "$log"; then
     echo "the package registry's certificate is not trusted here: set PIP_CERT to your CA file."
+  elif grep -qE 'NewConnectionError|Connection refused|ConnectTimeout|Name or service|name resolution|Network is unreachable|ProxyError|ReadTimeout|RemoteDisconnected|Connection aborted|Max retries' "$log"; then
+    echo 'the package registry cannot be reached: check the network, or set PIP_INDEX_URL or HTTPS_PROXY.'
   elif grep -q 'No space left on device' "$log"; then
     echo 'the disk is full: the set-up needs about 1 GB.'
   else
@@ -226,7 +224,7 @@ run_files=(requirements/python.txt)
 text='Python packages'
 if [ "$ros" = wheels ]; then
   run_files=(requirements/ros.txt requirements/python.txt)
-  text='ROS 2 Jazzy and Python packages'
+  text='ROS 2 Jazzy and Python packages (over 100 MB)'
 fi
 if [ "${1:-}" = test ]; then
   install pip-test "$text, test packages into .venv" "${run_files[@]}" requirements/test.txt
@@ -238,15 +236,16 @@ fi
 # ---- the two packages
 
 # fourbar_ros is installed as links into this tree, so an edited .py or .yaml needs no build; what
-# does is a change of its metadata or of the list of files it shares.
+# does is a change of its metadata or of the list of files it shares. (A plain `colcon build` turns
+# the links into copies: setup.py in build/ is then no link any more.)
 msgs_hash=$(find msg_defs -type f -print0 | sort -z | xargs -0 sha256sum | cat - "${run_files[0]}" | hash_of -)
-package_hash=$(find config launch -type f 2>/dev/null | sort | cat - setup.py setup.cfg package.xml | hash_of -)
+package_hash=$({ find config launch -type f 2>/dev/null || true; } | sort | cat - setup.py setup.cfg package.xml | hash_of -)
 
 stale=()
 if ! done_with install/fourbar_msgs/.built "$msgs_hash" || [ ! -d build/fourbar_msgs ]; then
   stale+=(fourbar_msgs)
 fi
-if ! done_with install/fourbar_ros/.built "$package_hash" || [ ! -d build/fourbar_ros ]; then
+if ! done_with install/fourbar_ros/.built "$package_hash" || [ ! -L build/fourbar_ros/setup.py ]; then
   stale+=(fourbar_ros)
 fi
 

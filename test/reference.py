@@ -121,19 +121,46 @@ def reactions(links):
 
 def condition(function, values):
     """
-    Return f and its first-order condition: the sum of |v df/dv| over the values, per output of f.
+    Return f and its first-order condition: |f| + the sum of |v df/dv| over the values, per output of f.
 
-    Times eps it is what an exact f would move by if each value were rounded once. For a force (mpc)
-    the modulus is taken, so that it is the condition of the vector.
+    Times eps it is what an exact f would move by if each value and the result were rounded once. The
+    first value is theta1, of which only the part beyond full turns counts. For a force (mpc) the modulus
+    is taken, so that it is the condition of the vector.
     """
     base = function(values)
     total = [mp.mpf(0)] * len(base)
     for i, value in enumerate(values):
-        if value:
+        weight = mp.fmod(value + mp.pi, 2 * mp.pi) - mp.pi if i == 0 else value
+        if weight:
             moved = list(values)
-            moved[i] = value * (1 + RELATIVE_STEP)
+            moved[i] = value + weight * RELATIVE_STEP
             total = [t + abs(f - g) for t, f, g in zip(total, function(moved), base)]
-    return base, [t / RELATIVE_STEP for t in total]
+    return base, [t / RELATIVE_STEP + abs(f) for t, f in zip(total, base)]
+
+
+MOTION_FIELDS = ('theta4', 'beta', 'omega4', 'omega_beta', 'omega2', 'omega3', 'alpha4', 'alpha_beta',
+                 'alpha2', 'alpha3')
+
+
+def motion_of(lengths, sign, x, omega, alpha):
+    """Return the values of :data:`MOTION_FIELDS`; rates and accelerations that are differences from them."""
+    p = pose(lengths, sign, x)
+
+    def second(slope, curvature):
+        return slope * alpha + curvature * omega**2
+
+    return (p.y, p.b, p.dy * omega, p.db * omega, (p.db - 1) * omega, (p.dy - p.db) * omega,
+            second(p.dy, p.ddy), second(p.db, p.ddb), second(p.db - 1, p.ddb), second(p.dy - p.db, p.ddy - p.ddb))
+
+
+LOAD_NAMES = ('f41', 'f21', 'f32', 'f43', 'driving_torque', 'shaking_force', 'shaking_moment')
+
+
+def loads_of(lengths, sign, x, omega, alpha, bodies, applied, gravity):
+    """Return the values of :data:`LOAD_NAMES`, forces as mpc."""
+    f41, f21, f32, f43, torque = reactions(
+        free_bodies(lengths, pose(lengths, sign, x), x, omega, alpha, bodies, applied, gravity))
+    return f41, f21, f32, f43, torque, -f41 - f43, -torque - lengths[3] * f43.imag
 
 
 def random_lengths(rng, count):

@@ -119,21 +119,17 @@ def test_infinite_v_is_an_ordinary_point(pair):
             continue
         assert np.abs(equation.residual(pi, solution)).max() <= 16 * EPS * sum(SLIDES_7_7)**2
         assert angle_difference(*solution) == pytest.approx(0.0, abs=1e-14)
-    # the angle of j for which theta_i is pi, found from the other side
-    back = io_equation(SLIDES_7_7, j, i)
-    for tj in equation.solve(pi):
-        if not np.isnan(tj):
-            assert min(abs(angle_difference(ti, pi)) for ti in back.solve(tj)) <= 1e-7     # sqrt(eps) at a dead point
+        if equation.mixed == 0.0:
+            continue    # theta_j has its extreme here, so that back from it is a matter of rounding
+        for tj in solution:     # theta_i = pi as a result
+            assert np.abs(angle_difference(io_equation(SLIDES_7_7, j, i).solve(tj), pi)).min() <= 64 * EPS
 
 
 def test_leading_coefficient_zero_is_an_ordinary_point():
-    """a1 = a3 = a4, A v1^2 + C = 0 and theta4 = pi: the textbook's quadratic divides by zero here."""
-    equation = io_equation((2.0, 3.0, 2.0, 2.5), 1, 4)
-    theta1 = float(mp.acos((4 + mp.mpf(0.25) - 9) / (4 * mp.mpf(0.5))))if False else None
-    lengths = (1.0, 1.0, 1.0, 2.0)      # O4 - B = (1, 0) at theta4 = pi, so theta1 = 60 deg
-    solutions = io_equation(lengths, 1, 4).solve(pi / 3.0)
-    assert min(abs(angle_difference(t, pi)) for t in solutions) <= 4 * EPS
-    assert equation.both != 0.0 and theta1 is None
+    """theta4 = pi at theta1 = 60 deg: A v1^2 + C = 0, where the textbook's quadratic divides by zero."""
+    equation = io_equation((1.0, 1.0, 1.0, 2.0), 1, 4)
+    assert equation.both * tan(pi / 6.0)**2 + equation.second == pytest.approx(0.0, abs=8 * EPS)
+    assert np.abs(angle_difference(equation.solve(pi / 3.0), pi)).min() <= 4 * EPS
 
 
 def test_poses_that_do_not_exist_are_nan():
@@ -200,7 +196,7 @@ def test_erratum_paper_tables_use_absolute_angles_not_those_of_its_equation_1():
     s = State(PAPER, OPEN, 1.66716501134)
     printed = io_equation(PAPER, 1, 4)._replace(**dict(zip(
         ('both', 'first', 'second', 'mixed', 'constant'), paper_equation(PAPER, 1, 4))))
-    assert abs(printed.position(s.v[1], s.v[4])) > 1.0
+    assert abs(printed.position(s.v[1], s.v[4])) > 0.1
     assert abs(printed.position(-1.0 / s.v[1], -s.v[4])) <= 1e-13     # relative angles: theta1 + pi, -theta4
     assert abs(io_equation(PAPER, 1, 4).position(s.v[1], s.v[4])) <= 1e-13
 

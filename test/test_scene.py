@@ -68,3 +68,17 @@ def test_a_file_that_is_no_scene_is_refused_with_its_name(tmp_path, text, reason
         scene.load(file)
     with pytest.raises(scene.SceneError, match='missing.yaml: No such file'):
         scene.load(tmp_path / 'missing.yaml')
+
+
+def test_scene_check_explains_and_refuses(tmp_path, capsys):
+    from fourbar_ros.cli import main
+    assert main(['scene', 'check', str(CONFIG / 'paper.yaml')]) == 0
+    said = capsys.readouterr().out
+    assert '25 rad/s' in said and '~/shaking_wrench' in said and 'motion and loads' in said
+    assert main(['scene', 'check', str(CONFIG / 'slides_7_6.yaml')]) == 0
+    said = capsys.readouterr().out
+    assert 'motion only' in said and '(loads)' in said
+    bad = tmp_path / 'bad.yaml'
+    bad.write_text('/**: {ros__parameters: {linkage: {a1: 0.4, a2: x, a3: 1.0, a4: 1.0}}}')
+    assert main(['scene', 'check', str(bad)]) == 1
+    assert capsys.readouterr().err == "fourbar: linkage.a2 = 'x': must be a double\n"

@@ -24,23 +24,26 @@ _PRIMITIVES = {'bool': '?', 'byte': 'u1', 'char': 'u1', 'float32': 'f4', 'float6
 _CODES = {'?': '?', 'u1': 'B', 'i1': 'b', 'f4': 'f', 'f8': 'd', 'i2': 'h', 'u2': 'H', 'i4': 'i', 'u4': 'I',
           'i8': 'q', 'u8': 'Q'}
 _FIELD = re.compile(r'([A-Za-z][\w/]*)(?:<=\d+)?(\[(?:(<=)?(\d+))?\])?\s+([A-Za-z]\w*)(?!\s*=|\w)')
+_UNIT = re.compile(r'\s*\[([^\]]+)\]')      # our definitions begin every comment with the unit
 
 
 class Field(NamedTuple):
-    """A field of a message: ``count`` is None for a single one, -1 for a sequence."""
+    """A field of a message: ``count`` is None for a single one, -1 for a sequence; ``unit`` as commented."""
 
     name: str
     type: str
     count: int | None
+    unit: str = ''
 
 
 class Leaf(NamedTuple):
-    """A run of numbers or a string in a message: its path of names and indices, dtype and place."""
+    """A run of numbers or a string in a message: path of names and indices, dtype, place, unit."""
 
     path: tuple
     format: str
     shape: tuple
     offset: int
+    unit: str = ''
 
     @property
     def name(self):
@@ -77,13 +80,14 @@ def short(name):
 def _fields(owner, text):
     found = []
     for line in text.splitlines():
-        line = line.split('#')[0].strip()
-        match = _FIELD.match(line)
+        line, _, comment = line.partition('#')
+        match = _FIELD.match(line.strip())
         if match:
             kind, array, bounded, number, name = match.groups()
             if kind not in _PRIMITIVES and kind not in ('string', 'wstring') and '/' not in kind:
                 kind = f'{owner.split("/")[0]}/{kind}'
-            found.append(Field(name, kind, None if not array else int(number) if number and not bounded else -1))
+            found.append(Field(name, kind, None if not array else int(number) if number and not bounded else -1,
+                               unit[1] if (unit := _UNIT.match(comment)) else ''))
     return found
 
 
@@ -181,11 +185,8 @@ class Layout:
 
     def _field(self, field, path):
         if field.type in _PRIMITIVES:
-            format_ = _PRIMITIVES[field.type]
-            if field.count is None:
-                return self._leaf(path, format_, (), int(format_[-1]) if format_ != '?' else 1)
-            count = self._length() if field.count < 0 else field.count
-            return self._leaf(path, format_, (count,), int(format_[-1]) if format_ != '?' else 1)
+            shape = () if field.count is None else (self._length() if field.count < 0 else field.count,)
+            return self._leaf(path, _PRIMITIVES[field.type], shape, field.unit)
         if field.type == 'wstring':
             raise BagError(f'{self._definition.name}: wstring is not supported')
         if field.count is None:
@@ -196,10 +197,11 @@ class Layout:
             return self._strings(path, count, start)
         return [self._walk(field.type, (*path, i)) for i in range(count)]
 
-    def _leaf(self, path, format_, shape, size):
+    def _leaf(self, path, format_, shape, unit=''):
+        size = 1 if format_[0] in 'S?' else int(format_[-1])
         if size > 1 and shape != (0,):
             self._at += -(self._at - HEADER) % size
-        self.leaves.append(Leaf(path, format_ if size == 1 else self._order + format_, shape, self._at))
+        self.leaves.append(Leaf(path, format_ if size == 1 else self._order + format_, shape, self._at, unit))
         self._at += size * (shape[0] if shape else 1)
         if self._at > self.size:
             raise IndexError
@@ -221,7 +223,7 @@ class Layout:
     def _string(self, path):
         length = self._length()
         if length > 1:
-            leaf = self._leaf(path, f'S{length - 1}', (), 1)
+            leaf = self._leaf(path, f'S{length - 1}', ())
             self._at += length - 1
             if self._at > self.size:
                 raise IndexError

@@ -69,10 +69,11 @@ class Container:
         self._append(record)
         self._metadata_indices.append(MetadataIndex(offset, len(record), name))
 
-    def add_message(self, channel, sequence, time, data):
+    def add_message(self, channel, sequence, time, data, published=None):
         """Take a message; arguments are trusted. It is in the file after the next :meth:`flush`."""
         self._index[channel] += (time, self._length)
-        self._parts += (_MESSAGE.pack(Opcode.MESSAGE, 22 + len(data), channel, sequence, time, time), data)
+        self._parts += (_MESSAGE.pack(Opcode.MESSAGE, 22 + len(data), channel, sequence, time,
+                                      time if published is None else published), data)
         self._length += 31 + len(data)
         if self._length > CHUNK_SIZE:
             self.flush()

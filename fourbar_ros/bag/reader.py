@@ -22,8 +22,8 @@ from .cdr import Decoder
 from .scan import HEAD, IS_MESSAGE, MESSAGE, Damaged, Scan, is_being_written, parse, split, unpacked
 
 BLOCK = 20_000          # messages that are decoded together: large for numpy, small for the memory
+_LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
 POLL = 0.02             # [s] between two looks at a bag that grows
-NOTE = 'fourbar_ros'    # metadata record: what holds from here on
 
 
 class Record(NamedTuple):
@@ -58,11 +58,12 @@ class Columns(NamedTuple):
         """Return the fields as nested namespaces of arrays: ``tree.header.stamp.sec``."""
         return self.layout.tree(self.records)
 
-
-class Note(NamedTuple):
-    """What was noted between two messages, as a dict of str; see BagWriter.note."""
-
-    values: dict
+    @property
+    def stamps(self):
+        """Return the stamps of the headers [ns], None if the messages have none."""
+        if 'header.stamp.sec' not in self.records.dtype.names:
+            return None
+        return self.records['header.stamp.sec'].astype(np.int64) * 10**9 + self.records['header.stamp.nanosec']
 
 
 class Bag:
@@ -110,7 +111,7 @@ class Bag:
                 found = record.metadata[rosbag2.KEY]
         if found is None:
             raise BagError(f'{self.path}: has no rosbag2 metadata')
-        return yaml.load(found, Loader=getattr(yaml, 'CSafeLoader', yaml.SafeLoader))
+        return yaml.load(found, Loader=_LOADER)
 
     def _scan_metadata(self):
         with open(self.file, 'rb') as file:
@@ -129,7 +130,7 @@ class Bag:
 
     def decode(self, raw):
         """Return the message of a :class:`Raw` as nested namespaces."""
-        return self._decoder(raw.topic).message(raw.data)
+        return self.decoder(raw.topic).message(raw.data)
 
     def raw(self, topics=None, start=None, follow=False):
         """
@@ -145,36 +146,51 @@ class Bag:
             At the end of a bag that is being written, wait for more until it is finished.
 
         """
-        for item in self._items(topics, start, follow):
-            if not isinstance(item, Note):
-                for number, sequence, stamp, data in item:
-                    channel = self.channels[number]
-                    yield Raw(channel.topic, self.type_of(channel.topic), stamp, sequence, data)
+        for item in self.chunks(topics, start, follow):
+            for number, sequence, stamp, data in item:
+                topic = self.channels[number].topic
+                yield Raw(topic, self.type_of(topic), stamp, sequence, data)
 
     def columns(self, topics=None, progress=None):
         """Yield all :class:`Columns`, block by block; arguments as in :meth:`blocks`."""
-        for block in self.blocks(topics, progress):
-            if not isinstance(block, Note):
-                yield from block
+        for block in self.blocks(topics, progress=progress):
+            yield from block
 
-    def blocks(self, topics=None, progress=None):
+    def blocks(self, topics=None, apart=None, progress=None):
         """
-        Yield lists of :class:`Columns`, and each :class:`Note` where it stands.
+        Yield lists of :class:`Columns`, each of about BLOCK messages that follow each other in the bag.
 
-        A block is about BLOCK messages of all topics together, in stretches of the bag that follow each
-        other. ``progress`` is called with the number of bytes read.
+        Parameters
+        ----------
+        topics : list of str, optional
+            Only these.
+        apart : str, optional
+            The messages of this topic end a block and are yielded as :class:`Record`, where they stand.
+        progress : callable, optional
+            Called with the number of bytes read so far.
+
         """
         block, place = [], 0
-        for item in self._items(topics, progress=progress):
-            if not isinstance(item, Note):
-                block += item
-            if block and (isinstance(item, Note) or len(block) >= BLOCK):
-                yield self._block(block, place)
-                place, block = place + len(block), []
-            if isinstance(item, Note):
-                yield item
+        for item in self.chunks(topics, progress=progress):
+            for alone, part in self._parted(item, apart):
+                block += part
+                if block and (alone or len(block) >= BLOCK):
+                    yield self._block(block, place)
+                    place, block = place + len(block), []
+                if alone:
+                    yield Record(apart, alone[2], self.decoder(apart).message(alone[3]))
         if block:
             yield self._block(block, place)
+
+    def _parted(self, messages, apart):
+        """Yield (message apart, messages before it), last (None, messages after it)."""
+        numbers = {number for number, channel in self.channels.items() if channel.topic == apart}
+        begin = 0
+        for i, item in enumerate(messages) if numbers else ():
+            if item[0] in numbers:
+                yield item, messages[begin:i]
+                begin = i + 1
+        yield None, messages[begin:] if begin else messages
 
     def _block(self, block, place):
         by_channel = {}
@@ -186,17 +202,23 @@ class Bag:
             places, times = np.array(places), np.array(times, np.int64)
             topic = self.channels[number].topic
             made += [Columns(topic, times[rows], places[rows], records, layout)
-                     for layout, rows, records in self._decoder(topic).arrays(data)]
+                     for layout, rows, records in self.decoder(topic).arrays(data)]
         return made
 
     def type_of(self, topic):
         """Return the type of a topic met so far."""
         return self._schema_of(topic).name
 
+    def qos_of(self, topic):
+        """Return the QoS profiles, as dicts, under which a topic met so far was offered."""
+        offered = next(channel.metadata.get(rosbag2.QOS) for channel in self.channels.values() if channel.topic == topic)
+        return yaml.load(offered or '[]', Loader=_LOADER)
+
     def _schema_of(self, topic):
         return next(self._schemas[channel.schema_id] for channel in self.channels.values() if channel.topic == topic)
 
-    def _decoder(self, topic):
+    def decoder(self, topic):
+        """Return the Decoder of a topic met so far."""
         if topic not in self._decoders:
             schema = self._schema_of(topic)
             if schema.encoding != 'ros2msg':
@@ -206,8 +228,8 @@ class Bag:
 
     # --- the file -------------------------------------------------------------------------------
 
-    def _items(self, topics=None, start=None, follow=False, progress=None):
-        """Yield lists of Messages, one a chunk, and Notes."""
+    def chunks(self, topics=None, start=None, follow=False, progress=None):
+        """Yield lists of (channel, sequence, log time, bytes), one a chunk."""
         wanted = None if topics is None else set(topics)
 
         def wait():
@@ -216,7 +238,7 @@ class Bag:
             time.sleep(POLL)
             return True
         with open(self.file, 'rb') as file:
-            scan = Scan(file, {Opcode.SCHEMA, Opcode.CHANNEL, Opcode.CHUNK, Opcode.MESSAGE, Opcode.METADATA},
+            scan = Scan(file, {Opcode.SCHEMA, Opcode.CHANNEL, Opcode.CHUNK, Opcode.MESSAGE},
                         wait if follow else None)
             for offset, opcode, body in scan:
                 try:
@@ -235,9 +257,6 @@ class Bag:
             return self._messages(unpacked(parse(opcode, body)), wanted, start)
         if opcode == Opcode.MESSAGE:
             return self._messages(HEAD.pack(opcode, len(body)) + body, wanted, start)
-        if opcode == Opcode.METADATA:
-            record = parse(opcode, body)
-            return Note(record.metadata) if record.name == NOTE else None
         if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
             self._learn(parse(opcode, body))
         return None

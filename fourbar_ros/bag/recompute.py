@@ -1,4 +1,8 @@
-"""Compute every recorded output again from the recorded input and scene; compare."""
+"""
+Compute every recorded output again from the recorded motion of the crank and the scene; compare.
+
+Both are in the bag: the motion as messages, the scene as its first message and again after every change.
+"""
 from __future__ import annotations
 
 import json
@@ -10,9 +14,10 @@ import numpy as np
 
 from .. import records as fields
 from .. import scene as scenes
-from ..core.status import evaluate
+from ..interfaces import OUTPUTS
+from ..stepper import Stepper
 from . import BagError
-from .reader import Bag, Note
+from .reader import Bag, Record
 
 
 class Difference(NamedTuple):
@@ -28,8 +33,8 @@ class Recomputed(NamedTuple):
     """
     What became of a bag.
 
-    ``unmatched`` outputs could not be compared: their input is not in the bag (dropped, or before its
-    start); ``cut``: the bag ends without an end.
+    ``unmatched`` outputs belong to no motion of the crank in the bag: it was dropped, or the input had
+    stopped and the output says so; ``cut``: the bag ends without an end.
     """
 
     differences: list
@@ -39,15 +44,11 @@ class Recomputed(NamedTuple):
 
 
 def scene_of(path):
-    """Return (Scene, topics) of a bag: what was run, and {output name: topic}; from its custom_data."""
+    """Return (Scene, topics) of a bag: what was run at its start, and {output name: topic}."""
     about = Bag(path).metadata().get('custom_data') or {}
-    return _scene(path, about)
-
-
-def _scene(path, about):
-    if 'scene' not in about or 'topics' not in about:
+    if 'scene' not in about or 'crank' not in (topics := json.loads(about.get('topics', '{}'))):
         raise BagError(f'{path}: was not recorded by fourbar_ros: its metadata hold no scene')
-    return scenes.from_values(json.loads(about['scene'])), json.loads(about['topics'])
+    return scenes.from_values(json.loads(about['scene'])), topics
 
 
 def recompute(path):
@@ -59,18 +60,16 @@ def compare(path, progress=None):
     """
     Return the :class:`Recomputed` of a bag.
 
-    Each output is compared with what its input, the last one before it in the file, gives; both carry the
-    same stamp. Differences are absolute; NaN against NaN is none, NaN against a number infinite.
+    Each output is compared with what the crank's motion gives, the last one before it in the file; both
+    carry the same stamp. Differences are absolute; NaN against NaN is none, NaN against a number infinite.
     ``progress`` is called with the number of bytes read.
     """
     bag = Bag(path)
-    about = bag.metadata().get('custom_data') or {}
-    scene, topics = _scene(path, about)
+    scene, topics = scene_of(path)
     work = _Comparison(scene, topics)
-    for block in bag.blocks(progress=progress):
-        if isinstance(block, Note):
-            about = {**about, **block.values}
-            work.change(*_scene(path, about))
+    for block in bag.blocks(apart=topics.get('scene'), progress=progress):
+        if isinstance(block, Record):
+            work.change(scenes.from_values(json.loads(block.message.data)))
         else:
             work.block(block)
     differences = [Difference(work.topics[name], field, work.counts[name], value)
@@ -82,66 +81,61 @@ class _Comparison:
     """Goes through a bag block by block."""
 
     def __init__(self, scene, topics):
-        self.counts, self.largest, self.inputs, self.unmatched, self.topics = {}, {}, 0, 0, {}
-        self.change(scene, topics)
+        self.counts, self.largest, self.inputs, self.unmatched = {}, {}, 0, 0
+        self.topics, self._name_of = topics, {topic: name for name, topic in topics.items()}
+        self.change(scene)
 
-    def change(self, scene, topics):
+    def change(self, scene):
         """Take another scene; it holds from the next input on."""
-        self._scene = scene
-        self.topics.update(topics)
-        self._name_of = {topic: name for name, topic in self.topics.items()}
+        self._stepper = Stepper(scene.linkage, scene.drive.out_of_range)
+        self._with_loads = scene.needs_loads
         self._last = None
 
     def block(self, columns):
         """Compare all messages of a block."""
-        inputs = [self._input(c) for c in columns if self._name_of.get(c.topic) == 'input']
-        inputs = [found for found in inputs if found is not None]
-        if self._last is not None:
-            inputs.insert(0, self._last)
-        outputs = [c for c in columns if self._name_of.get(c.topic, 'input') != 'input']
-        if not inputs:
+        inputs = [self._input(c) for c in columns if self._name_of.get(c.topic) == 'crank']
+        outputs = [c for c in columns if self._name_of.get(c.topic) in OUTPUTS]
+        if not inputs and self._last is None:
             self.unmatched += sum(len(c.places) for c in outputs)
             return
-        places, stamps, cranks = (np.concatenate(parts) for parts in zip(*inputs))
-        order = np.argsort(places)
-        places, stamps, cranks = places[order], stamps[order], cranks[order]
-        self.inputs += len(places) - (self._last is not None)
-        self._last = places[-1:], stamps[-1:], cranks[-1:]
-        status, values = self._evaluate(cranks)
+        results = [self._last] if self._last is not None else []
+        if inputs:
+            results.append(self._evaluated(*(np.concatenate(parts) for parts in zip(*inputs))))
+        everything = [np.concatenate(parts, axis=-1) for parts in zip(*results)]
+        self._last = [part[..., -1:] for part in everything]
         for found in outputs:
-            self._output(found, places, stamps, status, values)
+            self._output(found, *everything)
 
-    def _input(self, columns):
-        """Return (places, stamps, cranks of shape (n, 3)), None if the crank is not in these messages."""
-        crank = fields.crank_of(columns.tree, self._scene.drive)
-        if crank is None:
-            return None
-        shape = columns.places.shape
-        return columns.places, _stamps(columns), np.stack([np.broadcast_to(v, shape) for v in crank], axis=1)
+    @staticmethod
+    def _input(columns):
+        crank = np.stack(fields.crank_of(columns.tree), axis=1)
+        return columns.places, columns.stamps, crank
 
-    def _evaluate(self, cranks):
-        """Return statuses and values; one by one, as the node does, so that not one bit differs."""
-        linkage, with_loads = self._scene.linkage, self._scene.needs_loads
-        found = [evaluate(linkage, *crank, with_loads) for crank in cranks.tolist()]
-        return (np.array([status for status, _, _ in found], float),
-                np.array([(*motion, *loads) for _, motion, loads in found]).T)
+    def _evaluated(self, places, stamps, cranks):
+        """Return places, stamps, statuses and values; one by one, as the node does: not one bit differs."""
+        order = np.argsort(places)
+        self.inputs += len(order)
+        found = [self._stepper.step(*crank, self._with_loads) for crank in cranks[order].tolist()]
+        return (places[order], stamps[order], np.array([status for status, _ in found], float),
+                np.array([values for _, values in found]).T)
 
     def _output(self, columns, places, stamps, status, values):
         name, tree = self._name_of[columns.topic], columns.tree
         source = np.searchsorted(places, columns.places, side='right') - 1
-        good = (source >= 0) & (stamps[source] == _stamps(columns))
+        good = (source >= 0) & (stamps[source] == columns.stamps)
         self.unmatched += np.count_nonzero(~good)
         if not good.any():
             return
         source = source[good]
         self.counts[name] = self.counts.get(name, 0) + len(source)
-        pairs = [(field, self._expected(places_in, source, values), attrgetter(field)(tree))
-                 for field, places_in in fields.FIELDS[name].items()]
+        there = columns.records.dtype.names                  # a bag of an older version may have less
+        pairs = [(field, self._expected(values_of, source, values), attrgetter(field)(tree))
+                 for field, values_of in fields.FIELDS[name].items() if field in there]
         if name in ('state', 'loads'):
             pairs.append(('status', status[source], tree.status))
         for field, want, have in pairs:
             same = want.shape[:-1] == have.shape[:-1]        # as many joints
-            found = _distance(want, have[..., good]) if same else inf
+            found = distance(want, have[..., good]) if same else inf
             key = (name, field)
             self.largest[key] = max(self.largest.get(key, 0.0), found)
 
@@ -153,13 +147,8 @@ class _Comparison:
                          else values[fields.PLACE[part]][rows] for part in source_field])
 
 
-def _stamps(columns):
-    records = columns.records
-    return records['header.stamp.sec'].astype(np.int64) * 10**9 + records['header.stamp.nanosec']
-
-
-def _distance(a, b):
-    """Return the largest difference of two arrays."""
+def distance(a, b):
+    """Return the largest difference of two arrays; NaN against NaN is none, against a number infinite."""
     with np.errstate(invalid='ignore'):
         distance = np.abs(a - b)
     unknown = np.isnan(distance)

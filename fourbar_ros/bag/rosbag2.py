@@ -19,20 +19,20 @@ _ENDLESS = {'sec': 9223372036, 'nsec': 854775807}
 
 
 class Channel(NamedTuple):
-    """A recorded topic: absolute name, type, schema text, type hash and (depth, reliability)."""
+    """A recorded topic: absolute name, type, schema text, type hash, depth of its queue, latched or not."""
 
     topic: str
     type: str
     schema: str
     hash: str
     depth: int
-    reliable: bool = True
+    latched: bool = False
 
     @property
     def qos(self):
         """Return the QoS profile in rosbag2's words."""
         return {'history': 'keep_last', 'depth': self.depth,
-                'reliability': 'reliable' if self.reliable else 'best_effort', 'durability': 'volatile',
+                'reliability': 'reliable', 'durability': 'transient_local' if self.latched else 'volatile',
                 'deadline': _ENDLESS, 'lifespan': _ENDLESS, 'liveliness': 'automatic',
                 'liveliness_lease_duration': _ENDLESS, 'avoid_ros_namespace_conventions': False}
 
@@ -91,10 +91,12 @@ def create(directory, name):
     An empty name takes a fresh one from the clock. Raises BagError.
     """
     directory = Path(directory)
-    name = check_name(name) or fresh_name()
-    path = directory / name
+    fresh = not check_name(name)
+    path = directory / (name or fresh_name())
     try:
         directory.mkdir(parents=True, exist_ok=True)
+        while fresh and path.exists():                 # two in one millisecond
+            path = directory / fresh_name()
         path.mkdir()
     except FileExistsError:
         what = path if directory.is_dir() else directory
@@ -102,7 +104,7 @@ def create(directory, name):
     except OSError as error:
         raise BagError(f'{path}: {error.strerror}') from None
     try:
-        return path, open(path / f'{name}_0.mcap', 'x+b', buffering=0)
+        return path, open(path / f'{path.name}_0.mcap', 'x+b', buffering=0)
     except OSError as error:
         path.rmdir()
         raise BagError(f'{path}: {error.strerror}') from None

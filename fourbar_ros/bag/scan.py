@@ -82,8 +82,11 @@ class Scan:
 
     def _there(self, length):
         """Return whether this many bytes follow the last whole record."""
-        while os.fstat(self._file.fileno()).st_size < self.end + length:
-            if not (self._wait and self._wait()):
+        def there():
+            return os.fstat(self._file.fileno()).st_size >= self.end + length
+
+        while not there():
+            if not (self._wait and self._wait()) and not there():      # its writer may just have finished
                 return False
         self._file.seek(self.end)
         return True

@@ -155,18 +155,6 @@ class BagWriter:
             self._tell(f'{self.path}: the disk is too slow, messages are dropped')
         return not full
 
-    def add_channel(self, channel):
-        """Add a Channel while recording and return its number."""
-        with self._lock:
-            self._queue.append(('channel', 0, 0, channel))
-            self._sequences.append(0)
-            return len(self._sequences) - 1
-
-    def note(self, values):
-        """Keep a dict of str in the file, behind all messages written so far: what holds from here on."""
-        with self._lock:
-            self._queue.append(('note', 0, 0, {str(key): str(value) for key, value in values.items()}))
-
     def close(self):
         """Write what waits, finish the file and its metadata; returns the path of the bag."""
         with self._lock:
@@ -219,13 +207,8 @@ class BagWriter:
         queue, add = self._queue, self._container.add_message
         while queue:
             channel, sequence, stamp, data = queue.popleft()
-            if type(channel) is int:
-                add(channel + 1, sequence, stamp, data)
-                self._bytes_out += len(data)
-            elif channel == 'channel':
-                self._register(data)
-            else:
-                self._container.add_metadata('fourbar_ros', data)
+            add(channel + 1, sequence, stamp, data)
+            self._bytes_out += len(data)
 
     def _flush(self):
         before = self._container.start

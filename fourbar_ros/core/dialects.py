@@ -27,6 +27,8 @@ def where(condition, one, other):
 
 
 def _array_where(condition, one, other):
+    if isinstance(condition, bool):
+        return one if condition else other
     if isinstance(one, tuple):
         return tuple(np.where(condition, a, b) for a, b in zip(one, other))
     return np.where(condition, one, other)

@@ -28,6 +28,8 @@ CLEARANCE = 2.0**-6
 # before. The last are 1e-6 in u from a toggle, 1e-12 in x, where x itself has four digits left, and
 # 1e-4 from a flat position, where quantities are quotients of vanishing numbers.
 TOGGLE_POINTS, FLAT_POINTS = 7, 3
+# Samples for each unit of u; counts.
+POINTS_PER_FEATURE = 8
 
 
 class End(NamedTuple):
@@ -91,10 +93,11 @@ def jacobi(sine, cosine, steps):
 
 def half_turn(s1, s2, k, crosses_out, crosses_in):
     """
-    Return the function that gives theta1/2 as a pair (numerator, denominator of its tangent).
+    Return K, and the function that gives theta1/2 as a pair (numerator, denominator of its tangent).
 
     Its arguments are the sine and cosine of pi t/2, t from 0 at the lower end of theta1 in [0, pi] to 1
-    at the upper end, uniform in u.
+    at the upper end, uniform in u. K is the length of that in units of u in which quantities have
+    features no narrower than about one.
 
     Parameters
     ----------
@@ -108,6 +111,10 @@ def half_turn(s1, s2, k, crosses_out, crosses_in):
     p, q = abs(s1 * s2), s1b * s2b
     a, b, c, d = abs(s1)**0.5, s1b**0.5, abs(s2)**0.5, s2b**0.5
     steps = landen_steps(p / q if crosses_out == crosses_in else p / (p + q))
+
+    period = 0.5 * pi
+    for step, _ in steps:
+        period = period * (1.0 + step)
 
     def crank(sine, cosine):
         sn, cn, _ = jacobi(sine, cosine, steps)
@@ -123,15 +130,15 @@ def half_turn(s1, s2, k, crosses_out, crosses_in):
         return b * jacobi(cosine, sine, steps)[2], a
 
     if crosses_out:
-        return crank if crosses_in else through_pi
-    return through_zero if crosses_in else apart
+        return period, crank if crosses_in else through_pi
+    return period, through_zero if crosses_in else apart
 
 
 def input_paths(linkage, points):
     """
     Return the list of :class:`InputPath` that make up the motion of a linkage in its mode.
 
-    ``points`` is the number of points of a full turn, without those added at the ends.
+    ``points`` is the least number of points of a full turn, without those added at the ends.
     """
     a1, a2, a3, a4 = (length / max(linkage.lengths) for length in linkage.lengths)
     k = 4.0 * a1 * a4
@@ -141,10 +148,11 @@ def input_paths(linkage, points):
     high = End(min(high_end, pi), s1 == 0.0) if s1 <= 0.0 else None
     s1, s2 = s1 or CLEARANCE * k, s2 or CLEARANCE * k
 
-    count = points // 2
+    period, half = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
+    count = int(max(points // 2, POINTS_PER_FEATURE * period))
     before, after = _closer(low, count), _closer(high, count)
     phase = 0.5 * pi * np.concatenate((before[::-1], (np.arange(count) + 0.5) / count, 1.0 - after))
-    x = 2.0 * np.arctan2(*half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)(np.sin(phase), np.cos(phase)))
+    x = 2.0 * np.arctan2(*half(np.sin(phase), np.cos(phase)))
 
     # Nearer to a toggle than this, x has no digits left for the distance.
     beyond = [np.abs(x - end.theta1) < 2.0**-40 * end.theta1 if end else np.zeros(x.shape, bool)

@@ -22,14 +22,20 @@ joints, so each is a product, without a difference of rates:
     b' = a1 sin(x - y) / (a2 sin mu)        y' - b' = a1 a4 sin x / (a2 a3 sin mu)
 
 Accelerations. mu is a function of q alone, and y and b are the direction of the diagonal A-O4 plus or
-minus an angle of the triangle A-B-O4. With e = a1^2 - a4^2, f = a2^2 - a3^2, rho = (e + f mu')/q:
+minus an angle of the triangle A-B-O4. With e = a1^2 - a4^2, f = a2^2 - a3^2:
 
     mu'' = 2 a1 a4 (s2 cos^2(x/2) u - s1 sin^2(x/2) w) / T^(3/2)
-    y'' = ((f + q) mu'' - 2 a1 a4 sin x rho) / (2 q)      b'' = ((f - q) mu'' - 2 a1 a4 sin x rho) / (2 q)
+    y'' = ((f + q) mu'' - 2 a1 a4 sin x rho) / (2 q)     rho = y' + b' - 1 = (e + f mu')/q
+    b'' = ((f - q) mu'' - 2 a1 a4 sin x rho) / (2 q)
 
-Every difference in these is one that the data make: the error stays within a few eps times the
-condition at any link ratio. Where a factor is exactly zero (change point) it is so in the formula,
-and the powers of sin(x/2) or cos(x/2) that s1 = 0 or s2 = 0 leave are cancelled by the division.
+where the second form of rho is for large q, so for all where a1 = a4. Every difference in these is one
+that the data make: the error stays within a few eps times the condition at any link ratio.
+
+Change points. Where a sum of lengths is zero (parallelogram, kite, ...), so is s1 or s2 exactly; u or
+w is then one term, which the divisions cancel: no other path is needed. At the flat position both modes
+meet; each mode keeps its sign of sin mu on either side of it, so that its rates jump there, and the
+values returned at theta1 = 0 itself are the limits for theta1 -> 0 from above (y'' = b'' = 0). At
+theta1 = pi there is no such case: no float is pi, each is on one side.
 """
 from __future__ import annotations
 
@@ -70,6 +76,7 @@ class Motion(NamedTuple):
     alpha_beta: float
     transmission_angle: float    # [rad] |theta4 - beta|, in [0, pi]
     velocity_ratio: float        # d theta4 / d theta1
+    coupler_ratio: float         # d beta / d theta1
     condition: float             # relative error of the lengths -> error of theta4 [rad]
     cos_x: float                 # directions of crank, coupler, output link and of mu = theta4 - beta
     sin_x: float
@@ -103,7 +110,7 @@ def make_motion(a1, a2, a3, a4, sign):
                My=My, Mr=-Mr, Mb=-Mb, r2=-a4 / a2, r3=a1 * a4 / (a2 * a3), r4=-a1 / a3, rb=-a1 / a2,
                j1=2.0 * a1 * a4 * difference_of_squares(a2, a3, a1, a4),
                j2=2.0 * a1 * a4 * difference_of_squares(a1, -a4, a2, -a3),
-               e=e, f=f, k=4.0 * a1 * a4, near=(a1 - a4)**2, half_k=a1 * a4,
+               e=e, f=f, least_q=fabs(e), k=4.0 * a1 * a4, near=(a1 - a4)**2, half_k=a1 * a4,
                y_near=0.5 * (f + (a1 - a4)**2), y_far=0.5 * (f + (a1 + a4)**2),
                b_near=0.5 * (f - (a1 - a4)**2), b_far=0.5 * (f - (a1 + a4)**2),
                n1=sign * a1 / a3, n2=sign * a2 / a3, n4=sign * a4 / a3):
@@ -140,8 +147,9 @@ def make_motion(a1, a2, a3, a4, sign):
         d2, d3, dy, db = r2 * sin_y * scale, r3 * sin_x * scale, r4 * sin_bx * scale, rb * sin_yx * scale
         condition = (n1 * fabs(cos_bx) + n2 + sign * fabs(cos_mu) + n4 * fabs(cos_b)) * scale
 
-        scale = 1.0 / (near + k * ss)
-        turn = half_k * sin_x * (e + f * d3) * scale
+        q = near + k * ss
+        scale = 1.0 / q
+        turn = half_k * sin_x * where(q.real > least_q, (e + f * d3) * scale, dy + d2)
         dd3 = (j2 * cc * u - j1 * ss * w) / (square * root)
         ddy = ((y_near * cc + y_far * ss) * dd3 - turn) * scale
         ddb = ((b_near * cc + b_far * ss) * dd3 - turn) * scale
@@ -152,6 +160,6 @@ def make_motion(a1, a2, a3, a4, sign):
                 mu - straight, d3 * omega, d3 * alpha + dd3 * square,
                 atan2(sin_y, cos_y), omega4, dy * alpha + ddy * square,
                 atan2(sin_b, cos_b), omega_b, db * alpha + ddb * square,
-                sign * mu, dy, condition,
+                sign * mu, dy, db, condition,
                 cos_x, sin_x, cos_b, sin_b, cos_y, sin_y, cos_mu, sin_mu)
     return motion

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import atan2, fsum, isfinite, pi, remainder, sqrt
+from math import atan2, frexp, fsum, isfinite, ldexp, pi, remainder, sqrt
 from numbers import Real
 from typing import NamedTuple
 
@@ -50,6 +50,33 @@ class External(NamedTuple):
 
     coupler: Applied = NOT_APPLIED
     output: Applied = NOT_APPLIED
+
+
+class DeadPoint(NamedTuple):
+    """Crank and coupler in line, one behind the other (stretched) or folded; angles in [rad]."""
+
+    theta1: float
+    theta4: float
+    stretched: bool
+
+
+def _squares_of_half(one, other, a3, a4):
+    """Return 4 r a4 times (sin^2, cos^2) of half the angle at O1 of the triangle r = one + other, a3, a4."""
+    return (fsum((a3, -one, -other, a4)) * fsum((a3, one, other, -a4)),
+            fsum((one, other, a4, -a3)) * fsum((one, other, a4, a3)))
+
+
+def _ranges(a1, a2, a3, a4):
+    """Return the ranges of the angle at which a1 leaves the ground link; see FourBar.input_ranges."""
+    exponent = frexp(max(a1, a2, a3, a4))[1]
+    a1, a2, a3, a4 = (ldexp(length, -exponent) for length in (a1, a2, a3, a4))
+    s1 = difference_of_squares(a2, a3, a1, a4)
+    s2 = difference_of_squares(a1, -a4, a2, -a3)
+    far = 2.0 * atan2(sqrt(difference_of_squares(a2, a3, a1, -a4)), sqrt(-s1)) if s1 < 0.0 else pi
+    near = 2.0 * atan2(sqrt(-s2), sqrt(difference_of_squares(a1, a4, a2, -a3))) if s2 < 0.0 else 0.0
+    if s1 >= 0.0:
+        return ((-pi, pi),) if s2 >= 0.0 else ((near, 2.0 * pi - near),)
+    return ((-far, far),) if s2 >= 0.0 else ((-far, -near), (near, far))
 
 
 def _are_numbers(*values):
@@ -162,14 +189,42 @@ class FourBar:
         through pi (high > pi), or two. At an end that is no full turn, coupler and output link are in
         line (toggle).
         """
-        a1, a2, a3, a4 = (length / max(self.lengths) for length in self.lengths)
-        s1 = difference_of_squares(a2, a3, a1, a4)
-        s2 = difference_of_squares(a1, -a4, a2, -a3)
-        far = 2.0 * atan2(sqrt(difference_of_squares(a2, a3, a1, -a4)), sqrt(-s1)) if s1 < 0.0 else pi
-        near = 2.0 * atan2(sqrt(-s2), sqrt(difference_of_squares(a1, a4, a2, -a3))) if s2 < 0.0 else 0.0
-        if s1 >= 0.0:
-            return ((-pi, pi),) if s2 >= 0.0 else ((near, 2.0 * pi - near),)
-        return ((-far, far),) if s2 >= 0.0 else ((-far, -near), (near, far))
+        return _ranges(*self.lengths)
+
+    @cached_property
+    def output_ranges(self):
+        """
+        Return the ranges of theta4 over all poses of both modes, as :attr:`input_ranges`.
+
+        At an end that is no full turn, crank and coupler are in line: a dead point of the output.
+        """
+        ranges = []
+        for low, high in _ranges(self.a3, self.a2, self.a1, self.a4):     # seen from O4, of pi - theta4
+            low, high = pi - high, pi - low
+            turn = 2.0 * pi if low >= pi else 0.0
+            ranges.append((low - turn, high - turn))
+        return ((-pi, pi),) if ranges == [(0.0, 2.0 * pi)] else tuple(sorted(ranges))
+
+    @cached_property
+    def dead_points(self):
+        """
+        Return where theta4 turns back in this mode: its rate is zero at any speed of the crank.
+
+        Tuple of up to two :class:`DeadPoint`, in the order of theta1. Between theirs lie the theta4 of
+        a crank-rocker.
+        """
+        points = []
+        for stretched, r in ((True, (self.a1, self.a2)), (False, (self.a1, -self.a2))):
+            inner, outer = _squares_of_half(*r, self.a3, self.a4)
+            # |A B| and r count negative together where B lies behind O1
+            if inner * outer > 0.0:
+                side = self.sign if stretched else -self.sign
+                theta1 = side * 2.0 * atan2(sqrt(abs(inner)), sqrt(abs(outer)))
+                side = side if sum(r) > 0.0 else -side
+                theta4 = side * 2.0 * atan2(sqrt(difference_of_squares(self.a3, self.a4, *r)),
+                                            sqrt(difference_of_squares(*r, self.a4, -self.a3)))
+                points.append(DeadPoint(theta1, theta4, stretched))
+        return tuple(sorted(points))
 
     @property
     def turns_fully(self):

@@ -90,7 +90,7 @@ def make_loads(a1, a2, a3, a4, bodies, gravity, external):
               mass2=coupler.mass * unit, crank=_about_first_joint(crank, unit, gravity),
               coupler=_about_first_joint(coupler, unit, gravity, external.coupler),
               output=_about_first_joint(output, unit, gravity, external.output)):
-        (_, omega, alpha, _, _, _, _, _, _, _, omega4, alpha4, _, omega_b, alpha_b, _, _, _,
+        (_, omega, alpha, _, _, _, _, _, _, _, omega4, alpha4, _, omega_b, alpha_b, _, dy, db, _,
          cos_x, sin_x, cos_b, sin_b, cos_y, sin_y, _, sin_mu) = motion
 
         # For each link: x, y = mass times centre of gravity, f = sum of its joint forces, and their
@@ -100,7 +100,8 @@ def make_loads(a1, a2, a3, a4, bodies, gravity, external):
         square = omega * omega
         f1_x, f1_y = hold_x - alpha * y - square * x, hold_y + alpha * x - square * y
         moment1 = inertia * alpha + by_cosine * cos_x + by_sine * sin_x
-        a_x, a_y = -a1 * (alpha * sin_x + square * cos_x), a1 * (alpha * cos_x - square * sin_x)
+        at_x, at_y = a1 * cos_x, a1 * sin_x     # A
+        a_x, a_y = -alpha * at_y - square * at_x, alpha * at_x - square * at_y
 
         along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = coupler
         x, y = along * cos_b - across * sin_b, along * sin_b + across * cos_b
@@ -121,10 +122,13 @@ def make_loads(a1, a2, a3, a4, bodies, gravity, external):
         f21_x, f21_y = f32_x - f2_x, f32_y - f2_y
         f43_x, f43_y = f3_x + f32_x, f3_y + f32_y
         f41_x, f41_y = f1_x - f21_x, f1_y - f21_y
-        torque = moment1 - a1 * (cos_x * f21_y - sin_x * f21_x)
-        shaking_x, shaking_y = -f41_x - f43_x, -f41_y - f43_y
+        # These from the links, not from the reactions: inner forces much larger than the sums would
+        # spoil them. The torque is that of virtual power, at unit speed of the crank.
+        carried = moment1 + at_x * f2_y - at_y * f2_x
+        torque = carried + moment2 * db + moment3 * dy
+        shaking_x, shaking_y = -(f1_x + f2_x + f3_x), -(f1_y + f2_y + f3_y)
+        shaking_moment = -(carried + moment2 + moment3 + a4 * f3_y)
         return (f41_x, f41_y, f21_x, f21_y, f32_x, f32_y, f43_x, f43_y,
                 hypot(f41_x, f41_y), hypot(f21_x, f21_y), hypot(f32_x, f32_y), hypot(f43_x, f43_y),
-                unit * torque, shaking_x, shaking_y, hypot(shaking_x, shaking_y),
-                -unit * (torque + a4 * f43_y))
+                unit * torque, shaking_x, shaking_y, hypot(shaking_x, shaking_y), unit * shaking_moment)
     return loads

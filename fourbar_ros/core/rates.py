@@ -18,7 +18,7 @@ from math import atan2, cos, fabs, frexp, inf, ldexp, pi, sin, sqrt
 import numpy as np
 
 from .dialects import dialects, where
-from .elliptic import half_turn
+from .elliptic import half_turn, POINTS_PER_FEATURE
 from .factors import difference_of_squares, half_angle_coefficients
 from .roots import dips, may_touch, solve_one, turn_after
 from .sensitivity import perturbed_lengths
@@ -143,7 +143,8 @@ def _with_conditions(linkage, constants, roots):
 def _paths(constants, last_range, count):
     """Return the samples of each path, in order, and whether it is closed."""
     s1, s2, k = constants[:3]
-    half = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
+    period, half = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
+    count = int(max(count, POINTS_PER_FEATURE * period))
     low = [last_range[0]] if s2 < 0.0 else []
     high = [last_range[1]] if s1 < 0.0 else []
     x = low + [2.0 * atan2(*half(sine, cosine)) for sine, cosine in _phases(count)] + high

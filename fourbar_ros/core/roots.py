@@ -10,13 +10,15 @@ from math import pi
 import numpy as np
 
 EPS = 2.0**-52
+# Below this angle [rad] roots are found to an absolute tolerance: 0 has no last bit.
+SMALL = 2.0**-40
 # Halvings of a dip before it is taken for a touching point without a sign change.
 HALVINGS = 26
 
 
 def turn_after(x, start):
-    """Return the angle x as the one that comes after ``start``."""
-    return x + 2.0 * pi * (x < start)
+    """Return the angle x as the one that comes after ``start``, less than half a turn away."""
+    return x + 2.0 * pi * (x < start - pi)
 
 
 def brackets(x, f):
@@ -98,7 +100,7 @@ def bracketed_roots(function, row, xa, xb, fa, fb):
         best, best_f = np.where(better, xa, xb), np.where(better, fa, fb)
         root[todo] = best
         width = np.abs(xb - xa)
-        tolerance = EPS * np.abs(best)
+        tolerance = EPS * np.maximum(np.abs(best), SMALL)
         going = (width > 2.0 * tolerance) & (best_f != 0.0)
         if not going.all():
             row, todo = row[going], todo[going]
@@ -126,7 +128,7 @@ def solve_one(function, xa, xb, fa, fb):
             xc, fc, xb, fb = xb, fb, xa, fa
         xa, fa = x, f
         best, best_f = (xa, fa) if abs(fa) < abs(fb) else (xb, fb)
-        width, tolerance = abs(xb - xa), EPS * abs(best)
+        width, tolerance = abs(xb - xa), EPS * max(abs(best), SMALL)
         if best_f == 0.0 or width <= 2.0 * tolerance:
             return best
         t = 0.5

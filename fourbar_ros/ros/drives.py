@@ -55,13 +55,19 @@ class TimerDrive(Drive):
     def start(self):
         """Start the thread."""
         self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, name='drive', daemon=True)
+        self._thread = threading.Thread(target=self._guarded, name='drive', daemon=True)
         self._thread.start()
 
     def stop(self):
         """Stop it and wait for the sample in hand."""
         self._stop.set()
         self._thread.join()
+
+    def _guarded(self):
+        try:
+            self._run()
+        except Exception as error:                       # a fault of ours: never a silent end of the stream
+            self._node.failure = error
 
     def _run(self):
         settings, angle, began = self.settings, self.settings.start, time.monotonic()

@@ -28,6 +28,7 @@ class FourBarNode(Node):
     def __init__(self, **kwargs):
         super().__init__('fourbar', automatically_declare_parameters_from_overrides=True, **kwargs)
         scene = declare.scene(self)
+        self.failure = None                  # what ended the drive's thread, raised by main
         self.recording = Recording(self)
         self.stream = Stream(self, scene, self.recording)
         self.drive = self._drive_of(scene.drive.source)(self, self.stream, self.recording)
@@ -82,6 +83,8 @@ def main(args=None):
     try:
         while not stop.is_set():
             executor.spin_once(timeout_sec=SPIN)
+            if node.failure:
+                raise node.failure
     finally:
         node.close()
         executor.shutdown()

@@ -1,10 +1,15 @@
 """The bag of a node, if one is being written: what goes into it, and who asks for it."""
 from __future__ import annotations
 
+import contextlib
 import json
+import platform
+from importlib.metadata import PackageNotFoundError, version
 from typing import NamedTuple
 
-from .. import interfaces
+from .. import __version__, interfaces
+
+SOFTWARE = ('numpy', 'mcap', 'rclpy')       # beside our own, whose versions a bag keeps
 
 
 class RecorderState(NamedTuple):
@@ -17,12 +22,6 @@ class RecorderState(NamedTuple):
 class Recording:
     """
     Start and stop the bags of one node and hand them what is sent.
-
-    A bag holds, under the names in ``custom_data['topics']``: ``crank`` (Motion), the motion every output
-    belongs to and is recomputed from, whatever the drive; ``scene`` (String), all parameters as JSON, at
-    the start and again after every change, in force for what follows; the outputs of the scene; and the
-    input as it came (``motion`` or ``joint_state``), if there is one. An output whose stamp is not that
-    of the crank before it belongs to none: it says that the input has stopped.
 
     Parameters
     ----------
@@ -38,26 +37,31 @@ class Recording:
     @property
     def active(self):
         """Return whether messages are being recorded."""
-        return self._writer is not None
+        writer = self._writer
+        return writer is not None and writer.error is None
 
     def start(self, scene, name=''):
         """Start a bag of what a scene receives and publishes; return its path; raises BagError."""
         from ..bag.writer import BagError, BagWriter     # only scenes that record need the mcap library
         from .schemas import channel
 
-        if self._writer:
+        if self.active:
             raise BagError(f'already recording to {self._writer.path}')
+        with contextlib.suppress(BagError):
+            self.stop()                                  # a bag that ended by an error; that was told
         topics = [interfaces.CRANK, interfaces.SCENE, *(interfaces.OUTPUTS[output] for output in scene.outputs)]
         if scene.drive.source in interfaces.INPUTS:
             topics.append(interfaces.INPUTS[scene.drive.source])
         resolved = {topic.name: self._node.resolve_topic_name(topic.topic) for topic in topics}
         about = {'scene': json.dumps(scene.values), 'topics': json.dumps(resolved),
-                 'units': 'SI: m, kg, s, rad, N, N m'}
+                 'node': self._node.get_fully_qualified_name(),
+                 'units': 'SI: m, kg, s, rad, N, N m', 'software': json.dumps(software())}
+        log = self._node.get_logger()
         writer = BagWriter(scene.recording.directory, name,
-                           [channel(topic, resolved[topic.name]) for topic in topics], about)
+                           [channel(topic, resolved[topic.name]) for topic in topics], about, tell=log.error)
         self._channels = {topic.name: number for number, topic in enumerate(topics)}
         self._writer = writer
-        self._node.get_logger().info(f'recording to {writer.path}')
+        log.info(f'recording to {writer.path}')
         return writer.path
 
     def state(self):
@@ -68,7 +72,8 @@ class Recording:
         problems = [writer.error] if writer.error else []
         if writer.dropped:
             problems.append(f'{writer.dropped} messages not recorded')
-        return RecorderState({'recording': str(writer.path), 'messages not recorded': writer.dropped}, problems)
+        return RecorderState({'recording': str(writer.path), 'messages recorded': writer.accepted,
+                              'messages not recorded': writer.dropped}, problems)
 
     def stop(self):
         """Close the bag and return its path, None if there was none; raises BagError."""
@@ -80,3 +85,13 @@ class Recording:
         writer = self._writer            # another thread may stop the recording meanwhile
         if writer:
             writer.write(self._channels[topic], data)
+
+
+def software():
+    """Return {name: version} of what made a bag."""
+    found = {'fourbar_ros': __version__, 'python': platform.python_version()}
+    for name in SOFTWARE:
+        for distribution in (name, f'ros-jazzy-{name}'):
+            with contextlib.suppress(PackageNotFoundError):
+                found[name] = version(distribution)
+    return found

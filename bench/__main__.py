@@ -1,0 +1,57 @@
+"""Run measurements and print their tables; ``--write`` puts them into docs/."""
+import argparse
+import contextlib
+import importlib
+import io
+import platform
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+MODULES = {file.stem: file for file in sorted(Path(__file__).parent.glob('[a-z]*.py'))
+           if 'def main(' in file.read_text()}
+
+
+class Tee(io.StringIO):
+    """Print while keeping."""
+
+    def write(self, text):
+        sys.__stdout__.write(text)
+        sys.__stdout__.flush()
+        return super().write(text)
+
+
+def machine():
+    """Return one line about where the figures come from."""
+    import numpy
+    return (f'{time.strftime("%Y-%m-%d")}, Python {platform.python_version()}, numpy {numpy.__version__}, '
+            f'{platform.system()} {platform.machine()}')
+
+
+def main():
+    """Parse arguments and run."""
+    about = {name: importlib.import_module(f'bench.{name}').__doc__.strip().splitlines()[0] for name in MODULES}
+    parser = argparse.ArgumentParser(
+        prog='make bench ARGS="..."', description='Measure. Ratios of one run can be trusted, absolute times not.',
+        epilog='\n'.join(f'{name:12} {text}' for name, text in about.items()),
+        formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('names', nargs='*', metavar='NAME', help='which (default: all)')
+    parser.add_argument('--write', action='store_true', help='also write docs/bench/NAME.md')
+    arguments = parser.parse_args()
+    if unknown := [name for name in arguments.names if name not in MODULES]:
+        parser.error(f'{unknown[0]!r}: choose from {", ".join(MODULES)}')
+    for name in arguments.names or MODULES:
+        print(f'\n# {about[name]}\n\n{machine()}\n')
+        with contextlib.redirect_stdout(Tee()) as kept:
+            importlib.import_module(f'bench.{name}').main()
+        if arguments.write:
+            page = ROOT / 'docs' / 'bench' / f'{name}.md'
+            page.parent.mkdir(exist_ok=True)
+            page.write_text(f'# {about[name]}\n\nWritten by `make bench ARGS="{name} --write"`: {machine()}.\n\n'
+                            + kept.getvalue())
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,66 @@
+"""A bare rclpy node to compare with: the same messages, nothing computed, nothing filled but the stamp."""
+import signal
+import sys
+import threading
+import time
+
+import rclpy
+from builtin_interfaces.msg import Time
+from fourbar_msgs.msg import Motion
+from rclpy.experimental import EventsExecutor
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.signals import SignalHandlerOptions
+
+from fourbar_ros.interfaces import OUTPUTS
+from fourbar_ros.ros.messages import resolve
+
+
+def run(kind, rate, outputs):
+    """Publish these outputs at ``rate`` Hz ('timer'), or for each Motion that comes ('echo')."""
+    stop = threading.Event()
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: stop.set())
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node('bare')
+    messages = []
+    for name in outputs:
+        kind_of = resolve(OUTPUTS[name].type)
+        message = kind_of()
+        message.header.frame_id = 'fourbar'
+        if name == 'joint_states':                  # as many bytes as the real one
+            message.name = ['crank', 'coupler', 'coupler_output', 'output']
+            message.position = message.velocity = message.effort = [0.0] * 4
+        messages.append((message, node.create_publisher(kind_of, OUTPUTS[name].topic, 10)))
+
+    def send(stamp):
+        for message, publisher in messages:
+            message.header.stamp = stamp
+            publisher.publish(message)
+
+    def tick():
+        began, wall, sample = time.monotonic(), time.time_ns(), 0
+        while not stop.is_set():
+            wait = began + sample / rate - time.monotonic()
+            if wait > 0.0:
+                time.sleep(min(wait, 0.1))
+                continue
+            now = wall + round(sample * 1e9 / rate)
+            send(Time(sec=now // 10**9, nanosec=now % 10**9))
+            sample += 1
+
+    if kind == 'timer':
+        threading.Thread(target=tick, daemon=True).start()
+    else:
+        qos = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
+        node.create_subscription(Motion, '~/input', lambda message: send(message.header.stamp), qos)
+    executor = EventsExecutor()
+    executor.add_node(node)
+    while not stop.is_set():
+        executor.spin_once(timeout_sec=0.2)
+    executor.shutdown()
+    node.destroy_node()
+    rclpy.try_shutdown()
+
+
+if __name__ == '__main__':
+    run(sys.argv[1], float(sys.argv[2]), sys.argv[3:])

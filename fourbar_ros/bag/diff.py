@@ -1,0 +1,128 @@
+"""Compare two bags message by message: the same stamp on the same topic is the same message."""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from . import BagError
+from .reader import Bag
+from .recompute import Difference, distance
+
+
+class TopicDiff(NamedTuple):
+    """
+    One topic in both bags.
+
+    ``largest`` is {field: largest difference}; of fields that only one of two messages has, infinite.
+    """
+
+    topic: str
+    messages: int
+    only_first: int
+    only_second: int
+    largest: dict
+
+    @property
+    def differences(self):
+        """Return a list of :class:`~fourbar_ros.bag.recompute.Difference`."""
+        return [Difference(self.topic, field, self.messages, value) for field, value in self.largest.items()]
+
+    def is_same(self, tolerance=0.0):
+        """Return whether all messages are in both bags and no field differs by more."""
+        return not self.only_first and not self.only_second and max(self.largest.values(), default=0.0) <= tolerance
+
+
+def diff(first, second, topics=None, progress=None):
+    """
+    Return a list of :class:`TopicDiff`, one for every topic in either bag.
+
+    Messages with a header are matched by its stamp, others by their place among those of their topic.
+    Memory does not grow with the bags, as long as their stamps go forward.
+    """
+    bags = [Bag(first), Bag(second)]
+    types = [_types(bag) for bag in bags]
+    names = sorted(types[0].keys() | types[1].keys())
+    for topic in topics or ():
+        if topic not in names:
+            raise BagError(f'{topic}: in neither bag; they have {", ".join(names)}')
+    return [_Topic(topic).run(*bags, progress) for topic in topics or names]
+
+
+def _types(bag):
+    summary = bag.summary()
+    if not summary:
+        for _ in bag.chunks():
+            pass
+    channels = summary.channels if summary else bag.channels
+    return {channel.topic: channel for channel in channels.values()}
+
+
+class _Topic:
+    """Goes through one topic of both bags side by side."""
+
+    def __init__(self, topic):
+        self.topic = topic
+        self.messages, self.only, self.largest = 0, [0, 0], {}
+        self._pending = ([], [])                 # (keys, records) not yet met in the other bag
+
+    def run(self, first, second, progress):
+        sources = [_keyed(bag, self.topic, progress) for bag in (first, second)]
+        newest, over = [None, None], [False, False]
+        while not all(over):
+            # the bag that is behind goes on
+            side = 0 if over[1] or (not over[0] and (newest[0] is None or (
+                newest[1] is not None and newest[0] <= newest[1]))) else 1
+            found = next(sources[side], None)
+            if found is None:
+                over[side] = True
+                continue
+            newest[side] = int(found[0].max())
+            self._meet(side, *found)
+            if None not in newest:
+                self._forget(min(newest))
+        for side in (0, 1):
+            self.only[side] += sum(len(keys) for keys, _ in self._pending[side])
+        return TopicDiff(self.topic, self.messages, *self.only, self.largest)
+
+    def _meet(self, side, keys, records):
+        """Compare new messages with those of the other bag that wait for them."""
+        others = self._pending[1 - side]
+        for i, (other_keys, other) in enumerate(others):
+            _, here, there = np.intersect1d(keys, other_keys, return_indices=True)
+            if len(here):
+                self._compare(records[here], other[there])
+                keys, records = np.delete(keys, here), np.delete(records, here)
+                others[i] = np.delete(other_keys, there), np.delete(other, there)
+        others[:] = [pair for pair in others if len(pair[0])]
+        if len(keys):
+            self._pending[side].append((keys, records))
+
+    def _forget(self, until):
+        """Count what both bags are past as being in one only."""
+        for side, pending in enumerate(self._pending):
+            for keys, _ in pending:
+                if keys.max() < until:
+                    self.only[side] += len(keys)
+            pending[:] = [pair for pair in pending if pair[0].max() >= until]
+
+    def _compare(self, a, b):
+        self.messages += len(a)
+        for field in dict.fromkeys((*a.dtype.names, *b.dtype.names)):
+            if field in a.dtype.names and field in b.dtype.names and a[field].shape == b[field].shape:
+                here, there = a[field], b[field]
+                found = (distance(here.astype(float), there.astype(float)) if here.dtype.kind != 'S'
+                         else 0.0 if (here == there).all() else np.inf)
+            else:
+                found = np.inf
+            self.largest[field] = max(self.largest.get(field, 0.0), found)
+
+
+def _keyed(bag, topic, progress):
+    """Yield (keys, records); the key is the stamp [ns], or the place in the topic."""
+    count = 0
+    for found in bag.columns([topic], progress):
+        stamps = found.stamps
+        keys = np.arange(count, count + len(found.times)) if stamps is None else stamps
+        count += len(keys)
+        yield keys, found.records

@@ -1,0 +1,80 @@
+"""Fields of a bag over time, as a picture. Needs matplotlib, imported when it is used."""
+from __future__ import annotations
+
+import numpy as np
+
+from . import BagError
+from .export import table
+from .reader import Bag
+
+WIDTH, HEIGHT = 9.0, 2.4        # [in] a picture, and each of its axes
+
+
+def series(path, names, progress=None):
+    """
+    Return {name: (times [s] since the start, values, unit)} for fields of a bag.
+
+    Times are the stamps of the messages, or their log times where they have no header.
+
+    Parameters
+    ----------
+    path : str or Path
+        Bag.
+    names : list of str
+        ``TOPIC.FIELD``; the topic in full or its last part: ``state.theta4``,
+        ``/joint_states.position[crank]``.
+
+    """
+    bag = Bag(path)
+    found = {name: ([], [], '') for name in names}
+    known, starts = {}, {}
+    for columns in bag.columns(progress=progress):
+        values, stamps = table(columns), columns.stamps
+        clock = 'log' if stamps is None else 'header'
+        moments = columns.times if stamps is None else stamps
+        starts[clock] = min(starts.get(clock, moments[0]), moments.min())
+        units = {leaf.name: leaf.unit for leaf in columns.layout.leaves}
+        short = columns.topic.rsplit('/', 1)[-1]
+        known[short] = list(values)
+        for name in names:
+            topic, _, field = name.partition('.')
+            if topic in (columns.topic, short) and field in values and values[field].dtype.kind in 'iufb':
+                times, numbers, _ = found[name]
+                times.append((clock, moments))
+                numbers.append(values[field])
+                found[name] = times, numbers, units.get(field.split('[')[0], '')
+    for name, (times, _, _) in found.items():
+        if not times:
+            topic = name.partition('.')[0].rsplit('/', 1)[-1]
+            raise BagError(f'{name}: no such field; ' + (f'{topic} has {", ".join(known[topic])}' if topic in known
+                                                         else f'topics are {", ".join(known)}'))
+    return {name: (np.concatenate([(part - starts[clock]) * 1e-9 for clock, part in times]),
+                   np.concatenate(numbers), unit)
+            for name, (times, numbers, unit) in found.items()}
+
+
+def plot(path, names, out, progress=None):
+    """Draw fields over time into a file (.png, .svg, .pdf); those of one unit share an axis."""
+    found = series(path, names, progress)
+    try:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise BagError('plot needs matplotlib: pip install matplotlib') from None
+    units = list(dict.fromkeys(unit or name for name, (_, _, unit) in found.items()))
+    figure = Figure(figsize=(WIDTH, HEIGHT * len(units) + 0.6), layout='constrained')
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
+    for axis, unit in zip(axes, units):
+        for name, (times, values, own) in found.items():
+            if (own or name) == unit:
+                axis.plot(times, values, label=name, linewidth=1.0)
+                axis.set_ylabel(f'[{own}]' if own else '')
+        axis.legend(loc='lower left', bbox_to_anchor=(0.0, 0.98), ncols=4, frameon=False, fontsize='small')
+        axis.grid(True, alpha=0.3)
+    axes[-1].set_xlabel('time since the first message [s]')
+    figure.suptitle(str(path), fontsize='medium')
+    try:
+        figure.savefig(out)
+    except (OSError, ValueError) as error:
+        raise BagError(f'{out}: {error}') from None

@@ -1,0 +1,145 @@
+"""Make a whole bag of what a crash, a full disk or a bad copy left."""
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import NamedTuple
+
+import yaml
+from mcap import __version__ as mcap_version
+from mcap.opcode import Opcode
+
+from .. import __version__
+from . import BagError, rosbag2
+from .container import Container
+from .reader import file_of
+from .scan import HEAD, MESSAGE, Damaged, Scan, is_being_written, parse
+
+
+class Recovered(NamedTuple):
+    """
+    What came out.
+
+    Attributes
+    ----------
+    path : Path
+        The new bag.
+    messages : int
+    lost : int
+        Bytes of the old file that are not in the new one: its unfinished last record, damaged records.
+    damaged : list of str
+        Every damaged record: where and why.
+    was_whole : bool
+        The old bag was finished and nothing of it is lost.
+
+    """
+
+    path: Path
+    messages: int
+    lost: int
+    damaged: list
+    was_whole: bool
+
+
+def recover(path, out=None, progress=None):
+    """
+    Copy every whole record of a bag into a new bag with index, statistics and metadata.
+
+    Chunks are copied as they are, checked against their CRC; the old bag is only read.
+
+    Parameters
+    ----------
+    path : str or Path
+        Folder or .mcap file, cut or not.
+    out : str or Path, optional
+        Folder of the new bag; default: beside the old one, ``NAME_recovered``.
+    progress : callable, optional
+        Called with the number of bytes read.
+
+    Raises
+    ------
+    BagError
+        It is being written, it holds nothing, or the new bag exists.
+
+    """
+    source = file_of(path)
+    if is_being_written(source):
+        raise BagError(f'{path}: is being written; stop the recording first')
+    out = Path(out) if out else beside(path)
+    folder, file = rosbag2.create(out.parent, out.name)
+    try:
+        with open(source, 'rb') as old, file:
+            scan = Scan(old)
+            copy = _Copy(scan, file, progress)
+            if copy.container is None:
+                raise BagError(f'{path}: nothing to recover: it ends before its first record')
+            copy.finish(folder)
+            lost = copy.lost + (0 if scan.complete else source.stat().st_size - scan.end)
+        return Recovered(folder, sum(copy.container.counts.values()), lost, copy.damaged,
+                         scan.complete and not copy.damaged)
+    except BaseException:
+        shutil.rmtree(folder)
+        raise
+
+
+def beside(path):
+    """Return the default place of the new bag: NAME_recovered beside NAME or NAME_0.mcap."""
+    path = Path(path).absolute()
+    return path.with_name((path.name if path.is_dir() else path.stem.removesuffix('_0')) + '_recovered')
+
+
+class _Copy:
+    """The records of a Scan in a new Container."""
+
+    def __init__(self, scan, file, progress):
+        self.container, self.lost, self.damaged, self._metadata = None, 0, [], None
+        for offset, opcode, body in scan:
+            try:
+                if self.container is None:
+                    header = parse(Opcode.HEADER, body)
+                    self.container = Container(
+                        file, header.profile, f'{header.library}; recovered by fourbar_ros {__version__}, '
+                                              f'mcap {mcap_version}')
+                else:
+                    self._record(opcode, body)
+            except Damaged as error:
+                self.damaged.append(f'at byte {offset}: {error}')
+                self.lost += HEAD.size + len(body)
+            if progress:
+                progress(scan.end)
+
+    def _record(self, opcode, body):
+        container = self.container
+        if opcode == Opcode.CHUNK:
+            container.flush()
+            container.copy_chunk(body)
+        elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+            container.copy(parse(opcode, body))
+        elif opcode == Opcode.MESSAGE:                 # an unchunked file
+            if len(body) < MESSAGE.size:
+                raise Damaged('message is too short')
+            channel, sequence, time, published = MESSAGE.unpack_from(body)
+            if channel not in container.channels:
+                raise Damaged('message of an unknown channel')
+            container.add_message(channel, sequence, time, body[MESSAGE.size:], published)
+        elif opcode == Opcode.METADATA:
+            record = parse(opcode, body)
+            if record.name == rosbag2.RECORD:
+                self._metadata = record.metadata.get(rosbag2.KEY)
+            else:
+                container.add_metadata(record.name, record.metadata)
+        elif opcode == Opcode.ATTACHMENT:
+            raise Damaged('an attachment; these are not copied')
+
+    def finish(self, folder):
+        """Write metadata of what is there now, and the end."""
+        self.container.flush()
+        try:
+            old = yaml.safe_load(self._metadata or '') or {}
+        except yaml.YAMLError:
+            old = {}
+        about = {**(old.get('custom_data') or {}), 'recovered_by': f'fourbar_ros {__version__}'}
+        metadata = rosbag2.describe(f'{folder.name}_0.mcap', self.container, about, old.get('ros_distro'))
+        self.container.add_metadata(rosbag2.RECORD, {rosbag2.KEY: rosbag2.dumped(metadata)})
+        self.container.finish()
+        rosbag2.write_metadata_file(folder, metadata)

@@ -1,0 +1,78 @@
+"""``fourbar replay``: publish a recorded run again, or drive a live node with it."""
+from __future__ import annotations
+
+import argparse
+
+from .bag import BAD
+
+DESCRIPTION = """\
+Publish the messages of a bag again, with their original timing, on their topics and with their quality of
+service. BAG may be finished, cut, or still being written. Needs ROS 2 and the packages of the message
+types; what is not installed is left out, and said.
+"""
+EPILOG = """\
+examples:
+  fourbar replay bags/run                              as it was
+  fourbar replay bags/run --rate 0.1 --start 12        slowly, from second 12 on
+  fourbar replay bags/run --clock --loop               for nodes with use_sim_time
+  fourbar replay bags/run --topics /joint_states
+  fourbar replay bags/run --ros-args -r /joint_states:=/old/joint_states
+
+  fourbar bag scene bags/run > again.yaml              a live node does the same run again:
+  fourbar_node --ros-args --params-file again.yaml &
+  fourbar replay bags/run --inputs-only                and its answers are compared with the recorded ones
+
+exit codes: 0 good; 1 an error; 2 bad arguments; 3 with --inputs-only: an answer differs or is missing
+"""
+
+
+def add(verbs):
+    """Add the verb."""
+    replay = verbs.add_parser('replay', help='publish a recorded run again, or drive a live node with it',
+                              description=DESCRIPTION, epilog=EPILOG,
+                              formatter_class=argparse.RawDescriptionHelpFormatter)
+    replay.add_argument('bag', metavar='BAG', help='folder of a bag or .mcap file')
+    replay.add_argument('--rate', type=_positive, default=1.0, metavar='X', help='times as fast, default 1')
+    replay.add_argument('--start', type=float, default=0.0, metavar='S', help='leave out the first seconds')
+    replay.add_argument('--loop', action='store_true', help='again and again')
+    replay.add_argument('--follow', action='store_true', help='of a bag being written: go on until it is finished')
+    replay.add_argument('--clock', nargs='?', type=_positive, const=100.0, metavar='HZ',
+                        help='publish the time of the bag on /clock, at this rate (default 100)')
+    replay.add_argument('--topics', nargs='+', metavar='TOPIC', help='only these')
+    replay.add_argument('--inputs-only', action='store_true',
+                        help='send only the motion of the crank to a live node, compare what it answers')
+    replay.add_argument('--node', metavar='NAME', help='that node; default: the one that was recorded')
+    replay.add_argument('--tolerance', type=float, default=0.0, metavar='X',
+                        help='with --inputs-only: largest difference that is none, default 0')
+    replay.add_argument('--ros-args', nargs=argparse.REMAINDER, default=[], help='for ROS, as remappings')
+    replay.set_defaults(run=_replay)
+
+
+def _positive(text):
+    value = float(text)
+    if not 0.0 < value < float('inf'):
+        raise argparse.ArgumentTypeError(f'{text}: must be positive')
+    return value
+
+
+def _replay(arguments):
+    ros_args = ['--ros-args', *arguments.ros_args] if arguments.ros_args else []
+    if arguments.inputs_only:
+        return _inputs_only(arguments, ros_args)
+    from ..ros.replay import replay
+    count = replay(arguments.bag, arguments.topics, arguments.rate, arguments.start, arguments.loop,
+                   arguments.follow, arguments.clock, ros_args)
+    print(f'{count} messages published')
+    return 0
+
+
+def _inputs_only(arguments, ros_args):
+    from ..ros.drive_live import drive_live
+    from ..show import make_console, plain_table
+    found = drive_live(arguments.bag, arguments.node, arguments.rate, arguments.start, ros_args)
+    table = plain_table('', ('topic', 'answers>', 'missing>', 'largest difference>', 'field'))
+    for answer in found:
+        table.add_row(answer.topic, str(answer.messages), str(answer.missing), f'{answer.largest:g}', answer.field)
+    make_console().print(table)
+    good = all(not answer.missing and answer.largest <= arguments.tolerance for answer in found)
+    return 0 if found and good else BAD

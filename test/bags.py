@@ -1,0 +1,111 @@
+"""Bags without ROS: messages made by rosbags, a codec that shares no line with ours."""
+import json
+from pathlib import Path
+
+import numpy as np
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from fourbar_ros import interfaces, records
+from fourbar_ros import scene as scenes
+from fourbar_ros.bag.writer import BagWriter, Channel
+from fourbar_ros.stepper import Stepper
+
+ROOT = Path(__file__).parent.parent
+STORE = get_typestore(Stores.ROS2_JAZZY)
+for _file in (ROOT / 'msg_defs/msg').glob('*.msg'):
+    STORE.register(get_types_from_msg(_file.read_text(), f'fourbar_msgs/msg/{_file.stem}'))
+
+
+def text_of(type_name):
+    """Return the schema of a type as a bag holds it."""
+    text = STORE.generate_msgdef(type_name, ros_version=2)[0]
+    package, _, name = type_name.split('/')
+    if package == 'fourbar_msgs':           # with its comments, as from the package
+        text = (ROOT / f'msg_defs/msg/{name}.msg').read_text() + text[text.index('=' * 80):]
+    return text
+
+
+def channel(topic, type_name, depth=10, latched=False):
+    """Return the Channel of a topic."""
+    return Channel(topic, type_name, text_of(type_name), STORE.hash_rihs01(type_name), depth, latched)
+
+
+MOTION = channel('/fourbar/crank', 'fourbar_msgs/msg/Motion')
+
+
+def stamp(nanoseconds, frame='fourbar'):
+    """Return a Header."""
+    time = STORE.types['builtin_interfaces/msg/Time'](nanoseconds // 10**9, nanoseconds % 10**9)
+    return STORE.types['std_msgs/msg/Header'](time, frame)
+
+
+def motion(number):
+    """Return a serialised Motion that carries a number."""
+    return encode('fourbar_msgs/msg/Motion', header=stamp(number), position=float(number), velocity=0.5,
+                  acceleration=-0.25)
+
+
+def encode(type_name, **values):
+    """Return a serialised message."""
+    return bytes(STORE.serialize_cdr(STORE.types[type_name](**values), type_name))
+
+
+def zero(type_name):
+    """Return a message of zeros and empty texts."""
+    values = {}
+    for name, (kind, what) in STORE.fielddefs[type_name][1]:
+        if kind == 1:
+            base = what[0]
+            values[name] = '' if base == 'string' else False if base == 'bool' else 0
+        elif kind == 2:
+            values[name] = zero(what)
+        else:
+            values[name] = [] if kind == 4 and what[0][1][0] == 'string' else np.zeros(0)
+    return STORE.types[type_name](**values)
+
+
+def output_message(name, when, status, mode, values, joint_names):
+    """Return the bytes of one output as the node would send it."""
+    topic = interfaces.CRANK if name == 'crank' else interfaces.OUTPUTS[name]
+    message = zero(topic.type)
+    message.header = stamp(when)
+    if hasattr(message, 'status'):
+        message.status, message.mode = status, mode
+    if name == 'joint_states':
+        message.name = list(joint_names)
+    for field, value in records.expected(name, values).items():
+        *path, last = field.split('.')
+        place = message
+        for step in path:
+            place = getattr(place, step)
+        setattr(place, last, np.array(value) if isinstance(value, tuple) else value)
+    return bytes(STORE.serialize_cdr(message, topic.type))
+
+
+def run(directory, name, values, cranks, changes=(), step_ns=10**6, **kwargs):
+    """
+    Record a run as the node does and return the closed bag's path.
+
+    ``cranks``: (theta1, omega1, alpha1) of every step; ``changes``: {step: parameters} set before it.
+    """
+    scene = scenes.from_values(values)
+    topics = [interfaces.CRANK, interfaces.SCENE, *(interfaces.OUTPUTS[output] for output in scene.outputs)]
+    resolved = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
+    about = {'scene': json.dumps(scene.values), 'topics': json.dumps(resolved), 'node': '/fourbar'}
+    writer = BagWriter(directory, name, [channel(resolved[t.name], t.type) for t in topics], about, **kwargs)
+    number = {topic.name: i for i, topic in enumerate(topics)}
+
+    def say_scene():
+        writer.write(number['scene'], encode('std_msgs/msg/String', data=json.dumps(scene.values)))
+        return Stepper(scene.linkage, scene.drive.out_of_range)
+    stepper, changes = say_scene(), dict(changes)
+    for k, crank in enumerate(cranks):
+        if k in changes:
+            scene = scenes.from_values({**scene.values, **changes[k]})
+            stepper = say_scene()
+        status, found = stepper.step(*crank, scene.needs_loads)
+        writer.write(number['crank'], output_message('crank', k * step_ns, 0, 0, [*crank, *found[3:]], ()))
+        for output in scene.outputs:
+            writer.write(number[output], output_message(output, k * step_ns, status, scene.linkage.mode, found,
+                                                        scene.joint_names))
+    return writer.close()
