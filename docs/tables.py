@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from fourbar_ros.core.quantities import QUANTITIES  # noqa: E402
-from fourbar_ros.interfaces import INPUTS, OUTPUTS, SERVICES  # noqa: E402
+from fourbar_ros.interfaces import CRANK, INPUTS, OUTPUTS, SCENE, SERVICES  # noqa: E402
 from fourbar_ros.parameters import PARAMETERS, REQUIRED  # noqa: E402
 
 PAGE = ROOT / 'docs' / 'node.md'
@@ -43,10 +43,11 @@ def tables():
         'outputs': table(('name in `outputs`', 'topic', 'type', 'what', 'needs masses'),
                          [(f'`{t.name}`', f'`{t.topic}`', f'`{t.type}`', t.text, 'yes' if t.needs_loads else '')
                           for t in OUTPUTS.values()]),
+        'always': table(('topic', 'type', 'what'), [(f'`{t.topic}`', f'`{t.type}`', t.text) for t in (CRANK, SCENE)]),
         'services': table(('service', 'type', 'what'),
                           [(f'`{s.service}`', f'`{s.type}`', s.text) for s in SERVICES.values()]),
-        'parameters': table(('parameter', 'type', 'unit', 'default', 'allowed', 'what'),
-                            [(f'`{p.name}`', p.type, p.unit, default(p), p.allowed, p.text)
+        'parameters': table(('parameter', 'type', 'unit', 'default', 'allowed', 'live', 'what'),
+                            [(f'`{p.name}`', p.type, p.unit, default(p), p.allowed, 'yes' if p.live else '', p.text)
                              for p in PARAMETERS.values()]),
         'quantities': table(('quantity', 'unit', 'what'),
                             [(f'`{q.name}`', q.unit, q.text) for q in QUANTITIES.values()]),

@@ -5,6 +5,7 @@ Positions from coordinates (intersection of two circles on the diagonal A-O4), r
 from the differentiated loop, loads from the free bodies: nothing here is shared with the package. The
 working precision leaves fifty digits after the cancellations of the worst case of the tests.
 """
+from functools import lru_cache
 from typing import NamedTuple
 
 import mpmath as mp
@@ -153,13 +154,15 @@ def motion_of(lengths, sign, x, omega, alpha):
             second(p.dy, p.ddy), second(p.db, p.ddb), second(p.db - 1, p.ddb), second(p.dy - p.db, p.ddy - p.ddb))
 
 
+_remembered_pose = lru_cache(maxsize=8)(pose)     # most of what loads depend on leaves the pose alone
 LOAD_NAMES = ('f41', 'f21', 'f32', 'f43', 'driving_torque', 'shaking_force', 'shaking_moment')
 
 
 def loads_of(lengths, sign, x, omega, alpha, bodies, applied, gravity):
     """Return the values of :data:`LOAD_NAMES`, forces as mpc."""
+    place = _remembered_pose(tuple(lengths), sign, x)
     f41, f21, f32, f43, torque = reactions(
-        free_bodies(lengths, pose(lengths, sign, x), x, omega, alpha, bodies, applied, gravity))
+        free_bodies(lengths, place, x, omega, alpha, bodies, applied, gravity))
     return f41, f21, f32, f43, torque, -f41 - f43, -torque - lengths[3] * f43.imag
 
 

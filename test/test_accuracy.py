@@ -303,7 +303,7 @@ def test_motion_in_full(family):
 @pytest.mark.slow
 @pytest.mark.parametrize('family', FAMILIES)
 def test_loads_in_full(family):
-    check_loads(family, 34, 2000 if family == 'random' else 300)
+    check_loads(family, 34, 20000 if family == 'random' else 300)
 
 
 # --- near a toggle, relative to the peak -----------------------------------------------------------

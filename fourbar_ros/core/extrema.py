@@ -9,22 +9,24 @@ where they have one-sided values.
 from __future__ import annotations
 
 from math import inf, isfinite, nan
-from typing import Callable, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from .elliptic import input_paths
-from .errors import FourBarError, InvalidParameter
+from .errors import InvalidParameter
 from .quantities import select
+from .rates import SAMPLES as RATE_SAMPLES
 from .rates import rate_extrema
 from .roots import EPS
-from .search import DifferenceSampler, Found, Sampler, fold, search_path
+from .search import DifferenceSampler, Found, Sampler, UserQuantity, fold, search_path
 
 MINIMUM, MAXIMUM, CONSTANT = 'minimum', 'maximum', 'constant'
 INTERIOR, LIMIT, ONE_SIDED = 'interior', 'limit', 'one-sided'
 _KINDS = {-1: MINIMUM, 1: MAXIMUM, 0: CONSTANT}
 
 SAMPLES = 128
+RATES = ('omega4', 'alpha4')
 
 
 class Extremum(NamedTuple):
@@ -51,6 +53,9 @@ class Extremum(NamedTuple):
     condition, value_condition : float
         Link lengths each wrong by a relative eps move ``theta1`` by up to eps * condition [rad] and
         ``value`` by up to the relative eps * value_condition. NaN at ends.
+    proof : str
+        How it is known that no extreme inside the range is missing: '' if not asked, 'exact count',
+        'interval bounds ...', or 'not proved: ...'.
 
     """
 
@@ -65,15 +70,7 @@ class Extremum(NamedTuple):
     side: int = 0
     condition: float = nan
     value_condition: float = nan
-
-
-class UserQuantity(NamedTuple):
-    """A quantity given as a function (Motion, Loads) -> value."""
-
-    name: str
-    unit: str
-    of: Callable
-    is_load: bool = False     # not known: without masses, loads raise MissingBodies when used
+    proof: str = ''
 
 
 def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False):
@@ -90,6 +87,9 @@ def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False):
         linkage has data.
     omega1, alpha1 : float
         Input rate [rad/s] and acceleration [rad/s^2], the same at every angle.
+    certify : bool
+        Also prove that none is missing, see :mod:`.certify`: milliseconds for omega4 and alpha4, a
+        second or more for each other quantity.
 
     Returns
     -------
@@ -101,27 +101,46 @@ def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False):
         if not isfinite(value):
             raise InvalidParameter(name, value, 'must be a finite number')
     quantities = _resolve(quantities, linkage.bodies is not None)
+    found = _search(linkage, quantities, omega1, alpha1, 1)
+    proofs = [''] * len(quantities)
+    if certify:
+        from .certify import NOT_PROVED, prove_counts
+
+        counts, proofs = zip(*prove_counts(linkage, quantities, omega1, alpha1, SAMPLES))
+        if any(count not in (None, _interior_count(part)) for count, part in zip(counts, found)):
+            found = _search(linkage, quantities, omega1, alpha1, 8)
+        proofs = [proof if count in (None, _interior_count(part))
+                  else f'{NOT_PROVED}: {_interior_count(part)} found, {count} exist'
+                  for proof, count, part in zip(proofs, counts, found)]
+    return [extremum for quantity, part, proof in zip(quantities, found, proofs)
+            for extremum in _extrema(quantity, linkage.mode, part, proof)]
+
+
+def _interior_count(found):
+    return sum(part.side == 0 and part.sense != 0 for part in found)
+
+
+def _search(linkage, quantities, omega1, alpha1, density):
+    """Return a list of :class:`Found` for each quantity, each searched for in the way that fits it."""
     is_fast = alpha1 == 0.0 != omega1 and linkage.change_point_margin > 0.0
     fast, smooth, rough = [], [], []
     for row, quantity in enumerate(quantities):
         if isinstance(quantity, UserQuantity):
             (smooth if _has_complex_step(linkage, quantity, omega1, alpha1) else rough).append(row)
         else:
-            (fast if is_fast and quantity.name in ('omega4', 'alpha4') else smooth).append(row)
-
+            (fast if is_fast and quantity.name in RATES else smooth).append(row)
     found = [[] for _ in quantities]
     if fast:
-        for part in _at_constant_rate(linkage, [quantities[row].name for row in fast], omega1):
+        for part in _at_constant_rate(linkage, [quantities[row].name for row in fast], omega1, density):
             found[fast[part.row]].append(part)
     for kind, rows in ((Sampler, smooth), (DifferenceSampler, rough)):
         if rows:
             chosen = [quantities[row] for row in rows]
             sampler = kind(linkage, chosen, omega1, alpha1, any(isinstance(q, UserQuantity) for q in chosen))
-            for path in input_paths(linkage, SAMPLES):
+            for path in input_paths(linkage, density * SAMPLES):
                 for part in search_path(sampler, path):
                     found[rows[part.row]].append(part)
-    return [extremum for quantity, part in zip(quantities, found)
-            for extremum in _extrema(quantity, linkage.mode, part)]
+    return found
 
 
 def _resolve(quantities, has_bodies):
@@ -150,9 +169,9 @@ def _has_complex_step(linkage, quantity, omega1, alpha1):
                 and np.all(np.abs(slopes - differences) <= 1e-3 * np.max(np.abs(differences))))
 
 
-def _at_constant_rate(linkage, names, omega1):
+def _at_constant_rate(linkage, names, omega1, density):
     """Yield the :class:`Found` of omega4 and alpha4; ``row`` is the index in names."""
-    roots, toggles = rate_extrema(linkage)
+    roots, toggles = rate_extrema(linkage, density * RATE_SAMPLES)
     motion = linkage._motion[0]
     for row, name in enumerate(names):
         i, field, sign = (0, 10, 1 if omega1 > 0.0 else -1) if name == 'omega4' else (1, 11, 1)
@@ -165,7 +184,7 @@ def _at_constant_rate(linkage, names, omega1):
             yield Found(row, float(fold(x)), sense * inf, sense, side)
 
 
-def _extrema(quantity, mode, found):
+def _extrema(quantity, mode, found, proof):
     """Return the extrema of one quantity by theta1, the global ones marked."""
     if not found:
         return []
@@ -174,5 +193,5 @@ def _extrema(quantity, mode, found):
     return [Extremum(quantity.name, quantity.unit, mode, _KINDS[part.sense], part.theta1, part.value,
                      part.sense <= 0 and part.value <= low or part.sense >= 0 and part.value >= high,
                      INTERIOR if not part.side or not part.sense else ONE_SIDED if part.is_flat else LIMIT,
-                     part.side, part.condition, part.value_condition)
+                     part.side, part.condition, part.value_condition, proof)
             for part in sorted(found, key=lambda part: (part.theta1, part.side))]

@@ -16,6 +16,7 @@ from . import factors
 from .dialects import where
 from .kinematics import Motion, make_motion
 from .loads import Loads, make_loads
+from .search import NoLoads
 
 PRECISION = 80        # [bit]
 ORDER = 6             # of Taylor's formula
@@ -83,9 +84,10 @@ _NAMES = {'half_angle_coefficients': _FACTORS['half_angle_coefficients'],
           'hypot': lambda x, y: (x * x + y * y).sqrt(), 'fabs': lambda v: v}
 
 
-def _enclosing(factory):
+def _enclosing(factory, with_angles):
     """Return a factory of :mod:`.kinematics` or :mod:`.loads` for exact constants and enclosures."""
-    return FunctionType(factory.array.__code__, {**factory.array.__globals__, **_NAMES})
+    angles = {} if with_angles else {'atan2': lambda y, x: 0.0}
+    return FunctionType(factory.array.__code__, {**factory.array.__globals__, **_NAMES, **angles})
 
 
 def _exact(record, arb):
@@ -134,8 +136,8 @@ def _evaluator(sampler, flint):
     """Return the function (ball of theta1, rows) -> enclosures of dQ/dtheta1 and half d2Q/dtheta1^2."""
     linkage = sampler.linkage
     lengths = [flint.arb(length) for length in linkage.lengths]
-    motion = _enclosing(make_motion)(*lengths, linkage.sign)
-    loads = linkage.bodies and _enclosing(make_loads)(
+    motion = _enclosing(make_motion, sampler.with_angles)(*lengths, linkage.sign)
+    loads = linkage.bodies and _enclosing(make_loads, False)(
         *lengths, *(_exact(part, flint.arb) for part in (tuple(linkage.bodies), linkage.gravity, linkage.external)))
     rates = [flint.arb(rate) for rate in sampler.rates]
     unknown = [flint.arb('nan')] * (ORDER + 1)
@@ -144,7 +146,7 @@ def _evaluator(sampler, flint):
         """Return the Taylor coefficients of quantities ``rows`` about any point of the ball."""
         try:
             fields = motion(Series(flint.arb_series([ball, 1])), *rates)
-            state = Motion(*fields), loads and Loads(*loads(fields))
+            state = Motion(*fields), Loads(*loads(fields)) if loads else NoLoads()
             values = [sampler.quantities[row].of(*state).series for row in rows]
         except ValueError:                   # a divisor may vanish: nothing is known
             return [unknown] * len(rows)

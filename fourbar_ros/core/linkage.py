@@ -23,16 +23,17 @@ CHUNK = 8192
 EPS = 2.0**-52
 _new = tuple.__new__     # of a NamedTuple from a tuple: four times faster than its own constructor
 
-# Signs of (a4 - a1 + a3 - a2, a4 - a1 - a3 + a2, a2 + a3 - a4 - a1): McCarthy and Soh, Geometric Design
-# of Linkages, table of the eight basic planar 4R linkages.
+# Signs of (a4 - a1 + a3 - a2, a4 - a1 - a3 + a2, a2 + a3 - a4 - a1) for the eight basic planar 4R
+# linkages: McCarthy and Soh, Geometric Design of Linkages, whose first two are exchanged here. Of a
+# non-Grashof linkage the name says through which of 0 and pi theta1 and theta4 swing.
 _CLASSES = {
     (1, 1, 1): 'Grashof crank-rocker',
     (-1, -1, 1): 'Grashof double-crank',
-    (1, -1, -1): 'Grashof rocker-crank',
-    (-1, 1, -1): 'Grashof double-rocker',
+    (-1, 1, -1): 'Grashof rocker-crank',
+    (1, -1, -1): 'Grashof double-rocker',
     (-1, -1, -1): 'non-Grashof 0-0 double-rocker',
-    (-1, 1, 1): 'non-Grashof pi-pi double-rocker',
-    (1, -1, 1): 'non-Grashof pi-0 double-rocker',
+    (-1, 1, 1): 'non-Grashof pi-0 double-rocker',
+    (1, -1, 1): 'non-Grashof pi-pi double-rocker',
     (1, 1, -1): 'non-Grashof 0-pi double-rocker',
 }
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from math import comb, inf, nan, pi, sqrt
 from types import FunctionType
-from typing import NamedTuple
+from typing import Callable, NamedTuple
 
 import numpy as np
 
@@ -50,6 +50,15 @@ class Found(NamedTuple):
     is_flat: bool = False
     condition: float = nan
     value_condition: float = nan
+
+
+class UserQuantity(NamedTuple):
+    """A quantity given as a function (Motion, Loads) -> value."""
+
+    name: str
+    unit: str
+    of: Callable
+    is_load: bool = False     # not known: without masses, loads raise MissingBodies when used
 
 
 class NoLoads:
@@ -147,6 +156,11 @@ class DifferenceSampler(Sampler):
     def __init__(self, linkage, quantities, omega1, alpha1, with_angles=True):
         super().__init__(linkage, quantities, omega1, alpha1, with_angles)
         self._x = None      # samples of the path in rising order
+
+    def of(self, linkage):
+        other = super().of(linkage)
+        other._x = self._x
+        return other
 
     def _rows(self, state, x):
         try:

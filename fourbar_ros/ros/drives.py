@@ -158,7 +158,7 @@ class TopicDrive(Drive):
         """Subscribe. Raw bytes: they are what is recorded."""
         self._topic = interfaces.INPUTS[self.settings.source]
         self._type = resolve(self._topic.type)
-        self._heard, self._waiting = time.monotonic(), False
+        self._heard, self._waiting, self._horizon = time.monotonic(), False, 0
         self.apply(self.settings)
         qos = QoSProfile(depth=interfaces.INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         self._subscription = self._node.create_subscription(
@@ -193,17 +193,23 @@ class TopicDrive(Drive):
             self._once('without_joint', f'joint {self.settings.joint!r} is not in the input message')
             return
         stamp = message.header.stamp
-        now = self._node.get_clock().now().nanoseconds
         time_of = stamp.sec * 10**9 + stamp.nanosec
         if time_of == 0:                                 # unstamped: it belongs to the time it comes
-            stamp, time_of = to_stamp(now), now
-        elif time_of > now + FUTURE * 1e9:
-            self._once('future', f'input stamped {(time_of - now) * 1e-9:.3f} s ahead of the clock')
+            time_of = self._node.get_clock().now().nanoseconds
+            stamp = to_stamp(time_of)
+        elif time_of > self._horizon:                    # reached about once in FUTURE seconds
+            self._look_ahead(time_of)
         position, velocity, acceleration = crank
         if isnan(velocity) or isnan(acceleration):
             velocity, estimate = self.estimator.update(time_of * 1e-9, position, velocity)
             acceleration = estimate if isnan(acceleration) else acceleration
         self._stream.step(stamp, position, velocity, acceleration)
+
+    def _look_ahead(self, time_of):
+        now = self._node.get_clock().now().nanoseconds
+        self._horizon = now + round(FUTURE * 1e9)
+        if time_of > self._horizon:
+            self._once('future', f'input stamped {(time_of - now) * 1e-9:.3f} s ahead of the clock')
 
     def _once(self, what, text):
         """Count, and say it the first time."""

@@ -1,4 +1,4 @@
-"""Publishers that serialise a message once, for the wire and for the bag."""
+"""Publishers: a message is filled once and serialised once, for the wire and for the bag."""
 from __future__ import annotations
 
 from rclpy.serialization import serialize_message
@@ -28,11 +28,14 @@ class Output:
         return self._publisher.get_subscription_count() > 0
 
     def send(self, stamp, status, mode, values, recording):
-        """Fill, serialise, publish, record."""
+        """Fill and publish; when a bag is open, serialise once for both."""
         self._fill(stamp, status, mode, values)
-        data = serialize_message(self._message)
-        self._publisher.publish(data)
-        recording.write(self.name, data)
+        if recording.active:
+            data = serialize_message(self._message)
+            self._publisher.publish(data)
+            recording.write(self.name, data)
+        else:
+            self._publisher.publish(self._message)
 
     def destroy(self):
         """Leave the graph."""

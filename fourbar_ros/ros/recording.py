@@ -28,11 +28,17 @@ class Recording:
     node : rclpy.node.Node
         For resolved names and the log.
 
+    Attributes
+    ----------
+    between_steps : context manager
+        Entered to end a bag: a lock that is held during a step lets it end with a whole one.
+
     """
 
     def __init__(self, node):
         self._node = node
         self._writer, self._channels = None, {}
+        self.between_steps = contextlib.nullcontext()
 
     @property
     def active(self):
@@ -47,8 +53,9 @@ class Recording:
 
         if self.active:
             raise BagError(f'already recording to {self._writer.path}')
-        with contextlib.suppress(BagError):
-            self.stop()                                  # a bag that ended by an error; that was told
+        if self._writer:
+            with contextlib.suppress(BagError):
+                self._writer.close()                     # a bag that ended by an error; that was told
         topics = [interfaces.CRANK, interfaces.SCENE, *(interfaces.OUTPUTS[output] for output in scene.outputs)]
         if scene.drive.source in interfaces.INPUTS:
             topics.append(interfaces.INPUTS[scene.drive.source])
@@ -77,7 +84,8 @@ class Recording:
 
     def stop(self):
         """Close the bag and return its path, None if there was none; raises BagError."""
-        writer, self._writer = self._writer, None
+        with self.between_steps:
+            writer, self._writer = self._writer, None
         return writer.close() if writer else None
 
     def write(self, topic, data):

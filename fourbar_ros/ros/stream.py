@@ -33,6 +33,7 @@ class Stream:
     def __init__(self, node, scene, recording):
         self._node, self._recording = node, recording
         self._lock = threading.Lock()                    # a change happens between two steps
+        recording.between_steps = self._lock
         self.steps, self.bad_steps, self.status = 0, 0, OK
         self.values = UNKNOWN                            # of the newest step that was computed
         self._crank, self._outputs = Output(node, interfaces.CRANK, scene), []

@@ -1,0 +1,55 @@
+"""Proof on demand that a set of extremes is complete, and an honest word where there is none."""
+from __future__ import annotations
+
+from . import intervals, sturm
+from .elliptic import input_paths
+from .search import Sampler, UserQuantity
+
+EXACT_COUNT, INTERVALS, NOT_PROVED = 'exact count', 'interval bounds', 'not proved'
+
+
+def prove_counts(linkage, quantities, omega1, alpha1, samples):
+    """
+    Return how many extremes each quantity has inside the input range, and how that is known.
+
+    The rate of the output, and its acceleration at constant input rate, are counted exactly
+    (:mod:`.sturm`); the others by interval bounds (:mod:`.intervals`), which need python-flint and, at
+    ends of the range, stop at the last sample.
+
+    Returns
+    -------
+    list of (int or None, str)
+        None: not proved; the text says why.
+
+    """
+    proofs = [None] * len(quantities)
+    rates = {'omega4': 0} if alpha1 else {'omega4': 0, 'alpha4': 1}
+    exact = [row for row, quantity in enumerate(quantities)
+             if omega1 and quantity.name in rates and not isinstance(quantity, UserQuantity)]
+    if exact:
+        counts = sturm.count_extrema(linkage.lengths)
+        for row in exact:
+            count = counts[rates[quantities[row].name]]
+            proofs[row] = count, EXACT_COUNT if count is not None else (
+                f'{NOT_PROVED}: constant in a range, or a root of its derivative is not simple')
+    for row, quantity in enumerate(quantities):
+        if proofs[row] is None:
+            proofs[row] = _by_intervals(linkage, quantity, omega1, alpha1, samples)
+    return proofs
+
+
+def _by_intervals(linkage, quantity, omega1, alpha1, samples):
+    """Return (number, text) of one quantity."""
+    sampler = Sampler(linkage, (quantity,), omega1, alpha1, isinstance(quantity, UserQuantity))
+    paths = input_paths(linkage, samples)
+    try:
+        counts = [intervals.count_extrema(sampler, path)[0] for path in paths]
+    except ImportError:
+        return None, f'{NOT_PROVED}: needs the package python-flint'
+    except (TypeError, AttributeError) as error:
+        return None, f'{NOT_PROVED}: the function does not work on enclosures ({error})'
+    if None in counts:
+        return None, f'{NOT_PROVED}: more than {intervals.MOST_PIECES} pieces'
+    left_out = [abs(end.theta1 - x) for path in paths for end, x in ((path.low, path.theta1[0]),
+                                                                     (path.high, path.theta1[-1])) if end]
+    return sum(counts), INTERVALS + (f', except {max(left_out):.0e} rad at the ends' if left_out else '')

@@ -1,0 +1,349 @@
+"""What is done with a bag: recompute, export, diff, plot, play, and the command line around it."""
+import csv
+import json
+import math
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import bags
+from fourbar_ros.bag import BagError
+from fourbar_ros.bag.cdr import Decoder
+from fourbar_ros.bag.diff import diff
+from fourbar_ros.bag.export import export
+from fourbar_ros.bag.plot import plot, series
+from fourbar_ros.bag.reader import Bag, records
+from fourbar_ros.bag.recompute import compare, distance
+from fourbar_ros.bag.replay import play
+from fourbar_ros.bag.writer import BagWriter
+from fourbar_ros.cli import main
+from fourbar_ros.interfaces import OUTPUTS
+from scenes import PAPER, ROCKER, RODS
+
+STEPS = 400
+TURNS = [(0.05 * k, 25.0, 0.1 * k) for k in range(STEPS)]
+FULL = {**PAPER, **RODS, 'outputs': list(OUTPUTS), 'drive.source': 'motion'}
+
+
+@pytest.fixture(scope='module')
+def bag(tmp_path_factory):
+    return bags.run(tmp_path_factory.mktemp('tools'), 'run', FULL, TURNS)
+
+
+# --- recompute ------------------------------------------------------------------------------------
+
+def test_a_fresh_bag_recomputes_without_any_difference(bag):
+    found = compare(bag)
+    assert found.inputs == STEPS and found.unmatched == 0 and not found.cut
+    assert {(d.messages, d.largest) for d in found.differences} == {(STEPS, 0.0)}
+    assert len(found.differences) > 45
+
+
+@pytest.mark.parametrize('policy', ['nan', 'hold', 'clamp'])
+def test_bad_inputs_and_every_policy_recompute_exactly(tmp_path, policy):
+    cranks = [(0.01 * k, 1.0, 0.0) for k in range(200)]
+    cranks[5:9] = [(math.nan, 1.0, 0.0), (0.1, math.inf, 0.0), (1e300, 1e200, 0.0), (0.2, math.nan, math.nan)]
+    path = bags.run(tmp_path, 'run', {**ROCKER, **RODS, 'outputs': list(OUTPUTS), 'drive.out_of_range': policy}, cranks)
+    found = compare(path)
+    assert max(d.largest for d in found.differences) == 0.0 and found.inputs == 200
+
+
+def test_scenes_changed_on_the_way_are_followed(tmp_path):
+    path = bags.run(tmp_path, 'run', FULL, TURNS, {100: {'linkage.a1': 0.35}, 101: {'linkage.mode': 1},
+                                                    333: {'bodies.rods.density': 2700.0}})
+    found = compare(path)
+    assert max(d.largest for d in found.differences) == 0.0 and found.inputs == STEPS
+    assert len(list(records(path, ['/fourbar/scene']))) == 4
+
+
+def test_outputs_without_their_input_are_counted_not_compared(tmp_path):
+    path = bags.run(tmp_path, 'run', FULL, TURNS[:20])
+    topics = ['/fourbar/crank', '/fourbar/scene', '/fourbar/state']
+    metadata = Bag(path).metadata()
+    writer = BagWriter(tmp_path, 'less', [bags.channel(t, 'fourbar_msgs/msg/Motion' if 'crank' in t else
+                                                       'std_msgs/msg/String' if 'scene' in t else
+                                                       'fourbar_msgs/msg/LinkageState') for t in topics],
+                       metadata['custom_data'])
+    for i, raw in enumerate(r for r in Bag(path).raw(topics)):
+        if not (raw.topic == topics[0] and raw.sequence in (0, 7, 8)):
+            writer.write(topics.index(raw.topic), raw.data)
+    found = compare(writer.close())
+    assert found.unmatched == 3 and found.inputs == 17 and max(d.largest for d in found.differences) == 0.0
+
+
+def test_one_changed_bit_is_found(bag, tmp_path):
+    metadata, first = Bag(bag).metadata(), {}
+    names = [t['topic_metadata'] for t in metadata['topics_with_message_count']]
+    writer = BagWriter(tmp_path, 'bit', [bags.channel(t['name'], t['type']) for t in names], metadata['custom_data'])
+    numbers = {t['name']: i for i, t in enumerate(names)}
+    for raw in Bag(bag).raw():
+        data = bytearray(raw.data)
+        if raw.topic == '/fourbar/loads' and raw.sequence == 200:
+            first['old'] = bytes(data)
+            data[-8] ^= 1                                   # the last bit of shaking_moment
+        writer.write(numbers[raw.topic], bytes(data))
+    path = writer.close()
+    differing = [d for d in compare(path).differences if d.largest]
+    assert [(d.topic, d.field) for d in differing] == [('/fourbar/loads', 'shaking_moment')]
+    assert 0.0 < differing[0].largest < 1e-9
+    assert main(['bag', 'recompute', str(path)]) == 3 and main(['bag', 'recompute', str(path), '--tolerance', '1e-6']) == 0
+    assert main(['bag', 'recompute', str(bag)]) == 0
+    found = {topic.topic: topic for topic in diff(bag, path)}
+    assert not found['/fourbar/loads'].is_same() and all(t.is_same() for n, t in found.items() if n != '/fourbar/loads')
+    assert main(['bag', 'diff', str(bag), str(path)]) == 3 and main(['bag', 'diff', str(bag), str(bag)]) == 0
+
+
+def test_the_distance_knows_nan_and_infinity():
+    nan, inf = math.nan, math.inf
+    assert distance(np.array([1.0, nan, inf, -inf]), np.array([1.0, nan, inf, -inf])) == 0.0
+    for a, b in ((nan, 1.0), (1.0, nan), (inf, -inf), (inf, 1.0), (nan, inf)):
+        assert distance(np.array([0.0, a]), np.array([0.0, b])) == inf
+    assert distance(np.array([1.0, 3.0]), np.array([1.5, 2.0])) == 1.0
+
+
+# --- decoding -------------------------------------------------------------------------------------
+
+TYPES = ['fourbar_msgs/msg/Motion', 'fourbar_msgs/msg/LinkageState', 'fourbar_msgs/msg/LinkageLoads',
+         'sensor_msgs/msg/JointState', 'geometry_msgs/msg/WrenchStamped', 'std_msgs/msg/String',
+         'visualization_msgs/msg/MarkerArray', 'diagnostic_msgs/msg/DiagnosticArray', 'sensor_msgs/msg/Imu',
+         'sensor_msgs/msg/PointCloud2', 'tf2_msgs/msg/TFMessage', 'std_msgs/msg/Empty']
+
+
+def filled(type_name, rng, depth=0):
+    """Return a message of random content, sequences of random length."""
+    values = {}
+    for name, (kind, what) in bags.STORE.fielddefs[type_name][1]:
+        if kind in (3, 4):
+            (inner, inner_type), size = what
+            count = size if kind == 3 else int(rng.integers(0, 4))
+            if inner == 1 and inner_type[0] != 'string':
+                values[name] = number(inner_type[0], rng, count)
+            else:
+                values[name] = [single(inner, inner_type, rng, depth) for _ in range(count)]
+        else:
+            values[name] = single(kind, what, rng, depth)
+    return bags.STORE.types[type_name](**values)
+
+
+def single(kind, what, rng, depth):
+    if kind == 2:
+        return filled(what, rng, depth + 1)
+    if what[0] == 'string':
+        return ''.join(rng.choice(list('abcäß_/ '), int(rng.integers(0, 7))))
+    return number(what[0], rng, 1)[0].item()
+
+
+def number(kind, rng, count):
+    if kind == 'bool':
+        return rng.integers(0, 2, count).astype(bool)
+    if kind.startswith('float'):
+        values = rng.normal(size=count).astype(kind)
+        values[rng.random(count) < 0.1] = np.nan
+        return values
+    if kind in ('byte', 'octet', 'char'):
+        return rng.integers(0, 127, count, dtype=np.uint8)      # whose sign the two codecs see differently
+    info = np.iinfo(kind)
+    return rng.integers(info.min, info.max, count, dtype=kind, endpoint=True)
+
+
+def plain(value):
+    """Return nested plain values, NaN as text."""
+    if hasattr(value, '__dict__'):
+        return {k: plain(v) for k, v in vars(value).items() if k != '__msgtype__' and not k.isupper()
+                and k != 'structure_needs_at_least_one_member'}
+    if hasattr(value, '__len__') and not isinstance(value, str):
+        return [plain(v) for v in value]
+    value = value.item() if hasattr(value, 'item') else value
+    return 'NaN' if isinstance(value, float) and math.isnan(value) else value
+
+
+@pytest.mark.parametrize('type_name', TYPES)
+def test_messages_are_decoded_as_an_independent_codec_encoded_them(type_name):
+    rng = np.random.default_rng(7)
+    decoder = Decoder(type_name, bags.text_of(type_name))
+    messages = [filled(type_name, rng) for _ in range(40)]
+    for little in (True, False):
+        encoded = [bytes(bags.STORE.serialize_cdr(m, type_name, little_endian=little)) for m in messages]
+        for message, data in zip(messages, encoded):
+            assert plain(decoder.message(data)) == plain(message)
+        rows_seen = []
+        for layout, rows, found in decoder.arrays(encoded):
+            rows_seen += rows.tolist()
+            for row, record in zip(rows, found):
+                assert layout.matches(encoded[row]) and record.tobytes() == encoded[row]
+        assert sorted(rows_seen) == list(range(40))
+
+
+def test_a_message_that_is_shorter_than_its_type_is_an_error_not_a_number():
+    decoder = Decoder('fourbar_msgs/msg/LinkageState', bags.text_of('fourbar_msgs/msg/LinkageState'))
+    data = bags.motion(1)
+    for length in range(4, len(data)):
+        with pytest.raises(BagError, match='shorter than its definition'):
+            decoder.message(data[:length])
+
+
+# --- export, plot ---------------------------------------------------------------------------------
+
+def test_csv_and_npz_hold_every_number_exactly(bag, tmp_path):
+    rows = export(bag, tmp_path / 'out')
+    assert rows == export(bag, tmp_path / 'run.npz', 'npz') and rows['fourbar.state'] == STEPS
+    arrays = np.load(tmp_path / 'run.npz')
+    for topic in Bag(bag).metadata()['topics_with_message_count']:
+        name = topic['topic_metadata']['name'].strip('/').replace('/', '.')
+        with open(tmp_path / f'out/{name}.csv', newline='') as file:
+            head, *lines = csv.reader(file)
+        assert len(lines) == topic['message_count']
+        for column, texts in zip(head, zip(*lines)):
+            values = arrays[f'{name}/{column}']
+            assert values.tolist() == [type(values[0].item())(text) for text in texts]
+    messages = [r.message for r in records(bag, ['/joint_states'])]
+    assert arrays['joint_states/position[output]'].tolist() == [m.position[3] for m in messages]
+    assert arrays['joint_states/effort[crank]'].tolist() == [m.effort[0] for m in messages]
+    with pytest.raises(BagError, match='exists already'):
+        export(bag, tmp_path / 'out')
+    assert sorted(p.name for p in tmp_path.iterdir()) == ['out', 'run.npz']
+
+
+def test_topics_whose_columns_change_go_on_in_a_new_table(tmp_path):
+    writer = BagWriter(tmp_path, 'run', [bags.channel('/j', 'sensor_msgs/msg/JointState')], {})
+    for k in range(30):
+        names = ['a', 'b'] if k < 10 or k >= 20 else ['a', 'c', 'd']
+        writer.write(0, bags.encode('sensor_msgs/msg/JointState', header=bags.stamp(k), name=names,
+                                    position=np.arange(float(len(names))) + k, velocity=np.zeros(0), effort=np.zeros(0)))
+    assert export(writer.close(), tmp_path / 'out') == {'j': 20, 'j_2': 10}
+    assert (tmp_path / 'out/j_2.csv').read_text().splitlines()[0].endswith('position[a],position[c],position[d]')
+
+
+def test_parquet_says_what_is_missing_or_writes(bag, tmp_path):
+    try:
+        import pyarrow.parquet
+    except ImportError:
+        with pytest.raises(BagError, match='pip install pyarrow'):
+            export(bag, tmp_path / 'out', 'parquet')
+        assert not list(tmp_path.iterdir())
+    else:
+        export(bag, tmp_path / 'out', 'parquet')
+        table = pyarrow.parquet.read_table(tmp_path / 'out/fourbar.state.parquet')
+        assert table['theta4'].to_pylist() == [r.message.theta4 for r in records(bag, ['/fourbar/state'])]
+
+
+def test_a_plot_has_its_fields_with_units_and_names_what_is_not_there(bag, tmp_path):
+    found = series(bag, ['state.theta4', '/fourbar/loads.f41', 'joint_states.position[crank]'])
+    times, values, unit = found['state.theta4']
+    assert unit == 'rad' and found['/fourbar/loads.f41'][2] == 'N' and len(times) == STEPS
+    assert np.allclose(times, np.arange(STEPS) * 1e-3, rtol=0, atol=4 * np.spacing(STEPS * 1e-3))
+    assert values.tolist() == [r.message.theta4 for r in records(bag, ['/fourbar/state'])]
+    for wrong, said in (('state.theta9', 'state has'), ('nothing.x', 'topics are'), ('state', 'state has')):
+        with pytest.raises(BagError, match=said):
+            series(bag, [wrong])
+    plot(bag, ['state.theta4', 'loads.f41'], tmp_path / 'run.png')
+    assert (tmp_path / 'run.png').read_bytes().startswith(b'\x89PNG')
+    with pytest.raises(BagError, match='run.nothing'):
+        plot(bag, ['state.theta4'], tmp_path / 'run.nothing')
+
+
+# --- diff -----------------------------------------------------------------------------------------
+
+def test_diff_matches_by_stamp_and_counts_what_is_in_one_bag_only(bag, tmp_path):
+    part = bags.run(tmp_path, 'part', FULL, TURNS[:300])
+    other = bags.run(tmp_path, 'other', {**FULL, 'linkage.a1': 0.39}, TURNS)
+    by_topic = {topic.topic: topic for topic in diff(bag, part)}
+    assert by_topic['/fourbar/state'][1:4] == (300, 100, 0) and not any(by_topic['/fourbar/state'].largest.values())
+    assert {topic.topic: topic for topic in diff(part, bag)}['/fourbar/loads'][1:4] == (300, 0, 100)
+    changed = {topic.topic: topic for topic in diff(bag, other)}
+    assert changed['/fourbar/crank'].is_same() and changed['/fourbar/state'].largest['theta4'] > 1e-3
+    assert changed['/fourbar/state'].is_same(tolerance=1e4)
+    with pytest.raises(BagError, match='in neither bag'):
+        diff(bag, part, ['/nothing'])
+
+
+# --- play -----------------------------------------------------------------------------------------
+
+def paced(tmp_path, count=40, step=0.005):
+    """Return a bag whose messages are ``step`` apart."""
+    writer = BagWriter(tmp_path, 'paced', [bags.MOTION], {})
+    clock, begun = writer.clock, writer.clock.now()
+    for k in range(count):
+        clock.now = lambda k=k: begun + round(k * step * 1e9)
+        writer.write(0, bags.motion(k))
+    return writer.close()
+
+
+def test_play_keeps_the_original_pace_and_its_multiples(tmp_path):
+    path = paced(tmp_path)
+    for rate in (1.0, 4.0):
+        began = time.monotonic()
+        came = [time.monotonic() - began for _ in play(path, rate=rate)]
+        due = [0.005 * k / rate for k in range(40)]
+        assert len(came) == 40 and all(c >= d - 1e-9 for c, d in zip(came, due))      # never early
+        assert sorted(c - d for c, d in zip(came, due))[20] < 0.1                     # and mostly in time
+    assert len(list(play(path, rate=math.inf))) == 40
+
+
+def test_play_starts_later_loops_selects_and_stops_when_told(tmp_path, bag):
+    path = paced(tmp_path)
+    assert [r.sequence for r in play(path, start=0.1, rate=math.inf)] == list(range(20, 40))
+    assert list(play(path, start=99.0)) == []
+    looped = []
+    for raw in play(path, rate=math.inf, loop=True):
+        looped.append(raw.sequence)
+        if len(looped) == 100:
+            break
+    assert looped == [k % 40 for k in range(100)]
+    assert {r.topic for r in play(bag, ['/joint_states'], rate=math.inf)} == {'/joint_states'}
+    ticks = []
+    assert len(list(play(path, tick=lambda now: ticks.append(now) or len(ticks) < 5, rate=0.01))) < 5 == len(ticks)
+    for wrong in ({'rate': 0.0}, {'rate': -1.0}, {'rate': math.nan}, {'start': -1.0}):
+        with pytest.raises(BagError, match='rate'):
+            list(play(path, **wrong))
+
+
+# --- command line ---------------------------------------------------------------------------------
+
+def test_exit_codes_and_messages(bag, tmp_path, capsys):
+    assert main(['bag', 'info', str(bag)]) == 0 and main(['bag', 'info', str(bag), '--check']) == 0
+    said = capsys.readouterr().out
+    assert 'finished' in said and '/fourbar/state' in said and str(STEPS) in said
+    cut = tmp_path / 'cut_0.mcap'
+    cut.write_bytes((bag / 'run_0.mcap').read_bytes()[:60_000])
+    assert main(['bag', 'info', str(cut)]) == 3 and 'fourbar bag recover' in capsys.readouterr().out
+    assert main(['bag', 'recover', str(cut)]) == 3 and main(['bag', 'recover', str(bag), '-o', str(tmp_path / 'same')]) == 0
+    assert 'nothing lost' in capsys.readouterr().out
+    assert main(['bag', 'recompute', str(cut)]) == 0
+    assert 'the bag is cut' in capsys.readouterr().out
+    for wrong in (['bag', 'info', str(tmp_path / 'no')], ['bag', 'recover', str(cut)],
+                  ['bag', 'export', str(bag), '-o', str(tmp_path)], ['bag', 'plot', str(bag), 'x.y', '-o', 'x.png']):
+        assert main(wrong) == 1
+        error = capsys.readouterr().err
+        assert error.startswith('fourbar: ') and error.count('\n') == 1
+    with pytest.raises(SystemExit) as stopped:
+        main(['bag', 'diff', str(bag)])
+    assert stopped.value.code == 2
+
+
+def test_a_foreign_bag_is_not_recomputed_but_said_to_be_foreign(tmp_path):
+    writer = BagWriter(tmp_path, 'foreign', [bags.MOTION], {})
+    writer.write(0, bags.motion(1))
+    with pytest.raises(BagError, match='not recorded by fourbar_ros'):
+        compare(writer.close())
+
+
+def test_the_scene_of_a_bag_is_a_parameter_file_again(bag, tmp_path, capsys):
+    from fourbar_ros import scene as scenes
+    assert main(['bag', 'scene', str(bag)]) == 0
+    (tmp_path / 'again.yaml').write_text(capsys.readouterr().out)
+    again, told = scenes.load(tmp_path / 'again.yaml'), json.loads(Bag(bag).metadata()['custom_data']['scene'])
+    assert again.drive.source == 'motion' and again.linkage.lengths == (0.4, 1.2, 0.8, 1.0)
+    assert {k: v for k, v in again.values.items() if v == v} == {k: v for k, v in told.items() if v == v}
+
+
+def test_every_verb_explains_itself_with_ros_and_mcap_blocked():
+    for verb in ([], ['bag'], ['replay'], ['record'], *(['bag', a] for a in ('info', 'recover', 'recompute', 'export',
+                                                                             'plot', 'diff', 'scene'))):
+        code = f'import sys; sys.modules.update(rclpy=None, mcap=None, matplotlib=None)\n' \
+               f'from fourbar_ros.cli import main; main({[*verb, "--help"]!r})'
+        done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=False)
+        assert done.returncode == 0 and len(done.stdout) > 200, done.stderr
