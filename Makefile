@@ -2,13 +2,14 @@
 SHELL := /bin/bash
 SCENE ?= config/paper.yaml
 SECONDS ?= 5
+MINUTES ?= 60
 ARGS ?=
 export PYTHON
 
 env := . scripts/env.sh
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all bench clean
+.PHONY: help setup run test test-all soak bench clean
 
 help:
 	@echo 'fourbar_ros: exact motion, loads and extrema of planar four-bar linkages, as a ROS 2 node'
@@ -17,6 +18,7 @@ help:
 	@echo '                    SCENE=$(SCENE)  SECONDS=$(SECONDS)'
 	@echo '  make test       the tests but the slow ones      ARGS="-k loads" goes to pytest'
 	@echo '  make test-all   all tests'
+	@echo '  make soak       an hour of floods, garbage, restarts    MINUTES=60'
 	@echo '  make bench      what a step, an extremum search, a message costs here   ARGS=...'
 	@echo '  make setup      only what the others do first: .venv, ROS 2, build'
 	@echo '  make clean      removes .venv build install log'
@@ -41,6 +43,10 @@ test:
 test-all:
 	@scripts/setup.sh test
 	@$(env) && python -m pytest $(ARGS)
+
+soak:
+	@scripts/setup.sh test
+	@$(env) && SOAK_MINUTES=$(MINUTES) python -m pytest test/ros/test_soak.py -x $(ARGS)
 
 bench:
 	@scripts/setup.sh test
