@@ -82,11 +82,12 @@ def output_message(name, when, status, mode, values, joint_names):
     return bytes(STORE.serialize_cdr(message, topic.type))
 
 
-def run(directory, name, values, cranks, changes=(), step_ns=10**6, **kwargs):
+def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False, **kwargs):
     """
     Record a run as the node does and return the closed bag's path.
 
-    ``cranks``: (theta1, omega1, alpha1) of every step; ``changes``: {step: parameters} set before it.
+    ``cranks``: (theta1, omega1, alpha1) of every step; ``changes``: {step: parameters} set before it;
+    ``paced``: log times step_ns apart, whatever the clock says.
     """
     scene = scenes.from_values(values)
     topics = [interfaces.CRANK, interfaces.SCENE, *(interfaces.OUTPUTS[output] for output in scene.outputs)]
@@ -98,8 +99,11 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, **kwargs):
     def say_scene():
         writer.write(number['scene'], encode('std_msgs/msg/String', data=json.dumps(scene.values)))
         return Stepper(scene.linkage, scene.drive.out_of_range)
+    begun = writer.clock.now()
     stepper, changes = say_scene(), dict(changes)
     for k, crank in enumerate(cranks):
+        if paced:
+            writer.clock.now = lambda k=k: begun + k * step_ns
         if k in changes:
             scene = scenes.from_values({**scene.values, **changes[k]})
             stepper = say_scene()

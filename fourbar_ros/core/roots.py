@@ -40,16 +40,24 @@ def dips(function, x, f):
     """
     Return brackets, as :func:`brackets`, of pairs of roots that hide between neighbouring samples.
 
-    Where |f| has a minimum whose parabola comes down to less than half of the middle sample, the
-    interval is halved around the smallest |f| until f changes sign or the parabola says that it does
-    not. ``function(x, row)`` evaluates the rows given.
+    ``function(x, row)`` evaluates the rows given.
     """
     size = np.abs(f)
     same = (f[:, 1:] >= 0.0) == (f[:, :-1] >= 0.0)
     row, i = np.nonzero((size[:, 1:-1] <= size[:, :-2]) & (size[:, 1:-1] < size[:, 2:])
                         & same[:, 1:] & same[:, :-1])
-    xs, fs = [turn_after(x[i + j], x[i]) for j in range(3)], [f[row, i + j] for j in range(3)]
-    found = []
+    return halve_dips(function, row, [turn_after(x[i + j], x[i]) for j in range(3)],
+                      [f[row, i + j] for j in range(3)])
+
+
+def halve_dips(function, row, xs, fs):
+    """
+    Return brackets of pairs of roots near minima of |f|, each given by three samples of one sign.
+
+    Where the parabola of the samples comes down to less than half of the middle one, the interval is
+    halved around the smallest |f| until f changes sign or the parabola says that it does not.
+    """
+    found = [(row[:0], *(v[:0] for v in (*xs[:2], *fs[:2])))]
     for _ in range(HALVINGS):
         going = may_touch(xs, fs)
         row, xs, fs = row[going], [v[going] for v in xs], [v[going] for v in fs]
@@ -66,7 +74,7 @@ def dips(function, x, f):
         on = np.nonzero((positive == positive[0]).all(axis=0))[0]
         middle = 1 + np.argmin(np.abs(fs[1:4, on]), axis=0)
         row, xs, fs = row[on], [xs[middle + j, on] for j in (-1, 0, 1)], [fs[middle + j, on] for j in (-1, 0, 1)]
-    return [np.concatenate(parts) for parts in zip(*found)] if found else [row, *xs[:2], *fs[:2]]
+    return [np.concatenate(parts) for parts in zip(*found)]
 
 
 def may_touch(xs, fs):

@@ -1,0 +1,132 @@
+"""A bag on the wire again, a live node driven by a bag, recording from the command line."""
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import String
+
+import bags
+from fourbar_ros.bag.reader import Bag, records
+from fourbar_ros.bag.recompute import compare
+from harness import ALL_OUTPUTS, PATIENCE
+from scenes import PAPER, RODS
+
+FULL = {**PAPER, **RODS, 'outputs': ALL_OUTPUTS, 'drive.source': 'motion'}
+STEPS = 300
+
+
+@pytest.fixture(scope='module')
+def bag(tmp_path_factory):
+    """Return a bag of steps 2 ms apart, in its log times too."""
+    return bags.run(tmp_path_factory.mktemp('replay'), 'run', FULL, [(0.05 * k, 25.0, 0.1) for k in range(STEPS)],
+                    step_ns=2 * 10**6, paced=True)
+
+
+def fourbar(*arguments):
+    return subprocess.Popen([sys.executable, '-m', 'fourbar_ros', *map(str, arguments)], env=os.environ, text=True,
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+
+
+def finished(process, client):
+    """Handle messages until a process ends; return (exit code, what it said)."""
+    client.until(lambda: process.poll() is not None, 'the end of the command', 2 * PATIENCE)
+    return process.returncode, process.communicate()[0]
+
+
+def stamps(messages):
+    return [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in messages]
+
+
+def test_replay_sends_every_message_again_as_it_was(client, bag):
+    client.listen([*ALL_OUTPUTS, 'crank'])
+    late = []
+    client.node.create_subscription(String, '/fourbar/scene', late.append,
+                                    QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+    process = fourbar('replay', bag, '--loop', '--rate', '2')
+    client.until(lambda: all(len(m) > 2 * STEPS for m in client.received.values()), 'two rounds')
+    process.send_signal(signal.SIGINT)
+    code, said = finished(process, client)
+    assert code == 0 and 'messages published' in said
+    assert late and late[0].data == next(records(bag, ['/fourbar/scene'])).message.data          # latched again
+    for name, topic in (('state', '/fourbar/state'), ('joint_states', '/joint_states')):
+        recorded = [r.message for r in records(bag, [topic])]
+        heard = client.received[name]
+        first = stamps(heard).index(0, 1)                   # from the second round on nothing is missed
+        assert stamps(heard[first:first + STEPS]) == stamps(recorded)
+        for ours, theirs in zip(heard[first:first + STEPS], recorded):
+            if name == 'state':
+                assert (ours.theta4, ours.omega4, ours.alpha4) == (theirs.theta4, theirs.omega4, theirs.alpha4)
+            else:
+                assert list(ours.position) == theirs.position and list(ours.name) == theirs.name
+
+
+def test_the_clock_of_the_bag_is_published_at_its_rate(client, bag):
+    clocks = []
+    client.node.create_subscription(Clock, '/clock', clocks.append, 1000)
+    process = fourbar('replay', bag, '--clock', '200', '--rate', '0.2', '--topics', '/joint_states', '--start', '0.1')
+    code, _ = finished(process, client)
+    assert code == 0
+    times = [c.clock.sec * 10**9 + c.clock.nanosec for c in clocks]
+    first, last = next(Bag(bag).raw()).time, list(Bag(bag).raw())[-1].time
+    assert times == sorted(times) and first + 10**8 <= times[0] and last - 10**7 <= times[-1] <= last
+    # 0.5 s of bag at a fifth of the speed: 2.5 s, 500 of them, less those before we were found
+    assert 150 < len(times) <= 520
+
+
+def test_a_live_node_driven_by_the_bag_answers_exactly_what_was_recorded(run_node, client, bag, tmp_path):
+    run_node(FULL)
+    code, said = finished(fourbar('replay', bag, '--inputs-only'), client)
+    assert code == 0, said
+    lines = [line.split() for line in said.splitlines() if line.startswith('/')]
+    assert len(lines) == len(ALL_OUTPUTS) and all(line[1:4] == [str(STEPS), '0', '0'] for line in lines), said
+
+
+def test_a_live_node_of_another_linkage_is_found_out(run_node, client, bag):
+    run_node({**FULL, 'linkage.a2': 1.2000001}, name='other')
+    code, said = finished(fourbar('replay', bag, '--inputs-only', '--node', '/other', '--rate', '2'), client)
+    assert code == 3 and 'alpha4' in said or 'omega' in said, said
+
+
+def test_a_node_that_is_not_there_is_one_line(client, bag):
+    for command in (['replay', bag, '--inputs-only', '--node', '/nobody'], ['record', 'start', '--node', '/nobody']):
+        code, said = finished(fourbar(*command), client)
+        assert code == 1 and said.startswith('fourbar: ') and said.count('\n') == 1, said
+
+
+def test_a_bag_being_written_is_replayed_to_its_end(run_node, client, tmp_path):
+    node = run_node({**PAPER, 'outputs': ['state'], 'recording.directory': str(tmp_path), 'recording.start': True,
+                     'recording.name': 'run'})
+    client.listen(['state'])
+    client.until(lambda: client.received['state'], 'the stream')
+    process = fourbar('replay', tmp_path / 'run', '--follow', '--rate', '1', '--topics', '/fourbar/state',
+                      '--ros-args', '-r', '/fourbar/state:=/again/state')
+    client.listen(['state'], node='again')
+    count = len(client.received['state'])
+    client.until(lambda: client.node.count_publishers('/again/state') and len(client.received['state']) > count + 100,
+                 'the replay')
+    assert node.stop() == 0
+    code, said = finished(process, client)
+    assert code == 0, said
+    assert int(said.split()[-3]) == len(list(Bag(tmp_path / 'run').raw(['/fourbar/state']))), said
+
+
+def test_recording_from_the_command_line(run_node, client, tmp_path):
+    run_node({**PAPER, 'outputs': ['state'], 'recording.directory': str(tmp_path / 'bags')})
+    client.listen(['state'])
+    client.until(lambda: client.received['state'], 'the stream')
+    code, said = finished(fourbar('record', 'start', 'named'), client)
+    assert code == 0 and said.strip() == str(tmp_path / 'bags/named')
+    count = len(client.received['state'])
+    client.until(lambda: len(client.received['state']) > count + 20, 'samples')
+    code, said = finished(fourbar('record', 'start', '../away'), client)
+    assert code == 1 and ('already recording' in said or 'plain name' in said)
+    code, said = finished(fourbar('record', 'stop'), client)
+    assert code == 0 and said.strip() == str(tmp_path / 'bags/named')
+    found = compare(tmp_path / 'bags/named')
+    assert found.inputs > 20 and max(d.largest for d in found.differences) == 0.0
+    code, said = finished(fourbar('record', 'stop'), client)
+    assert code == 1 and 'not recording' in said
