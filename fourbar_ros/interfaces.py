@@ -22,12 +22,13 @@ class Topic(NamedTuple):
 
 
 class Service(NamedTuple):
-    """A service of the node."""
+    """A service of the node; ``is_long``: may take longer than a step, so it has a thread of its own."""
 
     name: str
     service: str
     type: str
     text: str
+    is_long: bool = False
 
 
 INPUTS = {topic.name: topic for topic in (
@@ -58,7 +59,7 @@ OUTPUTS = {topic.name: topic for topic in (
 
 SERVICES = {service.name: service for service in (
     Service('find_extrema', '~/find_extrema', 'fourbar_msgs/srv/FindExtrema',
-            'all extremes of motion and loads over the input angle'),
+            'all extremes of motion and loads over the input angle', True),
     Service('evaluate', '~/evaluate', 'fourbar_msgs/srv/Evaluate',
             'state and loads for one input'),
     Service('start_recording', '~/start_recording', 'fourbar_msgs/srv/StartRecording',

@@ -93,14 +93,13 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
     topics = [interfaces.CRANK, interfaces.SCENE, *(interfaces.OUTPUTS[output] for output in scene.outputs)]
     resolved = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
     about = {'scene': json.dumps(scene.values), 'topics': json.dumps(resolved), 'node': '/fourbar'}
-    writer = BagWriter(directory, name, [channel(resolved[t.name], t.type) for t in topics], about, **kwargs)
+    writer = BagWriter(directory, name, [channel(resolved[t.name], t.type, latched=t is interfaces.SCENE) for t in topics], about, **kwargs)
     number = {topic.name: i for i, topic in enumerate(topics)}
 
     def say_scene():
         writer.write(number['scene'], encode('std_msgs/msg/String', data=json.dumps(scene.values)))
         return Stepper(scene.linkage, scene.drive.out_of_range)
-    begun = writer.clock.now()
-    stepper, changes = say_scene(), dict(changes)
+    stepper, changes, begun = say_scene(), dict(changes), writer.clock.now()
     for k, crank in enumerate(cranks):
         if paced:
             writer.clock.now = lambda k=k: begun + k * step_ns

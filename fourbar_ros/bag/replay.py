@@ -51,7 +51,7 @@ def play(path, topics=None, rate=1.0, start=0.0, loop=False, follow=False, tick=
     origin += round(start * 1e9)
     while True:
         began, count = time.monotonic(), 0
-        for raw in bag.raw(topics, origin, follow):
+        for raw in bag.raw(topics, origin if start else None, follow):
             if not _wait(began, raw.time - origin, rate, origin, tick, period):
                 return
             yield raw

@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from . import factors
-from .elliptic import half_turn
-from .extrema import INTERIOR, MINIMUM, RATES, find_extrema
+from .elliptic import POINTS_PER_FEATURE, half_turn
+from .errors import InvalidParameter
+from .extrema import MINIMUM, RATES, find_extrema
 from .linkage import CROSSED, OPEN, FourBar
-from .errors import FourBarError, InvalidParameter
-from .rates import POINTS_PER_FEATURE, sine_constants, sines
-from .roots import EPS, bracketed_roots, brackets, dips
+from .rates import sine_constants, sines
+from .roots import EPS, bracketed_roots, halve_dips, turn_after
 from .search import fold
 
 SAMPLES = 32
@@ -149,32 +149,101 @@ def _search_class(found, index, constants, omega1, crosses_out, crosses_in):
 
 def _search_path(found, index, constants, omega1, sh, ch, is_closed):
     """Add the extremes along one path of each linkage; sh, ch: shape (samples, linkages)."""
-    def function(order):
-        return lambda x, row: sines.array(np.sin(0.5 * x), np.cos(0.5 * x), constants[:, row])[order]
+    if is_closed:
+        sh, ch = np.concatenate((sh, sh[:2])), np.concatenate((ch, ch[:2]))
+    g, k, _, Y = sines.array(sh, ch, constants)
+    upward, forward = constants[15] > 0.0, omega1 > 0.0
+    cells = sh.shape[0] - 1 - is_closed
 
     def angle(i, row):
         return 2.0 * np.arctan2(sh[i, row], ch[i, row])
 
-    if is_closed:
-        sh, ch = np.concatenate((sh, sh[:2])), np.concatenate((ch, ch[:2]))
-    g, k, X, Y = sines.array(sh, ch, constants)
-    upward = constants[15] > 0.0
+    def values(x, row):
+        return sines.array(np.sin(0.5 * x), np.cos(0.5 * x), constants[:, row])
+
+    def add(order, row, x, is_maximum):
+        g, _, X, Y = values(x, row)
+        value = omega1[row]**2 * g / X**3 if order else omega1[row] * Y / X
+        found[order].append((index[row], fold(x), value, is_maximum, np.zeros(row.size, int)))
+
     if not is_closed:
         for i, side in ((0, 1), (-1, -1)):
-            theta1 = fold(angle(i, np.arange(index.size)))
-            for quantity, up in zip(found, ((Y[i] > 0.0) == (upward == (omega1 > 0.0)), (g[i] > 0.0) == upward)):
-                quantity.append((index, theta1, np.where(up, np.inf, -np.inf), up, np.full(index.size, side)))
-    last = sh.shape[0] - 1 - is_closed
+            row = np.arange(index.size)
+            for order, up in ((0, (Y[i] > 0.0) == (upward == forward)), (1, (g[i] > 0.0) == upward)):
+                found[order].append((index, fold(angle(i, row)), np.where(up, np.inf, -np.inf), up,
+                                     np.full(index.size, side)))
 
-    # roots of k, hidden pairs included
-    i, row = np.nonzero((k[1:last + 1] >= 0.0) != (k[:last] >= 0.0))
+    cell, row, *bracket = _brackets_of_k(k, cells, angle, lambda x, row: values(x, row)[1])
+    root = bracketed_roots(lambda x, row: values(x, row)[1], row, *bracket)
+    add(1, row, root, (bracket[2] >= 0.0) == upward[row])
+
+    row, *bracket = _brackets_of_g(g, cells, angle, cell, row, root, values(root, row)[0])
+    root = bracketed_roots(lambda x, row: values(x, row)[0], row, *bracket)
+    add(0, row, root, ((bracket[2] >= 0.0) == upward[row]) == forward[row])
+
+
+def _brackets_of_k(k, cells, angle, function):
+    """Return (cell, row, xa, xb, fa, fb) of the sign changes of k, hidden pairs included."""
+    positive, size = k >= 0.0, np.abs(k)
+    i, row = np.nonzero(positive[1:cells + 1] != positive[:cells])
     xa = angle(i, row)
-    cells = [i]
-    plain = row, xa, turn_after(angle(i + 1, row), xa), k[i, row], k[i + 1, row]
-    size = np.abs(k)
-    i, row = np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] < size[2:]))
-    j = (k[i, row] >= 0.0) == (k[i + 1, row] >= 0.0)
-    j &= (k[i + 2, row] >= 0.0) == (k[i + 1, row] >= 0.0)
-    i, row = i[j], row[j]
-    xs = [angle(i, row)]
-    xs += [turn_after(angle(i + j, row), xs[0]) for j in (1, 2)]
+    plain = i, row, xa, turn_after(angle(i + 1, row), xa), k[i, row], k[i + 1, row]
+
+    i, row = np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] < size[2:])
+                        & (positive[1:-1] == positive[:-2]) & (positive[1:-1] == positive[2:]))
+    xs = [turn_after(angle(i + j, row), angle(i, row)) for j in range(3)]
+    which, *bracket = halve_dips(lambda x, which: function(x, row[which]), np.arange(row.size), xs,
+                                 [k[i + j, row] for j in range(3)])
+    cell = i[which] + (bracket[0] >= xs[1][which])
+    return [np.concatenate(pair) for pair in zip(plain, (cell % cells, row[which], *bracket))]
+
+
+def _brackets_of_g(g, cells, angle, cell, row, root, g_root):
+    """Return (row, xa, xb, fa, fb) of the sign changes of g between samples and the roots of k."""
+    positive = g >= 0.0
+    divided = np.zeros((cells, g.shape[1]), bool)
+    divided[cell, row] = True
+    i, whole = np.nonzero((positive[1:cells + 1] != positive[:cells]) & ~divided)
+    xa = angle(i, whole)
+    plain = whole, xa, turn_after(angle(i + 1, whole), xa), g[i, whole], g[i + 1, whole]
+
+    i, col = np.nonzero(divided)
+    start = angle(i, col)
+    lowest = angle(cell, row)
+    root = root + 2.0 * pi * np.round((lowest - root) / (2.0 * pi))      # the turn of its cell
+    key = np.concatenate((col * cells + i, row * cells + cell, col * cells + i))
+    x = np.concatenate((start, np.maximum(root, lowest), turn_after(angle(i + 1, col), start)))
+    f = np.concatenate((g[i, col], g_root, g[i + 1, col]))
+    order = np.lexsort((x, key))
+    key, x, f = key[order], x[order], f[order]
+    j = np.nonzero((key[1:] == key[:-1]) & ((f[1:] >= 0.0) != (f[:-1] >= 0.0)))[0]
+    return [np.concatenate(pair) for pair in zip(plain, (key[j] // cells, x[j], x[j + 1], f[j], f[j + 1]))]
+
+
+def _at_change_point(index, lengths, sign, omega1):
+    """Return the same for a linkage at an exact change point, one by one."""
+    linkage = FourBar(*lengths.tolist(), mode=OPEN if sign > 0.0 else CROSSED)
+    found = {name: [] for name in RATES}
+    for extremum in find_extrema(linkage, RATES, float(omega1)):
+        found[extremum.quantity].append((extremum.theta1, extremum.value, extremum.kind != MINIMUM, extremum.side))
+    for rows in found.values():
+        yield [(np.full(len(rows), index), *(np.array(column) for column in zip(*rows)))] if rows else []
+
+
+def _collect(rows):
+    """Return :class:`Extrema` of lists of arrays, sorted, the global ones marked."""
+    empty = np.zeros(0)
+    index, theta1, value, is_maximum, side = (
+        np.concatenate([row[i] for row in rows]) if rows else empty for i in range(5))
+    index, is_maximum, side = index.astype(int), is_maximum.astype(bool), side.astype(int)
+    order = np.lexsort((theta1, index))
+    index, theta1, value, is_maximum, side = (v[order] for v in (index, theta1, value, is_maximum, side))
+    is_global = np.zeros(index.size, bool)
+    if index.size:
+        first = np.nonzero(np.concatenate(([True], index[1:] != index[:-1])))[0]
+        number = np.diff(np.append(first, index.size))
+        high, low = (np.repeat(extreme.reduceat(value, first), number) for extreme in (np.maximum, np.minimum))
+        with np.errstate(invalid='ignore'):
+            is_global = np.where(is_maximum, value >= high - np.where(np.isinf(high), 0.0, 64 * EPS * np.abs(high)),
+                                 value <= low + np.where(np.isinf(low), 0.0, 64 * EPS * np.abs(low)))
+    return Extrema(index, theta1, value, is_maximum, is_global, side)

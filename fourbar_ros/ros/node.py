@@ -19,6 +19,7 @@ from .recording import Recording
 from .stream import Stream
 
 RCLError = rclpy_implementation.RCLError     # a scene file that rcl cannot parse, among others
+SWITCH = 0.001  # [s] how long a busy service may keep the interpreter from the stream (default 0.005)
 SPIN = 0.2      # [s] the events executor must be given a finite time: endless, it can hang (see docs/node.md)
 
 
@@ -28,11 +29,14 @@ class FourBarNode(Node):
     def __init__(self, **kwargs):
         super().__init__('fourbar', automatically_declare_parameters_from_overrides=True, **kwargs)
         scene = declare.scene(self)
-        self.failure = None                  # what ended the drive's thread, raised by main
+        self.failure = None                  # a fault in any thread, raised by main
         self.recording = Recording(self)
         self.stream = Stream(self, scene, self.recording)
         self.drive = self._drive_of(scene.drive.source)(self, self.stream, self.recording)
         declare.watch(self, lambda: self.stream.scene, self.apply)
+        # Long services must not hold up the inputs: a hidden node, spun by a thread of its own.
+        self.worker = rclpy.create_node(f'_{self.get_name()}_worker', namespace=self.get_namespace(),
+                                        start_parameter_services=False, enable_rosout=False)
         services.create(self)
         self._diagnostics = Diagnostics(self)
         if scene.recording.start:
@@ -63,6 +67,7 @@ class FourBarNode(Node):
         except FourBarError as error:
             self.get_logger().error(str(error))
         finally:
+            self.worker.destroy_node()
             self.destroy_node()
 
 
@@ -78,18 +83,32 @@ def main(args=None):
         print(f'fourbar_node: {" ".join(str(error).split())}', file=sys.stderr)
         rclpy.try_shutdown()
         return 2
-    executor = EventsExecutor()
-    executor.add_node(node)
+    sys.setswitchinterval(SWITCH)
+    worker = threading.Thread(target=spin, args=(node.worker, node, stop), name='worker')
+    worker.start()
     try:
-        while not stop.is_set():
-            executor.spin_once(timeout_sec=SPIN)
-            if node.failure:
-                raise node.failure
+        spin(node, node, stop)
     finally:
+        stop.set()
+        worker.join()
         node.close()
-        executor.shutdown()
         rclpy.try_shutdown()
+    if node.failure:
+        raise node.failure
     return 0
+
+
+def spin(spun, node, stop):
+    """Handle what comes to one node until ``stop`` is set or anything has failed."""
+    executor = EventsExecutor()
+    executor.add_node(spun)
+    try:
+        while not stop.is_set() and not node.failure:
+            executor.spin_once(timeout_sec=SPIN)
+    except Exception as error:
+        node.failure = error
+    finally:
+        executor.shutdown()
 
 
 if __name__ == '__main__':

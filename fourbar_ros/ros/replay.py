@@ -42,7 +42,7 @@ class Replayer:
                      for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
         rclpy.init(args=list(ros_args), signal_handler_options=SignalHandlerOptions.NO)
         self.node = rclpy.create_node('fourbar_replay')
-        self.bag, self._publishers, self._left_out = bag, {}, set()
+        self.bag, self._publishers = bag, {}
         self._clock = self.node.create_publisher(Clock, '/clock', 10) if clock_rate else None
         self.period = 1.0 / clock_rate if clock_rate else TICK
         self._step, self._ticked = self.period * rate * 1e9, 0
@@ -51,7 +51,7 @@ class Replayer:
         return self
 
     def __exit__(self, *_):
-        for publisher in self._publishers.values():
+        for publisher in filter(None, self._publishers.values()):
             publisher.wait_for_all_acked(Duration(seconds=FAREWELL))
         self.node.destroy_node()
         rclpy.try_shutdown()
@@ -65,24 +65,29 @@ class Replayer:
             self._clock.publish(Clock(clock=to_stamp(now)))
         return not self._stop.is_set()
 
+    def wait(self, seconds, topics=None):
+        """Create the publishers of all topics known by now and give readers the time to find them."""
+        for topic in {channel.topic for channel in self.bag.channels.values()}:
+            if topics is None or topic in topics:
+                self._make(topic, self.bag.type_of(topic))
+        self._stop.wait(seconds)
+
     def publish(self, raw):
         """Publish one message; return whether its type is installed."""
-        publisher = self._publishers.get(raw.topic) or self._make(raw)
+        if raw.topic not in self._publishers:
+            self._make(raw.topic, raw.type)
+        publisher = self._publishers[raw.topic]
         if publisher:
             publisher.publish(raw.data)
-        return bool(publisher)
+        return publisher is not None
 
-    def _make(self, raw):
-        if raw.topic in self._left_out:
-            return None
+    def _make(self, topic, type_name):
+        publisher = None
         try:
-            kind = resolve(raw.type)
+            publisher = self.node.create_publisher(resolve(type_name), topic, self._qos(topic))
         except (ModuleNotFoundError, AttributeError, ValueError):
-            self._left_out.add(raw.topic)
-            self.node.get_logger().warning(f'{raw.topic}: {raw.type} is not installed, left out')
-            return None
-        self._publishers[raw.topic] = self.node.create_publisher(kind, raw.topic, self._qos(raw.topic))
-        return self._publishers[raw.topic]
+            self.node.get_logger().warning(f'{topic}: {type_name} is not installed, left out')
+        self._publishers[topic] = publisher
 
     def _qos(self, topic):
         offered = (self.bag.qos_of(topic) or [{}])[0]
@@ -94,11 +99,13 @@ class Replayer:
             else DurabilityPolicy.VOLATILE)
 
 
-def replay(path, topics=None, rate=1.0, start=0.0, loop=False, follow=False, clock_rate=None, ros_args=()):
+def replay(path, topics=None, rate=1.0, start=0.0, loop=False, follow=False, clock_rate=None, delay=0.0, ros_args=()):
     """Publish a bag until its end or a signal; return how many messages; see bag.replay.play."""
     bag = Bag(path)
+    next(bag.raw(), None)                                # so that its topics are known
     count = 0
     with Replayer(bag, clock_rate, rate, ros_args) as replayer:
+        replayer.wait(delay, topics)
         for raw in play(bag, topics, rate, start, loop, follow, replayer.tick, replayer.period):
             count += replayer.publish(raw)
     if not count and topics:

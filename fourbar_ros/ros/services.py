@@ -12,12 +12,14 @@ from .messages import filler, resolve
 
 
 def create(node):
-    """Create all services of a node."""
+    """Create all services of a node, the long ones on its worker."""
     handlers = {'find_extrema': find_extrema, 'evaluate': evaluate_one,
                 'start_recording': start_recording, 'stop_recording': stop_recording}
 
     for service in interfaces.SERVICES.values():
-        node.create_service(resolve(service.type), service.service, partial(handlers[service.name], node))
+        owner = node.worker if service.is_long else node
+        owner.create_service(resolve(service.type), node.resolve_service_name(service.service),
+                             partial(handlers[service.name], node))
 
 
 def find_extrema(node, request, response):

@@ -33,11 +33,13 @@ def add(verbs):
                               formatter_class=argparse.RawDescriptionHelpFormatter)
     replay.add_argument('bag', metavar='BAG', help='folder of a bag or .mcap file')
     replay.add_argument('--rate', type=_positive, default=1.0, metavar='X', help='times as fast, default 1')
-    replay.add_argument('--start', type=float, default=0.0, metavar='S', help='leave out the first seconds')
+    replay.add_argument('--start', type=_not_negative, default=0.0, metavar='S', help='leave out the first seconds')
     replay.add_argument('--loop', action='store_true', help='again and again')
     replay.add_argument('--follow', action='store_true', help='of a bag being written: go on until it is finished')
     replay.add_argument('--clock', nargs='?', type=_positive, const=100.0, metavar='HZ',
                         help='publish the time of the bag on /clock, at this rate (default 100)')
+    replay.add_argument('--delay', type=_not_negative, default=1.0, metavar='S',
+                        help='wait for readers to find the topics before the first message, default 1')
     replay.add_argument('--topics', nargs='+', metavar='TOPIC', help='only these')
     replay.add_argument('--inputs-only', action='store_true',
                         help='send only the motion of the crank to a live node, compare what it answers')
@@ -55,13 +57,20 @@ def _positive(text):
     return value
 
 
+def _not_negative(text):
+    value = float(text)
+    if not 0.0 <= value < float('inf'):
+        raise argparse.ArgumentTypeError(f'{text}: must not be negative')
+    return value
+
+
 def _replay(arguments):
     ros_args = ['--ros-args', *arguments.ros_args] if arguments.ros_args else []
     if arguments.inputs_only:
         return _inputs_only(arguments, ros_args)
     from ..ros.replay import replay
     count = replay(arguments.bag, arguments.topics, arguments.rate, arguments.start, arguments.loop,
-                   arguments.follow, arguments.clock, ros_args)
+                   arguments.follow, arguments.clock, arguments.delay, ros_args)
     print(f'{count} messages published')
     return 0
 

@@ -39,7 +39,7 @@ def plain(message, skip=('__msgtype__',)):
     """Return a message of any library as nested plain values, NaN as text so that it equals itself."""
     if hasattr(message, 'get_fields_and_field_types'):
         return {name: plain(getattr(message, name)) for name in message.get_fields_and_field_types()}
-    if isinstance(message, SimpleNamespace):
+    if type(message) is SimpleNamespace:
         return {name: plain(value) for name, value in vars(message).items()}
     if hasattr(message, '__dataclass_fields__'):
         return {name: plain(getattr(message, name)) for name in message.__dataclass_fields__
