@@ -87,7 +87,7 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
     Record a run as the node does and return the closed bag's path.
 
     ``cranks``: (theta1, omega1, alpha1) of every step; ``changes``: {step: parameters} set before it;
-    ``paced``: log times step_ns apart, whatever the clock says.
+    Stamps begin at step_ns: 0 stands for an unstamped message. ``paced``: log times step_ns apart, whatever the clock says.
     """
     scene = scenes.from_values(values)
     topics = [interfaces.CRANK, interfaces.SCENE, *(interfaces.OUTPUTS[output] for output in scene.outputs)]
@@ -107,8 +107,8 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
             scene = scenes.from_values({**scene.values, **changes[k]})
             stepper = say_scene()
         status, found = stepper.step(*crank, scene.needs_loads)
-        writer.write(number['crank'], output_message('crank', k * step_ns, 0, 0, [*crank, *found[3:]], ()))
+        writer.write(number['crank'], output_message('crank', (k + 1) * step_ns, 0, 0, [*crank, *found[3:]], ()))
         for output in scene.outputs:
-            writer.write(number[output], output_message(output, k * step_ns, status, scene.linkage.mode, found,
+            writer.write(number[output], output_message(output, (k + 1) * step_ns, status, scene.linkage.mode, found,
                                                         scene.joint_names))
     return writer.close()

@@ -168,5 +168,8 @@ def loads_of(lengths, sign, x, omega, alpha, bodies, applied, gravity):
 
 def random_lengths(rng, count):
     """Return an array (count, 4) of lengths in [0.1, 1] that close, of all classes [m]."""
-    lengths = rng.uniform(0.1, 1.0, (4 * count, 4))
-    return lengths[2 * lengths.max(1) < lengths.sum(1)][:count]
+    lengths = np.empty((0, 4))
+    while len(lengths) < count:
+        more = rng.uniform(0.1, 1.0, (2 * count, 4))
+        lengths = np.concatenate((lengths, more[2.0 * more.max(1) < more.sum(1)]))
+    return lengths[:count]

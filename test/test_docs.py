@@ -28,7 +28,7 @@ def test_every_module_and_message_field_is_named_as_in_the_core():
     def fields(name):
         words = [line.split('#')[0].split() for line in (ROOT / f'msg_defs/msg/{name}.msg').read_text().splitlines()]
         return [w[1] for w in words if len(w) == 2 and w[0] == 'float64']
-    assert tuple(fields('LinkageState')) == STATE_FIELDS
+    assert tuple(fields('LinkageState')) == (*STATE_FIELDS, 'change_point_margin')
     assert tuple(fields('LinkageLoads')) == Loads._fields
 
 

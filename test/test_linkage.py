@@ -133,7 +133,8 @@ def test_ranges_hold_the_exact_limits_to_the_last_bits():
     assert shapes == {(1, True, False), (1, False, False), (1, False, True), (2, False, False)}
 
 
-@pytest.mark.parametrize('lengths', [(4.0, 3.0, 2.0, 8.0), (4.0, 3.0, 2.5, 3.5), (3.0, 2.0, 4.0, 3.5), (5.0, 4.0, 2.0, 4.5)])
+@pytest.mark.parametrize('lengths', [(4.0, 3.0, 2.0, 8.0), (4.0, 3.0, 2.5, 3.5), (3.0, 2.0, 4.0, 3.5),
+                                     (5.0, 4.0, 2.0, 4.5)])
 def test_just_inside_and_just_outside_a_limit(lengths):
     linkage = FourBar(*lengths)
     assert not linkage.turns_fully

@@ -155,6 +155,11 @@ class BagWriter:
             self._tell(f'{self.path}: the disk is too slow, messages are dropped')
         return not full
 
+    @property
+    def waiting(self):
+        """Return how many messages wait for the disk."""
+        return len(self._queue)
+
     def close(self):
         """Write what waits, finish the file and its metadata; returns the path of the bag."""
         with self._lock:

@@ -1,8 +1,9 @@
 """
 The six input-output equations of the 4R linkage, each between two of its four joint angles.
 
-Slides, Eqs. (16)-(37), as corrected (test_io_equations.py has every erratum): theta1 and theta4 absolute at the ground pivots,
-theta2 and theta3 relative, theta1 + theta2 + theta3 = theta4 + pi, v = tan(theta/2). Each equation is
+Slides, Eqs. (16)-(37), as corrected (test_io_equations.py has every erratum): theta1 and theta4 absolute
+at the ground pivots, theta2 and theta3 relative, theta1 + theta2 + theta3 = theta4 + pi, v = tan(theta/2).
+Each equation is
 
     both vi^2 vj^2 + first vi^2 + second vj^2 + mixed vi vj + constant = 0
 

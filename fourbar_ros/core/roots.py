@@ -91,12 +91,12 @@ def bracketed_roots(function, row, xa, xb, fa, fb):
     Return the root of ``function(x, row)`` in each bracket, to the last bits of x.
 
     Chandrupatla, Adv. Eng. Software 28 (1997) 145-149: inverse quadratic steps where they are safe,
-    bisection elsewhere; all brackets advance together.
+    bisection elsewhere, after a linear one; all brackets advance together.
     """
     root = np.where(np.abs(fa) < np.abs(fb), xa, xb)
     todo = np.arange(root.size)
     xc, fc = xa, fa
-    t = np.full(root.size, 0.5)
+    t = np.clip(fa / (fa - fb), 0.05, 0.95)
     while todo.size:
         x = xa + t * (xb - xa)
         f = function(x, row)
@@ -126,7 +126,7 @@ def bracketed_roots(function, row, xa, xb, fa, fb):
 
 def solve_one(function, xa, xb, fa, fb):
     """Return the root in one bracket, as :func:`bracketed_roots`, in plain floats."""
-    t = 0.5
+    t = min(max(fa / (fa - fb), 0.05), 0.95)
     while True:
         x = xa + t * (xb - xa)
         f = function(x)

@@ -28,7 +28,7 @@ NODE = '/fourbar'
 PATIENCE = 20.0        # [s] for the node to be found and to answer
 SWING = 0.95           # share of a rocker's range that is swung through
 REFRESH = 8            # live tables a second
-KINDS = {Extremum.KIND_MINIMUM: 'minimum', Extremum.KIND_MAXIMUM: 'maximum'}
+KINDS = {Extremum.KIND_MINIMUM: 'minimum', Extremum.KIND_MAXIMUM: 'maximum', Extremum.KIND_CONSTANT: 'constant'}
 
 
 class DemoError(FourBarError):

@@ -85,7 +85,7 @@ class _Live:
         """Wait for the node's input and outputs."""
         end = time.monotonic() + PATIENCE
         while not (self._input.get_subscription_count()
-                   and all(self._node.count_publishers(s.topic_name) for s in self._subscriptions)):
+                   and all(s.get_publisher_count() for s in self._subscriptions)):
             if time.monotonic() > end or not self.tick(0):
                 raise NoAnswer(f'{self._name}: no node with drive.source: motion and the outputs of the bag '
                                f'(waited {PATIENCE:g} s)')

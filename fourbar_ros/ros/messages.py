@@ -18,6 +18,15 @@ def resolve(type_name):
                                   'colcon build --base-paths . msg_defs') from None
 
 
+def set_constants(message, scene):
+    """Fill what is the same in all messages of a scene."""
+    message.header.frame_id = scene.frame_id
+    if hasattr(message, 'change_point_margin'):
+        message.change_point_margin = float(scene.linkage.change_point_margin)
+    if hasattr(message, 'effort'):
+        message.name = list(scene.joint_names)
+
+
 def filler(output, message):
     """
     Return the function (stamp, status, mode, values) that fills ``message``.

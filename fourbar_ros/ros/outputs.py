@@ -4,23 +4,24 @@ from __future__ import annotations
 from rclpy.serialization import serialize_message
 
 from .. import interfaces
-from .messages import filler, resolve
+from .messages import filler, resolve, set_constants
 
 
 class Output:
     """One published topic."""
 
-    def __init__(self, node, topic, scene):
-        self.name, self.topic = topic.name, topic
-        self.needs_loads = False
+    def __init__(self, node, topic):
+        self.name, self._topic = topic.name, topic
         self._node = node
         message_type = resolve(topic.type)
         self._message = message_type()
-        self._message.header.frame_id = scene.frame_id
-        if topic.name == 'joint_states':
-            self._message.name = list(scene.joint_names)
         self._fill = filler(topic.name, self._message)
         self._publisher = node.create_publisher(message_type, topic.topic, interfaces.QUEUE_DEPTH)
+
+    def apply(self, scene):
+        """Take over a scene."""
+        set_constants(self._message, scene)
+        self.needs_loads = self._topic.needs_loads or (self.name == 'joint_states' and scene.needs_loads)
 
     @property
     def is_heard(self):

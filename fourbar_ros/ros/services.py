@@ -5,10 +5,10 @@ from functools import partial
 from math import isfinite
 
 from .. import interfaces
-from ..core import FourBarError, OutOfRange
+from ..core import FourBarError, InvalidParameter, OutOfRange
 from ..core.quantities import UnknownQuantity, select
 from ..core.status import INVALID_INPUT, OK, OUT_OF_RANGE, TOGGLE, evaluate
-from .messages import filler, resolve
+from .messages import filler, resolve, set_constants
 
 
 def create(node):
@@ -26,41 +26,49 @@ def find_extrema(node, request, response):
     """Answer FindExtrema."""
     from ..core.extrema import find_extrema as search     # not needed by a node that only streams
 
-    drive = node.stream.scene.drive
-    omega1 = request.omega1 or (drive.speed if drive.source == 'timer' else 0.0)
-    modes = {request.MODE_OF_SCENE: (node.stream.scene.linkage.mode,), request.MODE_CROSSED: (1,),
-             request.MODE_OPEN: (2,), request.MODE_BOTH: (1, 2)}.get(request.mode)
+    scene = node.stream.scene
+    linkage = scene.linkage
+    omega1 = request.omega1 or (scene.drive.speed if scene.drive.source == 'timer' else 0.0)
     try:
-        if modes is None:
-            raise _BadRequest(f'mode = {request.mode}: must be 0 (of the scene), 1, 2 or 3 (both)')
+        modes = _modes(request, linkage)
         if not isfinite(omega1) or omega1 == 0.0:
             raise _BadRequest(f'omega1 = {omega1!r}: must be a finite speed, not zero '
                               '(zero stands for the speed of the timer drive, if there is one)')
-        quantities = select(request.quantities, node.stream.scene.linkage.bodies is not None)
-        missing = [q.name for q in quantities if q.is_load and node.stream.scene.linkage.bodies is None]
+        quantities = select(request.quantities, linkage.bodies is not None)
+        missing = [quantity.name for quantity in quantities if quantity.is_load and linkage.bodies is None]
         if missing:
             raise _BadRequest(f'{missing[0]}: the scene has no masses')
         names = [quantity.name for quantity in quantities]
         found = [extremum for mode in modes
-                 for extremum in search(node.stream.scene.linkage.in_mode(mode), names, omega1)]
+                 for extremum in search(linkage.in_mode(mode), names, omega1, request.alpha1, request.certify)]
         found.sort(key=lambda extremum: (names.index(extremum.quantity), extremum.mode))
         response.extrema = [_extremum_message(extremum) for extremum in found]
         response.result = response.RESULT_OK
     except UnknownQuantity as error:
         response.result, response.message = response.RESULT_UNKNOWN_QUANTITY, str(error)
-    except _BadRequest as error:
+    except (_BadRequest, InvalidParameter) as error:
         response.result, response.message = response.RESULT_INVALID_REQUEST, str(error)
     except FourBarError as error:
         response.result, response.message = response.RESULT_UNSUPPORTED, str(error)
     return response
 
 
+def _modes(request, linkage):
+    modes = {request.MODE_OF_SCENE: (linkage.mode,), request.MODE_CROSSED: (1,), request.MODE_OPEN: (2,),
+             request.MODE_BOTH: (1, 2)}
+    if request.mode not in modes:
+        raise _BadRequest(f'mode = {request.mode}: must be 0 (of the scene), 1, 2 or 3 (both)')
+    return modes[request.mode]
+
+
 def _extremum_message(extremum):
     message = resolve('fourbar_msgs/msg/Extremum')()
     message.quantity, message.unit, message.mode = extremum.quantity, extremum.unit, extremum.mode
-    message.kind = {'minimum': message.KIND_MINIMUM, 'maximum': message.KIND_MAXIMUM}[extremum.kind]
-    message.theta1, message.value = float(extremum.theta1), float(extremum.value)
-    message.is_global = bool(extremum.is_global)
+    message.kind = getattr(message, f'KIND_{extremum.kind.upper()}')
+    message.place = getattr(message, f'PLACE_{extremum.place.upper().replace("-", "_")}')
+    message.side, message.is_global, message.proof = int(extremum.side), bool(extremum.is_global), extremum.proof
+    for name in ('theta1', 'value', 'condition', 'value_condition'):
+        setattr(message, name, float(getattr(extremum, name)))
     return message
 
 
@@ -81,7 +89,7 @@ def evaluate_one(node, request, response):
     stamp = node.get_clock().now().to_msg()
     for output in ('state', 'loads'):
         message = getattr(response, output)
-        message.header.frame_id = node.stream.scene.frame_id
+        set_constants(message, node.stream.scene._replace(linkage=linkage))
         filler(output, message)(stamp, status, linkage.mode, (*motion, *loads))
     response.result = {OK: response.RESULT_OK, OUT_OF_RANGE: response.RESULT_OUT_OF_RANGE,
                        INVALID_INPUT: response.RESULT_INVALID_REQUEST, TOGGLE: response.RESULT_TOGGLE}[status]

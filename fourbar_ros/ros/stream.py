@@ -36,7 +36,7 @@ class Stream:
         recording.between_steps = self._lock
         self.steps, self.bad_steps, self.status = 0, 0, OK
         self.values = UNKNOWN                            # of the newest step that was computed
-        self._crank, self._outputs = Output(node, interfaces.CRANK, scene), []
+        self._crank, self._outputs = Output(node, interfaces.CRANK), []
         self._scene_publisher = node.create_publisher(
             String, interfaces.SCENE.topic, QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
         self.apply(scene)
@@ -49,11 +49,10 @@ class Stream:
             there = {output.name: output for output in self._outputs}
             for name in there.keys() - set(scene.outputs):
                 there[name].destroy()
-            self._outputs = [there.get(name) or Output(self._node, interfaces.OUTPUTS[name], scene)
+            self._outputs = [there.get(name) or Output(self._node, interfaces.OUTPUTS[name])
                              for name in scene.outputs]
-            for output in self._outputs:
-                output.needs_loads = output.topic.needs_loads or (
-                    output.name == 'joint_states' and scene.needs_loads)
+            for output in (self._crank, *self._outputs):
+                output.apply(scene)
             self._send_scene()
 
     def start_recording(self, name=''):

@@ -49,6 +49,7 @@ def test_every_topic_carries_the_values_of_the_core_to_the_last_bit(run_node, cl
             assert message.header.stamp == sent.header.stamp
             assert message.header.frame_id == 'machine'
             if hasattr(message, 'status'):
+                assert getattr(message, 'change_point_margin', linkage.change_point_margin) == linkage.change_point_margin
                 assert (message.status, message.mode) == (LinkageState.STATUS_OK, LinkageState.MODE_OPEN)
     assert list(received['joint_states'][0].name) == ['crank', 'coupler', 'coupler_output', 'output']
 
@@ -148,6 +149,27 @@ def test_find_extrema_answers_what_the_core_finds_in_both_modes(run_node, client
     force = max((e for e in answer.extrema if e.quantity == 'shaking_force' and e.mode == 2), key=lambda e: e.value)
     assert force.value == pytest.approx(2512.318373, abs=5e-7)
     assert force.theta1 == pytest.approx(0.10962848, abs=5e-9)
+
+
+def test_a_certified_request_does_not_hold_up_the_stream(run_node, client):
+    """The timer stream is in the order of its stamps without a gap, and so is a driven stream."""
+    run_node({**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 200.0, 'outputs': ['state']})
+    client.listen(['state'])
+    client.until(lambda: client.received['state'], 'the stream')
+    client.received['state'].clear()
+    answer = client.call('find_extrema', quantities=['omega4', 'alpha4'], mode=3, certify=True)
+    assert answer.result == answer.RESULT_OK
+    assert all(extremum.proof == 'exact count' for extremum in answer.extrema)
+    stamps = [s.header.stamp.sec * 10**9 + s.header.stamp.nanosec for s in client.received['state']]
+    steps = {round((b - a) / 5e6) for a, b in zip(stamps, stamps[1:])}
+    assert steps <= {1}                                          # every sample of the 200 Hz grid
+
+
+def test_find_extrema_of_a_rocker_says_that_its_ends_are_unbounded(run_node, client):
+    run_node({**ROCKER, 'drive.source': 'motion', 'outputs': ['state']})
+    answer = client.call('find_extrema', quantities=['omega4'], omega1=1.0)
+    ends = [e for e in answer.extrema if e.place == e.PLACE_LIMIT]
+    assert len(ends) == 2 and all(math.isinf(e.value) and e.side != 0 for e in ends)
 
 
 def test_find_extrema_refuses_with_a_reason(run_node, client):

@@ -1,0 +1,223 @@
+"""Recording: what a message costs, what a kill costs, how fast a long bag is written and read."""
+import json
+import os
+import struct
+import sys
+import tempfile
+import threading
+import time
+from contextlib import contextmanager
+from pathlib import Path
+from statistics import median
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(ROOT), str(ROOT / 'test')]
+MINUTES = float(os.environ.get('MINUTES', '6'))     # of the long bag; 60 for the whole hour
+RATE = 1000                                         # [Hz] all outputs
+PERIOD = 5                                          # [s] after which the recorded motion repeats
+ROUNDS = 5
+KILLS = 4
+KINDS = ('busy', 'slow')
+SECONDS, NODE_ROUNDS = 4.0, 3
+STAMP = struct.Struct('<iI')
+
+
+def rss():
+    """Return the resident memory [MB]."""
+    return int(Path('/proc/self/statm').read_text().split()[1]) * os.sysconf('SC_PAGE_SIZE') / 1e6
+
+
+def steps():
+    """Return (values, channels, about, [[bytes of every topic] of every step of a period])."""
+    import bags
+    from fourbar_ros import interfaces
+    from fourbar_ros import scene as scenes
+    from fourbar_ros.stepper import Stepper
+    from scenes import PAPER, RODS
+    scene = scenes.from_values({**PAPER, **RODS, 'drive.speed': 25.0, 'outputs': list(interfaces.OUTPUTS)})
+    topics = [interfaces.CRANK, *(interfaces.OUTPUTS[name] for name in scene.outputs)]
+    names = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
+    about = {'scene': json.dumps(scene.values), 'topics': json.dumps(names)}
+    stepper, messages = Stepper(scene.linkage), []
+    for k in range(PERIOD * RATE):
+        crank = (25.0 * k / RATE, 25.0, 0.0)
+        status, values = stepper.step(*crank, True)
+        messages.append([bags.output_message('crank', 1, 0, 0, values, ())] + [
+            bags.output_message(name, 1, status, 2, values, scene.joint_names) for name in scene.outputs])
+    return [bags.channel(names[t.name], t.type) for t in topics], about, messages
+
+
+def stamped(step, k):
+    """Return the messages of a step with the stamp of sample k."""
+    stamp = STAMP.pack(*divmod((k + 1) * (10**9 // RATE), 10**9))
+    return [data[:4] + stamp + data[12:] for data in step]
+
+
+def fill_ours(folder, channels, about, messages):
+    """Write messages as the node does; return CPU seconds a message: in the caller, in all."""
+    from fourbar_ros.bag.writer import BagWriter
+    writer = BagWriter(folder, '', channels, about, sync_period=0.0)
+    begin, caller = time.process_time(), 0.0
+    for step in messages:
+        before = time.thread_time()
+        for channel, data in enumerate(step):
+            writer.write(channel, data)
+        caller += time.thread_time() - before
+    assert not writer.dropped
+    writer.close()
+    count = len(messages) * len(channels)
+    return caller / count, (time.process_time() - begin) / count
+
+
+def fill_library(folder, channels, about, messages):
+    """Write the same with the library's Writer, flushed by a thread under a lock."""
+    from mcap.writer import Writer
+    lock, stop = threading.Lock(), threading.Event()
+    with open(Path(folder) / f'{time.time_ns()}.mcap', 'wb') as file:
+        writer = Writer(file)
+        writer.start('ros2', 'bench')
+        ids = [writer.register_channel(c.topic, 'cdr', writer.register_schema(c.type, 'ros2msg', c.schema.encode()),
+                                       c.metadata) for c in channels]
+
+        def flush():
+            while not stop.wait(0.1):
+                with lock:
+                    writer.flush()
+        thread = threading.Thread(target=flush)
+        begin, caller = time.process_time(), 0.0
+        thread.start()
+        for step in messages:
+            before = time.thread_time()
+            for number, data in zip(ids, step):
+                with lock:
+                    stamp = time.time_ns()
+                    writer.add_message(number, stamp, data, stamp)
+            caller += time.thread_time() - before
+        stop.set()
+        thread.join()
+        writer.finish()
+    count = len(messages) * len(channels)
+    return caller / count, (time.process_time() - begin) / count
+
+
+def cost_table(channels, about, messages):
+    """Print the cost of a message beside that of the library's Writer."""
+    found = {fill_ours: [], fill_library: []}
+    for _ in range(ROUNDS):
+        for fill, costs in found.items():
+            with tempfile.TemporaryDirectory() as folder:
+                costs.append(fill(folder, channels, about, messages))
+    ours, library = ([1e6 * median(column) for column in zip(*found[fill])] for fill in (fill_ours, fill_library))
+    print(f'One message of {len(channels)} topics in turn, CPU, median of {ROUNDS} rounds in turn:\n')
+    print('| | in the caller [us] | in all [us] | ratio |\n| --- | --- | --- | --- |')
+    print(f'| `BagWriter` | {ours[0]:.2f} | {ours[1]:.2f} | {ours[1] / library[1]:.2f} |')
+    print(f'| `mcap.Writer`, lock and flush thread | {library[0]:.2f} | {library[1]:.2f} | 1 |')
+
+
+def node_table():
+    """Print the CPU of a node at RATE with recorder off and on, while somebody listens to everything."""
+    import rclpy
+
+    from bench.node import FULL, node, timed
+    found = {'off': [], 'on': []}
+    rclpy.init()
+    with tempfile.TemporaryDirectory() as folder:
+        for _ in range(NODE_ROUNDS):
+            for state, used in found.items():
+                def make(on=state == 'on'):
+                    return node({'outputs': FULL, 'drive.rate': float(RATE), 'recording.start': on,
+                                 'recording.directory': folder})
+                got, _, late, cpu = timed(make, 'fourbar', float(RATE), FULL, SECONDS)
+                used.append((cpu, got, late))
+    rclpy.try_shutdown()
+    (off, off_got, off_late), (on, on_got, on_late) = ([median(c) for c in zip(*found[s])] for s in ('off', 'on'))
+    print(f'\nA node at {RATE} Hz with all {len(FULL)} outputs heard, CPU of the process:\n')
+    print('| recorder | rate got [Hz] | late p99 [us] | CPU a step [us] | ratio | CPU a recorded message [us] |')
+    print('| --- | --- | --- | --- | --- | --- |')
+    print(f'| off | {off_got:.0f} | {off_late:.0f} | {off:.0f} | 1 | |')
+    # on, the crank's motion is a sixth message, made and published for the bag
+    print(f'| on | {on_got:.0f} | {on_late:.0f} | {on:.0f} | {on / off:.2f} | {(on - off) / (len(FULL) + 1):.1f} |')
+
+
+def kill_table():
+    """Print what kills cost."""
+    from test_bag_crash import kill_once
+    print(f'\nkill -9 at random moments, {KILLS} each, what was lost:\n')
+    print('| recorder | median [ms] | worst [ms] |\n| --- | --- | --- |')
+    for kind in KINDS:
+        lost = [1e3 * kill_once(kind, 5000 + seed) for seed in range(KILLS)]
+        print(f'| {"1 kHz" if kind == "busy" else "50 Hz"} | {median(lost):.0f} | {max(lost):.0f} |')
+
+
+@contextmanager
+def measured(what, count, rows):
+    """Time a piece of work over ``count`` messages; keep a row with the growth of the memory."""
+    before, begin = rss(), time.perf_counter()
+    yield
+    seconds = time.perf_counter() - begin
+    rows.append(f'| {what} | {seconds:.2f} | {1e6 * seconds / count:.2f} | {count / RATE / 6 / seconds:.0f} | '
+                f'{rss() - before:+.0f} |')
+
+
+def write_long(folder, channels, about, messages, total):
+    """Write a long bag as fast as it goes; return (path, memory at each tenth [MB])."""
+    from fourbar_ros.bag.writer import QUEUE_MESSAGES, BagWriter
+    # A chunk in 5 ms here is about one in 0.1 s of the run.
+    writer = BagWriter(folder, 'long', channels, about, flush_period=0.005, sync_period=0.0)
+    memory = []
+    for k in range(total):
+        if k % 1000 == 0:
+            while writer.waiting > QUEUE_MESSAGES // 10:
+                time.sleep(0.001)
+        if k % (total // 10) == 0:
+            memory.append(rss())
+        for channel, data in enumerate(stamped(messages[k % len(messages)], k)):
+            writer.write(channel, data)
+    assert not writer.dropped
+    return writer.close(), memory
+
+
+def long_table(channels, about, messages):
+    """Print speed and memory of a long bag: written, read, checked, recomputed, exported."""
+    from fourbar_ros.bag.export import export
+    from fourbar_ros.bag.info import info
+    from fourbar_ros.bag.recompute import compare
+    from fourbar_ros.bag.recover import recover
+    total, rows = int(60 * MINUTES * RATE), []
+    count = total * len(channels)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        with measured('write', count, rows):
+            path, memory = write_long(folder, channels, about, messages, total)
+        with measured('`info`', count, rows):
+            info(path)
+        with measured('`info --check`', count, rows):
+            assert info(path, check=True).is_sound
+        with measured('`recover`', count, rows):
+            recover(path, folder / 'again')
+        with measured('`recompute`', count, rows):
+            found = compare(path)
+            assert found.inputs == total and max(d.largest for d in found.differences) == 0.0
+        with measured('`export` npz', count, rows):
+            export(path, folder / 'long.npz', 'npz')
+        (folder / 'long.npz').unlink()
+        with measured('`export` csv, state only', total, rows):
+            export(path, folder / 'csv', topics=['/fourbar/state'])
+        size = sum(f.stat().st_size for f in path.iterdir())
+    print(f'\nA bag of {MINUTES:g} minutes at {RATE} Hz, {len(channels)} topics, {count} messages, {size / 1e6:.0f} MB:\n')
+    print('| | [s] | us a message | times real time | memory [MB] |\n| --- | --- | --- | --- | --- |')
+    print('\n'.join(rows))
+    print('\nMemory while writing, at each tenth [MB]: ' + ', '.join(f'{m:.0f}' for m in memory))
+
+
+def main():
+    """Print all tables."""
+    channels, about, messages = steps()
+    cost_table(channels, about, messages)
+    node_table()
+    kill_table()
+    long_table(channels, about, messages)
+
+
+if __name__ == '__main__':
+    main()
