@@ -42,8 +42,7 @@ def steps():
     for k in range(PERIOD * RATE):
         crank = (25.0 * k / RATE, 25.0, 0.0)
         status, values = stepper.step(*crank, True)
-        messages.append([bags.output_message('crank', 1, 0, 0, values, ())] + [
-            bags.output_message(name, 1, status, 2, values, scene.joint_names) for name in scene.outputs])
+        messages.append([bags.output_message(name, 1, status, values, scene) for name in ('crank', *scene.outputs)])
     return [bags.channel(names[t.name], t.type) for t in topics], about, messages
 
 

@@ -64,15 +64,17 @@ def zero(type_name):
     return STORE.types[type_name](**values)
 
 
-def output_message(name, when, status, mode, values, joint_names):
+def output_message(name, when, status, values, scene):
     """Return the bytes of one output as the node would send it."""
     topic = interfaces.CRANK if name == 'crank' else interfaces.OUTPUTS[name]
     message = zero(topic.type)
     message.header = stamp(when)
     if hasattr(message, 'status'):
-        message.status, message.mode = status, mode
+        message.status, message.mode = status, scene.linkage.mode
+    if name == 'state':
+        message.change_point_margin = float(scene.linkage.change_point_margin)
     if name == 'joint_states':
-        message.name = list(joint_names)
+        message.name = list(scene.joint_names)
     for field, value in records.expected(name, values).items():
         *path, last = field.split('.')
         place = message
@@ -107,8 +109,7 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
             scene = scenes.from_values({**scene.values, **changes[k]})
             stepper = say_scene()
         status, found = stepper.step(*crank, scene.needs_loads)
-        writer.write(number['crank'], output_message('crank', (k + 1) * step_ns, 0, 0, [*crank, *found[3:]], ()))
+        writer.write(number['crank'], output_message('crank', (k + 1) * step_ns, 0, [*crank, *found[3:]], scene))
         for output in scene.outputs:
-            writer.write(number[output], output_message(output, (k + 1) * step_ns, status, scene.linkage.mode, found,
-                                                        scene.joint_names))
+            writer.write(number[output], output_message(output, (k + 1) * step_ns, status, found, scene))
     return writer.close()

@@ -38,7 +38,8 @@ def diff(first, second, topics=None, progress=None):
     Return a list of :class:`TopicDiff`, one for every topic in either bag.
 
     Messages with a header are matched by its stamp, others by their place among those of their topic.
-    Memory does not grow with the bags, as long as their stamps go forward.
+    Memory does not grow with the bags, as long as their stamps go forward. ``progress`` is called with the
+    bytes read of the first bag, once more for every topic.
     """
     bags = [Bag(first), Bag(second)]
     types = [_types(bag) for bag in bags]
@@ -67,7 +68,7 @@ class _Topic:
         self._pending = ([], [])                 # (keys, records) not yet met in the other bag
 
     def run(self, first, second, progress):
-        sources = [_keyed(bag, self.topic, progress) for bag in (first, second)]
+        sources = [_keyed(first, self.topic, progress), _keyed(second, self.topic, None)]
         newest, over = [None, None], [False, False]
         while not all(over):
             # the bag that is behind goes on

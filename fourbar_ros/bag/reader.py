@@ -211,11 +211,17 @@ class Bag:
 
     def qos_of(self, topic):
         """Return the QoS profiles, as dicts, under which a topic met so far was offered."""
-        offered = next(channel.metadata.get(rosbag2.QOS) for channel in self.channels.values() if channel.topic == topic)
-        return yaml.load(offered or '[]', Loader=_LOADER)
+        return yaml.load(self._channel_of(topic).metadata.get(rosbag2.QOS) or '[]', Loader=_LOADER)
+
+    def hash_of(self, topic):
+        """Return the type hash of a topic met so far, empty if the bag does not say."""
+        return self._channel_of(topic).metadata.get(rosbag2.HASH, '')
+
+    def _channel_of(self, topic):
+        return next(channel for channel in self.channels.values() if channel.topic == topic)
 
     def _schema_of(self, topic):
-        return next(self._schemas[channel.schema_id] for channel in self.channels.values() if channel.topic == topic)
+        return self._schemas[self._channel_of(topic).schema_id]
 
     def decoder(self, topic):
         """Return the Decoder of a topic met so far."""

@@ -89,6 +89,7 @@ class _Comparison:
         """Take another scene; it holds from the next input on."""
         self._stepper = Stepper(scene.linkage, scene.drive.out_of_range)
         self._with_loads = scene.needs_loads
+        self._constant = {'mode': scene.linkage.mode, 'change_point_margin': scene.linkage.change_point_margin}
         self._last = None
 
     def block(self, columns):
@@ -131,8 +132,10 @@ class _Comparison:
         there = columns.records.dtype.names                  # a bag of an older version may have less
         pairs = [(field, self._expected(values_of, source, values), attrgetter(field)(tree))
                  for field, values_of in fields.FIELDS[name].items() if field in there]
-        if name in ('state', 'loads'):
+        if 'status' in there:
             pairs.append(('status', status[source], tree.status))
+        pairs += [(field, np.full(len(source), float(value)), columns.records[field])
+                  for field, value in self._constant.items() if field in there]
         for field, want, have in pairs:
             same = want.shape[:-1] == have.shape[:-1]        # as many joints
             found = distance(want, have[..., good]) if same else inf

@@ -204,7 +204,7 @@ class BagWriter:
         try:
             self._end()
             self.error += f'; the bag is whole, {sum(self._container.counts.values())} messages'
-        except OSError:
+        except Exception:               # the disk takes nothing more
             self.error += '; what was flushed is in the file: fourbar bag recover'
         self._tell(f'{self.path}: {self.error}')
 

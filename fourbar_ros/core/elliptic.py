@@ -134,6 +134,17 @@ def half_turn(s1, s2, k, crosses_out, crosses_in):
     return period, through_zero if crosses_in else apart
 
 
+def phases(count, low_is_toggle, high_is_toggle):
+    """
+    Return the arguments of the function of :func:`half_turn` for equal steps of u: sines and cosines.
+
+    They include a toggle, and leave half a step where the motion goes on symmetrically.
+    """
+    first, last = 0.5 * (not low_is_toggle), 0.5 * (not high_is_toggle)
+    t = (np.arange(count) + first) / (count - 1 + first + last)
+    return np.sin(0.5 * pi * t), np.sin(0.5 * pi * (1.0 - t))
+
+
 def input_paths(linkage, points):
     """
     Return the list of :class:`InputPath` that make up the motion of a linkage in its mode.

@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from . import factors
-from .elliptic import POINTS_PER_FEATURE, half_turn
+from .elliptic import POINTS_PER_FEATURE, half_turn, phases
 from .errors import InvalidParameter
 from .extrema import MINIMUM, RATES, find_extrema
 from .linkage import CROSSED, OPEN, FourBar
 from .rates import sine_constants, sines
-from .roots import EPS, bracketed_roots, halve_dips, turn_after
+from .roots import EPS, bracketed_roots, find_brackets, turn_after
 from .search import fold
 
 SAMPLES = 32
@@ -126,15 +126,12 @@ def _search(lengths, sign, omega1):
 def _search_class(found, index, constants, omega1, crosses_out, crosses_in):
     """Add the extremes of linkages of one kind of input range, in groups of one number of samples."""
     period, _ = half_turn(*constants[:3], crosses_out, crosses_in)
-    count = np.maximum(SAMPLES // 2, 2**np.ceil(np.log2(POINTS_PER_FEATURE * period)).astype(int))
+    count = np.maximum(SAMPLES // 2, 8 * np.ceil(POINTS_PER_FEATURE / 8 * period).astype(int))
     for number in np.unique(count).tolist():
         group = np.nonzero(count == number)[0]
         c = np.ascontiguousarray(constants[:, group])
         _, half = half_turn(*c[:3], crosses_out, crosses_in)
-        t = np.concatenate(([] if crosses_in else [0.0], (np.arange(number) + 0.5) / number,
-                            [] if crosses_out else [1.0]))[:, None]
-        # a right angle less a right angle would not be zero
-        up, down = half(np.sin(0.5 * pi * t), np.sin(0.5 * pi * (1.0 - t)))
+        up, down = half(*(v[:, None] for v in phases(number, not crosses_in, not crosses_out)))
         scale = 1.0 / np.sqrt(up * up + down * down)
         sh, ch = up * scale, down * scale
         mirrored = -sh[::-1], ch[::-1]
@@ -149,11 +146,8 @@ def _search_class(found, index, constants, omega1, crosses_out, crosses_in):
 
 def _search_path(found, index, constants, omega1, sh, ch, is_closed):
     """Add the extremes along one path of each linkage; sh, ch: shape (samples, linkages)."""
-    if is_closed:
-        sh, ch = np.concatenate((sh, sh[:2])), np.concatenate((ch, ch[:2]))
     g, k, _, Y = sines.array(sh, ch, constants)
     upward, forward = constants[15] > 0.0, omega1 > 0.0
-    cells = sh.shape[0] - 1 - is_closed
 
     def angle(i, row):
         return 2.0 * np.arctan2(sh[i, row], ch[i, row])
@@ -173,37 +167,23 @@ def _search_path(found, index, constants, omega1, sh, ch, is_closed):
                 found[order].append((index, fold(angle(i, row)), np.where(up, np.inf, -np.inf), up,
                                      np.full(index.size, side)))
 
-    cell, row, *bracket = _brackets_of_k(k, cells, angle, lambda x, row: values(x, row)[1])
+    cell, row, *bracket = find_brackets(lambda x, row: values(x, row)[1], angle, k, is_closed)
     root = bracketed_roots(lambda x, row: values(x, row)[1], row, *bracket)
     add(1, row, root, (bracket[2] >= 0.0) == upward[row])
 
-    row, *bracket = _brackets_of_g(g, cells, angle, cell, row, root, values(root, row)[0])
+    if is_closed:
+        g, sh, ch = (np.concatenate((v, v[:1])) for v in (g, sh, ch))
+    row, *bracket = _brackets_of_g(g, angle, cell, row, root, values(root, row)[0])
     root = bracketed_roots(lambda x, row: values(x, row)[0], row, *bracket)
     add(0, row, root, ((bracket[2] >= 0.0) == upward[row]) == forward[row])
 
 
-def _brackets_of_k(k, cells, angle, function):
-    """Return (cell, row, xa, xb, fa, fb) of the sign changes of k, hidden pairs included."""
-    positive, size = k >= 0.0, np.abs(k)
-    i, row = np.nonzero(positive[1:cells + 1] != positive[:cells])
-    xa = angle(i, row)
-    plain = i, row, xa, turn_after(angle(i + 1, row), xa), k[i, row], k[i + 1, row]
-
-    i, row = np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] < size[2:])
-                        & (positive[1:-1] == positive[:-2]) & (positive[1:-1] == positive[2:]))
-    xs = [turn_after(angle(i + j, row), angle(i, row)) for j in range(3)]
-    which, *bracket = halve_dips(lambda x, which: function(x, row[which]), np.arange(row.size), xs,
-                                 [k[i + j, row] for j in range(3)])
-    cell = i[which] + (bracket[0] >= xs[1][which])
-    return [np.concatenate(pair) for pair in zip(plain, (cell % cells, row[which], *bracket))]
-
-
-def _brackets_of_g(g, cells, angle, cell, row, root, g_root):
+def _brackets_of_g(g, angle, cell, row, root, g_root):
     """Return (row, xa, xb, fa, fb) of the sign changes of g between samples and the roots of k."""
-    positive = g >= 0.0
+    positive, cells = g >= 0.0, len(g) - 1
     divided = np.zeros((cells, g.shape[1]), bool)
     divided[cell, row] = True
-    i, whole = np.nonzero((positive[1:cells + 1] != positive[:cells]) & ~divided)
+    i, whole = np.nonzero((positive[1:] != positive[:-1]) & ~divided)
     xa = angle(i, whole)
     plain = whole, xa, turn_after(angle(i + 1, whole), xa), g[i, whole], g[i + 1, whole]
 

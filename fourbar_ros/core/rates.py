@@ -8,19 +8,19 @@ With x = theta1, y = theta4, b = beta and u the elliptic parameter of :mod:`.ell
 are sines, and so dy/dx = Y/X, d2y/dx2 = g/X^3, d3y/dx3 = k/X^5 with g = Y_u X - Y X_u and k = g_u X -
 3 g X_u, smooth everywhere, toggles included. The roots of g are the extremes of theta4', those of k the
 extremes of theta4''. Two roots of g have one of k between them, so that only k can hide pairs of roots
-between samples.
+between samples, and is looked at closely.
 """
 from __future__ import annotations
 
 from functools import cache
-from math import atan2, cos, fabs, frexp, inf, ldexp, pi, sin, sqrt
+from math import atan2, cos, fabs, frexp, inf, ldexp, sin, sqrt
 
 import numpy as np
 
 from .dialects import dialects, where
-from .elliptic import half_turn, POINTS_PER_FEATURE
+from .elliptic import POINTS_PER_FEATURE, half_turn, phases
 from .factors import difference_of_squares, half_angle_coefficients
-from .roots import dips, may_touch, solve_one, turn_after
+from .roots import look_closer, solve_one, turn_after
 from .sensitivity import perturbed_lengths
 
 SAMPLES = 48
@@ -92,21 +92,21 @@ def rate_extrema(linkage, samples=SAMPLES):
 
     roots, toggles = ([], []), []
     for x, is_closed in _paths(constants, linkage.input_ranges[-1], samples // 2):
-        nodes = [(v, *sines.scalar(sin(0.5 * v), cos(0.5 * v), constants)) for v in x]
-        if is_closed:
-            nodes = [nodes[-1], *nodes, nodes[0]]
-        else:
-            for (v, g, _, _, Y), side in ((nodes[0], 1), (nodes[-1], -1)):
-                toggles.append((v, side, (Y > 0.0) is upward, (g > 0.0) is upward))
+        nodes = [sines.scalar(sin(0.5 * v), cos(0.5 * v), constants) for v in x]
+        if not is_closed:
+            for i, side in ((0, 1), (-1, -1)):
+                g, _, _, Y = nodes[i]
+                toggles.append((x[i], side, (Y > 0.0) is upward, (g > 0.0) is upward))
 
         # Roots of k by the interval they lie in; then those of g between these and the samples.
-        inside = [[] for _ in range(len(nodes) - 1 - is_closed)]
-        for i, bracket in _brackets(k_at, [(v, k) for v, _, k, _, _ in nodes], is_closed):
+        inside = [[] for _ in x]
+        for i, bracket in _brackets(k_at, x, [k for _, k, _, _ in nodes], is_closed):
             root = solve_one(k_at, *bracket)
-            inside[i % len(inside)].append(root)
+            inside[i].append(root)
             roots[1].append((root, (bracket[2] >= 0.0) is upward))
-        for one, between, other in zip(nodes, inside, nodes[1:]):
-            chain = [one[:2], *((root, g_at(root)) for root in sorted(between)), other[:2]]
+        ends = [(v, g) for v, (g, *_) in zip(x, nodes)]
+        for one, between, other in zip(ends, inside, ends[1:] + ends[:is_closed]):
+            chain = [one, *((root, g_at(root)) for root in sorted(between)), other]
             for (xa, fa), (xb, fb) in zip(chain, chain[1:]):
                 if (fa >= 0.0) is not (fb >= 0.0):
                     roots[0].append((solve_one(g_at, xa, turn_after(xb, xa), fa, fb), (fa >= 0.0) is upward))
@@ -141,45 +141,54 @@ def _with_conditions(linkage, constants, roots):
 
 
 def _paths(constants, last_range, count):
-    """Return the samples of each path, in order, and whether it is closed."""
+    """Return the samples of each path, toggles included, and whether it is closed."""
     s1, s2, k = constants[:3]
     period, half = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
     count = int(max(count, POINTS_PER_FEATURE * period))
-    low = [last_range[0]] if s2 < 0.0 else []
-    high = [last_range[1]] if s1 < 0.0 else []
-    x = low + [2.0 * atan2(*half(sine, cosine)) for sine, cosine in _phases(count)] + high
+    x = [2.0 * atan2(*half(*pair)) for pair in _phases(count, s2 < 0.0, s1 < 0.0)]
+    if s2 < 0.0:
+        x[0] = last_range[0]
+    if s1 < 0.0:
+        x[-1] = last_range[1]
     mirrored = [-v for v in reversed(x)]
-    if low and high:
-        return [(mirrored, False), (x, False)]
-    return [(x + mirrored, False)] if low else [(mirrored + x, not high)]
+    if s2 > 0.0:
+        return [(mirrored + x, s1 > 0.0)]
+    return [(x + mirrored, False)] if s1 > 0.0 else [(mirrored, False), (x, False)]
 
 
 @cache
-def _phases(count):
-    """Return sine and cosine of the middles of equal parts of a right angle."""
-    return [(sin(phase), cos(phase)) for phase in ((j + 0.5) / count * 0.5 * pi for j in range(count))]
+def _phases(*arguments):
+    """Return the pairs of :func:`.elliptic.phases` as floats."""
+    return list(zip(*(part.tolist() for part in phases(*arguments))))
 
 
-def _brackets(function, nodes, is_closed):
-    """Yield (index of the interval, bracket) for all sign changes, hidden pairs included."""
-    for i in range(1, len(nodes)):
-        (xa, fa), (xb, fb) = nodes[i - 1:i + 1]
-        unwound = turn_after(xb, xa)
-        if (fa >= 0.0) is not (fb >= 0.0):
-            if i < len(nodes) - is_closed:
-                yield i - 1, (xa, unwound, fa, fb)
-        elif i + 1 < len(nodes) and abs(fb) <= abs(fa):
-            xc, fc = nodes[i + 1]
-            xc = turn_after(xc, xa)
-            if abs(fb) < abs(fc) and (fb >= 0.0) is (fc >= 0.0) and may_touch((xa, unwound, xc), (fa, fb, fc)):
-                for left, right, *fs in _hidden(function, (xa, unwound, xc), (fa, fb, fc)):
-                    if right <= unwound:
-                        yield i - 1, (left, right, *fs)
-                    else:
-                        yield i, (left + (xb - unwound), right + (xb - unwound), *fs)
+def _brackets(function, x, f, is_closed):
+    """Yield (index of the interval, bracket) of the roots of one function: :func:`.roots.find_brackets` in floats."""
+    padded = f[-2:] + f + f[:3] if is_closed else [*_before(*f[:4])[::-1], *f, *_before(*f[:-5:-1])]
+    rise = [(8.0 * (d - b) - (e - a)) / 36.0 for a, b, _, d, e in zip(
+        padded, padded[1:], padded[2:], padded[3:], padded[4:])]
+    ends = f + f[:is_closed]
+    for i, (fa, fb, ra, rb) in enumerate(zip(ends, ends[1:], rise, rise[1:])):
+        positive = fa >= 0.0
+        one = (fa + ra >= 0.0) is not positive
+        if (fb >= 0.0) is positive:
+            doubtful = one or (fb - rb >= 0.0) is not positive
+            if not doubtful:
+                continue
+        else:
+            doubtful = one and (fb - rb >= 0.0) is positive
+        xa = x[i]
+        xb = turn_after(x[i + 1 - len(x)], xa)
+        if not doubtful:
+            yield i, (xa, xb, fa, fb)
+        else:
+            _, *found = look_closer(lambda v, _: np.array([function(w) for w in v.tolist()]),
+                                    np.zeros(1, int), np.array([xa]), np.array([xb]))
+            for bracket in zip(*(part.tolist() for part in found)):
+                yield i, bracket
 
 
-def _hidden(function, xs, fs):
-    """Return the brackets of a dip."""
-    found = dips(lambda x, _: np.array([function(v) for v in x.tolist()]), np.array(xs), np.array((fs,)))
-    return zip(*(part.tolist() for part in found[1:]))
+def _before(a, b, c, d):
+    """Return the two samples before four, by cubics."""
+    one = 4.0 * (a + c) - 6.0 * b - d
+    return one, 4.0 * (one + b) - 6.0 * a - c

@@ -12,6 +12,8 @@ import numpy as np
 EPS = 2.0**-52
 # Below this angle [rad] roots are found to an absolute tolerance: 0 has no last bit.
 SMALL = 2.0**-40
+# Parts of an interval at a closer look.
+PARTS = 8
 # Halvings of a dip before it is taken for a touching point without a sign change.
 HALVINGS = 26
 
@@ -21,69 +23,116 @@ def turn_after(x, start):
     return x + 2.0 * pi * (x < start - pi)
 
 
-def brackets(x, f):
+def padded(f, is_closed):
     """
-    Return (row, xa, xb, fa, fb): where rows of f change sign between neighbours.
+    Return samples, shape (n, ...), with two more before and after: the same ones a turn on, or extrapolated.
+
+    On a closed path also the first sample once more after the last, as an end of the last interval.
+    """
+    if is_closed:
+        return np.concatenate((f[-2:], f, f[:3]))
+    return np.concatenate((_beyond(f)[::-1], f, _beyond(f[::-1])))
+
+
+def _beyond(f):
+    """Return the two samples before the first, by cubics."""
+    one = 4.0 * (f[0] + f[2]) - 6.0 * f[1] - f[3]
+    return np.stack((one, 4.0 * (one + f[1]) - 6.0 * f[0] - f[2]))
+
+
+def intervals_with_roots(f):
+    """
+    Return (i, column, is_plain) of the intervals between samples that have roots, or may have two more.
+
+    Hermite's cubic through two samples, with slopes from five samples each, lies between its Bernstein
+    coefficients. As many roots as these change sign, or less by two: one root is plain; where
+    there could be more the interval needs a closer look.
 
     Parameters
     ----------
-    x : ndarray, shape (n,)
-    f : ndarray, shape (m, n)
+    f : ndarray, shape (n + 4, m)
+        At equal steps, as from :func:`padded`.
 
     """
+    rise = (8.0 * (f[3:-1] - f[1:-3]) - (f[4:] - f[:-4])) / 36.0     # a third of the slope
+    f = f[2:-2]
     positive = f >= 0.0
-    row, i = np.nonzero(positive[:, 1:] != positive[:, :-1])
-    return row, x[i], turn_after(x[i + 1], x[i]), f[row, i], f[row, i + 1]
+    one = (f[:-1] + rise[:-1] >= 0.0) != positive[:-1]
+    other = (f[1:] - rise[1:] >= 0.0) != positive[1:]
+    changes = positive[1:] != positive[:-1]
+    doubtful = np.where(changes, one & other, one | other)
+    i, column = np.nonzero(changes | doubtful)
+    return i, column, ~doubtful[i, column]
 
 
-def dips(function, x, f):
+def look_closer(function, row, xa, xb):
     """
-    Return brackets, as :func:`brackets`, of pairs of roots that hide between neighbouring samples.
+    Return brackets (which, xa, xb, fa, fb) of the roots in intervals that may have several.
 
-    ``function(x, row)`` evaluates the rows given.
+    Each interval is cut in :data:`PARTS`, and where |f| then has a minimum between equal signs, halved on.
+    ``function(x, row)`` evaluates the rows given; ``which``: the index of the interval.
     """
-    size = np.abs(f)
-    same = (f[:, 1:] >= 0.0) == (f[:, :-1] >= 0.0)
-    row, i = np.nonzero((size[:, 1:-1] <= size[:, :-2]) & (size[:, 1:-1] < size[:, 2:])
-                        & same[:, 1:] & same[:, :-1])
-    return halve_dips(function, row, [turn_after(x[i + j], x[i]) for j in range(3)],
-                      [f[row, i + j] for j in range(3)])
-
-
-def halve_dips(function, row, xs, fs):
-    """
-    Return brackets of pairs of roots near minima of |f|, each given by three samples of one sign.
-
-    Where the parabola of the samples comes down to less than half of the middle one, the interval is
-    halved around the smallest |f| until f changes sign or the parabola says that it does not.
-    """
-    found = [(row[:0], *(v[:0] for v in (*xs[:2], *fs[:2])))]
+    x = xa + (xb - xa) * (np.arange(PARTS + 1)[:, None] / PARTS)
+    f = function(x.ravel(), np.tile(row, PARTS + 1)).reshape(x.shape)
+    positive, size = f >= 0.0, np.abs(f)
+    i, which = np.nonzero(positive[1:] != positive[:-1])
+    found = [(which, x[i, which], x[i + 1, which], f[i, which], f[i + 1, which])]
+    i, which = np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] < size[2:])
+                          & (positive[1:-1] == positive[:-2]) & (positive[1:-1] == positive[2:]))
+    xs, fs = ([v[i + j, which] for j in range(3)] for v in (x, f))
     for _ in range(HALVINGS):
-        going = may_touch(xs, fs)
-        row, xs, fs = row[going], [v[going] for v in xs], [v[going] for v in fs]
-        if not row.size:
+        going = _may_touch(xs, fs)
+        which, xs, fs = which[going], [v[going] for v in xs], [v[going] for v in fs]
+        if not which.size:
             break
         mids = 0.5 * (xs[0] + xs[1]), 0.5 * (xs[1] + xs[2])
-        f_mids = np.split(function(np.concatenate(mids), np.concatenate((row, row))), 2)
+        f_mids = np.split(function(np.concatenate(mids), np.tile(row[which], 2)), 2)
         xs = np.stack((xs[0], mids[0], xs[1], mids[1], xs[2]))
         fs = np.stack((fs[0], f_mids[0], fs[1], f_mids[1], fs[2]))
         positive = fs >= 0.0
-        change, column = np.nonzero(positive[1:] != positive[:-1])
-        found.append((row[column], xs[change, column], xs[change + 1, column],
-                      fs[change, column], fs[change + 1, column]))
+        i, j = np.nonzero(positive[1:] != positive[:-1])
+        found.append((which[j], xs[i, j], xs[i + 1, j], fs[i, j], fs[i + 1, j]))
         on = np.nonzero((positive == positive[0]).all(axis=0))[0]
         middle = 1 + np.argmin(np.abs(fs[1:4, on]), axis=0)
-        row, xs, fs = row[on], [xs[middle + j, on] for j in (-1, 0, 1)], [fs[middle + j, on] for j in (-1, 0, 1)]
+        which, xs, fs = which[on], [xs[middle + j, on] for j in (-1, 0, 1)], [fs[middle + j, on] for j in (-1, 0, 1)]
     return [np.concatenate(parts) for parts in zip(*found)]
 
 
-def may_touch(xs, fs):
+def _may_touch(xs, fs):
     """Return whether the parabola through three samples of one sign comes down to half the middle one."""
     left, right = xs[1] - xs[0], xs[2] - xs[1]
     slope_left, slope_right = (fs[1] - fs[0]) / left, (fs[2] - fs[1]) / right
     curvature = (slope_right - slope_left) / (left + right)
     slope = (slope_left * right + slope_right * left) / (left + right)
     return slope * slope > 2.0 * abs(fs[1] * curvature)
+
+
+def find_brackets(function, x, f, is_closed, scale=1.0):
+    """
+    Return brackets (i, row, xa, xb, fa, fb) of all roots of sampled functions, hidden pairs included.
+
+    Parameters
+    ----------
+    function : callable
+        (x, row) -> f of the rows given.
+    x : callable
+        (i, row) -> where sample i of the row is [rad].
+    f : ndarray, shape (n, m)
+        At steps that are equal in some smooth variable.
+    is_closed : bool
+        After the last sample comes the first; ``i`` counts this interval as the last.
+    scale : ndarray, shape (n, 1)
+        Positive; f times scale is smooth.
+
+    """
+    i, row, is_plain = intervals_with_roots(padded(f * scale, is_closed))
+    j = (i + 1) % len(f)
+    xa = x(i, row)
+    xb = turn_after(x(j, row), xa)
+    plain = (v[is_plain] for v in (i, row, xa, xb, f[i, row], f[j, row]))
+    i, row, xa, xb = (v[~is_plain] for v in (i, row, xa, xb))
+    which, *closer = look_closer(function, row, xa, xb)
+    return [np.concatenate(pair) for pair in zip(plain, (i[which], row[which], *closer))]
 
 
 def bracketed_roots(function, row, xa, xb, fa, fb):

@@ -16,7 +16,7 @@ import numpy as np
 from .errors import MissingBodies
 from .kinematics import Motion, make_motion
 from .loads import Loads
-from .roots import EPS, bracketed_roots, brackets, dips
+from .roots import EPS, bracketed_roots, find_brackets
 from .sensitivity import sampled_conditions
 
 # Complex step: its square vanishes beside one, and it is nothing beside the distance of any sample
@@ -24,6 +24,9 @@ from .sensitivity import sampled_conditions
 STEP = 2.0**-200
 # Step of real differences of fourth order, in samples: their error is about that of rounding.
 DIFFERENCE = 2.0**-6
+# Power of sin(mu) by which derivatives grow at toggles, and with which they are smooth through them:
+# that of the acceleration. Forces grow faster by one, rates more slowly.
+POLE = 5
 # Samples on either side of an end from which the value there is interpolated, on one side if need be.
 NEIGHBOURS, ONE_SIDE = 8, 12
 
@@ -212,14 +215,15 @@ def search_path(sampler, path):
     """Return the list of :class:`Found` of all quantities along one :class:`.elliptic.InputPath`."""
     values, slopes = sampler.sample(path.theta1)
     middle = np.median(values, axis=1)
-    noise = np.maximum(sampler.noise(sampler.state(path.theta1)), 64.0 * EPS * np.abs(middle)[:, None])
+    state = sampler.state(path.theta1)
+    noise = np.maximum(sampler.noise(state), 64.0 * EPS * np.abs(middle)[:, None])
     varies = (np.abs(values - middle[:, None]) > noise).any(axis=1)
     middle[np.abs(middle) <= noise.min(axis=1)] = 0.0
     start = 0.0 if path.is_closed else path.low.theta1
     found = [Found(row, float(fold(start)), float(middle[row]), 0, 0 if path.is_closed else 1)
              for row in np.nonzero(~varies)[0].tolist()]
     slopes[~varies] = 1.0
-    found += _interior(sampler, path, slopes)
+    found += _interior(sampler, path, slopes, state)
     if not path.is_closed:
         rows = np.nonzero(varies)[0]
         inward = np.arange(path.theta1.size)
@@ -228,14 +232,11 @@ def search_path(sampler, path):
     return found
 
 
-def _interior(sampler, path, slopes):
+def _interior(sampler, path, slopes, state):
     """Return what lies between the ends."""
-    x = path.theta1
-    if path.is_closed:
-        x, slopes = np.concatenate((x, x[:2])), np.concatenate((slopes, slopes[:, :2]), axis=1)
-    closed = slice(None, -1 if path.is_closed else None)
-    row, xa, xb, fa, fb = (np.concatenate(parts) for parts in zip(
-        brackets(x[closed], slopes[:, closed]), dips(sampler.slope, x, slopes)))
+    scale = np.abs(state[0].sin_mu)**POLE
+    _, row, xa, xb, fa, fb = find_brackets(sampler.slope, lambda i, row: path.theta1[i], slopes.T, path.is_closed,
+                                           scale[:, None])
     if not row.size:
         return []
     root = bracketed_roots(sampler.slope, row, xa, xb, fa, fb)

@@ -15,7 +15,7 @@ from ..bag.recompute import distance, scene_of
 from ..bag.replay import play
 from .messages import resolve
 from .remote import NoAnswer
-from .replay import Replayer
+from .replay import Replayer, installed
 
 PATIENCE = 5.0          # [s] for the node to be found
 QUIET = 1.0             # [s] without an answer: no more will come
@@ -43,6 +43,11 @@ def drive_live(path, node_name=None, rate=1.0, start=0.0, ros_args=()):
     _, topics = scene_of(path)
     recorded_node = (bag.metadata()['custom_data'] or {}).get('node', '/fourbar')
     outputs = {topic: name for name, topic in topics.items() if name in interfaces.OUTPUTS}
+    next(bag.raw(), None)                                # so that its topics are known
+    for topic in (topics['crank'], *outputs):
+        _, why = installed(bag.type_of(topic), bag.hash_of(topic))
+        if why:
+            raise BagError(f'{path}: {topic}: {why}')
     with Replayer(bag, ros_args=ros_args) as replayer:
         live = _Live(replayer, outputs, recorded_node, node_name or recorded_node)
         live.wait_until_found()

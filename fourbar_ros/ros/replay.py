@@ -15,9 +15,21 @@ from ..bag.reader import Bag
 from ..bag.replay import TICK, play
 from .drives import to_stamp
 from .messages import resolve
+from .schemas import type_hash
 
-DEPTH = 100                 # of publishers whose bag does not say
+DEPTH = 1000                # of volatile publishers: a late replay sends bursts that the original did not
 FAREWELL = 2.0              # [s] for reliable readers to get the last messages
+
+
+def installed(type_name, recorded_hash):
+    """Return (class, '') of a message type, or (None, why its recorded bytes cannot be sent here)."""
+    try:
+        kind, here = resolve(type_name), type_hash(type_name)
+    except (LookupError, ModuleNotFoundError, AttributeError, ValueError, OSError):
+        return None, f'{type_name} is not installed'
+    if recorded_hash and recorded_hash != here:
+        return None, f'{type_name} was recorded by another definition than the one installed'
+    return kind, ''
 
 
 class Replayer:
@@ -51,7 +63,7 @@ class Replayer:
         return self
 
     def __exit__(self, *_):
-        for publisher in filter(None, self._publishers.values()):
+        for publisher in filter(None, (*self._publishers.values(), self._clock)):
             publisher.wait_for_all_acked(Duration(seconds=FAREWELL))
         self.node.destroy_node()
         rclpy.try_shutdown()
@@ -82,21 +94,19 @@ class Replayer:
         return publisher is not None
 
     def _make(self, topic, type_name):
-        publisher = None
-        try:
-            publisher = self.node.create_publisher(resolve(type_name), topic, self._qos(topic))
-        except (ModuleNotFoundError, AttributeError, ValueError):
-            self.node.get_logger().warning(f'{topic}: {type_name} is not installed, left out')
-        self._publishers[topic] = publisher
+        kind, why = installed(type_name, self.bag.hash_of(topic))
+        if why:
+            self.node.get_logger().warning(f'{topic}: left out: {why}')
+        self._publishers[topic] = self.node.create_publisher(kind, topic, self._qos(topic)) if kind else None
 
     def _qos(self, topic):
         offered = (self.bag.qos_of(topic) or [{}])[0]
+        latched = offered.get('durability') in ('transient_local', 1)       # words of Jazzy, numbers of before
+        best_effort = offered.get('reliability') in ('best_effort', 2)
         return QoSProfile(
-            depth=offered.get('depth') or DEPTH,
-            reliability=ReliabilityPolicy.BEST_EFFORT if offered.get('reliability') in ('best_effort', 2)
-            else ReliabilityPolicy.RELIABLE,
-            durability=DurabilityPolicy.TRANSIENT_LOCAL if offered.get('durability') in ('transient_local', 1)
-            else DurabilityPolicy.VOLATILE)
+            depth=max(offered.get('depth', 1), 1 if latched else DEPTH),
+            reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
+            durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE)
 
 
 def replay(path, topics=None, rate=1.0, start=0.0, loop=False, follow=False, clock_rate=None, delay=0.0, ros_args=()):

@@ -173,7 +173,8 @@ def _plot(arguments):
 def _diff(arguments):
     from ..bag.diff import diff
     from ..show import make_console, plain_table
-    found = diff(arguments.first, arguments.second, arguments.topics)
+    with _progress(arguments.first, 'comparing topic by topic') as step:
+        found = diff(arguments.first, arguments.second, arguments.topics, step)
     table = plain_table('', ('topic', 'in both>', 'only first>', 'only second>', 'field', 'largest difference>'))
     for topic in found:
         worst = [d for d in topic.differences if d.largest > arguments.tolerance]

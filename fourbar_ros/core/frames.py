@@ -1,0 +1,162 @@
+"""
+Moving frames: velocity and acceleration of a point seen from a frame that moves and turns.
+
+Slides, Eqs. (9)-(15). Vectors are arrays of shape (2,) or (..., 2) along the ground axes; angular rates
+and accelerations are about z, counter-clockwise positive, floats or arrays that broadcast with ``...``.
+"""
+from __future__ import annotations
+
+from math import inf
+from typing import NamedTuple
+
+import numpy as np
+
+
+class AccelerationTerms(NamedTuple):
+    """The five terms of Eq. (9), each of shape (..., 2) [m/s^2]; their sum is the acceleration."""
+
+    of_origin: np.ndarray      # A_A
+    relative: np.ndarray       # A_rel, seen in the moving frame
+    tangential: np.ndarray     # alpha x r
+    normal: np.ndarray         # omega x (omega x r)
+    coriolis: np.ndarray       # 2 omega x V_rel
+
+
+class RollingContact(NamedTuple):
+    """A disc that rolls on the ground: its centre, and its point in contact, whose velocity is zero."""
+
+    centre_velocity: np.ndarray         # [m/s]
+    centre_acceleration: np.ndarray     # [m/s^2]
+    contact_acceleration: np.ndarray    # [m/s^2] the rolling acceleration of Eq. (14)
+
+
+def turned(rate, r):
+    """
+    Return rate x r, the vector r turned by a right angle and scaled.
+
+    Parameters
+    ----------
+    rate : float or array_like, shape (...)
+        Component along z.
+    r : array_like, shape (..., 2)
+
+    Returns
+    -------
+    ndarray, shape (..., 2)
+
+    """
+    r = np.asarray(r)
+    return np.stack(np.broadcast_arrays(-rate * r[..., 1], rate * r[..., 0]), axis=-1)
+
+
+def scaled(factor, r):
+    """Return factor * r for a factor of shape (...) and vectors of shape (..., 2)."""
+    return np.asarray(factor)[..., None] * np.asarray(r)
+
+
+def relative_velocity(v_a, omega, r, v_rel=(0.0, 0.0)):
+    """
+    Return V_B = V_A + omega x r + V_rel (slides, before Eq. (9)).
+
+    Parameters
+    ----------
+    v_a : array_like, shape (..., 2)
+        Velocity of the origin A of the moving frame [m/s].
+    omega : float or array_like, shape (...)
+        Angular velocity of the frame [rad/s].
+    r : array_like, shape (..., 2)
+        From A to B [m].
+    v_rel : array_like, shape (..., 2)
+        Velocity of B as seen in the frame [m/s]; zero: B is fixed in it.
+
+    Returns
+    -------
+    ndarray, shape (..., 2)
+        [m/s]
+
+    """
+    return np.asarray(v_a) + turned(omega, r) + np.asarray(v_rel)
+
+
+def acceleration_terms(a_a, omega, alpha, r, v_rel=(0.0, 0.0), a_rel=(0.0, 0.0)):
+    """
+    Return the :class:`AccelerationTerms` of Eq. (9), for polygons and for who asks how large each is.
+
+    Parameters
+    ----------
+    a_a : array_like, shape (..., 2)
+        Acceleration of the origin A of the moving frame [m/s^2].
+    omega, alpha : float or array_like, shape (...)
+        Angular velocity [rad/s] and acceleration [rad/s^2] of the frame.
+    r, v_rel, a_rel : array_like, shape (..., 2)
+        From A to B [m]; velocity [m/s] and acceleration [m/s^2] of B as seen in the frame.
+
+    """
+    return AccelerationTerms(np.asarray(a_a), np.asarray(a_rel), turned(alpha, r),
+                             scaled(-np.square(omega), r), coriolis_acceleration(omega, v_rel))
+
+
+def relative_acceleration(a_a, omega, alpha, r, v_rel=(0.0, 0.0), a_rel=(0.0, 0.0)):
+    """Return A_B, Eqs. (9) and (10), with (6) as the case of a B fixed in the frame; see acceleration_terms."""
+    terms = acceleration_terms(a_a, omega, alpha, r, v_rel, a_rel)
+    return (terms.of_origin + terms.relative) + (terms.tangential + terms.normal) + terms.coriolis
+
+
+def coriolis_acceleration(omega, v_rel):
+    """Return 2 omega x V_rel: V_rel turned by 90 deg in the sense of omega [m/s^2]."""
+    return turned(2.0 * np.asarray(omega), v_rel)
+
+
+def coincident_acceleration(a_p, omega, v_rel, a_rel=(0.0, 0.0)):
+    """Return A_B from that of the point P of the frame that B passes over, Eq. (11) [m/s^2]."""
+    return np.asarray(a_p) + coriolis_acceleration(omega, v_rel) + np.asarray(a_rel)
+
+
+def path_acceleration(tangent, speed, growth, curvature):
+    """
+    Return the acceleration along a path, Eq. (2): growth along it, speed^2 curvature to its left.
+
+    Parameters
+    ----------
+    tangent : array_like, shape (..., 2)
+        Unit vector along the path.
+    speed, growth : float or array_like, shape (...)
+        ds/dt [m/s] and d^2s/dt^2 [m/s^2].
+    curvature : float or array_like, shape (...)
+        1/radius [1/m], positive where the path turns left.
+
+    """
+    return scaled(growth, tangent) + turned(np.square(speed) * curvature, tangent)
+
+
+def apparent_angular_acceleration(alpha3, alpha2):
+    """Return alpha_3/2 = alpha3 - alpha2 of link 3 as seen from link 2, Eq. (12) [rad/s^2]."""
+    return alpha3 - alpha2
+
+
+def rolling_contact(omega, alpha, radius, normal, ground_radius=inf):
+    """
+    Return the :class:`RollingContact` of a disc that rolls without slip on fixed ground, Eqs. (13)-(15).
+
+    The contact point has no tangential acceleration: all of it is the rolling acceleration, along the
+    normal and towards the centre of the disc for ground that is flat or convex.
+
+    Parameters
+    ----------
+    omega, alpha : float or array_like, shape (...)
+        Of the disc [rad/s], [rad/s^2].
+    radius : float
+        Of the disc [m].
+    normal : array_like, shape (..., 2)
+        Unit vector from the contact to the centre of the disc.
+    ground_radius : float
+        Radius of the ground [m]: infinite if flat, positive if convex, negative if the disc rolls inside
+        a ring (then longer than the disc's).
+
+    """
+    arm = scaled(radius, normal)
+    # the centre moves on a circle of ground_radius + radius
+    hollow = radius / (ground_radius + radius)
+    towards_ground = scaled(-np.square(omega) * hollow, arm)
+    centre = turned(alpha, arm) + towards_ground
+    return RollingContact(turned(omega, arm), centre, relative_acceleration(centre, omega, alpha, -arm))
