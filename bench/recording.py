@@ -203,7 +203,8 @@ def long_table(channels, about, messages):
         with measured('`export` csv, state only', total, rows):
             export(path, folder / 'csv', topics=['/fourbar/state'])
         size = sum(f.stat().st_size for f in path.iterdir())
-    print(f'\nA bag of {MINUTES:g} minutes at {RATE} Hz, {len(channels)} topics, {count} messages, {size / 1e6:.0f} MB:\n')
+    print(f'\nA bag of {MINUTES:g} minutes at {RATE} Hz, {len(channels)} topics, {count} messages, '
+          f'{size / 1e6:.0f} MB:\n')
     print('| | [s] | us a message | times real time | memory [MB] |\n| --- | --- | --- | --- | --- |')
     print('\n'.join(rows))
     print('\nMemory while writing, at each tenth [MB]: ' + ', '.join(f'{m:.0f}' for m in memory))

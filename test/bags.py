@@ -89,13 +89,15 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
     Record a run as the node does and return the closed bag's path.
 
     ``cranks``: (theta1, omega1, alpha1) of every step; ``changes``: {step: parameters} set before it;
-    Stamps begin at step_ns: 0 stands for an unstamped message. ``paced``: log times step_ns apart, whatever the clock says.
+    Stamps begin at step_ns: 0 stands for an unstamped message. ``paced``: log times
+    step_ns apart, whatever the clock says.
     """
     scene = scenes.from_values(values)
     topics = [interfaces.CRANK, interfaces.SCENE, *(interfaces.OUTPUTS[output] for output in scene.outputs)]
     resolved = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
     about = {'scene': json.dumps(scene.values), 'topics': json.dumps(resolved), 'node': '/fourbar'}
-    writer = BagWriter(directory, name, [channel(resolved[t.name], t.type, latched=t is interfaces.SCENE) for t in topics], about, **kwargs)
+    channels = [channel(resolved[t.name], t.type, latched=t is interfaces.SCENE) for t in topics]
+    writer = BagWriter(directory, name, channels, about, **kwargs)
     number = {topic.name: i for i, topic in enumerate(topics)}
 
     def say_scene():

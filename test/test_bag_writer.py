@@ -78,7 +78,8 @@ def test_buffers_are_copied(tmp_path):
     assert numbers(writer.close()) == [1, 2]
 
 
-@pytest.mark.parametrize('name', ['../escape', 'a/b', '..', '.', '/absolute', 'new\nline', 'nul\0', 'x' * 300, 'x' * 250, 7])
+@pytest.mark.parametrize('name', ['../escape', 'a/b', '..', '.', '/absolute', 'new\nline', 'nul\0', 'x' * 300,
+                                  'x' * 250, 7])
 def test_a_name_that_leads_elsewhere_is_refused_and_leaves_nothing(tmp_path, name):
     with pytest.raises(BagError):
         open_bag(tmp_path / 'bags', name)
@@ -188,8 +189,8 @@ def test_dropped_messages_leave_a_gap_that_info_counts(tmp_path, monkeypatch):
 def test_a_jointstate_of_a_million_joints_is_recorded_or_dropped_never_fatal(tmp_path, monkeypatch):
     import numpy as np
     count = 1_000_000
-    data = bags.encode('sensor_msgs/msg/JointState', header=bags.stamp(1), name=[''] * count, position=np.arange(float(count)),
-                       velocity=np.zeros(count), effort=np.zeros(count))
+    data = bags.encode('sensor_msgs/msg/JointState', header=bags.stamp(1), name=[''] * count,
+                       position=np.arange(float(count)), velocity=np.zeros(count), effort=np.zeros(count))
     writer = BagWriter(tmp_path, 'big', [bags.channel('/joint_states', 'sensor_msgs/msg/JointState')], {})
     assert writer.write(0, data)
     monkeypatch.setattr(writer_module, 'QUEUE_BYTES', len(data) - 1)

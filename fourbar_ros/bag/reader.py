@@ -19,6 +19,7 @@ from mcap.records import Channel
 
 from . import BagError, rosbag2
 from .cdr import Decoder
+from .rosbag2 import file_of
 from .scan import HEAD, IS_MESSAGE, MESSAGE, Damaged, Scan, is_being_written, parse, split, unpacked
 
 BLOCK = 20_000          # messages that are decoded together: large for numpy, small for the memory
@@ -288,19 +289,6 @@ class Bag:
             self.channels[record.id] = record
         else:
             self._schemas[record.id] = record
-
-
-def file_of(path):
-    """Return the .mcap file of a bag given as directory or file."""
-    path = Path(path)
-    if not path.exists():
-        raise BagError(f'{path}: no such bag')
-    if path.is_file():
-        return path
-    files = sorted(path.glob('*.mcap'))
-    if len(files) != 1:
-        raise BagError(f'{path}: holds {len(files) or "no"} .mcap files' + (', name one' if files else ''))
-    return files[0]
 
 
 def records(path, topics=None, start=None, follow=False):

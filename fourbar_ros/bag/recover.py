@@ -12,7 +12,6 @@ from mcap.opcode import Opcode
 from .. import __version__
 from . import BagError, rosbag2
 from .container import Container
-from .reader import file_of
 from .scan import HEAD, MESSAGE, Damaged, Scan, is_being_written, parse
 
 
@@ -62,7 +61,7 @@ def recover(path, out=None, progress=None):
         It is being written, it holds nothing, or the new bag exists.
 
     """
-    source = file_of(path)
+    source = rosbag2.file_of(path)
     if is_being_written(source):
         raise BagError(f'{path}: is being written; stop the recording first')
     out = Path(out) if out else beside(path)

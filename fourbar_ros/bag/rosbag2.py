@@ -122,3 +122,16 @@ def check_name(name):
     if not isinstance(name, str) or name in ('.', '..') or '/' in name or not (name + 'x').isprintable():
         raise BagError(f'bag name {name!r}: must be a plain name inside the recording directory')
     return name
+
+
+def file_of(path):
+    """Return the .mcap file of a bag given as directory or file."""
+    path = Path(path)
+    if not path.exists():
+        raise BagError(f'{path}: no such bag')
+    if path.is_file():
+        return path
+    files = sorted(path.glob('*.mcap'))
+    if len(files) != 1:
+        raise BagError(f'{path}: holds {len(files) or "no"} .mcap files' + (', name one' if files else ''))
+    return files[0]

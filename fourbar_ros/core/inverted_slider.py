@@ -11,7 +11,7 @@ Crank input. With q = |A O4|^2 and the half-angle of x, as in the 4R:
 
     l^2 = ((a1-a4)^2 - h^2) cos^2(x/2) + ((a1+a4)^2 - h^2) sin^2(x/2),   l' = a1 a4 sin x / l
     l'' = a1 a4 (((a1-a4)^2 - h^2) cos^4(x/2) - ((a1+a4)^2 - h^2) sin^4(x/2)) / l^3
-    y' = (a1 (a1 - a4 cos x) + h l') / q
+    y' = (a1 (a1 - a4 cos x) + h l') / q,   y' - 1 = (a4 (a1 cos x - a4) + h l') / q
     y'' = (a1 a4 sin x (a4^2 - a1^2 - 2 h l')/q + h l'') / q
 
 Slide input: an observer on the bar sees a slider-crank, with a4 for its crank, a1 for its coupler, h for
@@ -89,14 +89,14 @@ def make_crank_motion(a1, a4, h, sign):
         pull = product * sin_x
         dl = pull * scale
         ddl = product * (near * cc * cc - far * ss * ss) * scale * scale * scale
-        dy = (a1 * ahead + h * dl) * per_q
+        dy, d2 = (a1 * ahead + h * dl) * per_q, (a4 * at_x + h * dl) * per_q
         ddy = (pull * (difference - two_h * dl) * per_q + h * ddl) * per_q
         sin_xy = sin_x * cos_y - cos_x * sin_y
         condition = (a1 * fabs(sin_xy) + a4 * fabs(sin_y) + fabs(h)) * fabs(scale)
         square = omega * omega
-        omega4, alpha4 = dy * omega, dy * alpha + ddy * square
-        return (x, omega, alpha, atan2(-sin_xy, cos_x * cos_y + sin_x * sin_y), omega4 - omega, alpha4 - alpha,
-                atan2(sin_y, cos_y), omega4, alpha4,
+        return (x, omega, alpha,
+                atan2(-sin_xy, cos_x * cos_y + sin_x * sin_y), d2 * omega, d2 * alpha + ddy * square,
+                atan2(sin_y, cos_y), dy * omega, dy * alpha + ddy * square,
                 unit * slide, unit * (dl * omega), unit * (dl * alpha + ddl * square), atan2(fabs(slide), h),
                 1.0, dy, unit * dl, condition, cos_x, sin_x, cos_y, sin_y)
     return motion

@@ -16,7 +16,7 @@ from .rates import sine_constants, sines
 from .roots import EPS, bracketed_roots, find_brackets, turn_after
 from .search import fold
 
-SAMPLES = 32
+SAMPLES = 24
 # Linkages taken at a time: their samples stay in the cache.
 CHUNK = 2048
 

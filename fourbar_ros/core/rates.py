@@ -23,7 +23,7 @@ from .factors import difference_of_squares, half_angle_coefficients
 from .roots import look_closer, solve_one, turn_after
 from .sensitivity import perturbed_lengths
 
-SAMPLES = 48
+SAMPLES = 32
 # Step in theta1 [rad] of differences of theta4''': small beside the narrowest feature at a change point
 # one rounding away (1e-8), large beside rounding.
 TURN = 2.0**-40

@@ -5,13 +5,14 @@ O1 = (0, 0); crank O1-A of length a1, coupler A-B of length a2; B slides along y
 parallel to x. Loop (slides, before Eq. (7)): a1 e^{ix} + a2 e^{ib} = s + i e with x = theta1, b = beta,
 s = slide, e = offset; primes are derivatives with respect to the input.
 
-Crank input. With n = e - a1 sin x, P = 1 + sin x, M = 1 - sin x (of which the smaller is cos^2 x over
-the larger), B is where a circle meets the guide:
+Crank input. B is where a circle meets the guide; with n = e - a1 sin x:
 
-    (a2 cos b)^2 = (a2 - n)(a2 + n),   2 (a2 - n) = (a2-e+a1) P + (a2-e-a1) M,   likewise a2 + n
-    a2 sin b = n,   b' = -a1 cos x / (a2 cos b),   s' = -a1 sin x - n b'
-    b'' = a1 ((a2^2 - (e-a1)^2) P^2 - (a2^2 - (e+a1)^2) M^2) / (4 (a2 cos b)^3)
-    s'' = -a1 cos x - a2 cos b b'^2 - n b''
+    a2 sin b = n,   (a2 cos b)^2 = (a2 - n)(a2 + n)
+    b' = -a1 cos x / (a2 cos b),   s' = -a1 sin x - n b',   s'' = -a1 cos x - a2 cos b b'^2 - n b''
+    b'' = a1 ((a2^2 - a1^2 - e^2) sin x + a1 e (1 + sin^2 x)) / (a2 cos b)^3
+
+where near sin x = +-1 all is expanded about it, in 1 -+ sin x = cos^2 x / (1 +- sin x), so that limits
+and change points keep their digits.
 
 Slider input: :func:`make_triangle`. Every difference in these is one that the data make.
 """
@@ -114,23 +115,28 @@ def make_crank_motion(a1, a2, e, sign):
     unit = ldexp(1.0, frexp(max(a1, a2, fabs(e)))[1])     # scaling by a power of two is exact
     a1, a2, e = a1 / unit, a2 / unit, e / unit
 
-    def motion(x, omega, alpha, sign=sign, unit=unit, a1=a1, a2=a2, e=e, per_a2=1.0 / a2,
-               up=0.5 * fsum((a2, -e, a1)), um=0.5 * fsum((a2, -e, -a1)),
-               wp=0.5 * fsum((a2, e, -a1)), wm=0.5 * fsum((a2, e, a1)),
-               bp=0.25 * a1 * difference_of_squares(a2, 0.0, e, -a1),
-               bm=0.25 * a1 * difference_of_squares(a2, 0.0, e, a1)):
+    def motion(x, omega, alpha, sign=sign, unit=unit, a1=a1, a2=a2, e=e, per_a2=1.0 / a2, a1_e=a1 * e,
+               near_zero=(a2 - e, a2 + e), at_top=(fsum((a2, -e, a1)), fsum((a2, e, -a1))),
+               at_bottom=(fsum((a2, -e, -a1)), fsum((a2, e, a1))),
+               plain=difference_of_squares(a2, 0.0, a1, 0.0) - e * e,
+               top=difference_of_squares(a2, 0.0, e, -a1), bottom=difference_of_squares(a2, 0.0, e, a1)):
         cos_x, sin_x = cos(x), sin(x)
-        large = 1.0 + fabs(sin_x)
-        small = cos_x * cos_x / large
-        plus, minus = where(sin_x.real > 0.0, (large, small), (small, large))
+        size = fabs(sin_x)
+        low = cos_x * cos_x / (1.0 + size)     # 1 - |sin x|
+        # u = a2 - n and w = a2 + n from their values at sin x = 0, 1 or -1, whichever is nearest
+        is_near_zero, is_up = size.real < 0.5, sin_x.real > 0.0
+        u, w = where(is_near_zero, near_zero, where(is_up, at_top, at_bottom))
+        step = a1 * where(is_near_zero, sin_x, where(is_up, -low, low))
         n = e - a1 * sin_x
-        root = sign * sqrt((up * plus + um * minus) * (wp * plus + wm * minus))     # a2 cos b
+        root = sign * sqrt((u + step) * (w - step))     # a2 cos b
         cos_b, sin_b = root * per_a2, n * per_a2 + 0.0 * root      # NaN too where nothing is real
         cos_2, sin_2 = cos_b * cos_x + sin_b * sin_x, sin_b * cos_x - cos_b * sin_x
         scale = 1.0 / root
         db = -a1 * cos_x * scale
         ds = -a1 * sin_x - n * db
-        ddb = (bp * plus * plus - bm * minus * minus) * scale * scale * scale
+        bend = where(is_near_zero, plain * sin_x + a1_e * (1.0 + sin_x * sin_x),
+                     where(is_up, top * (1.0 - low) + a1_e * low * low, a1_e * low * low - bottom * (1.0 - low)))
+        ddb = a1 * bend * scale * scale * scale
         dds = -a1 * cos_x - root * db * db - n * ddb
         condition = (a1 * fabs(cos_2) + a2 + fabs(e * sin_b)) * a2 * fabs(scale)
         beta, square, omega_b = atan2(sin_b, cos_b), omega * omega, db * omega

@@ -91,7 +91,8 @@ def test_the_file_is_what_the_mcap_library_and_rosbag2_expect(bag):
     assert times == sorted(times)
     for channel in summary.channels.values():
         qos, = yaml.safe_load(channel.metadata['offered_qos_profiles'])
-        assert (qos['history'], qos['reliability'], qos['durability']) == ('keep_last', 'reliable', 'transient_local' if channel.topic == '/fourbar/scene' else 'volatile')
+        durability = 'transient_local' if channel.topic == '/fourbar/scene' else 'volatile'
+        assert (qos['history'], qos['reliability'], qos['durability']) == ('keep_last', 'reliable', durability)
         assert channel.metadata['topic_type_hash'].startswith('RIHS01_') and channel.message_encoding == 'cdr'
     about = yaml.safe_load((path / 'metadata.yaml').read_text())['rosbag2_bagfile_information']
     assert (about['version'], about['storage_identifier']) == (9, 'mcap')

@@ -56,7 +56,7 @@ def test_replay_sends_every_message_again_as_it_was(client, bag):
     for name, topic in (('state', '/fourbar/state'), ('joint_states', '/joint_states')):
         recorded = [r.message for r in records(bag, [topic])]
         heard = client.received[name]
-        first = stamps(heard).index(stamps(recorded)[0], 1)                   # from the second round on nothing is missed
+        first = stamps(heard).index(stamps(recorded)[0], 1)       # from the second round on nothing is missed
         assert stamps(heard[first:first + STEPS]) == stamps(recorded)
         for ours, theirs in zip(heard[first:first + STEPS], recorded):
             if name == 'state':
