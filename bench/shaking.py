@@ -122,7 +122,8 @@ def draw(rows):
         axis.plot(np.sort(rows['chance: a random angle to nearest omega4']), shares, ':', color='grey',
                   label='a random angle to an extreme velocity')
         axis.axvline(CLOSE, color='grey', linewidth=0.8)
-        axis.text(CLOSE + 1.5, 4.0, '10.5°: "close"', fontsize=9)
+        if axis is axes[0]:
+            axis.text(CLOSE + 1.5, 4.0, '10.5°: "close" in the paper', fontsize=9)
         axis.set(title=f'peak of the {title}', xlabel='distance in θ1 to the nearest [deg]', xlim=(0.0, 90.0),
                  ylim=(0.0, 100.0))
         axis.grid(alpha=0.3)
