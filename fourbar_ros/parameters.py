@@ -83,6 +83,17 @@ def _body(link, first_joint):
     )
 
 
+def _external(link, first_joint):
+    name = f'external.{link}.'
+    return (
+        Parameter(name + 'force_x', 'double', 0.0, 'N', f'constant force on the {link} along O1-O4, of anything outside'),
+        Parameter(name + 'force_y', 'double', 0.0, 'N', 'and across O1-O4'),
+        Parameter(name + 'along', 'double', 0.0, 'm', f'where it acts: from {first_joint} along the link'),
+        Parameter(name + 'across', 'double', 0.0, 'm', 'and to the left of the link line'),
+        Parameter(name + 'couple', 'double', 0.0, 'N m', f'constant couple on the {link}, counter-clockwise'),
+    )
+
+
 PARAMETERS = {parameter.name: parameter for parameter in (
     Parameter('linkage.a1', 'double', REQUIRED, 'm', 'length of the crank O1-A (input)', positive=True),
     Parameter('linkage.a2', 'double', REQUIRED, 'm', 'length of the coupler A-B', positive=True),
@@ -97,6 +108,8 @@ PARAMETERS = {parameter.name: parameter for parameter in (
     *_body('crank', 'O1'),
     *_body('coupler', 'A'),
     *_body('output', 'O4'),
+    *_external('coupler', 'A'),
+    *_external('output', 'O4'),
     Parameter('drive.source', 'string', 'timer', '',
               'what drives the crank: the clock, a Motion message, or a joint of a JointState',
               choices=('timer', *INPUTS), live=False),

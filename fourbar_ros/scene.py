@@ -8,7 +8,7 @@ from typing import NamedTuple
 import yaml
 
 from . import parameters
-from .core import Bodies, Body, FourBar, FourBarError, InvalidParameter, round_rod
+from .core import Applied, Bodies, Body, External, FourBar, FourBarError, InvalidParameter, round_rod
 from .interfaces import OUTPUTS
 
 LINKS = ('crank', 'coupler', 'output')
@@ -70,7 +70,7 @@ def from_values(values):
     values = parameters.check(values)
     try:
         linkage = FourBar(*(values[f'linkage.a{i}'] for i in (1, 2, 3, 4)), values['linkage.mode'],
-                          _bodies(values), (values['gravity.x'], values['gravity.y']))
+                          _bodies(values), (values['gravity.x'], values['gravity.y']), _external(values))
     except InvalidParameter as error:
         if error.name in values:
             raise
@@ -98,6 +98,11 @@ def _check_together(scene):
         refuse('outputs', 'names an output twice')
     if scene.drive.source == 'joint_state' and not scene.drive.joint:
         refuse('drive.joint', 'must name the joint that is the crank')
+
+
+def _external(values):
+    return External(*(Applied(*(values[f'external.{link}.{field}'] for field in Applied.__dataclass_fields__))
+                      for link in External._fields))
 
 
 def _bodies(values):

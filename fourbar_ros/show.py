@@ -1,7 +1,7 @@
 """What ``fourbar show`` prints."""
 from __future__ import annotations
 
-from math import degrees, radians
+from math import degrees, radians, tau
 
 from rich.console import Console
 from rich.table import Table
@@ -48,17 +48,23 @@ def plain_table(title, columns):
     return table
 
 
+def _ranges(ranges):
+    return ', '.join('full turns' if high - low >= tau else f'{degrees(low):.4f} to {degrees(high):.4f} deg'
+                     for low, high in ranges)
+
+
 def what_it_is(linkage, title):
     """Return the table of a linkage's own properties."""
     table = plain_table(str(title), ('', ''))
     table.show_header = False
-    ranges = ('full turns' if linkage.turns_fully else
-              ', '.join(f'{degrees(low):.4f} to {degrees(high):.4f} deg' for low, high in linkage.input_ranges))
     rows = [('lengths', '  '.join(f'a{i} {a:g}' for i, a in enumerate(linkage.lengths, 1)) + '  m'),
             ('class', linkage.classification),
             ('assembly mode', f'{MODE_NAMES[linkage.mode]}: sin(theta4 - beta) '
                               f'{">" if linkage.mode == OPEN else "<"} 0'),
-            ('input range', ranges),
+            ('input range', _ranges(linkage.input_ranges)),
+            ('output range', _ranges(linkage.output_ranges)),
+            *((f'dead point, {"stretched" if point.stretched else "folded"}', f'theta1 {degrees(point.theta1):.4f} deg, '
+               f'theta4 {degrees(point.theta4):.4f} deg') for point in linkage.dead_points),
             ('change-point margin', f'{linkage.change_point_margin:.6g} of the perimeter')]
     if linkage.bodies:
         rows += [(f'{name}', f'{body.mass:.6g} kg, {body.inertia:.6g} kg m^2, CG at '

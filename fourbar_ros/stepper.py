@@ -7,7 +7,7 @@ from .core.status import INVALID_INPUT, OK, OUT_OF_RANGE, evaluate
 from .records import PLACE
 
 _RATES = [place for name, place in PLACE.items()
-          if name.startswith(('omega', 'alpha', 'velocity_ratio', 'condition')) or place >= PLACE['f41_x']]
+          if name.startswith(('omega', 'alpha', 'velocity_ratio', 'coupler_ratio', 'condition')) or place >= PLACE['f41_x']]
 
 
 class Stepper:

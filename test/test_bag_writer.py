@@ -68,6 +68,19 @@ def test_a_bad_argument_is_refused_and_spoils_nothing(tmp_path, bad):
     assert_every_reader_takes(path, 50)
 
 
+@pytest.mark.parametrize('bad', [
+    {'topic': 'relative'}, {'topic': None}, {'type': 'Motion'}, {'type': 7}, {'schema': b'bytes'}, {'hash': None},
+    {'depth': '10'}])
+def test_a_bad_channel_is_refused_before_anything_is_made(tmp_path, bad):
+    for channels in ([MOTION._replace(**bad)], [MOTION, MOTION], ['/topic']):
+        with pytest.raises(BagError, match='must be|twice'):
+            BagWriter(tmp_path, 'run', channels, {})
+    for periods in ({'flush_period': 0.0}, {'flush_period': float('nan')}, {'sync_period': -1.0}):
+        with pytest.raises(BagError, match='period'):
+            BagWriter(tmp_path, 'run', [MOTION], {}, **periods)
+    assert not list(tmp_path.iterdir())
+
+
 def test_buffers_are_copied(tmp_path):
     writer = open_bag(tmp_path)
     buffer = bytearray(motion(1))

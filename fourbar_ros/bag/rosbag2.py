@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import os
+import re
 import time
 from pathlib import Path
 from typing import NamedTuple
@@ -115,6 +116,21 @@ def fresh_name():
     nanoseconds = time.time_ns()
     return time.strftime('fourbar_%Y_%m_%d-%H_%M_%S', time.localtime(nanoseconds // 10**9)) \
         + f'_{nanoseconds % 10**9 // 10**6:03d}'
+
+
+def check_channels(channels):
+    """Raise BagError for a channel that no reader would take."""
+    for channel in channels:
+        if not isinstance(channel, Channel):
+            raise BagError(f'channel {channel!r}: must be a Channel')
+        if not (isinstance(channel.topic, str) and channel.topic.startswith('/')):
+            raise BagError(f'topic {channel.topic!r}: must be an absolute name')
+        if not (isinstance(channel.type, str) and re.fullmatch(r'\w+/(msg|srv|action)/\w+', channel.type)):
+            raise BagError(f'{channel.topic}: type {channel.type!r}: must be package/msg/Name')
+        if not (isinstance(channel.schema, str) and isinstance(channel.hash, str) and type(channel.depth) is int):
+            raise BagError(f'{channel.topic}: schema and hash must be text, depth a whole number')
+    if len({channel.topic for channel in channels}) != len(channels):
+        raise BagError('a topic is given twice')
 
 
 def check_name(name):

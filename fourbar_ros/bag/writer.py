@@ -80,12 +80,16 @@ class BagWriter:
     Raises
     ------
     BagError
-        The name is taken or leaves the directory, or the directory cannot be written.
+        The name is taken or leaves the directory, the directory cannot be written, or an argument is bad.
 
     """
 
     def __init__(self, directory, name, channels, about, flush_period=FLUSH_PERIOD, sync_period=SYNC_PERIOD,
                  tell=None):
+        rosbag2.check_channels(channels)
+        if not flush_period > 0.0 or not sync_period >= 0.0:
+            raise BagError(f'flush_period = {flush_period!r}, sync_period = {sync_period!r}: '
+                           'must be positive, and not negative')
         self.clock = SteadyClock()
         self.accepted, self.dropped, self.error = 0, 0, None
         self.flush_period, self.sync_period, self._tell = flush_period, sync_period, tell or (lambda text: None)
@@ -97,7 +101,7 @@ class BagWriter:
         self.path, self._file = rosbag2.create(directory, name)
         try:
             if shutil.disk_usage(self.path).free < SPACE_LEFT:
-                raise BagError(f'{self.path}: less than {SPACE_LEFT >> 20} MiB free')
+                raise BagError(f'less than {SPACE_LEFT >> 20} MiB free')
             mark_as_being_written(self._file)
             self._container = Container(self._file, 'ros2', f'fourbar_ros {__version__}, mcap {mcap_version}')
             for channel in channels:
@@ -107,7 +111,7 @@ class BagWriter:
         except (OSError, BagError) as error:
             self._file.close()
             shutil.rmtree(self.path)
-            raise BagError(str(error)) from None
+            raise BagError(f'{self.path}: {getattr(error, "strerror", None) or error}') from None
         self._threads = [threading.Thread(target=self._run, name='bag', daemon=True)]
         if sync_period > 0.0:
             self._threads.append(threading.Thread(target=self._keep_synced, name='bag sync', daemon=True))

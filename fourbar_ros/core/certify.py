@@ -3,18 +3,19 @@ from __future__ import annotations
 
 from . import intervals, sturm
 from .elliptic import input_paths
-from .search import Sampler, UserQuantity
+from .quantities import is_published
+from .search import Sampler
 
 EXACT_COUNT, INTERVALS, NOT_PROVED = 'exact count', 'interval bounds', 'not proved'
 
 
-def prove_counts(linkage, quantities, omega1, alpha1, samples):
+def prove_counts(linkage, quantities, omega1, alpha1, samples, found):
     """
     Return how many extremes each quantity has inside the input range, and how that is known.
 
     The rate of the output, and its acceleration at constant input rate, are counted exactly
     (:mod:`.sturm`); the others by interval bounds (:mod:`.intervals`), which need python-flint and, at
-    ends of the range, stop at the last sample.
+    ends of the range, stop at the last sample. ``found``: what the search found of each quantity.
 
     Returns
     -------
@@ -25,7 +26,7 @@ def prove_counts(linkage, quantities, omega1, alpha1, samples):
     proofs = [None] * len(quantities)
     rates = {'omega4': 0} if alpha1 else {'omega4': 0, 'alpha4': 1}
     exact = [row for row, quantity in enumerate(quantities)
-             if omega1 and quantity.name in rates and not isinstance(quantity, UserQuantity)]
+             if omega1 and quantity.name in rates and is_published(quantity)]
     if exact:
         counts = sturm.count_extrema(linkage.lengths)
         for row in exact:
@@ -33,14 +34,16 @@ def prove_counts(linkage, quantities, omega1, alpha1, samples):
             proofs[row] = count, EXACT_COUNT if count is not None else (
                 f'{NOT_PROVED}: constant in a range, or a root of its derivative is not simple')
     for row, quantity in enumerate(quantities):
-        if proofs[row] is None:
+        if proofs[row] is None and any(part.sense == 0 for part in found[row]):
+            proofs[row] = None, f'{NOT_PROVED}: constant in a range'
+        elif proofs[row] is None:
             proofs[row] = _by_intervals(linkage, quantity, omega1, alpha1, samples)
     return proofs
 
 
 def _by_intervals(linkage, quantity, omega1, alpha1, samples):
     """Return (number, text) of one quantity."""
-    sampler = Sampler(linkage, (quantity,), omega1, alpha1, isinstance(quantity, UserQuantity))
+    sampler = Sampler(linkage, (quantity,), omega1, alpha1, not is_published(quantity))
     paths = input_paths(linkage, samples)
     try:
         counts = [intervals.count_extrema(sampler, path)[0] for path in paths]

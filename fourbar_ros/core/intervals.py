@@ -20,7 +20,7 @@ from .search import NoLoads
 
 PRECISION = 80        # [bit]
 ORDER = 6             # of Taylor's formula
-MOST_PIECES = 20000   # then it gives up: some seconds
+MOST_PIECES = 10000   # then it gives up: some seconds
 
 
 class Series:

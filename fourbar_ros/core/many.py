@@ -110,94 +110,124 @@ def _search(lengths, sign, omega1):
         closes = np.all([_exact_sum([s * a for s, a in zip(row, scaled)]) > 0.0 for row in signs], axis=0)
         closes &= np.isfinite(scaled).all(axis=0) & (lengths > 0.0).all(axis=0)
         constants = np.array(_constants(*scaled, sign))
-    found = ([], [])
     is_flat = closes & ((constants[0] == 0.0) | (constants[1] == 0.0))
+    upward, forward = sign > 0.0, omega1 > 0.0
+
+    def g_at(x, row):
+        return sines.array(np.sin(0.5 * x), np.cos(0.5 * x), constants[:, row])[0]
+
+    def k_at(x, row):
+        return sines.array(np.sin(0.5 * x), np.cos(0.5 * x), constants[:, row])[1]
+
+    found = ([], [])
     for index in np.nonzero(is_flat)[0].tolist():
         for quantity, rows in zip(found, _at_change_point(index, lengths[:, index], sign[index], omega1[index])):
             quantity += rows
-    for out in (False, True):
-        for inside in (False, True):
-            index = np.nonzero(closes & ~is_flat & ((constants[0] > 0.0) == out) & ((constants[1] > 0.0) == inside))[0]
-            if index.size:
-                _search_class(found, index, constants[:, index], omega1[index], out, inside)
+    paths = list(_paths(constants, closes & ~is_flat))
+    for path in paths:
+        for x, side, g, Y in path.toggles():
+            for quantity, up in zip(found, ((Y > 0.0) == (upward == forward)[path.row], (g > 0.0) == upward[path.row])):
+                quantity.append((path.row, fold(x), np.where(up, np.inf, -np.inf), up, np.full(x.size, side)))
+
+    # All roots of k at once; then those of g between them and the samples.
+    if paths:
+        cells, *brackets = _stack(path.brackets_of_k(k_at) for path in paths)
+        root = bracketed_roots(k_at, *brackets)
+        rows, f = brackets[0], brackets[3]
+        found[1].append(_rows(constants, omega1, 1, rows, root, (f >= 0.0) == upward[rows]))
+        ends = np.cumsum([path.number for path in paths])
+        parts = (np.split(v, ends[:-1]) for v in (cells, rows, root, g_at(root, rows)))
+        brackets = _stack(path.brackets_of_g(*part) for path, *part in zip(paths, *parts))
+        rows, f = brackets[0], brackets[3]
+        root = bracketed_roots(g_at, *brackets)
+        found[0].append(_rows(constants, omega1, 0, rows, root, ((f >= 0.0) == upward[rows]) == forward[rows]))
     return found
 
 
-def _search_class(found, index, constants, omega1, crosses_out, crosses_in):
-    """Add the extremes of linkages of one kind of input range, in groups of one number of samples."""
-    period, _ = half_turn(*constants[:3], crosses_out, crosses_in)
-    count = np.maximum(SAMPLES // 2, 8 * np.ceil(POINTS_PER_FEATURE / 8 * period).astype(int))
-    for number in np.unique(count).tolist():
-        group = np.nonzero(count == number)[0]
-        c = np.ascontiguousarray(constants[:, group])
-        _, half = half_turn(*c[:3], crosses_out, crosses_in)
-        up, down = half(*(v[:, None] for v in phases(number, not crosses_in, not crosses_out)))
-        scale = 1.0 / np.sqrt(up * up + down * down)
-        sh, ch = up * scale, down * scale
-        mirrored = -sh[::-1], ch[::-1]
-        if not crosses_in and not crosses_out:
-            paths = [mirrored, (sh, ch)]
-        else:
-            both = (mirrored, (sh, ch)) if crosses_in else ((sh, ch), mirrored)
-            paths = [tuple(np.concatenate(pair) for pair in zip(*both))]
-        for path in paths:
-            _search_path(found, index[group], c, omega1[group], *path, crosses_in and crosses_out)
+def _stack(tuples):
+    return [np.concatenate(arrays) for arrays in zip(*tuples)]
 
 
-def _search_path(found, index, constants, omega1, sh, ch, is_closed):
-    """Add the extremes along one path of each linkage; sh, ch: shape (samples, linkages)."""
-    g, k, _, Y = sines.array(sh, ch, constants)
-    upward, forward = constants[15] > 0.0, omega1 > 0.0
-
-    def angle(i, row):
-        return 2.0 * np.arctan2(sh[i, row], ch[i, row])
-
-    def values(x, row):
-        return sines.array(np.sin(0.5 * x), np.cos(0.5 * x), constants[:, row])
-
-    def add(order, row, x, is_maximum):
-        g, _, X, Y = values(x, row)
-        value = omega1[row]**2 * g / X**3 if order else omega1[row] * Y / X
-        found[order].append((index[row], fold(x), value, is_maximum, np.zeros(row.size, int)))
-
-    if not is_closed:
-        for i, side in ((0, 1), (-1, -1)):
-            row = np.arange(index.size)
-            for order, up in ((0, (Y[i] > 0.0) == (upward == forward)), (1, (g[i] > 0.0) == upward)):
-                found[order].append((index, fold(angle(i, row)), np.where(up, np.inf, -np.inf), up,
-                                     np.full(index.size, side)))
-
-    cell, row, *bracket = find_brackets(lambda x, row: values(x, row)[1], angle, k, is_closed)
-    root = bracketed_roots(lambda x, row: values(x, row)[1], row, *bracket)
-    add(1, row, root, (bracket[2] >= 0.0) == upward[row])
-
-    if is_closed:
-        g, sh, ch = (np.concatenate((v, v[:1])) for v in (g, sh, ch))
-    row, *bracket = _brackets_of_g(g, angle, cell, row, root, values(root, row)[0])
-    root = bracketed_roots(lambda x, row: values(x, row)[0], row, *bracket)
-    add(0, row, root, ((bracket[2] >= 0.0) == upward[row]) == forward[row])
+def _rows(constants, omega1, order, row, x, is_maximum):
+    """Return (index, theta1, value, is_maximum, side) of roots of g (order 0) or k (order 1)."""
+    g, _, X, Y = sines.array(np.sin(0.5 * x), np.cos(0.5 * x), constants[:, row])
+    value = omega1[row]**2 * g / X**3 if order else omega1[row] * Y / X
+    return row, fold(x), value, is_maximum, np.zeros(row.size, int)
 
 
-def _brackets_of_g(g, angle, cell, row, root, g_root):
-    """Return (row, xa, xb, fa, fb) of the sign changes of g between samples and the roots of k."""
-    positive, cells = g >= 0.0, len(g) - 1
-    divided = np.zeros((cells, g.shape[1]), bool)
-    divided[cell, row] = True
-    i, whole = np.nonzero((positive[1:] != positive[:-1]) & ~divided)
-    xa = angle(i, whole)
-    plain = whole, xa, turn_after(angle(i + 1, whole), xa), g[i, whole], g[i + 1, whole]
+def _paths(constants, chosen):
+    """Yield the :class:`_Path` of groups of linkages with one kind of input range and number of samples."""
+    out, inside = constants[0] > 0.0, constants[1] > 0.0
+    for crosses_out, crosses_in in ((False, False), (False, True), (True, False), (True, True)):
+        rows = np.nonzero(chosen & (out == crosses_out) & (inside == crosses_in))[0]
+        if not rows.size:
+            continue
+        period, _ = half_turn(*constants[:3, rows], crosses_out, crosses_in)
+        count = np.maximum(SAMPLES // 2, 2.0**np.ceil(np.log2(POINTS_PER_FEATURE * period))).astype(int)
+        for number in np.unique(count).tolist():
+            group = rows[count == number]
+            c = constants[:, group]
+            _, half = half_turn(*c[:3], crosses_out, crosses_in)
+            up, down = half(*(v[:, None] for v in phases(number, not crosses_in, not crosses_out)))
+            scale = 1.0 / np.sqrt(up * up + down * down)
+            sh, ch = up * scale, down * scale
+            one, other = (-sh[::-1], ch[::-1]), (sh, ch)
+            if not crosses_in and not crosses_out:
+                yield _Path(group, c, *one, False)
+                yield _Path(group, c, *other, False)
+            else:
+                both = (one, other) if crosses_in else (other, one)
+                yield _Path(group, c, *(np.concatenate(pair) for pair in zip(*both)), crosses_in and crosses_out)
 
-    i, col = np.nonzero(divided)
-    start = angle(i, col)
-    lowest = angle(cell, row)
-    root = root + 2.0 * pi * np.round((lowest - root) / (2.0 * pi))      # the turn of its cell
-    key = np.concatenate((col * cells + i, row * cells + cell, col * cells + i))
-    x = np.concatenate((start, np.maximum(root, lowest), turn_after(angle(i + 1, col), start)))
-    f = np.concatenate((g[i, col], g_root, g[i + 1, col]))
-    order = np.lexsort((x, key))
-    key, x, f = key[order], x[order], f[order]
-    j = np.nonzero((key[1:] == key[:-1]) & ((f[1:] >= 0.0) != (f[:-1] >= 0.0)))[0]
-    return [np.concatenate(pair) for pair in zip(plain, (key[j] // cells, x[j], x[j + 1], f[j], f[j + 1]))]
+
+class _Path:
+    """Samples of linkages ``row`` along one path each; sh, ch = sin, cos(theta1/2): shape (samples, linkages)."""
+
+    def __init__(self, row, constants, sh, ch, is_closed):
+        self.row, self.sh, self.ch, self.is_closed = row, sh, ch, is_closed
+        self.g, self.k, _, self.Y = sines.array(sh, ch, constants)
+        self.number = 0       # of roots of k
+
+    def angle(self, i, column):
+        return 2.0 * np.arctan2(self.sh[i, column], self.ch[i, column])
+
+    def toggles(self):
+        """Return (theta1, side, g, Y) at the ends."""
+        return [] if self.is_closed else [(self.angle(i, slice(None)), side, self.g[i], self.Y[i])
+                                          for i, side in ((0, 1), (-1, -1))]
+
+    def brackets_of_k(self, k_at):
+        """Return (interval, row, xa, xb, fa, fb) of all roots of k."""
+        i, column, *bracket = find_brackets(lambda x, column: k_at(x, self.row[column]), self.angle, self.k, self.is_closed)
+        self.number = i.size
+        return i, self.row[column], *bracket
+
+    def brackets_of_g(self, i, row, root, g_root):
+        """Return (row, xa, xb, fa, fb) of the sign changes of g between samples and roots of k."""
+        g, column, number = self.g, np.searchsorted(self.row, row), len(self.g)
+        if self.is_closed:
+            g = np.concatenate((g, g[:1]))
+        positive = g >= 0.0
+        changes = positive[1:] != positive[:-1]
+        divided = np.zeros(changes.shape, bool)
+        divided[i, column] = True
+        plain = np.nonzero(changes & ~divided)
+        xa = self.angle(*plain)
+        whole = self.row[plain[1]], xa, turn_after(self.angle((plain[0] + 1) % number, plain[1]), xa), g[plain], \
+            g[plain[0] + 1, plain[1]]
+
+        # chains sample, roots, sample of the divided intervals, one after the other
+        start = self.angle(i, column)
+        root = np.maximum(root + 2.0 * pi * np.round((start - root) / (2.0 * pi)), start)    # in its turn
+        j, one = np.nonzero(divided)
+        start = self.angle(j, one)
+        key = np.concatenate((one * number + j, column * number + i, one * number + j))
+        x = np.concatenate((start, root, turn_after(self.angle((j + 1) % number, one), start)))
+        f = np.concatenate((g[j, one], g_root, g[j + 1, one]))
+        order = np.lexsort((x, key))
+        key, x, f = key[order], x[order], f[order]
+        n = np.nonzero((key[1:] == key[:-1]) & ((f[1:] >= 0.0) != (f[:-1] >= 0.0)))[0]
+        return _stack((whole, (self.row[key[n] // number], x[n], x[n + 1], f[n], f[n + 1])))
 
 
 def _at_change_point(index, lengths, sign, omega1):

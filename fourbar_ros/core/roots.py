@@ -11,7 +11,7 @@ import numpy as np
 
 EPS = 2.0**-52
 # Below this angle [rad] roots are found to an absolute tolerance: 0 has no last bit.
-SMALL = 2.0**-40
+SMALL = 2.0**-12
 # Parts of an interval at a closer look.
 PARTS = 8
 # Halvings of a dip before it is taken for a touching point without a sign change.
@@ -129,7 +129,9 @@ def find_brackets(function, x, f, is_closed, scale=1.0):
     j = (i + 1) % len(f)
     xa = x(i, row)
     xb = turn_after(x(j, row), xa)
-    plain = (v[is_plain] for v in (i, row, xa, xb, f[i, row], f[j, row]))
+    plain = [v[is_plain] for v in (i, row, xa, xb, f[i, row], f[j, row])]
+    if is_plain.all():
+        return plain
     i, row, xa, xb = (v[~is_plain] for v in (i, row, xa, xb))
     which, *closer = look_closer(function, row, xa, xb)
     return [np.concatenate(pair) for pair in zip(plain, (i[which], row[which], *closer))]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from math import comb, inf, nan, pi, sqrt
 from types import FunctionType
-from typing import Callable, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -53,15 +53,6 @@ class Found(NamedTuple):
     is_flat: bool = False
     condition: float = nan
     value_condition: float = nan
-
-
-class UserQuantity(NamedTuple):
-    """A quantity given as a function (Motion, Loads) -> value."""
-
-    name: str
-    unit: str
-    of: Callable
-    is_load: bool = False     # not known: without masses, loads raise MissingBodies when used
 
 
 class NoLoads:

@@ -168,11 +168,13 @@ def make_triangle(a1, a2, e, sign):
                  two_2=2.0 * a2, outer=difference_of_squares(a1, a2, e, 0.0),
                  inner=difference_of_squares(a1, -a2, e, 0.0),
                  product=difference_of_squares(a1, a2, e, 0.0) * difference_of_squares(a1, -a2, e, 0.0),
-                 per=0.25 / (a1 * a2), half_1=0.5 / a1, half_2=0.5 / a2):
+                 total=4.0 * a1 * a2, per=0.25 / (a1 * a2), half_1=0.5 / a1, half_2=0.5 / a2):
         s = s + INFINITESIMAL
         square = s * s
         q = square + ee
         u, w = outer - square, square - inner
+        # their sum is given: so the rounding of one is that of the other, as in the shape of a triangle
+        u, w = where(u.real < w.real, (u, total - u), (total - w, w))
         root = sign * sqrt(u * w)
         cos_2, sin_2 = (w - u) * per + 0.0 * root, 2.0 * root * per
         per_q, scale = 1.0 / q, 1.0 / root

@@ -1,0 +1,95 @@
+"""This package, the same by 9x9 systems in numpy, and the units: math.sin and numpy.sin."""
+import sys
+from math import sin
+from pathlib import Path
+
+import numpy as np
+from common import Case, Method, serve
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from bench.naive import ARRAY, SCALAR, law_of_cosines, nine_by_nine  # noqa: E402
+from fourbar_ros import Bodies, Body, FourBar  # noqa: E402
+
+case = Case()
+omega = float(case.omega)
+sign = 1.0 if sin(case.truth['theta4'][0] - case.truth['beta'][0]) > 0.0 else -1.0
+linkage = FourBar(*case.lengths, mode=2 if sign > 0.0 else 1, bodies=Bodies(*(Body(*b) for b in case.bodies)))
+masses = [(b.mass, b.cg_along, b.cg_across, b.inertia) for b in linkage.bodies]
+
+
+def scalar(theta1):
+    step = linkage.step
+    return [step(x, omega, 0.0) for x in theta1.tolist()]
+
+
+def motion_only(theta1):
+    motion = linkage.motion
+    return [motion(x, omega, 0.0) for x in theta1.tolist()]
+
+
+def read_scalar(rows):
+    motions, loads = (map(np.array, zip(*columns)) for columns in zip(*rows))
+    return read((type(linkage.motion(0.0))(*motions), type(rows[0][1])(*loads)))
+
+
+def read_motions(rows):
+    return {name: [getattr(motion, name) for motion in rows] for name in ('theta4', 'omega4', 'alpha4')}
+
+
+def read(found):
+    motion, loads = found
+    return {'theta4': motion.theta4, 'omega4': motion.omega4, 'alpha4': motion.alpha4,
+            'f41': np.stack((loads.f41_x, loads.f41_y), -1)}
+
+
+def batch(count):
+    theta1 = np.tile(case.theta1, count // len(case.theta1))
+    return lambda _: linkage.step(theta1, omega, 0.0)
+
+
+def system(m):
+    """Return the function theta1 -> motion and solution of the 9x9 system."""
+    def run(x):
+        motion = law_of_cosines(linkage.lengths, sign, x, m)
+        return motion, nine_by_nine(linkage.lengths, motion, x, omega, 0.0, masses, m=m)
+    return run
+
+
+def batch_system(count):
+    theta1, run = np.tile(case.theta1, count // len(case.theta1)), system(ARRAY)
+    return lambda _: run(theta1)
+
+
+def read_system(found):
+    (y, _, dy, _, ddy, _), forces = found
+    return {'theta4': y, 'omega4': dy * omega, 'alpha4': ddy * omega**2, 'f41': forces[..., :2]}
+
+
+def read_systems(rows):
+    motions, forces = zip(*rows)
+    return read_system((np.array(motions).T, np.array(forces)))
+
+
+one_system = system(SCALAR)
+
+
+def units(function):
+    def run(theta1):
+        for x in theta1.tolist():
+            function(x)
+    return run
+
+
+def nothing(_):
+    return {'theta4': case.truth['theta4']}
+
+
+samples = np.tile(case.theta1, 10)
+serve(case, [
+    Method('fourbar_ros, scalar', scalar, read_scalar), Method('fourbar_ros, scalar, motion only', motion_only, read_motions),
+    *(Method(f'fourbar_ros, batch of {count}', batch(count), read) for count in (1000, 10000, 100000)),
+    Method('9x9 numpy, one a call', lambda theta1: [one_system(x) for x in theta1.tolist()], read_systems),
+    *(Method(f'9x9 numpy, batch of {count}', batch_system(count), read_system) for count in (1000, 100000)),
+    Method('math.sin', units(sin), nothing),
+    Method('numpy.sin', lambda _: np.sin(samples), lambda _: {'theta4': np.tile(case.truth['theta4'], 10)})])

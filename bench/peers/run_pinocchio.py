@@ -1,0 +1,82 @@
+"""Pinocchio: rnea of a tree with the loop closed here; and its own loop, constraintDynamics."""
+import numpy as np
+import pinocchio as pin
+from common import Case, Method, serve
+from loop import read, run_tree
+
+case = Case()
+a1, a2, a3, a4 = case.lengths
+
+
+def place(x):
+    return pin.SE3(np.eye(3), np.array([x, 0.0, 0.0]))
+
+
+model = pin.Model()
+model.gravity.linear[:] = 0.0
+crank = model.addJoint(0, pin.JointModelRZ(), place(0.0), 'crank')
+coupler = model.addJoint(crank, pin.JointModelRZ(), place(a1), 'coupler')
+output = model.addJoint(0, pin.JointModelRZ(), place(a4), 'output')
+for joint, (mass, along, across, inertia) in zip((crank, coupler, output), case.bodies):
+    model.appendBodyToJoint(joint, pin.Inertia(mass, np.array([along, across, 0.0]), inertia * np.eye(3)), place(0.0))
+ends = [model.addFrame(pin.Frame(name, joint, 0, place(length), pin.FrameType.OP_FRAME))
+        for name, joint, length in (('end of coupler', coupler, a2), ('end of output', output, a3))]
+WORLD = pin.LOCAL_WORLD_ALIGNED
+
+
+class Tree:
+    """See loop.run_tree."""
+
+    def __init__(self):
+        self.data = model.createData()
+
+    def gap(self, q):
+        data = self.data
+        self.q = np.array(q)
+        pin.computeJointJacobians(model, data, self.q)
+        one, other = (pin.updateFramePlacement(model, data, end).translation for end in ends)
+        jacobian = (pin.getFrameJacobian(model, data, ends[1], WORLD)
+                    - pin.getFrameJacobian(model, data, ends[0], WORLD))
+        return (other - one).tolist(), jacobian[:2].tolist()
+
+    def bias(self, q, v):
+        data = self.data
+        pin.forwardKinematics(model, data, self.q, np.array(v), np.zeros(3))
+        one, other = (pin.getFrameClassicalAcceleration(model, data, end, WORLD).linear for end in ends)
+        return (other - one).tolist()
+
+    def efforts(self, q, v, a):
+        data = self.data
+        effort = pin.rnea(model, data, self.q, np.array(v), np.array(a)).tolist()
+        return effort, (data.oMi[crank].rotation @ data.f[crank].linear)[:2].tolist()
+
+
+def closed(mu, iterations):
+    """Return the tree above, its accelerations and loop force by constraintDynamics."""
+    constraint = pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, coupler, place(a2), output, place(a3), WORLD)
+    constraints = [constraint]
+    datas = [constraint.createData()]
+    data = model.createData()
+    pin.initConstraintDynamics(model, data, constraints)
+    settings = pin.ProximalSettings(1e-14, mu, iterations)
+    unit, zero = np.array([1.0, 0.0, 0.0]), np.zeros(3)
+
+    class Loop(Tree):
+        def bias(self, q, v):
+            return 0.0, 0.0     # not needed: the accelerations are found below
+
+        def efforts(self, q, v, a):
+            v = np.array(v)
+            free = pin.constraintDynamics(model, data, self.q, v, zero, constraints, datas, settings).copy()
+            pushed = pin.constraintDynamics(model, data, self.q, v, unit, constraints, datas, settings).copy()
+            torque = -free[0] / (pushed[0] - free[0])
+            a[:] = (free + torque * (pushed - free)).tolist()
+            return Tree.efforts(self, q, v, a)
+    return run_tree(Loop(), case, 1e-9)
+
+
+methods = [Method(f'Pinocchio tree, loop closed to {tolerance:.0e} m', run_tree(Tree(), case, tolerance), read)
+           for tolerance in (1e-3, 1e-9)]
+methods += [Method(f'Pinocchio constraintDynamics, mu {mu:.0e}, {iterations} iterations', closed(mu, iterations), read)
+            for mu, iterations in ((1e-4, 1), (1e-4, 20))]
+serve(case, methods)

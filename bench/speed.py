@@ -1,0 +1,211 @@
+"""Error against run time beside the engines a user would otherwise pick; ratios of one run."""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from math import pi
+from pathlib import Path
+from statistics import median
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(ROOT), str(ROOT / 'test')]
+
+PEERS = Path(__file__).resolve().parent / 'peers'
+ENVIRONMENT = ROOT / '.venv-peers'
+PICTURE = ROOT / 'docs' / 'bench' / 'speed'
+LENGTHS, OMEGA, DENSITY, RADIUS = (0.4, 1.2, 0.8, 1.0), 25.0, 7750.0, 0.01     # the paper's, mode 2
+SAMPLES, ROUNDS = 1000, 5
+ONE_THREAD = {name: '1' for name in ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS')}
+SCALAR, BATCHES = 'fourbar_ros, scalar', [f'fourbar_ros, batch of {count}' for count in (1000, 10000, 100000)]
+UNITS = 'math.sin', 'numpy.sin'
+SCALAR_LIMIT, BATCH_LIMIT = 100, 20     # in calls of math.sin, in elements of numpy.sin
+
+
+# --- the case and the peers ------------------------------------------------------------------------
+
+def write_case(file):
+    """Write one revolution of the linkage with its true values for the runners."""
+    import mpmath as mp
+    from reference import loads_of, motion_of
+
+    from fourbar_ros.core.bodies import round_rod
+    bodies = [(b.mass, b.cg_along, b.cg_across, b.inertia)
+              for b in (round_rod(length, DENSITY, RADIUS) for length in LENGTHS[:3])]
+    theta1 = [2.0 * pi * k / SAMPLES for k in range(SAMPLES)]
+    names = 'theta4', 'beta', 'omega4', 'omega_beta', 'alpha4'
+    truth = {name: [] for name in (*names, 'f41')}
+    for x in theta1:
+        motion = motion_of(LENGTHS, 1, mp.mpf(x), OMEGA, 0)
+        force = loads_of(LENGTHS, 1, mp.mpf(x), OMEGA, 0, bodies, [(0,) * 5] * 2, (0, 0))[0]
+        for name, value in zip(names, (motion[0], motion[1], motion[2], motion[3], motion[6])):
+            truth[name].append(float(value))
+        truth['f41'].append((float(force.real), float(force.imag)))
+    file.write_text(json.dumps({'lengths': LENGTHS, 'omega': OMEGA, 'bodies': bodies, 'theta1': theta1,
+                                'truth': truth}))
+
+
+def install():
+    """Return {peer: why not, or None}, each installed by itself into the environment for peers."""
+    python = ENVIRONMENT / 'bin' / 'python'
+    if not python.exists():
+        subprocess.run([sys.executable, '-m', 'venv', str(ENVIRONMENT)], check=True)
+    lines = [line for line in (PEERS / 'requirements.txt').read_text().splitlines() if line and line[0] != '#']
+    found = {}
+    for line in lines:
+        done = subprocess.run([str(python), '-m', 'pip', 'install', '--quiet', '--disable-pip-version-check',
+                               *line.split()], capture_output=True, text=True, env=clean())
+        found[line] = (done.stderr.strip().splitlines() or ['?'])[-1] if done.returncode else None
+    return found
+
+
+def clean():
+    """Return the environment variables for a runner."""
+    return {**{name: value for name, value in os.environ.items() if name != 'PYTHONPATH'}, **ONE_THREAD}
+
+
+class Runner:
+    """One of the scripts in bench/peers, waiting to be asked for a round."""
+
+    def __init__(self, script, python, case, folder):
+        self.name = script
+        self.log = Path(folder) / f'{script}.log'
+        with self.log.open('w') as log:
+            self.process = subprocess.Popen([python, str(PEERS / f'run_{script}.py'), str(case)], text=True,
+                                            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, cwd=folder,
+                                            env=clean())
+        self.errors = self._read()
+
+    def _read(self):
+        """Return the next JSON line; engines may print others. Raise RuntimeError if there is none."""
+        for line in self.process.stdout:
+            if line.startswith('{'):
+                return json.loads(line)
+        raise RuntimeError((self.log.read_text().strip().splitlines() or ['ended without a word'])[-1])
+
+    def round(self):
+        """Return {method: CPU time per sample [s]}."""
+        self.process.stdin.write('\n')
+        self.process.stdin.flush()
+        return self._read()
+
+    def close(self):
+        self.process.stdin.close()
+        self.process.wait(60)
+
+
+def measure(rounds):
+    """Return errors {method: ...}, times {method: one a round}, and what was left out {peer: why}."""
+    left_out = {line: why for line, why in install().items() if why}
+    with tempfile.TemporaryDirectory() as folder:
+        case = Path(folder) / 'case.json'
+        write_case(case)
+        runners = []
+        for script in sorted(file.stem[4:] for file in PEERS.glob('run_*.py')):
+            python = sys.executable if script == 'fourbar_ros' else str(ENVIRONMENT / 'bin' / 'python')
+            try:
+                runners.append(Runner(script, python, case, folder))
+            except RuntimeError as error:
+                left_out.setdefault(script, str(error))
+        errors = {name: values for runner in runners for name, values in runner.errors.items()}
+        times = {name: [] for name in errors}
+        for _ in range(rounds):     # in turn, so that all see the same machine
+            for runner in runners:
+                for name, took in runner.round().items():
+                    times[name].append(took)
+        for runner in runners:
+            runner.close()
+    return errors, times, left_out
+
+
+# --- what is printed -------------------------------------------------------------------------------
+
+def ratios(times, name, other):
+    """Return the ratio of two methods in each round."""
+    return [a / b for a, b in zip(times[name], times[other])]
+
+
+def print_methods(errors, times):
+    """Print error and run time of every method, ours first, then by time."""
+    print('| method | CPU time [us/sample] | times ours, scalar | (lowest to highest round) | theta4 [rad] | '
+          "theta4'' | F41 |\n| --- | --- | --- | --- | --- | --- | --- |")
+    for name in sorted(set(errors) - set(UNITS), key=lambda n: (not n.startswith('fourbar_ros'), median(times[n]))):
+        ratio = ratios(times, name, SCALAR)
+        error = [f'{errors[name][key]:.1e}' if key in errors[name] else '-' for key in ('theta4', 'alpha4', 'f41')]
+        print(f'| {name} | {median(times[name]) * 1e6:.3g} | {median(ratio):.3g} | {min(ratio):.3g} to {max(ratio):.3g} | '
+              + ' | '.join(error) + ' |')
+    print()
+
+
+def print_units(times):
+    """Print what a sample of ours costs in sines."""
+    print('| motion and all loads | unit | cost | (lowest to highest round) | limit |\n| --- | --- | --- | --- | --- |')
+    for name, unit, limit in [(SCALAR, UNITS[0], SCALAR_LIMIT)] + [(b, UNITS[1], BATCH_LIMIT) for b in BATCHES]:
+        ratio = ratios(times, name, unit)
+        print(f'| {name} | {"calls of math.sin" if unit == UNITS[0] else "elements of numpy.sin"} | {median(ratio):.0f} '
+              f'| {min(ratio):.0f} to {max(ratio):.0f} | {limit} |')
+    print()
+
+
+def print_verdict(errors, times):
+    """Print the cheapest other method that is as accurate as ours to within a factor."""
+    others = [name for name in errors if not name.startswith('fourbar_ros') and name not in UNITS]
+    for what, key in (("theta4''", 'alpha4'), ('F41', 'f41')):
+        for bound in (1e-13, 1e-6, 1e-3):
+            good = [name for name in others if errors[name].get(key, 1.0) <= bound]
+            best = min(good, key=lambda n: median(times[n]), default=None)
+            if best:
+                print(f'- {what} to {bound:.0e}: cheapest other is {best}, {median(ratios(times, best, SCALAR)):.3g} times '
+                      f'our scalar step, {median(ratios(times, best, BATCHES[0])):.3g} times a sample of our batch of 1000.')
+    print()
+
+
+GROUPS = (('fourbar_ros', '#d62728', '*'), ('9x9 numpy', '#7f7f7f', 's'), ('fourbarhinge', '#8c564b', 'D'),
+          ('pylinkage', '#e377c2', 'v'), ('MuJoCo tree', '#1f77b4', 'o'), ('MuJoCo connect', '#17becf', 'o'),
+          ('Pinocchio tree', '#2ca02c', '^'), ('Pinocchio constraintDynamics', '#98df8a', '^'),
+          ('Exudyn generalized', '#ff7f0e', 'P'), ('Exudyn trapezoidal', '#bcbd22', 'X'))
+
+
+def draw(errors, times):
+    """Draw error against run time."""
+    import matplotlib
+    matplotlib.use('Agg')
+    from matplotlib import pyplot
+    figure, axes = pyplot.subplots(1, 2, figsize=(11.0, 5.2), sharex=True, sharey=True, layout='constrained')
+    for axis, key, title in zip(axes, ('alpha4', 'f41'), ("θ4''", 'F41')):
+        for group, color, marker in GROUPS:
+            points = sorted((median(times[name]) * 1e6, errors[name][key]) for name in errors
+                            if name.startswith(group) and key in errors[name])
+            if points or key == 'f41':
+                axis.loglog(*(zip(*points) if points else ([], [])), marker=marker, color=color, label=group,
+                            linestyle='-' if group.startswith(('Exudyn', 'MuJoCo connect')) else 'none', linewidth=0.8,
+                            markersize=14 if group == 'fourbar_ros' else 8, zorder=3 if group == 'fourbar_ros' else 2)
+        axis.set_title(f'{title}: largest error over one revolution, of its peak')
+        axis.set_xlabel('CPU time per sample [µs]')
+        axis.grid(True, which='major', color='0.9')
+    axes[0].set_ylabel('error')
+    axes[0].annotate('better', (0.02, 0.03), (0.12, 0.13), xycoords='axes fraction', textcoords='axes fraction',
+                     arrowprops={'arrowstyle': '->', 'color': '0.4'}, color='0.4')
+    figure.legend(*axes[0].get_legend_handles_labels(), loc='outside lower center', ncols=5, frameon=False)
+    for kind in ('svg', 'png'):
+        figure.savefig(f'{PICTURE}.{kind}', dpi=110, metadata={'Date': None} if kind == 'svg' else None)
+
+
+def main():
+    """Print all tables and draw."""
+    errors, times, left_out = measure(ROUNDS)
+    print(f'Linkage {LENGTHS} m with its rods, mode 2, {OMEGA:g} rad/s, {SAMPLES} samples of one revolution. One thread, '
+          f'CPU time, {ROUNDS} rounds in turn: medians, ratios within the same round. Errors against many digits: theta4 '
+          'absolute, the others of the largest magnitude. Engines are called from Python, as a Python project would; '
+          'steppers start exactly, the second of two turns is scored.\n')
+    print_methods(errors, times)
+    print_verdict(errors, times)
+    print_units(times)
+    for peer, why in left_out.items():
+        print(f'Left out: {peer}: {why}')
+    draw(errors, times)
+    print(f'![Error against run time]({PICTURE.name}.svg)')
+
+
+if __name__ == '__main__':
+    main()
