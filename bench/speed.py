@@ -18,7 +18,7 @@ LENGTHS, OMEGA, DENSITY, RADIUS = (0.4, 1.2, 0.8, 1.0), 25.0, 7750.0, 0.01     #
 SAMPLES, ROUNDS = 1000, 5
 ONE_THREAD = {name: '1' for name in ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS')}
 SCALAR, BATCHES = 'fourbar_ros, scalar', [f'fourbar_ros, batch of {count}' for count in (1000, 10000, 100000)]
-UNITS = 'math.sin', 'numpy.sin'
+STEP, UNITS = 'one step', ('math.sin', 'numpy.sin')
 SCALAR_LIMIT, BATCH_LIMIT = 100, 20     # in calls of math.sin, in elements of numpy.sin
 
 
@@ -129,7 +129,7 @@ def print_methods(errors, times):
     """Print error and run time of every method, ours first, then by time."""
     print('| method | CPU time [us/sample] | times ours, scalar | (lowest to highest round) | theta4 [rad] | '
           "theta4'' | F41 |\n| --- | --- | --- | --- | --- | --- | --- |")
-    for name in sorted(set(errors) - set(UNITS), key=lambda n: (not n.startswith('fourbar_ros'), median(times[n]))):
+    for name in sorted(set(errors) - {STEP, *UNITS}, key=lambda n: (not n.startswith('fourbar_ros'), median(times[n]))):
         ratio = ratios(times, name, SCALAR)
         error = [f'{errors[name][key]:.1e}' if key in errors[name] else '-' for key in ('theta4', 'alpha4', 'f41')]
         print(f'| {name} | {median(times[name]) * 1e6:.3g} | {median(ratio):.3g} | {min(ratio):.3g} to {max(ratio):.3g} | '
@@ -140,7 +140,7 @@ def print_methods(errors, times):
 def print_units(times):
     """Print what a sample of ours costs in sines."""
     print('| motion and all loads | unit | cost | (lowest to highest round) | limit |\n| --- | --- | --- | --- | --- |')
-    for name, unit, limit in [(SCALAR, UNITS[0], SCALAR_LIMIT)] + [(b, UNITS[1], BATCH_LIMIT) for b in BATCHES]:
+    for name, unit, limit in [(STEP, UNITS[0], SCALAR_LIMIT)] + [(b, UNITS[1], BATCH_LIMIT) for b in BATCHES]:
         ratio = ratios(times, name, unit)
         print(f'| {name} | {"calls of math.sin" if unit == UNITS[0] else "elements of numpy.sin"} | {median(ratio):.0f} '
               f'| {min(ratio):.0f} to {max(ratio):.0f} | {limit} |')
@@ -149,7 +149,7 @@ def print_units(times):
 
 def print_verdict(errors, times):
     """Print the cheapest other method that is as accurate as ours to within a factor."""
-    others = [name for name in errors if not name.startswith('fourbar_ros') and name not in UNITS]
+    others = [name for name in errors if not name.startswith('fourbar_ros') and name not in (STEP, *UNITS)]
     for what, key in (("theta4''", 'alpha4'), ('F41', 'f41')):
         for bound in (1e-13, 1e-6, 1e-3):
             good = [name for name in others if errors[name].get(key, 1.0) <= bound]

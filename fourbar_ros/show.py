@@ -14,6 +14,7 @@ from .core.quantities import select
 from .core.status import STATUS_NAMES, evaluate
 
 PIPE_WIDTH = 120
+SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the range is approached
 MODE_NAMES = {1: '1 (crossed)', 2: '2 (open)'}
 
 
@@ -77,14 +78,14 @@ def what_it_is(linkage, title):
 
 def extremes_table(extrema, title):
     """Return the table of a list of Extremum."""
-    table = plain_table(title, ('quantity', 'kind', '', 'value>', 'unit', 'theta1 [rad]>', '[deg]>'))
+    table = plain_table(title, ('quantity', 'kind', '', 'value>', 'unit', 'theta1 [rad]>', '[deg]>', ''))
     last = None
     for extremum in extrema:
         if last not in (None, extremum.quantity):
             table.add_section()
         table.add_row('' if extremum.quantity == last else extremum.quantity, str(extremum.kind),
                       'global' if extremum.is_global else '', f'{extremum.value:.10g}', extremum.unit,
-                      f'{extremum.theta1:.8f}', f'{degrees(extremum.theta1):.4f}')
+                      f'{extremum.theta1:.8f}', f'{degrees(extremum.theta1):.4f}', SIDES[extremum.side])
         last = extremum.quantity
     return table
 

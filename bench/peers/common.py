@@ -22,12 +22,12 @@ class Case:
         self.lengths, self.omega, self.bodies = case['lengths'], case['omega'], case['bodies']
         self.theta1 = np.array(case['theta1'])
         self.truth = {name: np.array(values) for name, values in case['truth'].items()}
-        self.step = self.theta1[1] - self.theta1[0]
+        self.step = float(self.theta1[1] - self.theta1[0])
 
     def start(self):
         """Return theta1, beta, theta4 and their rates at the first sample."""
-        first = {name: values[0] for name, values in self.truth.items()}
-        return (self.theta1[0], first['beta'], first['theta4']), (self.omega, first['omega_beta'], first['omega4'])
+        first = {name: values[0].tolist() for name, values in self.truth.items()}
+        return (float(self.theta1[0]), first['beta'], first['theta4']), (self.omega, first['omega_beta'], first['omega4'])
 
 
 def errors(case, found):

@@ -68,10 +68,10 @@ def stepper(steps, index2):
 
 
 def read(found):
-    theta4, omega4, alpha4, *force = found
-    return {'theta4': theta4, 'omega4': omega4, 'alpha4': alpha4, 'f41': np.array(force).T}
+    theta4, omega4, alpha4, *force = found     # that of the crank on the ground
+    return {'theta4': theta4, 'omega4': omega4, 'alpha4': alpha4, 'f41': -np.array(force).T}
 
 
-serve(case, [Method(f'Exudyn {name}, {steps} steps', stepper(steps, index2), read, 2)
+serve(case, [Method(f'Exudyn {name}, {steps} step{"s" * (steps > 1)}', stepper(steps, index2), read, 2)
              for name, index2 in (('generalized alpha index 3', False), ('trapezoidal index 2', True))
              for steps in (1, 4, 16)])

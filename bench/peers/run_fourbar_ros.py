@@ -1,6 +1,6 @@
 """This package, the same by 9x9 systems in numpy, and the units: math.sin and numpy.sin."""
+import math
 import sys
-from math import sin
 from pathlib import Path
 
 import numpy as np
@@ -13,28 +13,35 @@ from fourbar_ros import Bodies, Body, FourBar  # noqa: E402
 
 case = Case()
 omega = float(case.omega)
-sign = 1.0 if sin(case.truth['theta4'][0] - case.truth['beta'][0]) > 0.0 else -1.0
+sign = 1.0 if math.sin(case.truth['theta4'][0] - case.truth['beta'][0]) > 0.0 else -1.0
 linkage = FourBar(*case.lengths, mode=2 if sign > 0.0 else 1, bodies=Bodies(*(Body(*b) for b in case.bodies)))
 masses = [(b.mass, b.cg_along, b.cg_across, b.inertia) for b in linkage.bodies]
 
 
 def scalar(theta1):
+    step, rows = linkage.step, []
+    for x in theta1.tolist():
+        motion, loads = step(x, omega, 0.0)
+        rows.append((motion.theta4, motion.omega4, motion.alpha4, (loads.f41_x, loads.f41_y)))
+    return rows
+
+
+def scalar_motion(theta1):
+    motion_of, rows = linkage.motion, []
+    for x in theta1.tolist():
+        motion = motion_of(x, omega, 0.0)
+        rows.append((motion.theta4, motion.omega4, motion.alpha4))
+    return rows
+
+
+def one_step(theta1):
     step = linkage.step
-    return [step(x, omega, 0.0) for x in theta1.tolist()]
-
-
-def motion_only(theta1):
-    motion = linkage.motion
-    return [motion(x, omega, 0.0) for x in theta1.tolist()]
+    for x in theta1.tolist():
+        step(x, omega, 0.0)
 
 
 def read_scalar(rows):
-    motions, loads = (map(np.array, zip(*columns)) for columns in zip(*rows))
-    return read((type(linkage.motion(0.0))(*motions), type(rows[0][1])(*loads)))
-
-
-def read_motions(rows):
-    return {name: [getattr(motion, name) for motion in rows] for name in ('theta4', 'omega4', 'alpha4')}
+    return dict(zip(('theta4', 'omega4', 'alpha4', 'f41'), zip(*rows)))
 
 
 def read(found):
@@ -74,11 +81,9 @@ def read_systems(rows):
 one_system = system(SCALAR)
 
 
-def units(function):
-    def run(theta1):
-        for x in theta1.tolist():
-            function(x)
-    return run
+def math_sin(theta1):
+    for x in theta1.tolist():
+        math.sin(x)
 
 
 def nothing(_):
@@ -87,9 +92,10 @@ def nothing(_):
 
 samples = np.tile(case.theta1, 10)
 serve(case, [
-    Method('fourbar_ros, scalar', scalar, read_scalar), Method('fourbar_ros, scalar, motion only', motion_only, read_motions),
+    Method('fourbar_ros, scalar', scalar, read_scalar),
+    Method('fourbar_ros, scalar, motion only', scalar_motion, read_scalar),
     *(Method(f'fourbar_ros, batch of {count}', batch(count), read) for count in (1000, 10000, 100000)),
     Method('9x9 numpy, one a call', lambda theta1: [one_system(x) for x in theta1.tolist()], read_systems),
     *(Method(f'9x9 numpy, batch of {count}', batch_system(count), read_system) for count in (1000, 100000)),
-    Method('math.sin', units(sin), nothing),
+    Method('one step', one_step, nothing), Method('math.sin', math_sin, nothing),
     Method('numpy.sin', lambda _: np.sin(samples), lambda _: {'theta4': np.tile(case.truth['theta4'], 10)})])

@@ -91,5 +91,7 @@ def connect(steps, hardest):
 methods = [Method(f'MuJoCo tree, loop closed to {tolerance:.0e} m', run_tree(Tree(), case, tolerance), read)
            for tolerance in (1e-3, 1e-9)]
 methods.append(Method('MuJoCo connect, default softness', connect(1, False), read, 2))
-methods += [Method(f'MuJoCo connect, hardest, {steps} steps', connect(steps, True), read, 2) for steps in (1, 4, 16)]
+methods += [
+    Method(f'MuJoCo connect, hardest, {steps} step{"s" * (steps > 1)}', connect(steps, True), read, 2)
+    for steps in (1, 4, 16)]
 serve(case, methods)

@@ -53,11 +53,12 @@ class Tree:
 
 def closed(mu, iterations):
     """Return the tree above, its accelerations and loop force by constraintDynamics."""
-    constraint = pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, coupler, place(a2), output, place(a3), WORLD)
-    constraints = [constraint]
-    datas = [constraint.createData()]
+    constraints, datas = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
+    constraints.append(pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, coupler, place(a2), output,
+                                                place(a3), pin.LOCAL))
+    datas.append(constraints[0].createData())
     data = model.createData()
-    pin.initConstraintDynamics(model, data, constraints)
+    pin.initConstraintDynamics(model, data, constraints, datas)
     settings = pin.ProximalSettings(1e-14, mu, iterations)
     unit, zero = np.array([1.0, 0.0, 0.0]), np.zeros(3)
 
@@ -77,6 +78,7 @@ def closed(mu, iterations):
 
 methods = [Method(f'Pinocchio tree, loop closed to {tolerance:.0e} m', run_tree(Tree(), case, tolerance), read)
            for tolerance in (1e-3, 1e-9)]
-methods += [Method(f'Pinocchio constraintDynamics, mu {mu:.0e}, {iterations} iterations', closed(mu, iterations), read)
-            for mu, iterations in ((1e-4, 1), (1e-4, 20))]
+methods += [
+    Method(f'Pinocchio constraintDynamics, mu {mu:.0e}, {iterations} it.', closed(mu, iterations), read)
+    for mu, iterations in ((1e-4, 1), (1e-4, 20))]
 serve(case, methods)
