@@ -53,4 +53,4 @@ bench:
 	@$(env) && python -m bench $(ARGS)
 
 clean:
-	rm -rf .venv/setup install/*/.built .venv build install log
+	rm -rf .venv/setup install/*/.built .venv .venv-peers build install log

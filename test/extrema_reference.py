@@ -3,50 +3,46 @@ Exact extremes of theta4' and theta4'' at constant input rate, by another road t
 
 In q = |A O4|^2 they are roots of polynomials of degree 6 and 11 with rational coefficients. Here their real
 roots are isolated by Descartes' rule with bisection (the package counts with Sturm's theorem), in integers,
-and refined by bisection to 400 bits; theta1 follows in mpmath, its sign from the equation that was squared.
+and refined by bisection; theta1 follows in mpmath, its sign from the equation that was squared.
 """
-from fractions import Fraction
+from itertools import zip_longest
 
 import mpmath
 import numpy as np
 
-BITS = 400
+BITS = 160       # after the point of q in units of the last bit of the shortest length
 
 
 class Polynomial:
-    """Polynomial with Fraction coefficients, lowest power first."""
+    """Polynomial with integer coefficients, lowest power first."""
 
     def __init__(self, *coefficients):
-        self.c = [Fraction(v) for v in coefficients]
+        self.c = coefficients
 
     def __add__(self, other):
-        size = max(len(self.c), len(other.c))
-        a, b = (p.c + [Fraction(0)] * (size - len(p.c)) for p in (self, other))
-        return Polynomial(*(x + y for x, y in zip(a, b)))
+        return Polynomial(*(a + b for a, b in zip_longest(self.c, other.c, fillvalue=0)))
 
     def __sub__(self, other):
         return self + other * -1
 
     def __mul__(self, other):
-        if not isinstance(other, Polynomial):
+        if isinstance(other, int):
             return Polynomial(*(v * other for v in self.c))
-        product = [Fraction(0)] * (len(self.c) + len(other.c) - 1)
+        product = [0] * (len(self.c) + len(other.c) - 1)
         for i, a in enumerate(self.c):
             for j, b in enumerate(other.c):
                 product[i + j] += a * b
         return Polynomial(*product)
 
-    def __call__(self, x):
-        value = 0 * x
-        for c in reversed(self.c):
-            value = value * x + (c if isinstance(x, Fraction) else mpmath.mpf(c.numerator) / c.denominator)
-        return value
-
     def derivative(self):
-        return Polynomial(*(i * c for i, c in enumerate(self.c)), 0) .shift_down()
+        return Polynomial(*[i * c for i, c in enumerate(self.c)][1:])
 
-    def shift_down(self):
-        return Polynomial(*self.c[1:])
+    def at(self, x, bits):
+        """Return P(x / 2^bits) times a positive integer, for an integer x."""
+        value = 0
+        for i, c in enumerate(reversed(self.c)):
+            value = value * x + (c << (bits * i))
+        return value
 
 
 def exact_roots(lengths, order):
@@ -55,76 +51,71 @@ def exact_roots(lengths, order):
 
     ``order``: 0 for theta4', 1 for theta4''. For a1 != a4 and simple roots.
     """
-    a1, a2, a3, a4 = map(Fraction, lengths)
+    ratios = [float(length).as_integer_ratio() for length in lengths]
+    unit = max(denominator for _, denominator in ratios)
+    a1, a2, a3, a4 = (numerator * unit // denominator for numerator, denominator in ratios)
     e, f, q = a1**2 - a4**2, a2**2 - a3**2, Polynomial(0, 1)
     S = Polynomial((a1 + a4)**2, -1) * Polynomial(-(a1 - a4)**2, 1)
     T = Polynomial((a2 + a3)**2, -1) * Polynomial(-(a2 - a3)**2, 1)
     dS, dT = S.derivative(), T.derivative()
-    R = S * T * -f + q * Polynomial(f, 1) * (dS * T - S * dT) * Fraction(1, 2)
+    R = S * T * (-2 * f) + q * Polynomial(f, 1) * (dS * T - S * dT)                  # 2 R
     if order == 0:
-        P, factor = S * T * T * T * e**2 - R * R, R * e
+        P, factor = S * T * T * T * (4 * e**2) - R * R, R * e
     else:
-        M = q * T * R.derivative() * 2 - R * T * 4 - q * R * dT * 3
+        M = q * T * R.derivative() * 2 - R * T * 4 - q * R * dT * 3                  # 2 M
         W = S * 4 - q * dS
-        P, factor = W * W * T * T * T * T * T * e**2 - S * M * M, W * M * -e
-    low, high = max((a1 - a4)**2, (a2 - a3)**2), min((a1 + a4)**2, (a2 + a3)**2)
+        P, factor = W * W * T * T * T * T * T * (4 * e**2) - S * M * M, W * M * -e
     found = []
-    for root in isolated_roots(P, low, high):
-        with mpmath.workprec(BITS):
-            sine = mpmath.sqrt(root - mpmath.mpf(((a1 - a4)**2).numerator) / ((a1 - a4)**2).denominator)
-            k = 4 * a1 * a4
-            cosine = mpmath.sqrt(mpmath.mpf(((a1 + a4)**2).numerator) / ((a1 + a4)**2).denominator - root)
-            x = 2 * mpmath.atan2(sine, cosine)
-            found.append(x if factor(root) > 0 else -x)
+    for root in isolated_roots(P, max((a1 - a4)**2, (a2 - a3)**2), min((a1 + a4)**2, (a2 + a3)**2)):
+        with mpmath.workprec(2 * BITS):
+            q = mpmath.ldexp(root, -BITS)
+            x = 2 * mpmath.atan2(mpmath.sqrt(q - (a1 - a4)**2), mpmath.sqrt((a1 + a4)**2 - q))
+            found.append(x if factor.at(root, BITS) > 0 else -x)
     return found
 
 
 def isolated_roots(P, low, high):
-    """Return the roots of P between two bounds, none of them a root inside, to BITS bits."""
-    work, found = [(low, high)], []
+    """Return the roots of P between two integers, times 2^BITS, rounded down."""
+    work, found = [(low, high, 0)], []
     while work:
-        a, b = work.pop()
-        changes = descartes(P, a, b)
+        a, b, bits = work.pop()
+        changes = descartes(P, a, b, bits)
         if changes == 1:
-            found.append(bisected(P, a, b))
+            found.append(bisected(P, a, b, bits))
         elif changes > 1:
-            middle = (a + b) / 2
-            assert P(middle) != 0
-            work += [(a, middle), (middle, b)]
+            assert P.at(a + b, bits + 1) != 0
+            work += [(2 * a, a + b, bits + 1), (a + b, 2 * b, bits + 1)]
     return found
 
 
-def descartes(P, a, b):
-    """Return the sign changes of the coefficients of (1+t)^n P((a + b t)/(1 + t)): roots in (a, b), or more."""
-    c = list(P.c)
-    n = len(c)
-    for i in range(n - 1):                              # P(x + a)
-        for j in range(n - 2, i - 1, -1):
-            c[j] += a * c[j + 1]
-    c = [v * (b - a)**i for i, v in enumerate(c)][::-1]    # t = 1/x - 1 on (0, 1)
-    for i in range(n - 1):
-        for j in range(n - 2, i - 1, -1):
-            c[j] += c[j + 1]
+def descartes(P, a, b, bits):
+    """Return the sign changes of the coefficients of (1+t)^n P((a + b t)/(1 + t)): roots between, or more."""
+    c = [v << (bits * i) for i, v in enumerate(reversed(P.c))][::-1]
+    shifted(c, a)
+    c = [v * (b - a)**i for i, v in enumerate(c)][::-1]
+    shifted(c, 1)
     signs = [v > 0 for v in c if v]
     return sum(one != other for one, other in zip(signs, signs[1:]))
 
 
-def bisected(P, a, b):
-    """Return the one root between a and b as an mpmath number."""
-    with mpmath.workprec(4 * BITS):
-        def at(x):
-            return P(x)
-        a, b = (mpmath.mpf(v.numerator) / v.denominator for v in (a, b))
-        width = b - a
-        # the ends may be roots themselves: step inside by less than any distance of roots
-        sign = at(a + mpmath.ldexp(width, -BITS)) > 0
-        for _ in range(BITS):
-            middle = (a + b) / 2
-            if (at(middle) > 0) == sign:
-                a = middle
-            else:
-                b = middle
-        return (a + b) / 2
+def shifted(c, a):
+    """Turn the coefficients of P(x) into those of P(x + a)."""
+    for i in range(len(c) - 1):
+        for j in range(len(c) - 2, i - 1, -1):
+            c[j] += a * c[j + 1]
+
+
+def bisected(P, a, b, bits):
+    """Return the one root between a and b, of 2^bits, with BITS bits. The ends may be roots themselves."""
+    a, b = a << (BITS - bits), b << (BITS - bits)
+    sign = P.at(a + 1, BITS) > 0
+    while b - a > 1:
+        middle = (a + b) // 2
+        if (P.at(middle, BITS) > 0) == sign:
+            a = middle
+        else:
+            b = middle
+    return a
 
 
 def families():

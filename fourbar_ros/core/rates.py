@@ -5,10 +5,11 @@ With x = theta1, y = theta4, b = beta and u the elliptic parameter of :mod:`.ell
 
     X = dx/du = a2 a3 sin(y-b),    Y = dy/du = a1 a2 sin(x-b),    B = db/du = a1 a3 sin(x-y)
 
-are sines, and so dy/dx = Y/X, d2y/dx2 = g/X^3, d3y/dx3 = k/X^5 with g = Y_u X - Y X_u and k = g_u X -
-3 g X_u, smooth everywhere, toggles included. The roots of g are the extremes of theta4', those of k the
-extremes of theta4''. Two roots of g have one of k between them, so that only k can hide pairs of roots
-between samples, and is looked at closely.
+are sines, and by the loop so are their differences, X - B = a3 a4 sin(y), Y - B = a1 a4 sin(x). Then dy/dx =
+Y/X, d2y/dx2 = g/X^3, d3y/dx3 = k/X^5 with g = Y_u X - Y X_u and k = g_u X - 3 g X_u, smooth
+everywhere, toggles included. The roots of g are the extremes of theta4', those of k the extremes of
+theta4''. Two roots of g have one of k between them, so that only k can hide pairs of roots between
+samples, and is looked at closely.
 """
 from __future__ import annotations
 
@@ -21,12 +22,9 @@ from .dialects import dialects, where
 from .elliptic import POINTS_PER_FEATURE, half_turn, phases
 from .factors import difference_of_squares, half_angle_coefficients
 from .roots import look_closer, solve_one, turn_after
-from .sensitivity import perturbed_lengths
+from .sensitivity import TURN, perturbed_lengths
 
 SAMPLES = 32
-# Step in theta1 [rad] of differences of theta4''': small beside the narrowest feature at a change point
-# one rounding away (1e-8), large beside rounding.
-TURN = 2.0**-40
 
 
 @dialects
@@ -37,32 +35,32 @@ def sines(sh, ch, constants):
     ``constants`` are those of :func:`sine_constants`; the pose is found as in
     :func:`.kinematics.make_motion`.
     """
-    s1, s2, k, yA, yB, yC, yD, yM, bA, bB, bC, bD, bM, a12, a13, sign = constants
+    s1, s2, k, yA, yB, yC, yD, yM, bA, bB, bC, bD, bM, a12, a34, sign = constants
     ss, cc, sc = sh * sh, ch * ch, sh * ch
     u, w = s1 + k * cc, s2 + k * ss
     root = sign * sqrt(fabs(u * w))       # at a toggle u or w may round to less than zero
     m = yM * sc
     n, d = where(m * root > 0.0, (yB * ss + yD * cc, m + root), (m - root, yA * ss + yC * cc))
-    scale = a13 / (n * n + d * d)
-    cB, B = (d - n) * (d + n) * scale, -2.0 * n * d * scale
+    scale = a34 / (n * n + d * d)
+    cy, XB = (d - n) * (d + n) * scale, 2.0 * n * d * scale        # a3 a4 cos(y), X - B
     m = bM * sc
     n, d = where(m * root < 0.0, (bB * ss + bD * cc, m - root), (m + root, bA * ss + bC * cc))
     scale = a12 / (n * n + d * d)
-    cY, Y = (d - n) * (d + n) * scale, -2.0 * n * d * scale
-    cX, X = 0.25 * (u - w), 0.5 * root
-    YB, XB = Y - B, X - B
-    Xu, Yu, Bu = cX * YB, cY * XB, cB * (X - Y)
-    g = Yu * X - Y * Xu
-    Xuu, Yuu = cX * (Yu - Bu) - X * YB * YB, cY * (Xu - Bu) - Y * XB * XB
-    return g, (Yuu * X - Y * Xuu) * X - 3.0 * g * Xu, X, Y
+    cY, Y = (d - n) * (d + n) * scale, -2.0 * n * d * scale        # a1 a2 cos(x-b)
+    cX, X = 0.25 * (u - w), 0.5 * root                             # a2 a3 cos(y-b)
+    cx, YB = 0.25 * k * (cc - ss), 0.5 * k * sc                    # a1 a4 cos(x), Y - B
+    Xu = cX * YB
+    g = cY * XB * X - Y * Xu
+    gu = X * Y * (cY * cy - XB * XB - (cX * cx - YB * YB))
+    return g, gu * X - 3.0 * g * Xu, X, Y
 
 
 def sine_constants(a1, a2, a3, a4, sign):
     """Return the constants of :func:`sines`; the largest length should be about one."""
-    yA, yB, yC, yD, yM = half_angle_coefficients(-a4, a2, a3, -a1)
-    bA, bB, bC, bD, bM = half_angle_coefficients(-a4, a3, -a2, -a1)
+    yA, yB, yC, yD, yM = half_angle_coefficients(a1, a2, a3, a4)
+    bA, bB, bC, bD, bM = half_angle_coefficients(-a4, a3, -a2, -a1)       # of b - x
     return (difference_of_squares(a2, a3, a1, a4), difference_of_squares(a1, -a4, a2, -a3),
-            4.0 * a1 * a4, yA, yB, yC, yD, -yM, bA, bB, bC, bD, -bM, a1 * a2, a1 * a3, sign)
+            4.0 * a1 * a4, yA, yB, yC, yD, yM, bA, bB, bC, bD, -bM, a1 * a2, a3 * a4, sign)
 
 
 def rate_extrema(linkage, samples=SAMPLES):
@@ -103,13 +101,14 @@ def rate_extrema(linkage, samples=SAMPLES):
         for i, bracket in _brackets(k_at, x, [k for _, k, _, _ in nodes], is_closed):
             root = solve_one(k_at, *bracket)
             inside[i].append(root)
-            roots[1].append((root, (bracket[2] >= 0.0) is upward))
+            roots[1].append((root, (bracket[2] >= 0.0) is upward, bracket[1] - bracket[0]))
         ends = [(v, g) for v, (g, *_) in zip(x, nodes)]
         for one, between, other in zip(ends, inside, ends[1:] + ends[:is_closed]):
             chain = [one, *((root, g_at(root)) for root in sorted(between)), other]
             for (xa, fa), (xb, fb) in zip(chain, chain[1:]):
                 if (fa >= 0.0) is not (fb >= 0.0):
-                    roots[0].append((solve_one(g_at, xa, turn_after(xb, xa), fa, fb), (fa >= 0.0) is upward))
+                    xb = turn_after(xb, xa)
+                    roots[0].append((solve_one(g_at, xa, xb, fa, fb), (fa >= 0.0) is upward, xb - xa))
     return _with_conditions(linkage, constants, roots), toggles
 
 
@@ -129,12 +128,12 @@ def _with_conditions(linkage, constants, roots):
     others = [_scaled_constants(lengths, linkage.sign) for lengths in others]
     extended = [], []
     for order in (0, 1):
-        for x, is_maximum in roots[order]:
-            here = derivatives(x, constants)
-            turned = derivatives(x + TURN, constants)
+        for x, is_maximum, spacing in roots[order]:
+            turn = TURN * spacing
+            here, turned = derivatives(x, constants), derivatives(x + turn, constants)
             shifts = [derivatives(x, other) for other in others]
             value, slope = (sum(abs(shift[i] - here[i]) for shift in shifts) / step for i in (order, order + 1))
-            curvature = (turned[order + 1] - here[order + 1]) / (x + TURN - x)
+            curvature = (turned[order + 1] - here[order + 1]) / turn
             extended[order].append((x, is_maximum, slope / abs(curvature) if curvature else inf,
                                     value / abs(here[order]) if here[order] else inf))
     return extended

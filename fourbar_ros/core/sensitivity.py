@@ -14,6 +14,8 @@ import numpy as np
 # Relative steps of a length: at most the first; a part of the distance to the next change point, where
 # everything changes; but never lost in rounding.
 LARGEST, PART, SMALLEST = 2.0**-26, 2.0**-6, 2.0**-46
+# Step in theta1 for the curvature, in distances of samples.
+TURN = 2.0**-12
 _MARGIN_SIGNS = ((-1, -1, 1, 1), (-1, 1, -1, 1), (-1, 1, 1, -1))
 
 
@@ -39,7 +41,7 @@ def sampled_conditions(sampler, x, row, spacing):
 
     """
     step, others = perturbed_lengths(sampler.linkage)
-    turn = PART * PART * spacing
+    turn = TURN * spacing
     value, slope = sampler.at(x, row)
     curvature = (sampler.at(x + turn, row)[1] - slope) / turn
     shift = np.zeros((2, x.size))
