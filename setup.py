@@ -18,8 +18,10 @@ setup(
     python_requires='>=3.10',
     install_requires=['setuptools', 'numpy>=1.26', 'pyyaml>=6', 'rich>=13'],
     extras_require={
-        'bag': ['mcap>=1.5,<2', 'mcap-ros2-support>=0.6,<1'],
-        'test': ['pytest<9', 'mpmath', 'rosbags'],
+        'bag': ['mcap>=1.5,<2', 'lz4', 'zstandard'],
+        'parquet': ['pyarrow'],
+        'plot': ['matplotlib'],
+        'test': ['pytest<9', 'mpmath', 'rosbags', 'mcap-ros2-support>=0.6,<1', 'hypothesis', 'scipy', 'matplotlib'],
     },
     zip_safe=True,
     maintainer='fourbar_ros developers',

@@ -1,6 +1,7 @@
 """A scene: one linkage, what drives it, what it publishes. Read from a ROS 2 parameter file, without ROS."""
 from __future__ import annotations
 
+import json
 from math import isnan
 from pathlib import Path
 from typing import NamedTuple
@@ -50,6 +51,11 @@ class Scene(NamedTuple):
     joint_names: tuple[str, ...]
     recording: Recording
     values: dict       # every parameter by name
+
+    @property
+    def as_json(self):
+        """Return the given parameters as JSON (NaN stands for "not given", and is no JSON)."""
+        return json.dumps({name: value for name, value in self.values.items() if value == value})
 
     @property
     def needs_loads(self):

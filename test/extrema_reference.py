@@ -47,9 +47,9 @@ class Polynomial:
 
 def exact_roots(lengths, order):
     """
-    Return the theta1 of mode 2, as mpmath numbers in (-pi, pi], of all extremes inside the input range.
+    Return (theta1, value) of all extremes inside the input range, mode 2, input rate 1 rad/s, in mpmath.
 
-    ``order``: 0 for theta4', 1 for theta4''. For a1 != a4 and simple roots.
+    ``order``: 0 for theta4', 1 for theta4''; theta1 in (-pi, pi]. For a1 != a4 and simple roots.
     """
     ratios = [float(length).as_integer_ratio() for length in lengths]
     unit = max(denominator for _, denominator in ratios)
@@ -70,7 +70,13 @@ def exact_roots(lengths, order):
         with mpmath.workprec(2 * BITS):
             q = mpmath.ldexp(root, -BITS)
             x = 2 * mpmath.atan2(mpmath.sqrt(q - (a1 - a4)**2), mpmath.sqrt((a1 + a4)**2 - q))
-            found.append(x if factor.at(root, BITS) > 0 else -x)
+            sign = 1 if factor.at(root, BITS) > 0 else -1
+            sine, t = (sign * mpmath.sqrt(mpmath.polyval(S.c[::-1], q)), mpmath.polyval(T.c[::-1], q))
+            if order == 0:
+                value = (q + e + (q + f) * sine / mpmath.sqrt(t)) / (2 * q)
+            else:
+                value = (-e * sine + mpmath.polyval(R.c[::-1], q) / 2 / mpmath.sqrt(t)**3) / (2 * q**2)
+            found.append((sign * x, value))
     return found
 
 

@@ -1,4 +1,5 @@
 """Scene files and the parameter table."""
+import json
 import math
 from pathlib import Path
 
@@ -28,6 +29,12 @@ def test_a_dump_of_all_values_is_the_same_scene():
     first = scene.from_values({**PAPER, **RODS, 'outputs': ['loads']})
     again = scene.from_values(first.values)
     assert again.linkage == first.linkage and again.outputs == first.outputs
+
+
+def test_json_of_a_scene_is_strict_and_gives_the_same_scene():
+    first = scene.from_values({**PAPER, 'outputs': ['state']})
+    values = json.loads(first.as_json, parse_constant=lambda name: pytest.fail(f'{name} is no JSON'))
+    assert scene.from_values(values).linkage == first.linkage and 'bodies.crank.mass' not in values
 
 
 def test_bodies_one_by_one():

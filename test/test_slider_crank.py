@@ -1,5 +1,5 @@
 """The slider-crank, driven by its crank or its slider."""
-from math import acos, cos, inf, nan, nextafter, pi, radians, remainder, sin
+from math import inf, nan, nextafter, pi, radians, remainder, sin
 
 import mpmath as mp
 import numpy as np
@@ -113,7 +113,7 @@ def test_either_input_gives_the_motion_of_the_other():
         size = 1.0 + abs(m.alpha1) + abs(m.alpha_beta) + m.omega1**2 + m.omega_beta**2
         assert (back.omega1, back.alpha1, back.omega_beta, back.alpha_beta) == pytest.approx(
             (m.omega1, m.alpha1, m.omega_beta, m.alpha_beta), abs=1e-10 * size / m.sin_2**2)
-        assert abs(back.theta1 + back.theta2 + back.theta3) % (2.0 * pi) == pytest.approx(0.0, abs=1e-14) or True
+        assert remainder(back.theta1 + back.theta2 + back.theta3, 2.0 * pi) == pytest.approx(0.0, abs=8 * EPS)
 
 
 @both_inputs
@@ -233,7 +233,7 @@ def test_exact_change_points(lengths, mode):
         assert mechanism.classification == 'change point'
         at = (pi / 2.0, -pi / 2.0) if kind[1] == CRANK else (0.0,)
         for value in [v + d for v in at for d in (-1e-3, -1e-8, -1e-12, 0.0, 1e-12, 1e-8, 1e-3)]:
-            truth = exact(kind, lengths, 2 * mode - 3, (value or mp.mpf(10)**-60, 1.0, 0.0))
+            truth = exact(kind, lengths, 2 * mode - 3, (value or mp.mpf(10)**-30, 1.0, 0.0))
             if truth is None:
                 continue
             m = mechanism.motion(value, 1.0)
@@ -251,7 +251,7 @@ def test_offset_at_and_past_its_limit(kind):
     inside = SliderCrank(2.5, 6.0, nextafter(8.5, 0.0), input=kind[1])
     (low, high), = inside.input_ranges
     middle = inside.motion(0.5 * (low + high), 1.0)
-    assert 0.0 < high - low < 1e-7 and abs(middle.sin_b - 1.0) < 1e-14 and middle.sin_x == pytest.approx(1.0, abs=1e-14)
+    assert 0.0 < high - low < 1e-6 and abs(middle.sin_b - 1.0) < 1e-14 and middle.sin_x == pytest.approx(1.0, abs=1e-14)
     # the crank's limit: full turns up to |offset| = a2 - a1, not beyond
     assert SliderCrank(2.5, 6.0, 3.5).turns_fully and not SliderCrank(2.5, 6.0, nextafter(3.5, 4.0)).turns_fully
 
@@ -300,7 +300,7 @@ def test_gas_force_on_the_piston():
         m, loads = SliderCrank(0.1, 0.3, e, bodies=nothing, external=push).step(0.8, 30.0)
         assert loads.driving_torque == pytest.approx(1000.0 * m.slide_ratio, rel=1e-14)
         assert abs(loads.f32_x * m.sin_b - loads.f32_y * m.cos_b) <= 8 * EPS * loads.f32      # two-force member
-        assert loads.guide_force == pytest.approx(-1000.0 * m.sin_b / m.cos_b * -1.0 * -1.0, rel=1e-13)
+        assert loads.guide_force == pytest.approx(-1000.0 * m.sin_b / m.cos_b, rel=1e-13)
         assert loads.guide_couple == pytest.approx(-20.0, rel=4 * EPS)      # turns the slider back: 0.02 m x 1000 N
         assert loads.f43_x == 0.0 and loads.shaking_force_x == -1000.0
         m, loads = SliderCrank(0.1, 0.3, e, mode=1, input=SLIDER, bodies=nothing, external=push).step(0.25)
@@ -332,4 +332,3 @@ def test_a_long_output_link_makes_a_slider_of_the_four_bar():
         assert m.omega_beta == pytest.approx(s.omega_beta, rel=1e-5)
         assert m.transmission_angle == pytest.approx(s.transmission_angle, abs=1e-6)
         assert -far * m.omega4 == pytest.approx(s.slide_velocity, rel=1e-5)
-    assert acos(0.0) == pi / 2.0 and cos(0.0) == 1.0

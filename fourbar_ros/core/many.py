@@ -10,7 +10,7 @@ import numpy as np
 from . import factors
 from .elliptic import POINTS_PER_FEATURE, half_turn, phases
 from .errors import InvalidParameter
-from .extrema import MINIMUM, RATES, find_extrema
+from .extrema import CONSTANT, MAXIMUM, RATES, find_extrema
 from .linkage import CROSSED, OPEN, FourBar
 from .rates import sine_constants, sines
 from .roots import EPS, bracketed_roots, find_brackets, turn_after
@@ -24,6 +24,9 @@ CHUNK = 2048
 class Extrema(NamedTuple):
     """
     Extremes of one quantity of many linkages, by linkage, then theta1; arrays of shape (extremes,).
+
+    Where a quantity is constant over a range (a parallelogram), the beginning of the range is listed, as a
+    maximum if no value is larger, else as a minimum.
 
     Parameters
     ----------
@@ -198,7 +201,8 @@ class _Path:
 
     def brackets_of_k(self, k_at):
         """Return (interval, row, xa, xb, fa, fb) of all roots of k."""
-        i, column, *bracket = find_brackets(lambda x, column: k_at(x, self.row[column]), self.angle, self.k, self.is_closed)
+        i, column, *bracket = find_brackets(lambda x, column: k_at(x, self.row[column]), self.angle, self.k,
+                                            self.is_closed)
         self.number = i.size
         return i, self.row[column], *bracket
 
@@ -235,8 +239,11 @@ def _at_change_point(index, lengths, sign, omega1):
     linkage = FourBar(*lengths.tolist(), mode=OPEN if sign > 0.0 else CROSSED)
     found = {name: [] for name in RATES}
     for extremum in find_extrema(linkage, RATES, float(omega1)):
-        found[extremum.quantity].append((extremum.theta1, extremum.value, extremum.kind != MINIMUM, extremum.side))
+        found[extremum.quantity].append((extremum.theta1, extremum.value, extremum.kind, extremum.side))
     for rows in found.values():
+        largest = max(value for _, value, _, _ in rows)
+        rows = [(theta1, value, kind == MAXIMUM or kind == CONSTANT and value == largest, side)
+                for theta1, value, kind, side in rows]
         yield [(np.full(len(rows), index), *(np.array(column) for column in zip(*rows)))] if rows else []
 
 

@@ -14,6 +14,8 @@ EPS = 2.0**-52
 SMALL = 2.0**-12
 # Parts of an interval at a closer look.
 PARTS = 8
+# Part of the sample by which the cubic is allowed to be wrong.
+CAUTION = 0.25
 # Halvings of a dip before it is taken for a touching point without a sign change.
 HALVINGS = 26
 
@@ -44,9 +46,9 @@ def intervals_with_roots(f):
     """
     Return (i, column, is_plain) of the intervals between samples that have roots, or may have two more.
 
-    Hermite's cubic through two samples, with slopes from five samples each, lies between its Bernstein
-    coefficients. As many roots as these change sign, or less by two: one root is plain; where
-    there could be more the interval needs a closer look.
+    Hermite's cubic through two samples, with slopes from five samples each, has as many roots as its
+    Bernstein coefficients change sign, or less by two. One root is plain; where there could be more, also
+    if the inner coefficients were a little smaller, the interval needs a closer look.
 
     Parameters
     ----------
@@ -57,8 +59,8 @@ def intervals_with_roots(f):
     rise = (8.0 * (f[3:-1] - f[1:-3]) - (f[4:] - f[:-4])) / 36.0     # a third of the slope
     f = f[2:-2]
     positive = f >= 0.0
-    one = (f[:-1] + rise[:-1] >= 0.0) != positive[:-1]
-    other = (f[1:] - rise[1:] >= 0.0) != positive[1:]
+    one = ((1.0 - CAUTION) * f[:-1] + rise[:-1] >= 0.0) != positive[:-1]
+    other = ((1.0 - CAUTION) * f[1:] - rise[1:] >= 0.0) != positive[1:]
     changes = positive[1:] != positive[:-1]
     doubtful = np.where(changes, one & other, one | other)
     i, column = np.nonzero(changes | doubtful)
@@ -121,7 +123,7 @@ def find_brackets(function, x, f, is_closed, scale=1.0):
         At steps that are equal in some smooth variable.
     is_closed : bool
         After the last sample comes the first; ``i`` counts this interval as the last.
-    scale : ndarray, shape (n, 1)
+    scale : ndarray, shape (n, m) or (n, 1)
         Positive; f times scale is smooth.
 
     """

@@ -24,8 +24,9 @@ from .sensitivity import sampled_conditions
 STEP = 2.0**-200
 # Step of real differences of fourth order, in samples: their error is about that of rounding.
 DIFFERENCE = 2.0**-6
-# Power of sin(mu) by which derivatives grow at toggles, and with which they are smooth through them:
-# that of the acceleration. Forces grow faster by one, rates more slowly.
+# Power of sin(mu) by which derivatives grow at toggles (that of the acceleration; forces grow faster by
+# one, rates more slowly). With it they are smooth, that of a magnitude |F| only when multiplied by |F|: near a
+# zero of the force it changes suddenly, F . dF/dtheta1 does not.
 POLE = 5
 # Samples on either side of an end from which the value there is interpolated, on one side if need be.
 NEIGHBOURS, ONE_SIDE = 8, 12
@@ -213,21 +214,24 @@ def search_path(sampler, path):
     start = 0.0 if path.is_closed else path.low.theta1
     found = [Found(row, float(fold(start)), float(middle[row]), 0, 0 if path.is_closed else 1)
              for row in np.nonzero(~varies)[0].tolist()]
-    slopes[~varies] = 1.0
-    found += _interior(sampler, path, slopes, state)
+    rows = np.nonzero(varies)[0]
+    if rows.size:
+        found += _interior(sampler, path, values, slopes, state, rows)
     if not path.is_closed:
-        rows = np.nonzero(varies)[0]
         inward = np.arange(path.theta1.size)
         found += _end(sampler, path.theta1, path.low, +1, inward, path.first, values, slopes, noise, rows)
         found += _end(sampler, path.theta1, path.high, -1, inward[::-1], path.last, values, slopes, noise, rows)
     return found
 
 
-def _interior(sampler, path, slopes, state):
-    """Return what lies between the ends."""
-    scale = np.abs(state[0].sin_mu)**POLE
-    _, row, xa, xb, fa, fb = find_brackets(sampler.slope, lambda i, row: path.theta1[i], slopes.T, path.is_closed,
-                                           scale[:, None])
+def _interior(sampler, path, values, slopes, state, rows):
+    """Return what the quantities ``rows`` do between the ends."""
+    sine = np.abs(state[0].sin_mu)
+    values = values[rows]
+    scale = np.where((values > 0.0).all(axis=1, keepdims=True), values * sine**(2 * POLE - 1), sine**POLE)
+    _, row, xa, xb, fa, fb = find_brackets(lambda x, row: sampler.slope(x, rows[row]), lambda i, row: path.theta1[i],
+                                           slopes[rows].T, path.is_closed, scale.T)
+    row = rows[row]
     if not row.size:
         return []
     root = bracketed_roots(sampler.slope, row, xa, xb, fa, fb)

@@ -60,9 +60,7 @@ class Recording:
         if scene.drive.source in interfaces.INPUTS:
             topics.append(interfaces.INPUTS[scene.drive.source])
         resolved = {topic.name: self._node.resolve_topic_name(topic.topic) for topic in topics}
-        # NaN stands for "not given", and is no JSON
-        values = {key: value for key, value in scene.values.items() if value == value}
-        about = {'scene': json.dumps(values), 'topics': json.dumps(resolved),
+        about = {'scene': scene.as_json, 'topics': json.dumps(resolved),
                  'node': self._node.get_fully_qualified_name(),
                  'units': 'SI: m, kg, s, rad, N, N m', 'software': json.dumps(software())}
         log = self._node.get_logger()

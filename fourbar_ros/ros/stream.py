@@ -1,7 +1,6 @@
 """From one crank input to everything that is heard or recorded."""
 from __future__ import annotations
 
-import json
 import threading
 from math import nan
 
@@ -63,7 +62,7 @@ class Stream:
             return path
 
     def _scene_bytes(self):
-        return serialize_message(String(data=json.dumps(self.scene.values)))
+        return serialize_message(String(data=self.scene.as_json))
 
     def _send_scene(self):
         data = self._scene_bytes()

@@ -14,6 +14,8 @@ from rclpy.qos import QoSProfile
 from fourbar_ros import interfaces
 from fourbar_ros.ros.messages import resolve
 
+# Requests that change nothing, to learn whether a service and its client have seen each other.
+HARMLESS = {'find_extrema': {'quantities': ['?']}, 'evaluate': {}, 'start_recording': {'name': '..'}}
 PATIENCE = 30.0       # [s] discovery takes 0.3 s mostly and 4 s sometimes; a slow machine more
 ALL_OUTPUTS = list(interfaces.OUTPUTS)
 
@@ -58,7 +60,7 @@ class Client:
         self.node = rclpy.create_node('tester')
         self.executor = EventsExecutor()
         self.executor.add_node(self.node)
-        self.received = {}
+        self.received, self.services = {}, {}
 
     def until(self, condition, what, patience=PATIENCE):
         """Handle messages until the condition holds; fail after ``patience``."""
@@ -106,12 +108,27 @@ class Client:
         """Return the answer of a service."""
         service = interfaces.SERVICES[service_name]
         kind = resolve(service.type)
-        client = self.node.create_client(kind, self.topic(service, node))
-        self.until(client.service_is_ready, f'service {service_name}')
+        client = self.services.get((node, service_name))
+        if client is None:
+            client = self.node.create_client(kind, self.topic(service, node))
+            self.services[node, service_name] = client
+            self.until(client.service_is_ready, f'service {service_name}')
+            if service_name in HARMLESS:
+                self._introduce(client, kind.Request(**HARMLESS[service_name]), service_name)
         future = client.call_async(kind.Request(**request))
         self.until(future.done, f'answer of {service_name}')
-        self.node.destroy_client(client)
         return future.result()
+
+    def _introduce(self, client, request, service_name):
+        """Ask until the first answer: a server that has not seen its client yet drops what it answers."""
+        end = time.monotonic() + PATIENCE
+        while True:
+            future, again = client.call_async(request), time.monotonic() + 3.0
+            while time.monotonic() < again:
+                self.executor.spin_once(timeout_sec=0.05)
+                if future.done():
+                    return
+            assert time.monotonic() < end, f'no answer of {service_name}'
 
     def close(self):
         """Leave the graph."""

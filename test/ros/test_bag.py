@@ -25,6 +25,7 @@ def bag(run_node, client, tmp_path):
                      'recording.directory': str(tmp_path / 'deep/bags')})
     client.listen()
     client.until(lambda: all(client.received.values()), 'the stream')
+    client.call('stop_recording')                  # says that there is none: both sides know each other now
     answer = client.call('start_recording', name='run')
     assert answer.success and answer.path == str(tmp_path / 'deep/bags/run')
     count = len(client.received['state'])
