@@ -6,9 +6,9 @@ import sys
 
 from . import __version__
 from .core import FourBarError
-from .verbs import bag, record, replay, scene, show
+from .verbs import bag, draw, record, replay, reproduce, scene, show
 
-VERBS = (show, scene, bag, record, replay)
+VERBS = (show, scene, bag, record, replay, draw, reproduce)
 DESCRIPTION = """\
 Planar four-bar linkages: motion, loads and extremes of a scene; recorded runs. Needs no ROS, but for
 record and replay, which talk to a node.

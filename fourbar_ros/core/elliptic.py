@@ -29,7 +29,7 @@ CLEARANCE = 2.0**-6
 # 1e-4 from a flat position, where quantities are quotients of vanishing numbers.
 TOGGLE_POINTS, FLAT_POINTS = 7, 3
 # Samples for each unit of u; counts.
-POINTS_PER_FEATURE = 6
+POINTS_PER_FEATURE = 4
 
 
 class End(NamedTuple):

@@ -73,7 +73,7 @@ class Extremum(NamedTuple):
     proof: str = ''
 
 
-def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False):
+def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False, conditions=True):
     """
     Return all extreme values over the input angle, in the mode of the linkage.
 
@@ -90,6 +90,8 @@ def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False):
     certify : bool
         Also prove that none is missing, see :mod:`.certify`: milliseconds for omega4 and alpha4, a
         second or more for each other quantity.
+    conditions : bool
+        Also compute condition numbers, which takes a quarter of the time; else they are NaN.
 
     Returns
     -------
@@ -101,14 +103,14 @@ def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False):
         if not isfinite(value):
             raise InvalidParameter(name, value, 'must be a finite number')
     quantities = _resolve(quantities, linkage.bodies is not None)
-    found = _search(linkage, quantities, omega1, alpha1, 1)
+    found = _search(linkage, quantities, omega1, alpha1, 1, conditions)
     proofs = [''] * len(quantities)
     if certify:
         from .certify import NOT_PROVED, prove_counts
 
         counts, proofs = zip(*prove_counts(linkage, quantities, omega1, alpha1, SAMPLES, found))
         if any(count not in (None, _interior_count(part)) for count, part in zip(counts, found)):
-            found = _search(linkage, quantities, omega1, alpha1, 8)
+            found = _search(linkage, quantities, omega1, alpha1, 8, conditions)
         proofs = [proof if count in (None, _interior_count(part))
                   else f'{NOT_PROVED}: {_interior_count(part)} found, {count} exist'
                   for proof, count, part in zip(proofs, counts, found)]
@@ -120,7 +122,7 @@ def _interior_count(found):
     return sum(part.side == 0 and part.sense != 0 for part in found)
 
 
-def _search(linkage, quantities, omega1, alpha1, density):
+def _search(linkage, quantities, omega1, alpha1, density, conditions):
     """Return a list of :class:`Found` for each quantity, each searched for in the way that fits it."""
     is_fast = alpha1 == 0.0 != omega1 and linkage.change_point_margin > 0.0
     fast, smooth, rough = [], [], []
@@ -131,14 +133,15 @@ def _search(linkage, quantities, omega1, alpha1, density):
             (fast if is_fast and quantity.name in RATES else smooth).append(row)
     found = [[] for _ in quantities]
     if fast:
-        for part in _at_constant_rate(linkage, [quantities[row].name for row in fast], omega1, density):
+        for part in _at_constant_rate(linkage, [quantities[row].name for row in fast], omega1, density,
+                                      conditions):
             found[fast[part.row]].append(part)
     for kind, rows in ((Sampler, smooth), (DifferenceSampler, rough)):
         if rows:
             chosen = [quantities[row] for row in rows]
             sampler = kind(linkage, chosen, omega1, alpha1, not all(map(is_published, chosen)))
             for path in input_paths(linkage, density * SAMPLES):
-                for part in search_path(sampler, path):
+                for part in search_path(sampler, path, conditions):
                     found[rows[part.row]].append(part)
     return found
 
@@ -170,19 +173,19 @@ def _has_complex_step(linkage, quantity, omega1, alpha1):
     return agrees.mean() > 0.8      # an angle may jump by 2 pi at one of the points
 
 
-def _at_constant_rate(linkage, names, omega1, density):
+def _at_constant_rate(linkage, names, omega1, density, with_conditions):
     """Yield the :class:`Found` of omega4 and alpha4; ``row`` is the index in names."""
-    roots, toggles = rate_extrema(linkage, density * RATE_SAMPLES)
+    roots, toggles = rate_extrema(linkage, density * RATE_SAMPLES, with_conditions)
     motion = linkage._motion[0]
     for row, name in enumerate(names):
         i, field, sign = (0, 10, 1 if omega1 > 0.0 else -1) if name == 'omega4' else (1, 11, 1)
         for x, is_maximum, *conditions in roots[i]:
-            theta1 = float(fold(x))
+            theta1 = fold(x)
             yield Found(row, theta1, motion(theta1, omega1, 0.0)[field], sign if is_maximum else -sign, 0, False,
                         *conditions)
         for x, side, *is_up in toggles:
             sense = sign if is_up[i] else -sign
-            yield Found(row, float(fold(x)), sense * inf, sense, side)
+            yield Found(row, fold(x), sense * inf, sense, side)
 
 
 def _extrema(quantity, mode, found, proof):

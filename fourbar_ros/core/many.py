@@ -12,13 +12,12 @@ from .elliptic import POINTS_PER_FEATURE, half_turn, phases
 from .errors import InvalidParameter
 from .extrema import CONSTANT, MAXIMUM, RATES, find_extrema
 from .linkage import CROSSED, OPEN, FourBar
-from .rates import sine_constants, sines
+from .rates import SAMPLES, sine_constants, sines
 from .roots import EPS, bracketed_roots, find_brackets, turn_after
 from .search import fold
 
-SAMPLES = 24
 # Linkages taken at a time: their samples stay in the cache.
-CHUNK = 2048
+CHUNK = 4096
 
 
 class Extrema(NamedTuple):
@@ -112,7 +111,7 @@ def _search(lengths, sign, omega1):
         signs = (-1.0, 1.0, 1.0, 1.0), (1.0, -1.0, 1.0, 1.0), (1.0, 1.0, -1.0, 1.0), (1.0, 1.0, 1.0, -1.0)
         closes = np.all([_exact_sum([s * a for s, a in zip(row, scaled)]) > 0.0 for row in signs], axis=0)
         closes &= np.isfinite(scaled).all(axis=0) & (lengths > 0.0).all(axis=0)
-        constants = np.array(_constants(*scaled, sign))
+        constants = np.array(np.broadcast_arrays(*_constants(*scaled, sign)))
     is_flat = closes & ((constants[0] == 0.0) | (constants[1] == 0.0))
     upward, forward = sign > 0.0, omega1 > 0.0
 
@@ -166,7 +165,7 @@ def _paths(constants, chosen):
         if not rows.size:
             continue
         period, _ = half_turn(*constants[:3, rows], crosses_out, crosses_in)
-        count = np.maximum(SAMPLES // 2, 2.0**np.ceil(np.log2(POINTS_PER_FEATURE * period))).astype(int)
+        count = np.maximum(SAMPLES // 2, 2.0**(0.5 * np.ceil(2.0 * np.log2(POINTS_PER_FEATURE * period)))).astype(int)
         for number in np.unique(count).tolist():
             group = rows[count == number]
             c = constants[:, group]

@@ -25,46 +25,47 @@ def turn_after(x, start):
     return x + 2.0 * pi * (x < start - pi)
 
 
-def padded(f, is_closed):
-    """
-    Return samples, shape (n, ...), with two more before and after: the same ones a turn on, or extrapolated.
-
-    On a closed path also the first sample once more after the last, as an end of the last interval.
-    """
-    if is_closed:
-        return np.concatenate((f[-2:], f, f[:3]))
-    return np.concatenate((_beyond(f)[::-1], f, _beyond(f[::-1])))
-
-
-def _beyond(f):
-    """Return the two samples before the first, by cubics."""
-    one = 4.0 * (f[0] + f[2]) - 6.0 * f[1] - f[3]
-    return np.stack((one, 4.0 * (one + f[1]) - 6.0 * f[0] - f[2]))
-
-
-def intervals_with_roots(f):
+def intervals_with_roots(f, is_closed):
     """
     Return (i, column, is_plain) of the intervals between samples that have roots, or may have two more.
 
     Hermite's cubic through two samples, with slopes from five samples each, has as many roots as its
     Bernstein coefficients change sign, or less by two. One root is plain; where there could be more, also
-    if the inner coefficients were a little smaller, the interval needs a closer look.
+    if the inner coefficients were a little smaller, the interval needs a closer look. Where one sample is
+    so small for its slope that the sign changes in an interval without a root, so do both intervals beside it.
 
     Parameters
     ----------
-    f : ndarray, shape (n + 4, m)
-        At equal steps, as from :func:`padded`.
+    f : ndarray, shape (n, m)
+        At equal steps.
+    is_closed : bool
+        After the last sample comes the first.
 
     """
+    if is_closed:
+        f = np.concatenate((f[-2:], f, f[:3]))
+    else:
+        f = np.concatenate((_beyond(f)[::-1], f, _beyond(f[::-1])))
     rise = (8.0 * (f[3:-1] - f[1:-3]) - (f[4:] - f[:-4])) / 36.0     # a third of the slope
     f = f[2:-2]
     positive = f >= 0.0
     one = ((1.0 - CAUTION) * f[:-1] + rise[:-1] >= 0.0) != positive[:-1]
     other = ((1.0 - CAUTION) * f[1:] - rise[1:] >= 0.0) != positive[1:]
     changes = positive[1:] != positive[:-1]
-    doubtful = np.where(changes, one & other, one | other)
+    small = np.zeros(f.shape, bool)
+    small[:-1] = one & ~changes
+    small[1:] |= other & ~changes
+    if is_closed:
+        small[[0, -1]] = small[0] | small[-1]
+    doubtful = small[:-1] | small[1:] | changes & one & other
     i, column = np.nonzero(changes | doubtful)
     return i, column, ~doubtful[i, column]
+
+
+def _beyond(f):
+    """Return the two samples before the first, by cubics."""
+    one = 4.0 * (f[0] + f[2]) - 6.0 * f[1] - f[3]
+    return np.stack((one, 4.0 * (one + f[1]) - 6.0 * f[0] - f[2]))
 
 
 def look_closer(function, row, xa, xb):
@@ -74,13 +75,15 @@ def look_closer(function, row, xa, xb):
     Each interval is cut in :data:`PARTS`, and where |f| then has a minimum between equal signs, halved on.
     ``function(x, row)`` evaluates the rows given; ``which``: the index of the interval.
     """
-    x = xa + (xb - xa) * (np.arange(PARTS + 1)[:, None] / PARTS)
-    f = function(x.ravel(), np.tile(row, PARTS + 1)).reshape(x.shape)
+    # one part more on either side: a minimum may be at an end
+    x = xa + (xb - xa) * (np.arange(-1, PARTS + 2)[:, None] / PARTS)
+    x[-2] = xb
+    f = function(x.ravel(), np.tile(row, len(x))).reshape(x.shape)
     positive, size = f >= 0.0, np.abs(f)
-    i, which = np.nonzero(positive[1:] != positive[:-1])
-    found = [(which, x[i, which], x[i + 1, which], f[i, which], f[i + 1, which])]
-    i, which = np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] < size[2:])
-                          & (positive[1:-1] == positive[:-2]) & (positive[1:-1] == positive[2:]))
+    changes = positive[1:] != positive[:-1]
+    i, which = np.nonzero(changes[1:-1])
+    found = [(which, x[i + 1, which], x[i + 2, which], f[i + 1, which], f[i + 2, which])]
+    i, which = np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] < size[2:]) & ~changes[1:] & ~changes[:-1])
     xs, fs = ([v[i + j, which] for j in range(3)] for v in (x, f))
     for _ in range(HALVINGS):
         going = _may_touch(xs, fs)
@@ -92,9 +95,10 @@ def look_closer(function, row, xa, xb):
         xs = np.stack((xs[0], mids[0], xs[1], mids[1], xs[2]))
         fs = np.stack((fs[0], f_mids[0], fs[1], f_mids[1], fs[2]))
         positive = fs >= 0.0
-        i, j = np.nonzero(positive[1:] != positive[:-1])
+        changes = positive[1:] != positive[:-1]
+        i, j = np.nonzero(changes & (xs[:-1] >= xa[which]) & (xs[1:] <= xb[which]))
         found.append((which[j], xs[i, j], xs[i + 1, j], fs[i, j], fs[i + 1, j]))
-        on = np.nonzero((positive == positive[0]).all(axis=0))[0]
+        on = np.nonzero(~changes.any(axis=0))[0]
         middle = 1 + np.argmin(np.abs(fs[1:4, on]), axis=0)
         which, xs, fs = which[on], [xs[middle + j, on] for j in (-1, 0, 1)], [fs[middle + j, on] for j in (-1, 0, 1)]
     return [np.concatenate(parts) for parts in zip(*found)]
@@ -127,7 +131,7 @@ def find_brackets(function, x, f, is_closed, scale=1.0):
         Positive; f times scale is smooth.
 
     """
-    i, row, is_plain = intervals_with_roots(padded(f * scale, is_closed))
+    i, row, is_plain = intervals_with_roots(f * scale, is_closed)
     j = (i + 1) % len(f)
     xa = x(i, row)
     xb = turn_after(x(j, row), xa)

@@ -29,7 +29,7 @@ DIFFERENCE = 2.0**-6
 # zero of the force it changes suddenly, F . dF/dtheta1 does not.
 POLE = 5
 # Samples on either side of an end from which the value there is interpolated, on one side if need be.
-NEIGHBOURS, ONE_SIDE = 8, 12
+NEIGHBOURS, ONE_SIDE = 12, 12
 
 
 def _weights(number, terms):
@@ -198,12 +198,15 @@ class DifferenceSampler(Sampler):
 
 
 def fold(x):
-    """Return angles in [0, 2 pi)."""
-    folded = np.where(x < 0.0, x + 2.0 * pi, np.where(x >= 2.0 * pi, x - 2.0 * pi, x))
-    return np.where(folded >= 2.0 * pi, 0.0, folded) + 0.0
+    """Return angles, an array or a float of at most a turn less or more, in [0, 2 pi)."""
+    if isinstance(x, float):
+        x = x + 2.0 * pi if x < 0.0 else x - 2.0 * pi if x >= 2.0 * pi else x + 0.0
+        return x if x < 2.0 * pi else 0.0      # a tiny negative angle rounds to the full turn
+    x = np.where(x < 0.0, x + 2.0 * pi, np.where(x >= 2.0 * pi, x - 2.0 * pi, x + 0.0))
+    return np.where(x < 2.0 * pi, x, 0.0)
 
 
-def search_path(sampler, path):
+def search_path(sampler, path, with_conditions=True):
     """Return the list of :class:`Found` of all quantities along one :class:`.elliptic.InputPath`."""
     values, slopes = sampler.sample(path.theta1)
     middle = np.median(values, axis=1)
@@ -212,11 +215,11 @@ def search_path(sampler, path):
     varies = (np.abs(values - middle[:, None]) > noise).any(axis=1)
     middle[np.abs(middle) <= noise.min(axis=1)] = 0.0
     start = 0.0 if path.is_closed else path.low.theta1
-    found = [Found(row, float(fold(start)), float(middle[row]), 0, 0 if path.is_closed else 1)
+    found = [Found(row, fold(start), float(middle[row]), 0, 0 if path.is_closed else 1)
              for row in np.nonzero(~varies)[0].tolist()]
     rows = np.nonzero(varies)[0]
     if rows.size:
-        found += _interior(sampler, path, values, slopes, state, rows)
+        found += _interior(sampler, path, values, slopes, state, rows, with_conditions)
     if not path.is_closed:
         inward = np.arange(path.theta1.size)
         found += _end(sampler, path.theta1, path.low, +1, inward, path.first, values, slopes, noise, rows)
@@ -224,7 +227,7 @@ def search_path(sampler, path):
     return found
 
 
-def _interior(sampler, path, values, slopes, state, rows):
+def _interior(sampler, path, values, slopes, state, rows, with_conditions):
     """Return what the quantities ``rows`` do between the ends."""
     sine = np.abs(state[0].sin_mu)
     values = values[rows]
@@ -240,7 +243,8 @@ def _interior(sampler, path, values, slopes, state, rows):
         root = sampler.polish(root, row, sense)
     theta1 = fold(root)
     value = sampler.values(theta1)[row, np.arange(row.size)]
-    conditions = sampled_conditions(sampler, root, row, np.abs(xb - xa))
+    conditions = (sampled_conditions(sampler, root, row, np.abs(xb - xa)) if with_conditions
+                  else np.full((2, row.size), nan))
     return [Found(*fields, 0, False, *pair) for *fields, pair in zip(
         *(v.tolist() for v in (row, theta1, value, sense)), zip(*(v.tolist() for v in conditions)))]
 
@@ -269,5 +273,5 @@ def _end(sampler, x, end, side, inward, first, values, slopes, noise, rows):
         limits = np.where(has_pole, limits, bounded)
     rises = slopes[:, inward[0]] * side > 0.0        # seen from the end
     sense = np.where(has_pole, np.sign(limits), np.where(rises, -1, 1)).astype(int)
-    theta1 = float(fold(end.theta1))
+    theta1 = fold(end.theta1)
     return [Found(row, theta1, float(limits[row]), int(sense[row]), side, end.is_flat) for row in rows.tolist()]

@@ -20,13 +20,13 @@ _MARGIN_SIGNS = ((-1, -1, 1, 1), (-1, 1, -1, 1), (-1, 1, 1, -1))
 
 
 def perturbed_lengths(linkage):
-    """Return the step and four sets of lengths, each with one changed by it, away from the change point."""
-    step = min(LARGEST, max(SMALLEST, PART * linkage.change_point_margin))
+    """Return four pairs of a relative step and the lengths with one changed by it, away from change points."""
+    size = min(LARGEST, max(SMALLEST, PART * linkage.change_point_margin))
     signs, margin = min(zip(_MARGIN_SIGNS, linkage._margins), key=lambda pair: abs(pair[1]))
-    away = 1.0 if margin >= 0.0 else -1.0
-    return step, [tuple(length * (1.0 + away * sign * step) if i == j else length
-                        for j, length in enumerate(linkage.lengths))
-                  for i, sign in enumerate(signs)]
+    d1, d2, d3, d4 = (sign * size if margin >= 0.0 else -sign * size for sign in signs)
+    a1, a2, a3, a4 = linkage.lengths
+    return ((d1, (a1 * (1.0 + d1), a2, a3, a4)), (d2, (a1, a2 * (1.0 + d2), a3, a4)),
+            (d3, (a1, a2, a3 * (1.0 + d3), a4)), (d4, (a1, a2, a3, a4 * (1.0 + d4))))
 
 
 def sampled_conditions(sampler, x, row, spacing):
@@ -40,14 +40,13 @@ def sampled_conditions(sampler, x, row, spacing):
         Where the extremes are [rad], of which quantity, and the distance of samples there [rad].
 
     """
-    step, others = perturbed_lengths(sampler.linkage)
     turn = TURN * spacing
     value, slope = sampler.at(x, row)
     curvature = (sampler.at(x + turn, row)[1] - slope) / turn
-    shift = np.zeros((2, x.size))
-    for lengths in others:
+    change = np.zeros((2, x.size))
+    for step, lengths in perturbed_lengths(sampler.linkage):
         other = replace(sampler.linkage, **dict(zip(('a1', 'a2', 'a3', 'a4'), lengths)))
         other_value, other_slope = sampler.of(other).at(x, row)
-        shift += np.abs((other_slope - slope, other_value - value))
+        change += np.abs((other_slope - slope, other_value - value)) / abs(step)
     with np.errstate(divide='ignore', invalid='ignore'):
-        return shift[0] / step / np.abs(curvature), shift[1] / step / np.abs(value)
+        return change[0] / np.abs(curvature), change[1] / np.abs(value)

@@ -1,0 +1,225 @@
+"""All extremes of theta4' and theta4'' beside other ways to them: run time, misses, errors."""
+import sys
+import time
+from functools import partial
+from math import inf
+from pathlib import Path
+from statistics import median
+
+import mpmath
+import numpy as np
+from rich.console import Console
+from rich.progress import track
+
+from fourbar_ros import Bodies, FourBar, round_rod
+from fourbar_ros.core.extrema import RATES, find_extrema
+from fourbar_ros.core.many import find_extrema_many
+
+from . import rivals
+from .shaking import crank_rockers
+
+sys.path.append(str(Path(__file__).resolve().parent.parent / 'test'))
+from extrema_reference import exact_roots  # noqa: E402
+
+SEEDS = ((0.4, 1.2, 0.8, 1.0), (2.0, 6.0, 7.0, 5.0))     # the paper's linkage; the slides' Example 7.7
+LOADS = ('shaking_force', 'shaking_moment', 'driving_torque', 'f41', 'f21', 'f32', 'f43')
+ROUNDS, PER_FAMILY, ONLY, MANY = 5, 20, 3, 100_000
+PROGRESS = Console(stderr=True)
+
+
+# --- linkages --------------------------------------------------------------------------------------
+
+def near_change_point(rng, gap):
+    """Return lengths with the crank the shortest; ``gap``: how far from a change point, relative."""
+    while True:
+        a = np.sort(rng.uniform(0.1, 1.0, 4))
+        a[3] = (a[1] + a[2] - a[0]) * (1.0 - gap)
+        if a[0] + max(a[1:]) < sum(a[1:]) - max(a[1:]):
+            return (a[0], *rng.permutation(a[1:]))
+
+
+def near_kite(rng):
+    """Return lengths with a1 near a4 and a2 near a3, the crank turning fully."""
+    while True:
+        short, long = np.sort(rng.uniform(0.1, 1.0, 2))
+        a1, a2, a3, a4 = np.array((short, long, long, short)) * (1.0 + 1e-6 * rng.normal(size=4))
+        if abs(a1 - a4) > abs(a2 - a3):
+            return a1, a2, a3, a4
+
+
+def families(rng):
+    """Return {name: lengths of linkages}."""
+    draws = {**{f'gap {gap:.0e}': partial(near_change_point, gap=gap) for gap in (1e-3, 1e-6, 1e-10)},
+             'near kite 1e-06': near_kite}
+    return {'seeds': SEEDS, 'random': crank_rockers(PER_FAMILY, rng).tolist(),
+            **{name: [tuple(map(float, draw(rng))) for _ in range(PER_FAMILY)] for name, draw in draws.items()}}
+
+
+# --- ours ------------------------------------------------------------------------------------------
+
+def ours(lengths, conditions=True):
+    """Return theta1 of the extremes of omega4 and of alpha4."""
+    found = [], []
+    for extremum in find_extrema(FourBar(*lengths), RATES, conditions=conditions):
+        found[RATES.index(extremum.quantity)].append(extremum.theta1)
+    return found
+
+
+def ours_proved(lengths):
+    return find_extrema(FourBar(*lengths), RATES, certify=True)
+
+
+def ours_with_loads(lengths):
+    bodies = Bodies(*(round_rod(length, 7750.0, 0.01) for length in lengths[:3]))
+    return find_extrema(FourBar(*lengths, bodies=bodies), (*RATES, *LOADS))
+
+
+OURS, BARE = 'find_extrema', 'find_extrema, conditions=False'
+QUICK = {
+    OURS: ours,
+    BARE: partial(ours, conditions=False),
+    'find_extrema, certify': ours_proved,
+    'find_extrema, and seven loads': ours_with_loads,
+    '720 points + brentq, plain Python, differences': rivals.grid_with_differences,
+    '720 points + brentq, plain Python, formulas': rivals.grid_with_formulas,
+    '720 points + brentq, numpy, formulas': rivals.grid_in_numpy,
+    'the same, half a step on': rivals.shifted_grid,
+    'Chebyshev colleague matrix + Newton': rivals.chebyshev_colleague,
+    'numpy.roots, degree 12 and 22': rivals.half_angle_roots,
+}
+SLOW = {
+    'scipy shgo, 64 Sobol points': rivals.by_shgo,
+    'scipy differential_evolution, global only': rivals.by_evolution,
+    'scipy dual_annealing, 250 iterations, global only': rivals.by_annealing,
+}
+FINDERS = {name: way for name, way in {**QUICK, **SLOW}.items() if way not in (ours_proved, ours_with_loads)}
+
+
+# --- time ------------------------------------------------------------------------------------------
+
+def time_of(function, *arguments):
+    """Return the CPU time of a call [s]."""
+    start = time.process_time()
+    function(*arguments)
+    return time.process_time() - start
+
+
+def each(way, linkages):
+    for lengths in linkages:
+        way(lengths)
+
+
+def measure(linkages, many):
+    """Return {name: CPU times per linkage [s], one a round}; the slow ones in few rounds, with some linkages."""
+    times = {name: [] for name in (*QUICK, *SLOW, 'batch')}
+    each(ours, linkages)
+    for _ in track(range(ROUNDS), 'rounds', transient=True, console=PROGRESS):
+        for name, way in QUICK.items():
+            times[name].append(time_of(each, way, linkages) / len(linkages))
+        times['batch'].append(time_of(find_extrema_many, *many) / many.shape[1])
+        for name, way in SLOW.items():
+            times[name].append(time_of(each, way, linkages[:ONLY]) / ONLY)
+    return times
+
+
+def table_of_times(times):
+    """Print CPU times and their ratios to ours, each the median over the rounds."""
+    print(f"| theta4' and theta4'' of one linkage | CPU time [ms] | over {OURS} | over {BARE} |\n"
+          '| --- | --- | --- | --- |')
+    for name in (*QUICK, *SLOW):
+        print(f'| {name} | {1e3 * median(times[name]):.3g} | {ratio(times, name, OURS):.3g} '
+              f'| {ratio(times, name, BARE):.3g} |')
+    print(f'\nA batch of {MANY} linkages (`find_extrema_many`): {1.0 / median(times["batch"]):.3g} linkages per second '
+          f'of CPU time, {ratio(times, BARE, "batch"):.0f} times the rate of {BARE}.\n')
+
+
+def ratio(times, one, other):
+    return median(a / b for a, b in zip(times[one], times[other]))
+
+
+# --- misses and errors -----------------------------------------------------------------------------
+
+def judge(found, exact):
+    """Return (missed, spurious, largest error of theta1 [rad]) of one quantity of one linkage."""
+    found, missed, error = list(found), 0, 0.0
+    for root in exact:
+        near = min((distance(root, other) for other in exact if other is not root), default=inf)
+        closest = min(found, key=partial(distance, root), default=None)
+        if closest is None or distance(root, closest) > min(0.01, 0.25 * near):
+            missed += 1
+        else:
+            error = max(error, distance(root, closest))
+            found.remove(closest)
+    return missed, len(found), error
+
+
+def distance(one, other):
+    """Return the distance of two angles [rad], rounded once."""
+    return abs(float((mpmath.mpf(one) - other + mpmath.pi) % (2 * mpmath.pi) - mpmath.pi))
+
+
+def cell(results, number):
+    """Return the text of the results of :func:`judge` about ``number`` exact extremes."""
+    missed, spurious, errors = zip(*results)
+    extra = f', {sum(spurious)} spurious' if sum(spurious) else ''
+    return f'{sum(missed)} of {number}{extra}; {max(errors):.0e}'
+
+
+def table_of_misses(families):
+    """Print how many of the exact extremes each way misses, and how wrong the others are."""
+    with mpmath.workdps(40):
+        columns = [column(name, linkages) for name, linkages in families.items()]
+    print(f'| missed, spurious; largest error of theta1 [rad] | {" | ".join(families)} |')
+    print('| --- |' + ' --- |' * len(families))
+    for name in FINDERS:
+        print(f'| {name} | {" | ".join(texts[name] for texts in columns)} |')
+
+
+def column(family, linkages):
+    """Return {way: text} about the linkages of one family."""
+    exact = [[[x for x, _ in exact_roots(lengths, order)] for order in (0, 1)] for lengths in linkages]
+    results = {name: [] for name in FINDERS}
+    for lengths, truth in zip(track(linkages, family, transient=True, console=PROGRESS), exact):
+        for name, way in FINDERS.items():
+            results[name] += map(judge, way(lengths), truth)
+    number = sum(len(roots) for truth in exact for roots in truth)
+    return {name: cell(rows, number) for name, rows in results.items()}
+
+
+def table_of_algebra(lengths):
+    """Print what sympy needs for, and finds of, one linkage."""
+    try:
+        algebra = rivals.Algebra()
+    except ImportError:
+        print('sympy: skipped, not installed (it is not among the requirements: `pip install sympy`).')
+        return
+    with mpmath.workdps(40):
+        exact = [[x for x, _ in exact_roots(lengths, order)] for order in (0, 1)]
+        print(f"| theta4' and theta4'' of the paper's linkage | CPU time [ms] | missed; error of theta1 [rad] |\n"
+              '| --- | --- | --- |')
+        for name, way in ((OURS, ours), ('sympy, derivatives + nsolve from eight starts', algebra.nsolve),
+                          ('sympy, resultants + nroots', algebra.elimination)):
+            found = []
+            used = time_of(lambda: found.extend(way(lengths)))
+            print(f'| {name} | {1e3 * used:.3g} | {cell(list(map(judge, found, exact)), sum(map(len, exact)))} |')
+    print()
+
+
+def main():
+    """Print run times, misses and errors."""
+    rng = np.random.default_rng(1)
+    known = families(rng)
+    print(f'CPU time of the process; {PER_FAMILY} random crank-rockers ({ONLY} of them for global optimisers), '
+          f'{ROUNDS} rounds, in each all ways in turn; medians.\n')
+    table_of_times(measure(known['random'], crank_rockers(MANY, rng).T))
+    table_of_algebra(SEEDS[0])
+    print(f'Crank-rockers; seeds: the paper\'s linkage and the slides\' Example 7.7; others: {PER_FAMILY} linkages each. '
+          'Exact: polynomials of degree 6 and 11 with rational coefficients, their roots isolated in integers. '
+          'A root counts as found if nearer than a quarter of the distance to the next one, and than 0.01 rad; '
+          'what is found beside is spurious. The grids have 0 and pi among their points, where near change points '
+          'all happens; one is without. Those for global extremes miss the others by design.\n')
+    table_of_misses(known)
+
+
+if __name__ == '__main__':
+    main()

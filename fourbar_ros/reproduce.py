@@ -1,0 +1,147 @@
+"""``fourbar reproduce``: everything the lecture slides and the paper print, computed again and judged."""
+from __future__ import annotations
+
+from math import isnan, nan
+from pathlib import Path
+from typing import NamedTuple
+
+import yaml
+
+from . import published
+from .show import make_console, plain_table
+
+DOCUMENTS = Path(__file__).with_name('published.yaml')
+AGREES, DRAWN, ROUNDED, MISPRINT, NOT_GIVEN, DIFFERS = VERDICTS = (
+    'agrees', 'read off a drawing', 'rounded on the way', 'misprint', 'not given', 'DIFFERS')
+EXACT = 1e-12      # of the sum of the terms: more than rounding, less than any slip
+
+
+class Row(NamedTuple):
+    """One printed number or equation and ours."""
+
+    what: str
+    unit: str
+    printed: str
+    ours: float
+    difference: float      # ours - printed
+    verdict: str
+    reason: str
+
+
+class Section(NamedTuple):
+    """An example or a table of a document; ``figure``: name of a drawing of :mod:`.figures`, or ''."""
+
+    title: str
+    rows: list
+    figure: str
+
+
+def reproduce(path=DOCUMENTS):
+    """Return all :class:`Section`, computed now."""
+    return [_section(entry) for entry in yaml.safe_load(Path(path).read_text())]
+
+
+def _section(entry):
+    values = getattr(published, entry.get('values', 'symbols'))() if 'values' in entry else {}
+    symbols = getattr(published, entry['symbols'])() if 'symbols' in entry else {}
+    rows = [_equation(row, symbols) if 'key' not in row and symbols else _number(row, values) for row in entry['rows']]
+    return Section(entry['title'], rows, entry.get('figure', ''))
+
+
+def _number(row, values):
+    """Return the Row of a printed number: how far, and whether that is what was to be expected."""
+    printed, reason = float(row['printed']), row.get('misprint', row.get('why', ''))
+    if 'key' not in row:
+        return Row(row['what'], row.get('unit', ''), row['printed'], nan, nan, NOT_GIVEN, reason)
+    ours = float(values[row['key']])
+    difference = ours - printed
+    scale = abs(float(row.get('scale', ours)))
+    if agrees(ours, row['printed']):
+        verdict = DIFFERS if 'misprint' in row else AGREES
+    elif 'misprint' in row:
+        verdict = MISPRINT
+    elif abs(difference) <= row.get('drawn', 0.0) * scale:
+        verdict = DRAWN
+    else:
+        verdict = ROUNDED if abs(difference) <= row.get('rounded', 0.0) * scale else DIFFERS
+    if verdict == AGREES and 'rounded' in row:
+        reason = ''
+    return Row(row['what'], row.get('unit', ''), row['printed'], ours, difference, verdict, reason)
+
+
+def agrees(value, text):
+    """Return whether a decimal number is the value, rounded or cut after its last digit."""
+    printed, unit = float(text), 10.0**-len(text.partition('.')[2])
+    beyond = (value - printed) / unit if printed >= 0.0 else (printed - value) / unit
+    return -0.5 <= beyond < 1.0
+
+
+def _equation(row, symbols):
+    """
+    Return the Row of an equation: as printed against what it must give.
+
+    A sum of terms must be zero, relative to their magnitudes; a formula must give ``ours``.
+    """
+    def left(terms):
+        numbers = [_evaluate(term, symbols) for term in terms]
+        return sum(numbers) / sum(map(abs, numbers))
+
+    def of(form):
+        return left(form) if isinstance(form, list) else _evaluate(form, symbols)
+
+    form = row.get('terms', row.get('value'))
+    must, printed = _evaluate(row.get('ours', '0.0'), symbols), of(form)
+    scale = max(1.0, abs(must))
+    is_right = abs(printed - must) <= EXACT * scale
+    verdict = AGREES if is_right else DIFFERS
+    if 'misprint' in row and not is_right and abs(of(row['correct']) - must) <= EXACT * scale:
+        verdict = MISPRINT      # and the correction is one
+    return Row(row['what'], '', f'{printed:.6g}' if not is_right or 'value' in row else '0', must,
+               must - printed, verdict, row.get('misprint', row.get('why', '')))
+
+
+def _evaluate(expression, symbols):
+    """Return the value of an expression of published.yaml, which knows these symbols and nothing else."""
+    return float(eval(str(expression), {'__builtins__': {}}, symbols))
+
+
+# --- as tables -------------------------------------------------------------------------------------
+
+COLUMNS = ('', 'printed>', 'ours>', 'difference>', 'unit', 'verdict', '')
+
+
+def cells(row):
+    """Return the text of a Row but for its reason."""
+    return (row.what, row.printed, '' if isnan(row.ours) else f'{row.ours:.10g}',
+            '' if isnan(row.difference) else f'{row.difference:.2g}', row.unit, row.verdict)
+
+
+def footnotes(section):
+    """Return {reason: its number} of a Section, in order."""
+    return {reason: i for i, reason in enumerate(dict.fromkeys(row.reason for row in section.rows if row.reason), 1)}
+
+
+def count(sections):
+    """Return how often each verdict was passed, as a dict in the order of VERDICTS."""
+    found = [row.verdict for section in sections for row in section.rows]
+    return {verdict: found.count(verdict) for verdict in VERDICTS if verdict in found}
+
+
+def summary(sections):
+    """Return the verdicts in one line."""
+    return ', '.join(f'{number} {verdict}' for verdict, number in count(sections).items())
+
+
+def print_tables(sections, console=None):
+    """Print a table for each section, the reasons below it."""
+    console = console or make_console()
+    for section in sections:
+        notes = footnotes(section)
+        table = plain_table(section.title, COLUMNS)
+        for row in section.rows:
+            table.add_row(*cells(row), f'({notes[row.reason]})' if row.reason else '')
+        console.print(table)
+        for reason, number in notes.items():
+            console.print(f'({number}) {reason}', style='dim', markup=False)
+        console.print()
+    console.print(summary(sections))

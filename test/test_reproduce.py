@@ -1,0 +1,181 @@
+"""Both documents recomputed: each verdict is earned, and Table 3 is what was said to have made it."""
+import subprocess
+import sys
+from html.parser import HTMLParser
+from math import pi, radians
+from pathlib import Path
+
+import numpy as np
+import pytest
+import slider_reference
+import yaml
+from reference import EPS, pose
+
+from fourbar_ros import published
+from fourbar_ros.reproduce import (AGREES, DIFFERS, DOCUMENTS, DRAWN, MISPRINT, NOT_GIVEN, ROUNDED, agrees, count, footnotes,
+                                   print_tables, reproduce)
+
+ROOT = Path(__file__).parent.parent
+
+
+@pytest.fixture(scope='module')
+def sections():
+    return reproduce()
+
+
+def rows(sections, title):
+    section, = (section for section in sections if title in section.title)
+    return section.rows
+
+
+# --- verdicts --------------------------------------------------------------------------------------
+
+def test_nothing_differs_without_a_reason(sections):
+    found = count(sections)
+    assert DIFFERS not in found
+    assert found[NOT_GIVEN] == 1 and found[AGREES] > 90 and sum(found.values()) > 140
+    for section in sections:
+        for row in section.rows:
+            assert row.reason or row.verdict in (AGREES, DRAWN, ROUNDED), row
+            assert row.verdict in (AGREES, NOT_GIVEN, MISPRINT) or 'Example 7.' in section.title or 'Table 2' in section.title
+
+
+def test_everything_asked_for_is_there(sections):
+    titles = ' '.join(section.title for section in sections)
+    for name in ('7.2', '7.3', '7.4', '7.5', '7.6', '7.7', '(16)-(37)', '(1)-(8)', 'Table 1', 'Table 2', 'Table 3', 'Figure 3', 'Figure 4'):
+        assert name in titles
+    assert [row.what for row in rows(sections, '(16)-(37)')] == [f'Eq. ({n})' for n in range(16, 38)]
+
+
+def test_the_misprinted_equations_are_these(sections):
+    assert [row.what for row in rows(sections, '(16)-(37)') if row.verdict == MISPRINT] == ['Eq. (25)', 'Eq. (31)', 'Eq. (33)']
+    assert [row.what for row in rows(sections, '(1)-(8)') if row.verdict == MISPRINT] == ['second derivative of v']
+
+
+@pytest.mark.parametrize('value, text, expected', [
+    (2.6810151, '2.6810', True), (2.68105, '2.6810', True), (2.6811, '2.6810', False), (2.68094, '2.6810', False),
+    (-51.656958, '-51.6569', True), (-51.65701, '-51.6569', False), (188.49, '188.5', True), (49.5015, '49.6', False),
+    (-0.4840322, '-0.4840', True), (7402.2, '7403', False), (2.0, '-2', False)])
+def test_agreement_is_to_the_last_printed_digit(value, text, expected):
+    assert agrees(value, text) == expected
+
+
+def test_a_wrong_number_is_seen(tmp_path):
+    """Each kind of slip in the data is told: a number, an equation, a misprint that is none."""
+    document = yaml.safe_load(DOCUMENTS.read_text())
+    for title, what, change in (('Example 7.6', 'omega4', {'printed': '7.1791'}), ('Example 7.2', 'acceleration of C', {'printed': '9000'}),
+                                ('Example 7.6', 'v2', {'misprint': 'none'}),
+                                ('(16)-(37)', 'Eq. (16)', {'terms': ['A*v1**2*v4**2', 'B*v1**2', 'C*v4**2', '8*a1*a3*v1*v4', 'D']}),
+                                ('(16)-(37)', 'Eq. (25)', {'correct': 'w3/w2*1.001'})):
+        entry, = (entry for entry in document if title in entry['title'])
+        changed = dict(entry, rows=[dict(row, **change) for row in entry['rows'] if row['what'] == what])
+        file = tmp_path / 'wrong.yaml'
+        file.write_text(yaml.safe_dump([changed]))
+        assert [row.verdict for section in reproduce(file) for row in section.rows] == [DIFFERS]
+
+
+# --- our side, against an independent solution -----------------------------------------------------
+
+def close(values, expected):
+    for name, value in expected.items():
+        assert values[name] == pytest.approx(float(value), rel=1e-12), name
+
+
+def test_examples_to_1e_12_of_an_independent_solution():
+    foot, kinds = published.FOOT, slider_reference.KINDS
+    m = slider_reference.exact(kinds[0], published.EXAMPLE_7_2.lengths, 1, (*published.GIVEN_7_2, 0.0))
+    close(published.example_7_2(), {'omega3': m.rate[1], 'alpha3': m.acceleration[1], 'a_c': -m.acceleration[2] / foot,
+                                    'v_c': m.rate[2] / foot})
+    m = slider_reference.exact(kinds[2], published.EXAMPLE_7_5.lengths, 1, (*published.GIVEN_7_5, 0.0))
+    close(published.example_7_5(), {'omega4': m.rate[1], 'alpha4': m.acceleration[1], 'v_rel': -m.rate[2] / foot})
+    p, speed = pose(published.EXAMPLE_7_3.lengths, 1, published.GIVEN_7_3[0]), published.GIVEN_7_3[1]
+    close(published.example_7_3(), {'omega3': p.db * speed, 'omega4': p.dy * speed, 'alpha3': p.ddb * speed**2,
+                                    'alpha4': -p.ddy * speed**2})
+    p = pose(published.EXAMPLE_7_6.lengths, 1, radians(60.0))
+    close(published.example_7_6(), {'omega4': 10 * p.dy, 'alpha4': 100 * (p.dy + p.ddy), 'omega_beta': 10 * p.db,
+                                    'alpha_beta': 100 * (p.db + p.ddb)})
+
+
+def test_every_reading_is_within_the_tolerance_of_the_drawing(sections):
+    for title, limit in (('Example 7.2', 0.022), ('Example 7.5', 0.03)):
+        for row in rows(sections, title):
+            if row.verdict == DRAWN and 'Coriolis' not in row.what and 'normal' not in row.what:
+                assert abs(row.difference / row.ours) <= limit, row
+
+
+def test_eq_9_with_accelerations_is_the_closed_form():
+    theta1 = np.linspace(0.0, 2.0 * pi, 61)
+    motion, loads = published.PAPER.step(theta1, published.PAPER_SPEED)
+    unknowns = published.solve_eq_9(published.PAPER, motion)
+    largest = np.abs(unknowns).max()
+    for column, name in zip(unknowns.T, ('f41_x', 'f41_y', 'f21_x', 'f21_y', 'f32_x', 'f32_y', 'f43_x', 'f43_y', 'driving_torque')):
+        np.testing.assert_allclose(column, getattr(loads, name), rtol=0.0, atol=1e3 * EPS * largest)
+
+
+def test_table_3_is_momentum():
+    """The printed force is |sum m v| of the centres of gravity, straight from their velocities."""
+    theta1, force, moment = published.paper_figure_4()
+    m = published.THIN.motion(theta1, published.PAPER_SPEED)
+    crank, coupler, output = (m.cos_x + 1j * m.sin_x, m.cos_b + 1j * m.sin_b, m.cos_y + 1j * m.sin_y)
+    velocities = (5j * crank, 10j * crank + 0.6j * m.omega_beta * coupler, 0.4j * m.omega4 * output)
+    momentum = sum(body.mass * v for body, v in zip(published.RODS, velocities))
+    np.testing.assert_allclose(force, np.abs(momentum), rtol=1e-11)
+    values = published.paper_table_3()
+    assert [f'{values[name]:.4f}' for name in ('wrong_force', 'wrong_force_at', 'wrong_moment', 'wrong_moment_at')] == [
+        '56.9764', '5.7299', '154.9566', '5.7352']
+    assert (values['force'], values['moment']) == pytest.approx((2512.318373, 2048.519240), rel=1e-9)
+
+
+# --- what is written -------------------------------------------------------------------------------
+
+class Page(HTMLParser):
+    """Counts tags and keeps what would be loaded from elsewhere."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.count, self.loaded = [], {}, []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.count[tag] = self.count.get(tag, 0) + 1
+        self.loaded += [value for name, value in attributes if name in ('src', 'href', 'xlink:href') and not value.startswith('#')]
+
+
+def test_the_page_holds_all_and_loads_nothing(sections):
+    pytest.importorskip('matplotlib')
+    from fourbar_ros.figures import page
+    text = page(sections)
+    found = Page(text)
+    assert found.loaded == [] and found.count['table'] == len(sections)
+    assert found.count['tr'] == len(sections) + sum(len(section.rows) for section in sections)
+    assert found.count['figure'] == found.count['svg'] == 6
+    assert text == page(sections)      # the same bytes every time
+    for section in sections:
+        for row in section.rows:
+            assert row.printed in text
+
+
+def test_the_tables_number_their_reasons(sections, capsys):
+    print_tables(sections)
+    text = capsys.readouterr().out
+    assert 'misprint' in text and '(1) ' in text and text.splitlines()[-1].startswith(f'{count(sections)[AGREES]} agrees, ')
+    assert footnotes(sections[0]) == {reason: i for i, reason in enumerate(footnotes(sections[0]), 1)}
+
+
+def test_the_command(tmp_path):
+    pytest.importorskip('matplotlib')
+    out = tmp_path / 'report.html'
+    done = subprocess.run([sys.executable, '-m', 'fourbar_ros', 'reproduce', '--html', str(out)], capture_output=True, text=True,
+                          cwd=ROOT, check=False)
+    assert done.returncode == 0, done.stderr
+    assert 'DIFFERS' not in done.stdout and out.read_text().startswith('<!doctype html>')
+    done = subprocess.run([sys.executable, '-m', 'fourbar_ros', 'reproduce', '--html', str(tmp_path / 'no' / 'x.html')],
+                          capture_output=True, text=True, cwd=ROOT, check=False)
+    assert done.returncode == 1 and done.stderr.startswith('fourbar: ') and 'No such file' in done.stderr
+
+
+def test_the_tables_need_no_matplotlib():
+    done = subprocess.run([sys.executable, '-c', 'import sys; sys.modules["matplotlib"] = None\n'
+                           'from fourbar_ros.reproduce import reproduce; import fourbar_ros.draw; reproduce()'],
+                          capture_output=True, text=True, cwd=ROOT, check=False)
+    assert done.returncode == 0, done.stderr
