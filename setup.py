@@ -21,6 +21,7 @@ setup(
         'bag': ['mcap>=1.5,<2', 'lz4', 'zstandard'],
         'parquet': ['pyarrow'],
         'plot': ['matplotlib'],
+        'proof': ['python-flint'],
         'test': ['pytest<9', 'mpmath', 'rosbags', 'mcap-ros2-support>=0.6,<1', 'hypothesis', 'scipy', 'matplotlib'],
     },
     zip_safe=True,

@@ -34,6 +34,12 @@ class Polynomial:
                 product[i + j] += a * b
         return Polynomial(*product)
 
+    def __call__(self, x):
+        value = 0
+        for c in reversed(self.c):
+            value = value * x + c
+        return value
+
     def derivative(self):
         return Polynomial(*[i * c for i, c in enumerate(self.c)][1:])
 
@@ -71,11 +77,11 @@ def exact_roots(lengths, order):
             q = mpmath.ldexp(root, -BITS)
             x = 2 * mpmath.atan2(mpmath.sqrt(q - (a1 - a4)**2), mpmath.sqrt((a1 + a4)**2 - q))
             sign = 1 if factor.at(root, BITS) > 0 else -1
-            sine, t = (sign * mpmath.sqrt(mpmath.polyval(S.c[::-1], q)), mpmath.polyval(T.c[::-1], q))
+            sine, t = sign * mpmath.sqrt(S(q)), T(q)
             if order == 0:
                 value = (q + e + (q + f) * sine / mpmath.sqrt(t)) / (2 * q)
             else:
-                value = (-e * sine + mpmath.polyval(R.c[::-1], q) / 2 / mpmath.sqrt(t)**3) / (2 * q**2)
+                value = (-e * sine + R(q) / 2 / mpmath.sqrt(t)**3) / (2 * q**2)
             found.append((sign * x, value))
     return found
 
