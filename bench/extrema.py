@@ -213,7 +213,7 @@ def main():
           f'{ROUNDS} rounds, in each all ways in turn; medians.\n')
     table_of_times(measure(known['random'], crank_rockers(MANY, rng).T))
     table_of_algebra(SEEDS[0])
-    print(f'Crank-rockers; seeds: the paper\'s linkage and the slides\' Example 7.7; others: {PER_FAMILY} linkages each. '
+    print(f"Crank-rockers; seeds: the paper's linkage and the slides' Example 7.7; others: {PER_FAMILY} linkages each. "
           'Exact: polynomials of degree 6 and 11 with rational coefficients, their roots isolated in integers. '
           'A root counts as found if nearer than a quarter of the distance to the next one, and than 0.01 rad; '
           'what is found beside is spurious. The grids have 0 and pi among their points, where near change points '

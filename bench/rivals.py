@@ -120,7 +120,7 @@ def half_angle_roots(lengths):
         square = sum(c * Polynomial((low, high))**i * Polynomial((1.0, 1.0))**(degree - i)
                      for i, c in enumerate(equations.of(order).coef[power:power + degree + 1]))
         both = np.zeros(2 * degree + 1)
-        both[::2] = square.coef[::-1]
+        both[::-2][:square.coef.size] = square.coef
         pairs = [(2.0 * atan(v), v) for v in real(np.roots(both))]
         found.append([x for x, v in pairs if equations.angle(order, cos(x)) * v > 0.0])
     return found

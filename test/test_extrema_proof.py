@@ -22,7 +22,8 @@ def proofs(extrema):
     return {e.proof for e in extrema}
 
 
-@pytest.mark.parametrize('lengths', [PAPER, (4.0, 2.0, 3.0, 5.5), (1.2, 0.5, 0.8, 1.0), (2.0, 4.0, 3.0, 5.0), (0.5, 0.9, 0.7, 0.5)])
+@pytest.mark.parametrize('lengths', [PAPER, (4.0, 2.0, 3.0, 5.5), (1.2, 0.5, 0.8, 1.0), (2.0, 4.0, 3.0, 5.0),
+                                     (0.5, 0.9, 0.7, 0.5)])
 @pytest.mark.parametrize('mode', [1, 2])
 def test_rates_are_counted_exactly(lengths, mode):
     assert proofs(find_extrema(FourBar(*lengths, mode=mode), RATES, 3.0, certify=True)) == {'exact count'}
