@@ -4,7 +4,7 @@ from __future__ import annotations
 from . import intervals, sturm
 from .elliptic import input_paths
 from .quantities import is_published
-from .search import Sampler
+from .sampling import Sampler
 
 EXACT_COUNT, INTERVALS, NOT_PROVED = 'exact count', 'interval bounds', 'not proved'
 

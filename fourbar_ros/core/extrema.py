@@ -19,7 +19,8 @@ from .quantities import Function, is_published, select
 from .rates import SAMPLES as RATE_SAMPLES
 from .rates import rate_extrema
 from .roots import EPS
-from .search import DifferenceSampler, Found, Sampler, fold, search_path
+from .sampling import DifferenceSampler, Sampler
+from .search import Found, fold, search_path
 
 MINIMUM, MAXIMUM, CONSTANT = 'minimum', 'maximum', 'constant'
 INTERIOR, LIMIT, ONE_SIDED = 'interior', 'limit', 'one-sided'

@@ -16,7 +16,7 @@ from . import factors
 from .dialects import where
 from .kinematics import Motion, make_motion
 from .loads import Loads, make_loads
-from .search import NoLoads
+from .sampling import NoLoads
 
 PRECISION = 80        # [bit]
 ORDER = 6             # of Taylor's formula
@@ -106,7 +106,7 @@ def count_extrema(sampler, path):
 
     Parameters
     ----------
-    sampler : .search.Sampler
+    sampler : .sampling.Sampler
     path : .elliptic.InputPath
 
     Returns

@@ -13,7 +13,7 @@ import numpy as np
 
 # Relative steps of a length: at most the first; a part of the distance to the next change point, where
 # everything changes; but never lost in rounding.
-LARGEST, PART, SMALLEST = 2.0**-26, 2.0**-6, 2.0**-46
+LARGEST, PART, SMALLEST = 2.0**-26, 2.0**-10, 2.0**-46
 # Step in theta1 for the curvature, in distances of samples.
 TURN = 2.0**-12
 _MARGIN_SIGNS = ((-1, -1, 1, 1), (-1, 1, -1, 1), (-1, 1, 1, -1))

@@ -1,0 +1,163 @@
+"""
+Quantities of a linkage and their derivatives with respect to theta1, at many points at once.
+
+The derivative is exact: a complex step through the same formulas that compute the quantity.
+"""
+from __future__ import annotations
+
+from math import sqrt
+from types import FunctionType
+
+import numpy as np
+
+from .errors import MissingBodies
+from .kinematics import Motion, make_motion
+from .loads import Loads
+from .roots import EPS
+
+# Complex step: its square vanishes beside one, and it is nothing beside the distance of any sample
+# from a toggle or a flat position.
+STEP = 2.0**-200
+# Step of real differences of fourth order, in samples: their error is about that of rounding.
+DIFFERENCE = 2.0**-6
+
+
+class NoLoads:
+    """Stands for the loads of a linkage without masses."""
+
+    def __getattr__(self, name):
+        raise MissingBodies
+
+
+def _complex_angle(y, x):
+    """Return atan2 with its derivative: the dialect of :mod:`.dialects` leaves angles out."""
+    return np.arctan2(y.real, x.real) + 1j * (x.real * y.imag - y.real * x.imag) / (x.real**2 + y.real**2)
+
+
+_MOTION_WITH_ANGLES = FunctionType(make_motion.analytic.__code__,
+                                   {**make_motion.analytic.__globals__, 'atan2': _complex_angle})
+
+
+class Sampler:
+    """Values and derivatives of some quantities of a linkage in its mode."""
+
+    def __init__(self, linkage, quantities, omega1, alpha1, with_angles=False):
+        self.linkage, self.quantities, self.rates = linkage, quantities, (omega1, alpha1)
+        self.with_angles = with_angles
+        self.needs_loads = any(q.is_load for q in quantities)
+        if self.needs_loads and linkage.bodies is None:
+            raise MissingBodies
+        self._functions = {1: (linkage._motion[1], self.needs_loads and linkage._loads[1]),
+                           2: (linkage._motion[2], self.needs_loads and linkage._loads[2])}
+        if with_angles:
+            motion = _MOTION_WITH_ANGLES(*linkage.lengths, linkage.sign)
+            self._functions[2] = motion, linkage.bodies and linkage._loads[2]
+            self._functions[1] = linkage._motion[1], linkage.bodies and linkage._loads[1]
+
+    def of(self, linkage):
+        """Return the same for another linkage."""
+        return type(self)(linkage, self.quantities, *self.rates, self.with_angles)
+
+    def state(self, x):
+        """Return (Motion, Loads) at real or complex x."""
+        motion, loads = self._functions[2 if x.dtype.kind == 'c' else 1]
+        with np.errstate(all='ignore'):
+            fields = motion(x, *self.rates)
+            return Motion(*fields), Loads(*loads(fields)) if loads else NoLoads()
+
+    def values(self, x):
+        """Return the quantities at x, shape (quantities, x.size)."""
+        state = self.state(x)
+        with np.errstate(all='ignore'):
+            return self._rows(state, x)
+
+    def _rows(self, state, x):
+        rows = np.empty((len(self.quantities), x.size), x.dtype)
+        for row, quantity in zip(rows, self.quantities):
+            row[:] = quantity.of(*state)
+        return rows
+
+    def sample(self, x):
+        """Return values and derivatives at the samples of a path."""
+        values = self.values(x + 1j * STEP)
+        return values.real, values.imag / STEP
+
+    def at(self, x, row):
+        """Return value and derivative of quantity ``row[i]`` at x[i]."""
+        values = self.values(x + 1j * STEP)[row, np.arange(x.size)]
+        return values.real, values.imag / STEP
+
+    def slope(self, x, row):
+        """Return the derivative of quantity ``row[i]`` at x[i]."""
+        return self.at(x, row)[1]
+
+    def noise(self, state):
+        """
+        Return a bound of the rounding errors of each quantity, shape (quantities, n).
+
+        By the sizes of the terms it is a sum of, as far as they are known: of a balanced linkage the
+        shaking force is the noise of the joint reactions.
+        """
+        motion, loads = state
+        omega1, alpha1 = self.rates
+        a1, a2, a3, a4 = self.linkage.lengths
+        gain = min(1.0, a1 / min(a2, a3))
+        scales = {'rad/s': gain * abs(omega1), 'rad/s^2': gain * (abs(alpha1) + omega1**2)}
+        if self.needs_loads:
+            scales['N'] = force = sum(abs(f.real) for f in (loads.f41, loads.f21, loads.f32, loads.f43))
+            scales['N m'] = max(self.linkage.lengths) * force
+        rows = np.stack([np.broadcast_to(scales.get(q.unit, 0.0), motion.sin_mu.shape)
+                         for q in self.quantities])
+        return 64.0 * EPS * rows / np.minimum(np.abs(motion.sin_mu.real), 1.0)
+
+
+class DifferenceSampler(Sampler):
+    """The same for functions without a complex step (abs, max, a table): derivatives by differences."""
+
+    def __init__(self, linkage, quantities, omega1, alpha1, with_angles=True):
+        super().__init__(linkage, quantities, omega1, alpha1, with_angles)
+        self._x = None      # samples of the path in rising order
+
+    def of(self, linkage):
+        other = super().of(linkage)
+        other._x = self._x
+        return other
+
+    def _rows(self, state, x):
+        try:
+            return super()._rows(state, x)
+        except (TypeError, ValueError):       # a function of plain numbers: one sample at a time
+            motion, loads = state
+            loads_of = ((Loads(*v) for v in zip(*(f.tolist() for f in loads)))
+                        if isinstance(loads, tuple) else (loads for _ in x))
+            states = [(Motion(*v), w) for v, w in zip(zip(*(np.broadcast_to(f, x.shape).tolist() for f in motion)),
+                                                      loads_of)]
+            return np.array([[q.of(*s) for s in states] for q in self.quantities], dtype=float)
+
+    def sample(self, x):
+        self._x = x[np.argsort(x)]
+        return self.values(x), np.stack([self.slope(x, np.full(x.size, row))
+                                         for row in range(len(self.quantities))])
+
+    def step(self, x):
+        """Return the step of differences at x: a part of the distance between the samples around it."""
+        i = np.clip(np.searchsorted(self._x, x), 1, self._x.size - 1)
+        return DIFFERENCE * (self._x[i] - self._x[i - 1])
+
+    def at(self, x, row):
+        h = self.step(x)
+        points = np.concatenate((x, x + h, x - h, x + 2.0 * h, x - 2.0 * h))
+        value, *around = np.split(self.values(points)[np.tile(row, 5), np.arange(points.size)], 5)
+        return value, (8.0 * (around[0] - around[1]) - (around[2] - around[3])) / (12.0 * h)
+
+    def polish(self, x, row, sense):
+        """Return x, or where it is a kink the place of the extreme by golden section around x."""
+        low, high = x - 4.0 * self.step(x), x + 4.0 * self.step(x)
+        part, i = 0.5 * (sqrt(5.0) - 1.0), np.arange(x.size)
+        for _ in range(56):
+            one, other = high - part * (high - low), low + part * (high - low)
+            keeps_low = sense * self.values(one)[row, i] > sense * self.values(other)[row, i]
+            low, high = np.where(keeps_low, low, one), np.where(keeps_low, other, high)
+        better = 0.5 * (low + high)
+        gain = sense * (self.values(better)[row, i] - self.values(x)[row, i])
+        return np.where(gain > 64.0 * EPS * np.abs(self.values(x)[row, i]), better, x)
