@@ -1,37 +1,26 @@
 """
 A mechanism in a pose with its forces, and its velocity and acceleration polygons, to scale.
 
-What a teacher draws on the board; polygons are lists of arrows first (:func:`velocity_polygon`,
-:func:`acceleration_polygon`), pictures after. Only the functions that draw import matplotlib.
+What a teacher draws on the board. Only the functions that draw import matplotlib.
 """
 from __future__ import annotations
 
 from math import floor, hypot, log10
-from typing import NamedTuple
 
 import numpy as np
 
 from .core import FourBarError
-from .core.frames import acceleration_terms, turned
+from .core.frames import turned
 from .core.inverted_slider import InvertedSlider
 from .core.points import link_motion, point_of
 from .core.slider_crank import SliderCrank
+from .polygons import O1, acceleration_polygon, velocity_polygon
 
 STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 11, 'svg.hashsalt': 'fourbar_ros',
          'svg.fonttype': 'path'}
 LEAST, LEAST_FORCE = 0.004, 0.1      # arrows shorter than this share of the longest are left out
 ARROW = 0.45           # length of the longest force over the size of the mechanism
 BODY, PART, SUM, FORCE = '0.35', '#a02c2c', '#1f4e8c', '#1e6b37'      # dark enough for print in grey
-O1 = np.zeros(2)      # also the pole of a polygon
-
-
-class Arrow(NamedTuple):
-    """One side of a polygon: from ``start`` by ``vector``; parts add up to sums, which start at the pole."""
-
-    start: np.ndarray
-    vector: np.ndarray
-    label: str             # mathtext without dollars
-    is_sum: bool
 
 
 class CannotDraw(FourBarError, ValueError):
@@ -47,52 +36,6 @@ def joints(mechanism, motion):
     if isinstance(mechanism, InvertedSlider):
         return places | {'O_4': output.place}
     return places | {'B': point_of(output, mechanism.a3)[0], 'O_4': output.place}
-
-
-def _chain(start, *steps):
-    """Return the arrows of a chain of (vector, label): each starts where the one before ends."""
-    arrows = []
-    for vector, label in steps:
-        arrows.append(Arrow(start, vector, label, False))
-        start = start + vector
-    return arrows
-
-
-def velocity_polygon(mechanism, motion):
-    """Return the list of :class:`Arrow` of the velocities [m/s]; the pole is the origin."""
-    crank, coupler, output = (link_motion(mechanism, motion, link) for link in ('crank', 'coupler', 'output'))
-    v_a = point_of(crank, mechanism.a1)[1]
-    if isinstance(mechanism, InvertedSlider):
-        v_q = point_of(output, motion.slide, mechanism.offset)[1]
-        return [Arrow(O1, v_a, 'V_A', True), Arrow(O1, v_q, 'V_Q', True),
-                Arrow(v_q, motion.slide_velocity * output.direction, 'V_{rel}', False)]
-    v_b = point_of(coupler, mechanism.a2)[1]
-    return [Arrow(O1, v_a, 'V_A', True), Arrow(O1, v_b, 'V_B', True), Arrow(v_a, v_b - v_a, 'V_{B/A}', False)]
-
-
-def acceleration_polygon(mechanism, motion):
-    """Return the list of :class:`Arrow` of the accelerations [m/s^2]; the pole is the origin."""
-    crank, coupler, output = (link_motion(mechanism, motion, link) for link in ('crank', 'coupler', 'output'))
-    a_a = point_of(crank, mechanism.a1)[2]
-    arrows = [Arrow(O1, a_a, 'A_A', True), *_around(O1, crank, mechanism.a1 * crank.direction, 'A')]
-    if isinstance(mechanism, InvertedSlider):
-        arm = motion.slide * output.direction + mechanism.offset * turned(1.0, output.direction)
-        relative = motion.slide_acceleration * output.direction
-        terms = acceleration_terms(O1, output.omega, output.alpha, arm, motion.slide_velocity * output.direction, relative)
-        a_q = terms.normal + terms.tangential
-        return arrows + [*_around(O1, output, arm, 'Q'), Arrow(O1, a_q, 'A_Q', True),
-                         *_chain(a_q, (terms.coriolis, 'A_{Cor}'), (relative, 'A_{rel}'))]
-    a_b = point_of(coupler, mechanism.a2)[2]
-    arrows += [*_around(a_a, coupler, mechanism.a2 * coupler.direction, 'B/A'), Arrow(O1, a_b, 'A_B', True)]
-    if not isinstance(mechanism, SliderCrank):
-        arrows += _around(O1, output, mechanism.a3 * output.direction, 'B')
-    return arrows
-
-
-def _around(start, link, arm, name):
-    """Return the normal and the tangential arrow of a point that is ``arm`` from another of its link."""
-    terms = acceleration_terms(O1, link.omega, link.alpha, arm)
-    return _chain(start, (terms.normal, f'A_{{{name}}}^n'), (terms.tangential, f'A_{{{name}}}^t'))
 
 
 def nice(value):
@@ -128,7 +71,8 @@ class Sheet:
     def arrow(self, start, vector, color, width):
         """Draw an arrow."""
         self.axes.annotate('', start + vector, start, zorder=5, arrowprops={
-            'arrowstyle': '-|>,head_width=0.22,head_length=0.5', 'shrinkA': 0, 'shrinkB': 0, 'lw': width, 'color': color})
+            'arrowstyle': '-|>,head_width=0.22,head_length=0.5', 'shrinkA': 0, 'shrinkB': 0, 'lw': width,
+            'color': color})
 
     def label(self, text, places, color):
         """Write a label at the first of several places that is free, or else the freest."""
@@ -150,7 +94,8 @@ class Sheet:
         """Return places for the label of an arrow."""
         normal = np.array([-vector[1], vector[0]]) / hypot(*vector) * self.inch
         return [start + share * vector + distance * normal
-                for share in (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8) for distance in (0.18, -0.18, 0.26, -0.26, 0.36, -0.36)]
+                for share in (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)
+                for distance in (0.18, -0.18, 0.26, -0.26, 0.36, -0.36)]
 
     def scale(self, unit, factor=1.0):
         """Draw a bar of a round number of units; ``factor`` lengths of paper are one of them."""
@@ -237,7 +182,7 @@ def draw_mechanism(axes, mechanism, motion, loads=None, title=''):
         return
     if forces:
         sheet.scale('N', ARROW * size / max(getattr(loads, name) for name in FORCES))
-    sheet.write(_about(loads))
+    sheet.write(_about(loads, forces))
 
 
 FORCES = ('f41', 'f21', 'f32', 'f43')
@@ -251,10 +196,12 @@ def _forces(places, loads, length):
             for name in FORCES if getattr(loads, name) > LEAST_FORCE * longest}
 
 
-def _about(loads):
-    """Return the lines of text about loads."""
+def _about(loads, drawn):
+    """Return the lines of text about loads; ``drawn``: the forces that have an arrow."""
     force = getattr(loads, 'driving_force', 0.0)
-    return ['$F_{ij}$: of link $i$ on link $j$', *(f'$F_{{{name[1:]}}}$ = {getattr(loads, name):.4g} N' for name in FORCES),
+    return ['$F_{ij}$: of link $i$ on link $j$',
+            *(f'$F_{{{name[1:]}}}$ = {getattr(loads, name):.4g} N' + ('' if name in drawn else ', too short to draw')
+              for name in FORCES),
             f'drive: $P$ = {force:.4g} N' if force else f'drive: $T_{{41}}$ = {loads.driving_torque:.4g} N m',
             f'on the ground: {loads.shaking_force:.4g} N', f'about $O_1$: {loads.shaking_moment + 0.0:.4g} N m']
 
@@ -265,7 +212,8 @@ def _lines(mechanism, motion, places, size):
     if isinstance(mechanism, InvertedSlider):
         bar = link_motion(mechanism, motion, 'output').direction
         foot = places['A'] - motion.slide * bar
-        return lines + [(places['O_4'], foot), (foot, places['A'] + 0.14 * size * np.sign(motion.slide) * bar)], (places['A'], bar)
+        end = places['A'] + 0.14 * size * np.sign(motion.slide) * bar
+        return lines + [(places['O_4'], foot), (foot, end)], (places['A'], bar)
     lines.append((places['A'], places['B']))
     if isinstance(mechanism, SliderCrank):
         return lines, (places['B'], np.array([1.0, 0.0]))
@@ -279,7 +227,8 @@ def _block(axes, at, direction, half):
 
 
 def _ground(axes, at, half):
-    axes.fill(at[0] + half * np.array([0.0, -1.0, 1.0]), at[1] + half * np.array([0.0, -1.6, -1.6]), fc='w', ec='k', lw=1.1, zorder=1)
+    axes.fill(at[0] + half * np.array([0.0, -1.0, 1.0]), at[1] + half * np.array([0.0, -1.6, -1.6]), fc='w', ec='k',
+              lw=1.1, zorder=1)
     axes.plot(at[0] + half * np.array([-1.6, 1.6]), [at[1] - 1.6 * half] * 2, color='k', lw=1.4, zorder=1)
 
 
@@ -289,7 +238,8 @@ def make_figure(mechanism, motion, loads=None, title=''):
     from matplotlib.figure import Figure
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(12.6, 5.0))
-        axes = figure.subplots(1, 3, gridspec_kw={'left': 0.01, 'right': 0.99, 'bottom': 0.24, 'top': 0.93, 'wspace': 0.06})
+        axes = figure.subplots(1, 3)
+        figure.subplots_adjust(left=0.01, right=0.99, bottom=0.24, top=0.93, wspace=0.06)
         draw_mechanism(axes[0], mechanism, motion, loads, title)
         draw_polygon(axes[1], velocity_polygon(mechanism, motion), 'velocities', 'm/s')
         draw_polygon(axes[2], acceleration_polygon(mechanism, motion), 'accelerations', 'm/s$^2$')

@@ -26,7 +26,7 @@ figure { margin: 1em 0; } svg { max-width: 100%; height: auto; } figcaption, ol 
 
 def example_7_2():
     motion = published.EXAMPLE_7_2.motion(*published.GIVEN_7_2)
-    return make_figure(published.EXAMPLE_7_2, motion, None, 'slider-crank at 30 deg'), 'Velocity and acceleration polygons to scale; the slides call A B and B C.'
+    return make_figure(published.EXAMPLE_7_2, motion, None, 'slider-crank at 30 deg'), 'The slides call A B and B C.'
 
 
 def example_7_3():
@@ -114,7 +114,8 @@ def _section(section):
         note = f'({notes[row.reason]})' if row.reason else ''
         rows.append(f'<tr{style}>' + ''.join(f'<td{_kind(head)}>{html.escape(text)}</td>'
                                             for head, text in zip(COLUMNS, (*cells(row), note))) + '</tr>')
-    text = f'<section><h2>{html.escape(section.title)}</h2>\n<table><tr>{heads}</tr>\n' + '\n'.join(rows) + '\n</table>'
+    text = (f'<section><h2>{html.escape(section.title)}</h2>\n<table><tr>{heads}</tr>\n' + '\n'.join(rows)
+            + '\n</table>')
     if notes:
         text += '\n<ol>' + ''.join(f'<li>{html.escape(reason)}</li>' for reason in notes) + '</ol>'
     if section.figure:

@@ -82,7 +82,8 @@ def example_7_6():
         m = EXAMPLE_7_6.in_mode(mode).motion(*GIVEN_7_6)
         for n, triple in ((2, m[3:6]), (4, m[9:12])):
             v = to_half_angle(*triple)
-            values |= {f'{name}theta{n}': degrees(triple[0]), f'{name}omega{n}': triple[1], f'{name}alpha{n}': triple[2]}
+            values |= {f'{name}theta{n}': degrees(triple[0]), f'{name}omega{n}': triple[1],
+                       f'{name}alpha{n}': triple[2]}
             values |= {f'{name}{order}v{n}': float(part) for order, part in zip(('', 'd', 'dd'), v)}
         values |= {f'{name}theta2_positive': degrees(m.theta2) % 360.0, f'{name}beta': degrees(m.beta),
                    f'{name}interior': degrees(m.theta2) % 360.0 - 180.0,

@@ -12,7 +12,8 @@ from test_points import four_bars
 from fourbar_ros.core import Bodies, Body, FourBar
 from fourbar_ros.core.inverted_slider import InvertedSlider
 from fourbar_ros.core.slider_crank import SliderCrank
-from fourbar_ros.draw import acceleration_polygon, joints, nice, velocity_polygon
+from fourbar_ros.draw import joints, nice
+from fourbar_ros.polygons import acceleration_polygon, velocity_polygon
 
 ROOT = Path(__file__).parent.parent
 
@@ -58,7 +59,8 @@ def test_joints_keep_the_lengths():
             assert hypot(*(places['B'] - places['A'])) == pytest.approx(mechanism.a2, rel=1e-12)
 
 
-@pytest.mark.parametrize('value, expected', [(1.0, 1.0), (1.99, 1.0), (2.0, 2.0), (4.9, 2.0), (73.0, 50.0), (0.3, 0.2), (9e-7, 5e-7)])
+@pytest.mark.parametrize('value, expected', [(1.0, 1.0), (1.99, 1.0), (2.0, 2.0), (4.9, 2.0), (73.0, 50.0), (0.3, 0.2),
+                                             (9e-7, 5e-7)])
 def test_scale_bars_are_round(value, expected):
     assert nice(value) == pytest.approx(expected, rel=1e-14)
 

@@ -65,7 +65,8 @@ def test_points_move_as_their_path_says(link):
             exact = [complex(place(0)), *(complex(mp.diff(place, 0, n, h=mp.mpf(10)**-15)) for n in (1, 2))]
         motion = mechanism.motion(*given)
         found = point_motion(mechanism, motion, link, along, across)
-        size = 1.0 + sum(abs(getattr(motion, name, 0.0)) for name in motion._fields if name.startswith(('omega', 'alpha', 'slide')))
+        size = 1.0 + sum(abs(value) for name, value in motion._asdict().items()
+                         if name.startswith(('omega', 'alpha', 'slide')))
         for ours, truth in zip(found, exact):
             assert abs(complex(*ours) - truth) <= 1e-11 * size**2
 

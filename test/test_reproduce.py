@@ -12,8 +12,8 @@ import yaml
 from reference import EPS, pose
 
 from fourbar_ros import published
-from fourbar_ros.reproduce import (AGREES, DIFFERS, DOCUMENTS, DRAWN, MISPRINT, NOT_GIVEN, ROUNDED, agrees, count, footnotes,
-                                   print_tables, reproduce)
+from fourbar_ros.reproduce import (AGREES, DIFFERS, DOCUMENTS, DRAWN, MISPRINT, NOT_GIVEN, ROUNDED, agrees, count,
+                                   footnotes, print_tables, reproduce)
 
 ROOT = Path(__file__).parent.parent
 
@@ -37,18 +37,21 @@ def test_nothing_differs_without_a_reason(sections):
     for section in sections:
         for row in section.rows:
             assert row.reason or row.verdict in (AGREES, DRAWN, ROUNDED), row
-            assert row.verdict in (AGREES, NOT_GIVEN, MISPRINT) or 'Example 7.' in section.title or 'Table 2' in section.title
+            assert (row.verdict in (AGREES, NOT_GIVEN, MISPRINT)
+                    or 'Example 7.' in section.title or 'Table 2' in section.title)
 
 
 def test_everything_asked_for_is_there(sections):
     titles = ' '.join(section.title for section in sections)
-    for name in ('7.2', '7.3', '7.4', '7.5', '7.6', '7.7', '(16)-(37)', '(1)-(8)', 'Table 1', 'Table 2', 'Table 3', 'Figure 3', 'Figure 4'):
+    for name in ('7.2', '7.3', '7.4', '7.5', '7.6', '7.7', '(16)-(37)', '(1)-(8)', 'Table 1', 'Table 2', 'Table 3',
+                 'Figure 3', 'Figure 4'):
         assert name in titles
     assert [row.what for row in rows(sections, '(16)-(37)')] == [f'Eq. ({n})' for n in range(16, 38)]
 
 
 def test_the_misprinted_equations_are_these(sections):
-    assert [row.what for row in rows(sections, '(16)-(37)') if row.verdict == MISPRINT] == ['Eq. (25)', 'Eq. (31)', 'Eq. (33)']
+    assert [row.what for row in rows(sections, '(16)-(37)') if row.verdict == MISPRINT] == [
+        'Eq. (25)', 'Eq. (31)', 'Eq. (33)']
     assert [row.what for row in rows(sections, '(1)-(8)') if row.verdict == MISPRINT] == ['second derivative of v']
 
 
@@ -63,10 +66,13 @@ def test_agreement_is_to_the_last_printed_digit(value, text, expected):
 def test_a_wrong_number_is_seen(tmp_path):
     """Each kind of slip in the data is told: a number, an equation, a misprint that is none."""
     document = yaml.safe_load(DOCUMENTS.read_text())
-    for title, what, change in (('Slides, Example 7.6', 'omega4', {'printed': '7.1791'}), ('Slides, Example 7.2', 'acceleration of C', {'printed': '9000'}),
-                                ('Slides, Example 7.6', 'v2', {'misprint': 'none'}),
-                                ('(16)-(37)', 'Eq. (16)', {'terms': ['A*v1**2*v4**2', 'B*v1**2', 'C*v4**2', '8*a1*a3*v1*v4', 'D']}),
-                                ('(16)-(37)', 'Eq. (25)', {'correct': 'w3/w2*1.001'})):
+    wrong_sign = ['A*v1**2*v4**2', 'B*v1**2', 'C*v4**2', '8*a1*a3*v1*v4', 'D']
+    for title, what, change in (
+            ('Slides, Example 7.6', 'omega4', {'printed': '7.1791'}),
+            ('Slides, Example 7.2', 'acceleration of C', {'printed': '9000'}),
+            ('Slides, Example 7.6', 'v2', {'misprint': 'none'}),
+            ('(16)-(37)', 'Eq. (16)', {'terms': wrong_sign}),
+            ('(16)-(37)', 'Eq. (25)', {'correct': 'w3/w2*1.001'})):
         entry, = (entry for entry in document if title in entry['title'])
         changed = dict(entry, rows=[dict(row, **change) for row in entry['rows'] if row['what'] == what])
         file = tmp_path / 'wrong.yaml'
@@ -108,7 +114,8 @@ def test_eq_9_with_accelerations_is_the_closed_form():
     motion, loads = published.PAPER.step(theta1, published.PAPER_SPEED)
     unknowns = published.solve_eq_9(published.PAPER, motion)
     largest = np.abs(unknowns).max()
-    for column, name in zip(unknowns.T, ('f41_x', 'f41_y', 'f21_x', 'f21_y', 'f32_x', 'f32_y', 'f43_x', 'f43_y', 'driving_torque')):
+    names = ('f41_x', 'f41_y', 'f21_x', 'f21_y', 'f32_x', 'f32_y', 'f43_x', 'f43_y', 'driving_torque')
+    for column, name in zip(unknowns.T, names):
         np.testing.assert_allclose(column, getattr(loads, name), rtol=0.0, atol=1e3 * EPS * largest)
 
 
@@ -138,7 +145,8 @@ class Page(HTMLParser):
 
     def handle_starttag(self, tag, attributes):
         self.count[tag] = self.count.get(tag, 0) + 1
-        self.loaded += [value for name, value in attributes if name in ('src', 'href', 'xlink:href') and not value.startswith('#')]
+        self.loaded += [value for name, value in attributes
+                        if name in ('src', 'href', 'xlink:href') and not value.startswith('#')]
 
 
 def test_the_page_holds_all_and_loads_nothing(sections):
@@ -165,8 +173,8 @@ def test_the_tables_number_their_reasons(sections, capsys):
 def test_the_command(tmp_path):
     pytest.importorskip('matplotlib')
     out = tmp_path / 'report.html'
-    done = subprocess.run([sys.executable, '-m', 'fourbar_ros', 'reproduce', '--html', str(out)], capture_output=True, text=True,
-                          cwd=ROOT, check=False)
+    done = subprocess.run([sys.executable, '-m', 'fourbar_ros', 'reproduce', '--html', str(out)],
+                          capture_output=True, text=True, cwd=ROOT, check=False)
     assert done.returncode == 0, done.stderr
     assert 'DIFFERS' not in done.stdout and out.read_text().startswith('<!doctype html>')
     done = subprocess.run([sys.executable, '-m', 'fourbar_ros', 'reproduce', '--html', str(tmp_path / 'no' / 'x.html')],

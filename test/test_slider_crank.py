@@ -251,7 +251,8 @@ def test_offset_at_and_past_its_limit(kind):
     inside = SliderCrank(2.5, 6.0, nextafter(8.5, 0.0), input=kind[1])
     (low, high), = inside.input_ranges
     middle = inside.motion(0.5 * (low + high), 1.0)
-    assert 0.0 < high - low < 1e-6 and abs(middle.sin_b - 1.0) < 1e-14 and middle.sin_x == pytest.approx(1.0, abs=1e-14)
+    assert 0.0 < high - low < 1e-6
+    assert (middle.sin_b, middle.sin_x) == pytest.approx((1.0, 1.0), abs=1e-14)
     # the crank's limit: full turns up to |offset| = a2 - a1, not beyond
     assert SliderCrank(2.5, 6.0, 3.5).turns_fully and not SliderCrank(2.5, 6.0, nextafter(3.5, 4.0)).turns_fully
 

@@ -15,24 +15,25 @@ Crank input. With q = |A O4|^2 and the half-angle of x, as in the 4R:
     y'' = (a1 a4 sin x (a4^2 - a1^2 - 2 h l')/q + h l'') / q
 
 Slide input: an observer on the bar sees a slider-crank, with a4 for its crank, a1 for its coupler, h for
-its offset and A for its slider. So the angles are those of :func:`.slider_crank.make_triangle`, turned
-back: y = pi - x_seen, theta1 = pi + theta2_seen.
+its offset and A for its slider. So the angles are those of :mod:`.triangle`, turned back:
+y = pi - x_seen, theta1 = pi + theta2_seen.
 """
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, cos, fabs, frexp, fsum, hypot, ldexp, pi, sin, sqrt
+from math import atan2, cos, fabs, frexp, fsum, ldexp, pi, sin, sqrt
 from typing import NamedTuple
 
-from .dialects import dialects, where
+from .dialects import dialects
 from .errors import InvalidParameter
 from .factors import difference_of_squares
 from .kinematics import INFINITESIMAL
 from .linkage import OPEN, Bodies, External
-from .loads import _about_first_joint
-from .mechanism import Mechanism, link_needs
-from .slider_crank import CRANK, SliderLoads, make_triangle, reach, slide_ranges
+from .mechanism import Mechanism
+from .slider_crank import CRANK
+from .slider_loads import SliderLoads, make_inverted_loads
+from .triangle import make_triangle, reach, slide_ranges
 
 SLIDE = 'slide'
 
@@ -62,10 +63,12 @@ class InvertedSliderMotion(NamedTuple):
     output_ratio: float
     slide_ratio: float
     condition: float               # relative error of the lengths -> error of theta4 (slide input: theta1) [rad]
-    cos_x: float                   # directions of crank and bar
+    cos_x: float                   # directions of crank and bar, and of theta2
     sin_x: float
     cos_y: float
     sin_y: float
+    cos_2: float
+    sin_2: float
 
 
 @dialects
@@ -91,14 +94,15 @@ def make_crank_motion(a1, a4, h, sign):
         ddl = product * (near * cc * cc - far * ss * ss) * scale * scale * scale
         dy, d2 = (a1 * ahead + h * dl) * per_q, (a4 * at_x + h * dl) * per_q
         ddy = (pull * (difference - two_h * dl) * per_q + h * ddl) * per_q
-        sin_xy = sin_x * cos_y - cos_x * sin_y
-        condition = (a1 * fabs(sin_xy) + a4 * fabs(sin_y) + fabs(h)) * fabs(scale)
+        cos_2 = (ahead * slide + a4 * h * sin_x) * per_q
+        sin_2 = (a4 * slide * sin_x - ahead * h) * per_q
+        condition = (a1 * fabs(sin_2) + a4 * fabs(sin_y) + fabs(h)) * fabs(scale)
         square = omega * omega
         return (x, omega, alpha,
-                atan2(-sin_xy, cos_x * cos_y + sin_x * sin_y), d2 * omega, d2 * alpha + ddy * square,
+                atan2(sin_2, cos_2), d2 * omega, d2 * alpha + ddy * square,
                 atan2(sin_y, cos_y), dy * omega, dy * alpha + ddy * square,
                 unit * slide, unit * (dl * omega), unit * (dl * alpha + ddl * square), atan2(fabs(slide), h),
-                1.0, dy, unit * dl, condition, cos_x, sin_x, cos_y, sin_y)
+                1.0, dy, unit * dl, condition, cos_x, sin_x, cos_y, sin_y, cos_2, sin_2)
     return motion
 
 
@@ -118,47 +122,8 @@ def make_slide_motion(a1, a4, h, unit, triangle):
                 -atan2(sin_2, cos_2), -dxy * v, -(dxy * a + ddxy * square),
                 atan2(sin_y, cos_y), dy * v, dy * a + ddy * square, slide, velocity, acceleration,
                 atan2(a4 * fabs(sin_x), ahead), dx * per_unit, dy * per_unit, 1.0, condition,
-                cos_x, sin_x, cos_y, sin_y)
+                cos_x, sin_x, cos_y, sin_y, cos_2, -sin_2)
     return motion
-
-
-@dialects
-def make_loads(a1, a4, h, is_crank, bodies, gravity, external):
-    """
-    Return the function (fields of the motion) -> fields of :class:`.slider_crank.SliderLoads`.
-
-    Newton-Euler in closed form: the force between block and bar from the moments of both about O4 and,
-    for a driven slide, of the crank; the drive from virtual power.
-    """
-    unit = ldexp(1.0, frexp(max(a1, a4, fabs(h)))[1])
-    crank, block, bar = bodies
-
-    def loads(motion, a1=a1 / unit, a4=a4 / unit, h=h / unit, unit=unit, per_unit=1.0 / unit, is_crank=is_crank,
-              mass2=block.mass * unit, crank=_about_first_joint(crank, unit, gravity),
-              block=_about_first_joint(block, unit, gravity, external.coupler),
-              bar=_about_first_joint(bar, unit, gravity, external.output)):
-        (_, omega, alpha, _, _, _, _, omega4, alpha4, slide, _, _, _, dx, dy, _, _,
-         cos_x, sin_x, cos_y, sin_y) = motion
-        f1_x, f1_y, moment1 = link_needs(crank, 0.0, cos_x, sin_x, omega, alpha, 0.0, 0.0)
-        at_x, at_y, square = a1 * cos_x, a1 * sin_x, omega * omega     # A
-        f2_x, f2_y, moment2 = link_needs(block, mass2, cos_y, sin_y, omega4, alpha4,
-                                         -alpha * at_y - square * at_x, alpha * at_x - square * at_y)
-        f3_x, f3_y, moment3 = link_needs(bar, 0.0, cos_y, sin_y, omega4, alpha4, 0.0, 0.0)
-        carried, turning = moment1 + at_x * f2_y - at_y * f2_x, moment2 + moment3
-        drive = unit * (carried * dx + turning * dy)
-        sin_yx = sin_y * cos_x - cos_y * sin_x
-        normal = where(is_crank, -turning / (slide * per_unit), (h * carried / a1 - turning * sin_yx) / (a4 * sin_x))
-        torque, force = where(is_crank, (drive, 0.0), (0.0, drive))
-        f32_x, f32_y = force * cos_y - normal * sin_y, force * sin_y + normal * cos_y
-        f21_x, f21_y = f32_x - f2_x, f32_y - f2_y
-        f43_x, f43_y = f3_x + f32_x, f3_y + f32_y
-        f41_x, f41_y = f1_x - f21_x, f1_y - f21_y
-        shaking_x, shaking_y = -(f1_x + f2_x + f3_x), -(f1_y + f2_y + f3_y)
-        return (f41_x, f41_y, f21_x, f21_y, f32_x, f32_y, f43_x, f43_y,
-                hypot(f41_x, f41_y), hypot(f21_x, f21_y), hypot(f32_x, f32_y), hypot(f43_x, f43_y),
-                normal, unit * moment2, torque, force, shaking_x, shaking_y, hypot(shaking_x, shaking_y),
-                -unit * (carried + turning + a4 * f3_y))
-    return loads
 
 
 class InvertedDeadPoint(NamedTuple):
@@ -286,4 +251,4 @@ class InvertedSlider(Mechanism):
     @cached_property
     def _loads(self):
         return [make(*self.lengths, self.input == CRANK, self.bodies, self.gravity, self.external)
-                for make in make_loads]
+                for make in make_inverted_loads]

@@ -1,5 +1,5 @@
 """
-What the mechanisms of one crank and one dyad have in common: evaluation, its errors, a link's equations.
+What the mechanisms of one crank and one dyad have in common: evaluation and its errors.
 
 A mechanism says how one sample is computed (functions made by :func:`.dialects.dialects`); here it is
 called for floats and arrays, with the same rules for all.
@@ -148,28 +148,3 @@ class Mechanism:
                         row[part] = values
         return (self.MOTION(*(row.reshape(shape) for row in motions)),
                 self.LOADS(*(row.reshape(shape) for row in loads)) if with_loads else None)
-
-
-def link_needs(link, mass, cosine, sine, omega, alpha, a_x, a_y):
-    """
-    Return what the joint forces of a link add up to and their moment about its first joint: Newton-Euler.
-
-    Plain arithmetic, so that the functions of every dialect can call it.
-
-    Parameters
-    ----------
-    link : tuple
-        Of :func:`.loads._about_first_joint`, in its unit of length.
-    mass : float
-        [kg unit]
-    cosine, sine, omega, alpha : float
-        Direction of the link and its rate and acceleration.
-    a_x, a_y : float
-        Acceleration of the first joint [unit/s^2]: mass times it is a force.
-
-    """
-    along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = link
-    x, y = along * cosine - across * sine, along * sine + across * cosine
-    square = omega * omega
-    return (mass * a_x + hold_x - alpha * y - square * x, mass * a_y + hold_y + alpha * x - square * y,
-            inertia * alpha + x * a_y - y * a_x + by_cosine * cosine + by_sine * sine + couple)

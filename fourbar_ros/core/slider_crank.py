@@ -8,28 +8,29 @@ s = slide, e = offset; primes are derivatives with respect to the input.
 Crank input. B is where a circle meets the guide; with n = e - a1 sin x:
 
     a2 sin b = n,   (a2 cos b)^2 = (a2 - n)(a2 + n)
-    b' = -a1 cos x / (a2 cos b),   s' = -a1 sin x - n b',   s'' = -a1 cos x - a2 cos b b'^2 - n b''
+    b' = -a1 cos x / (a2 cos b),   b' - 1 = -s / (a2 cos b)
+    s' = -a1 sin x - n b',   s'' = -a1 cos x - a2 cos b b'^2 - n b''
     b'' = a1 ((a2^2 - a1^2 - e^2) sin x + a1 e (1 + sin^2 x)) / (a2 cos b)^3
 
 where near sin x = +-1 all is expanded about it, in 1 -+ sin x = cos^2 x / (1 +- sin x), so that limits
 and change points keep their digits.
 
-Slider input: :func:`make_triangle`. Every difference in these is one that the data make.
+Slider input: :mod:`.triangle`. Every difference in these is one that the data make.
 """
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, cos, fabs, frexp, fsum, hypot, ldexp, pi, sin, sqrt
+from math import atan2, cos, fabs, frexp, fsum, ldexp, pi, sin, sqrt
 from typing import NamedTuple
 
 from .dialects import dialects, where
 from .errors import InvalidParameter
 from .factors import difference_of_squares
-from .kinematics import INFINITESIMAL
 from .linkage import OPEN, Bodies, External
-from .loads import _about_first_joint
-from .mechanism import Mechanism, link_needs
+from .mechanism import Mechanism
+from .slider_loads import SliderLoads, make_slider_crank_loads
+from .triangle import make_triangle, reach, slide_ranges
 
 CRANK, SLIDER = 'crank', 'slider'
 
@@ -70,37 +71,6 @@ class SliderCrankMotion(NamedTuple):
     sin_2: float
 
 
-class SliderLoads(NamedTuple):
-    """
-    Loads for one input; each field a float, or an array of the input's shape.
-
-    fij = all that link i does ON link j along the ground axes (1 crank, 2 coupler or block, 3 slider or
-    bar, 4 ground), the drive's force included where the drive is between them; fji = -fij. Forces [N],
-    moments [N m], counter-clockwise positive.
-    """
-
-    f41_x: float
-    f41_y: float
-    f21_x: float
-    f21_y: float
-    f32_x: float
-    f32_y: float
-    f43_x: float
-    f43_y: float
-    f41: float                # magnitudes
-    f21: float
-    f32: float
-    f43: float
-    guide_force: float        # normal, at the pin; see the mechanism for its sense
-    guide_couple: float       # about the pin
-    driving_torque: float     # of the drive on the crank; zero for a driven slide
-    driving_force: float      # of the drive along the slide; zero for a driven crank
-    shaking_force_x: float    # of all links on the ground
-    shaking_force_y: float
-    shaking_force: float      # magnitude
-    shaking_moment: float     # about O1
-
-
 class SliderDeadPoint(NamedTuple):
     """Crank and coupler in line, one behind the other (stretched) or folded: the slider turns back."""
 
@@ -115,7 +85,7 @@ def make_crank_motion(a1, a2, e, sign):
     unit = ldexp(1.0, frexp(max(a1, a2, fabs(e)))[1])     # scaling by a power of two is exact
     a1, a2, e = a1 / unit, a2 / unit, e / unit
 
-    def motion(x, omega, alpha, sign=sign, unit=unit, a1=a1, a2=a2, e=e, per_a2=1.0 / a2, a1_e=a1 * e,
+    def motion(x, omega, alpha, sign=sign, unit=unit, a1=a1, a2=a2, e=e, per_a2=1.0 / a2, a1_e=a1 * e, two_a1_e=2.0 * a1 * e,
                near_zero=(a2 - e, a2 + e), at_top=(fsum((a2, -e, a1)), fsum((a2, e, -a1))),
                at_bottom=(fsum((a2, -e, -a1)), fsum((a2, e, a1))),
                plain=difference_of_squares(a2, 0.0, a1, 0.0) - e * e,
@@ -131,63 +101,25 @@ def make_crank_motion(a1, a2, e, sign):
         root = sign * sqrt((u + step) * (w - step))     # a2 cos b
         cos_b, sin_b = root * per_a2, n * per_a2 + 0.0 * root      # NaN too where nothing is real
         cos_2, sin_2 = cos_b * cos_x + sin_b * sin_x, sin_b * cos_x - cos_b * sin_x
+        # s = a1 cos x + root; where these cancel, from s (root - a1 cos x) = a2^2 - a1^2 - e^2 + 2 a1 e sin x
+        at_x = a1 * cos_x
+        gap = where(is_near_zero, plain + two_a1_e * sin_x, where(is_up, top - two_a1_e * low, bottom + two_a1_e * low))
+        slide = where((root * cos_x).real > 0.0, at_x + root, gap / (root - at_x))
         scale = 1.0 / root
-        db = -a1 * cos_x * scale
+        db, d2 = -at_x * scale, -slide * scale
         ds = -a1 * sin_x - n * db
         bend = where(is_near_zero, plain * sin_x + a1_e * (1.0 + sin_x * sin_x),
                      where(is_up, top * (1.0 - low) + a1_e * low * low, a1_e * low * low - bottom * (1.0 - low)))
         ddb = a1 * bend * scale * scale * scale
-        dds = -a1 * cos_x - root * db * db - n * ddb
+        dds = -at_x - root * db * db - n * ddb
         condition = (a1 * fabs(cos_2) + a2 + fabs(e * sin_b)) * a2 * fabs(scale)
         beta, square, omega_b = atan2(sin_b, cos_b), omega * omega, db * omega
         alpha_b = db * alpha + ddb * square
-        return (x, omega, alpha, atan2(sin_2, cos_2), omega_b - omega, alpha_b - alpha, -beta, -omega_b, -alpha_b,
-                unit * (a1 * cos_x + root), unit * (ds * omega), unit * (ds * alpha + dds * square),
+        return (x, omega, alpha, atan2(sin_2, cos_2), d2 * omega, d2 * alpha + ddb * square, -beta, -omega_b, -alpha_b,
+                unit * slide, unit * (ds * omega), unit * (ds * alpha + dds * square),
                 beta, omega_b, alpha_b, atan2(fabs(cos_b), sin_b), 1.0, db, unit * ds, unit * condition,
                 cos_x, sin_x, cos_b, sin_b, cos_2, sin_2)
     return motion
-
-
-@dialects
-def make_triangle(a1, a2, e, sign):
-    """
-    Return the function s -> angles x, b of a1 e^{ix} + a2 e^{ib} = s + i e, and their derivatives.
-
-    Which is a slider-crank driven by its slider, and, seen from its bar, an inverted one driven by its
-    cylinder. With q = s^2 + e^2, f = a1^2 - a2^2, theta2 = b - x as the 4R's mu (:mod:`.kinematics`):
-
-        (2 a1 a2 sin theta2)^2 = (K+ - s^2)(s^2 - K-),   K+- = (a1 +- a2)^2 - e^2
-        theta2'' = 2 (K+ K- - s^4) / (2 a1 a2 sin theta2)^3
-        x' = cos b / (a1 sin theta2),   b' = -cos x / (a2 sin theta2),   theta2' = -s / (a1 a2 sin theta2)
-        x'' = (2 e - f theta2') s/q^2 - theta2'' (q - f)/(2 q),   b'' = ... + theta2'' (q + f)/(2 q)
-
-    ``sign``: of sin(theta2). Lengths within a few powers of two of one. At s = 0 of a change point the
-    values are those for s -> 0 from above.
-    """
-    def triangle(s, sign=sign, e=e, ee=e * e, f=(a1 - a2) * (a1 + a2), two_e=2.0 * e, two_1=2.0 * a1,
-                 two_2=2.0 * a2, outer=difference_of_squares(a1, a2, e, 0.0),
-                 inner=difference_of_squares(a1, -a2, e, 0.0),
-                 product=difference_of_squares(a1, a2, e, 0.0) * difference_of_squares(a1, -a2, e, 0.0),
-                 total=4.0 * a1 * a2, per=0.25 / (a1 * a2), half_1=0.5 / a1, half_2=0.5 / a2):
-        s = s + INFINITESIMAL
-        square = s * s
-        q = square + ee
-        u, w = outer - square, square - inner
-        # their sum is given: so the rounding of one is that of the other, as in the shape of a triangle
-        u, w = where(u.real < w.real, (u, total - u), (total - w, w))
-        root = sign * sqrt(u * w)
-        cos_2, sin_2 = (w - u) * per + 0.0 * root, 2.0 * root * per
-        per_q, scale = 1.0 / q, 1.0 / root
-        more, less = (q + f) * per_q, (q - f) * per_q
-        turn = root * per_q
-        cos_x, sin_x = (s * more + e * turn) * half_1, (e * more - s * turn) * half_1
-        cos_b, sin_b = (s * less - e * turn) * half_2, (e * less + s * turn) * half_2
-        dx, db, d2 = two_2 * cos_b * scale, -two_1 * cos_x * scale, -2.0 * s * scale
-        dd2 = 2.0 * (product - square * square) * scale * scale * scale
-        common, half = (two_e - f * d2) * s * per_q * per_q, 0.5 * dd2
-        return (cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, dx, db, d2,
-                common - half * less, common + half * more, dd2, scale)
-    return triangle
 
 
 @dialects
@@ -204,60 +136,6 @@ def make_slider_motion(a1, a2, e, unit, triangle):
                 -beta, -omega_b, -alpha_b, slide, velocity, acceleration, beta, omega_b, alpha_b,
                 fabs(theta2), dx * per_unit, db * per_unit, 1.0, condition, cos_x, sin_x, cos_b, sin_b, cos_2, sin_2)
     return motion
-
-
-@dialects
-def make_loads(a1, a2, e, is_crank, bodies, gravity, external):
-    """
-    Return the function (fields of the motion) -> fields of :class:`SliderLoads`: Newton-Euler in closed form.
-
-    The force at B from the moment of the coupler and, for a driven crank, the slider's own equation along
-    the guide, for a driven slider the moment of the crank; the drive from virtual power.
-    """
-    unit = ldexp(1.0, frexp(max(a1, a2, fabs(e)))[1])
-    crank, coupler, slider = bodies
-
-    def loads(motion, a1=a1 / unit, a2=a2 / unit, e=e / unit, unit=unit, per_unit=1.0 / unit, is_crank=is_crank,
-              mass2=coupler.mass * unit, mass3=slider.mass * unit,
-              crank=_about_first_joint(crank, unit, gravity),
-              coupler=_about_first_joint(coupler, unit, gravity, external.coupler),
-              slider=_about_first_joint(slider, unit, gravity, external.output)):
-        (_, omega, alpha, _, _, _, _, _, _, slide, _, slide_acceleration, _, omega_b, alpha_b, _, dx, db, ds, _,
-         cos_x, sin_x, cos_b, sin_b, _, sin_2) = motion
-        f1_x, f1_y, moment1 = link_needs(crank, 0.0, cos_x, sin_x, omega, alpha, 0.0, 0.0)
-        at_x, at_y, square = a1 * cos_x, a1 * sin_x, omega * omega     # A
-        f2_x, f2_y, moment2 = link_needs(coupler, mass2, cos_b, sin_b, omega_b, alpha_b,
-                                         -alpha * at_y - square * at_x, alpha * at_x - square * at_y)
-        f3_x, f3_y, moment3 = link_needs(slider, mass3, 1.0, 0.0, 0.0, 0.0, slide_acceleration * per_unit, 0.0)
-        carried = moment1 + at_x * f2_y - at_y * f2_x
-        drive = unit * (carried * dx + moment2 * db) + f3_x * ds
-        along_b, along_x = carried / a1, -moment2 / a2
-        f32_x, f32_y = where(is_crank, (-f3_x, (-along_x - sin_b * f3_x) / cos_b),
-                             ((along_b * cos_b + along_x * cos_x) / sin_2,
-                              (along_b * sin_b + along_x * sin_x) / sin_2))
-        f21_x, f21_y = f32_x - f2_x, f32_y - f2_y
-        torque, force = where(is_crank, (drive, 0.0), (0.0, drive))
-        f43_x, f43_y = force, f3_y + f32_y
-        f41_x, f41_y = f1_x - f21_x, f1_y - f21_y
-        shaking_x, shaking_y = -(f1_x + f2_x + f3_x), -(f1_y + f2_y + f3_y)
-        moment = -(carried + moment2 + moment3 + (slide * per_unit) * f3_y - e * f3_x)
-        return (f41_x, f41_y, f21_x, f21_y, f32_x, f32_y, f43_x, f43_y,
-                hypot(f41_x, f41_y), hypot(f21_x, f21_y), hypot(f32_x, f32_y), hypot(f43_x, f43_y),
-                f43_y, unit * moment3, torque, force, shaking_x, shaking_y, hypot(shaking_x, shaking_y),
-                unit * moment)
-    return loads
-
-
-def reach(p, r, e):
-    """Return (inner, outer) distances squared, minus e^2: (p - r)^2 - e^2 and (p + r)^2 - e^2 [m^2]."""
-    return difference_of_squares(p, -r, e, 0.0), difference_of_squares(p, r, e, 0.0)
-
-
-def slide_ranges(p, r, e):
-    """Return the ranges of s in which the triangle of :func:`make_triangle` closes, from below [m]."""
-    inner, outer = reach(p, r, e)
-    far = sqrt(outer)
-    return ((-far, far),) if inner <= 0.0 else ((-far, -sqrt(inner)), (sqrt(inner), far))
 
 
 @dataclass(frozen=True)
@@ -375,4 +253,4 @@ class SliderCrank(Mechanism):
     @cached_property
     def _loads(self):
         return [make(*self.lengths, self.input == CRANK, self.bodies, self.gravity, self.external)
-                for make in make_loads]
+                for make in make_slider_crank_loads]

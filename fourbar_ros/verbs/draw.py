@@ -20,7 +20,8 @@ def add(verbs):
     draw.add_argument('scene', metavar='SCENE', help='parameter file of the scene (YAML)')
     draw.add_argument('--at', type=float, required=True, metavar='DEG', help='input angle [degrees]')
     draw.add_argument('--speed', type=float, metavar='RAD_S', help='input speed [rad/s]; default: that of the scene')
-    draw.add_argument('--acceleration', type=float, default=0.0, metavar='RAD_S2', help='of the input [rad/s^2], default 0')
+    draw.add_argument('--acceleration', type=float, default=0.0, metavar='RAD_S2',
+                      help='of the input [rad/s^2], default 0')
     draw.add_argument('--mode', type=int, choices=(1, 2), help='assembly mode; default: that of the scene')
     draw.add_argument('-o', '--out', metavar='FILE', required=True, help='picture: .png, .svg, .pdf')
     draw.set_defaults(run=_draw)
