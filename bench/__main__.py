@@ -2,6 +2,7 @@
 import argparse
 import contextlib
 import importlib
+import inspect
 import io
 import platform
 import sys
@@ -39,13 +40,15 @@ def main():
         formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('names', nargs='*', metavar='NAME', help='which (default: all)')
     parser.add_argument('--write', action='store_true', help='also write docs/bench/NAME.md')
+    parser.add_argument('--samples', type=int, metavar='N', help='how many, where a measurement takes samples')
     arguments = parser.parse_args()
     if unknown := [name for name in arguments.names if name not in MODULES]:
         parser.error(f'{unknown[0]!r}: choose from {", ".join(MODULES)}')
     for name in arguments.names or MODULES:
         print(f'\n# {about[name]}\n\n{machine()}\n')
         with contextlib.redirect_stdout(Tee()) as kept:
-            importlib.import_module(f'bench.{name}').main()
+            run = importlib.import_module(f'bench.{name}').main
+            run(*[arguments.samples] * (arguments.samples is not None and 'samples' in inspect.signature(run).parameters))
         if arguments.write:
             page = ROOT / 'docs' / 'bench' / f'{name}.md'
             page.parent.mkdir(exist_ok=True)

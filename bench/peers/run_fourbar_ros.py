@@ -46,13 +46,16 @@ def read_scalar(rows):
 
 def read(found):
     motion, loads = found
-    return {'theta4': motion.theta4, 'omega4': motion.omega4, 'alpha4': motion.alpha4,
-            'f41': np.stack((loads.f41_x, loads.f41_y), -1)}
+    return {**read_motion(motion), 'f41': np.stack((loads.f41_x, loads.f41_y), -1)}
 
 
-def batch(count):
+def read_motion(motion):
+    return {'theta4': motion.theta4, 'omega4': motion.omega4, 'alpha4': motion.alpha4}
+
+
+def batch(function, count):
     theta1 = np.tile(case.theta1, count // len(case.theta1))
-    return lambda _: linkage.step(theta1, omega, 0.0)
+    return lambda _: function(theta1, omega, 0.0)
 
 
 def system(m):
@@ -94,7 +97,8 @@ samples = np.tile(case.theta1, 10)
 serve(case, [
     Method('fourbar_ros, scalar', scalar, read_scalar),
     Method('fourbar_ros, scalar, motion only', scalar_motion, read_scalar),
-    *(Method(f'fourbar_ros, batch of {count}', batch(count), read) for count in (1000, 10000, 100000)),
+    *(Method(f'fourbar_ros, batch of {count}', batch(linkage.step, count), read) for count in (1000, 10000, 100000)),
+    Method('fourbar_ros, batch of 10000, motion only', batch(linkage.motion, 10000), read_motion),
     Method('9x9 numpy, one a call', lambda theta1: [one_system(x) for x in theta1.tolist()], read_systems),
     *(Method(f'9x9 numpy, batch of {count}', batch_system(count), read_system) for count in (1000, 100000)),
     Method('one step', one_step, nothing), Method('math.sin', math_sin, nothing),
