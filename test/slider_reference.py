@@ -14,7 +14,7 @@ from fourbar_ros.core import Applied, Bodies, Body, External
 from fourbar_ros.core.inverted_slider import InvertedSlider
 from fourbar_ros.core.slider_crank import SliderCrank
 
-KINDS = ((SliderCrank, 'crank'), (SliderCrank, 'slider'), (InvertedSlider, 'crank'), (InvertedSlider, 'slide'))
+KINDS = ((SliderCrank, 'crank'), (SliderCrank, 'slide'), (InvertedSlider, 'crank'), (InvertedSlider, 'slide'))
 FIELDS = {SliderCrank: ('theta1', 'beta', 'slide', 'theta2', 'omega1', 'omega_beta', 'slide_velocity', 'omega2',
                         'alpha1', 'alpha_beta', 'slide_acceleration', 'alpha2'),
           InvertedSlider: ('theta1', 'theta4', 'slide', 'theta2', 'omega1', 'omega4', 'slide_velocity', 'omega2',

@@ -70,7 +70,7 @@ BODIES = Bodies(Body(1.0, 0.1, 0.0, 0.01), Body(2.0, 0.2, 0.0, 0.02), Body(1.0, 
 
 @pytest.mark.parametrize('mechanism, value', [
     (FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES), 1.0), (SliderCrank(0.4, 1.2, -0.1, bodies=BODIES), 1.0),
-    (InvertedSlider(0.4, 1.2, 0.1, bodies=BODIES), 1.0), (SliderCrank(0.4, 1.2, input='slider', bodies=BODIES), 1.0)])
+    (InvertedSlider(0.4, 1.2, 0.1, bodies=BODIES), 1.0), (SliderCrank(0.4, 1.2, input='slide', bodies=BODIES), 1.0)])
 def test_pictures_have_equal_scales_and_all_labels(mechanism, value):
     pytest.importorskip('matplotlib')
     from fourbar_ros.draw import make_figure

@@ -9,8 +9,9 @@ from slider_reference import EPS, FAMILIES, exact
 
 from fourbar_ros.core import Applied, Bodies, Body, External, InvalidParameter, MissingBodies, OutOfRange, Toggle
 from fourbar_ros.core.frames import coincident_acceleration, relative_acceleration, relative_velocity
-from fourbar_ros.core.inverted_slider import SLIDE, InvertedSlider
-from fourbar_ros.core.slider_crank import CRANK, SLIDER, SliderCrank
+from fourbar_ros.core.inverted_slider import InvertedSlider
+from fourbar_ros.core.mechanism import CRANK, SLIDE
+from fourbar_ros.core.slider_crank import SliderCrank
 
 KINDS = [(InvertedSlider, CRANK), (InvertedSlider, SLIDE)]
 MASSES = Bodies(Body(1.0, 0.1, 0.02, 0.1), Body(2.0, 0.3, -0.1, 0.3), Body(1.5, 0.05, 0.1, 0.7))
@@ -99,7 +100,7 @@ def test_example_7_5():
 def test_the_cylinder_is_the_slider_crank_seen_from_its_bar():
     for mechanism, given in reference.random_loaded(KINDS[1], 110, 60):
         m = mechanism.motion(*given)
-        seen = SliderCrank(mechanism.a4, mechanism.a1, mechanism.offset, 3 - mechanism.mode, SLIDER).motion(*given)
+        seen = SliderCrank(mechanism.a4, mechanism.a1, mechanism.offset, 3 - mechanism.mode, SLIDE).motion(*given)
         assert remainder(m.theta4 - (pi - seen.theta1), 2.0 * pi) == pytest.approx(0.0, abs=4 * EPS)
         assert (m.omega4, m.alpha4, m.omega1) == (-seen.omega1, -seen.alpha1, seen.omega2)
 

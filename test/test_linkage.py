@@ -150,7 +150,7 @@ def test_just_inside_and_just_outside_a_limit(lengths):
                 motion = linkage.motion(end)
                 assert abs(motion.sin_mu) < 1e-7
             except Toggle as error:
-                assert error.theta1 == end
+                assert error.value == end
 
 
 def test_full_turns_of_the_input_angle_change_nothing_but_rounding():

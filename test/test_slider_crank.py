@@ -9,9 +9,10 @@ from slider_reference import EPS, FAMILIES, exact
 
 from fourbar_ros.core import Applied, Bodies, Body, External, InvalidParameter, MissingBodies, OutOfRange, Toggle
 from fourbar_ros.core.frames import relative_acceleration, relative_velocity
-from fourbar_ros.core.slider_crank import CRANK, SLIDER, SliderCrank
+from fourbar_ros.core.mechanism import CRANK, SLIDE
+from fourbar_ros.core.slider_crank import SliderCrank
 
-KINDS = [(SliderCrank, CRANK), (SliderCrank, SLIDER)]
+KINDS = [(SliderCrank, CRANK), (SliderCrank, SLIDE)]
 MASSES = Bodies(Body(1.0, 0.1, 0.02, 0.1), Body(2.0, 0.3, -0.1, 0.3), Body(1.5, 0.05, 0.1, 0.7))
 both_inputs = pytest.mark.parametrize('kind', KINDS, ids=lambda kind: kind[1])
 
@@ -105,7 +106,7 @@ def test_either_input_gives_the_motion_of_the_other():
     for mechanism, given in reference.random_loaded(KINDS[0], 91, 100):
         m = mechanism.motion(*given)
         mode = 2 if m.sin_2 > 0.0 else 1
-        other = SliderCrank(*mechanism.lengths, mode=mode, input=SLIDER)
+        other = SliderCrank(*mechanism.lengths, mode=mode, input=SLIDE)
         if abs(m.sin_2) < 0.05:
             continue
         back = other.motion(m.slide, m.slide_velocity, m.slide_acceleration)
@@ -181,7 +182,7 @@ def test_limits_are_exact_to_the_last_bits():
                     distance = min(abs(end - mp.mpf(other) - turn * mp.pi) for turn in (-2, -1, 0, 1, 2)
                                    for other in (angle, -angle))
                     assert distance <= 4 * EPS * max(1.0, abs(end)) or distance <= 4 * EPS * abs(end)
-            for low, high in SliderCrank(a1, a2, e, input=SLIDER).input_ranges:
+            for low, high in SliderCrank(a1, a2, e, input=SLIDE).input_ranges:
                 for end in (low, high):
                     squares = [(mp.mpf(a1) + k * mp.mpf(a2))**2 - mp.mpf(e)**2 for k in (-1, 1)]
                     assert min(abs(abs(end) - mp.sqrt(s)) for s in squares if s >= 0) <= 4 * EPS * abs(end)
@@ -214,14 +215,14 @@ def test_dead_points():
         if abs(mechanism.a1 - mechanism.a2) < 0.05 or mechanism.change_point_margin < 1e-3:
             continue
         assert len(mechanism.dead_points) == (2 if 'Grashof ' in mechanism.classification[:8] else 1)
-        ends = [end for ends in SliderCrank(*lengths, input=SLIDER).input_ranges for end in ends]
+        ends = [end for ends in SliderCrank(*lengths, input=SLIDE).input_ranges for end in ends]
         for theta1, slide, stretched in mechanism.dead_points:
             motion = mechanism.motion(theta1, 1.0)
             assert abs(motion.slide_velocity) <= 64 * EPS * motion.condition / abs(motion.cos_b)
             assert motion.slide == pytest.approx(slide, abs=16 * EPS * motion.condition)
             assert (motion.cos_2 > 0.0) == stretched
             assert min(abs(slide - end) for end in ends) <= 8 * EPS * abs(slide)
-    assert SliderCrank(2.5, 6.0, input=SLIDER).dead_points == ()
+    assert SliderCrank(2.5, 6.0, input=SLIDE).dead_points == ()
 
 
 @pytest.mark.parametrize('mode', [1, 2])
@@ -273,11 +274,11 @@ def test_errors_name_the_input():
         SliderCrank(4.0, 2.0, 0.0).motion(1.5)
     assert caught.value.name == 'theta1' and caught.value.ranges == SliderCrank(4.0, 2.0, 0.0).input_ranges
     with pytest.raises(OutOfRange, match=r'^slide = 9.0 m is outside the input range \[-8.5, -3.5\] or \[3.5, 8.5\] m$'):
-        SliderCrank(2.5, 6.0, input=SLIDER).motion(9.0)
+        SliderCrank(2.5, 6.0, input=SLIDE).motion(9.0)
     with pytest.raises(Toggle, match='^slide = 8.5 m is a toggle position'):
-        SliderCrank(2.5, 6.0, input=SLIDER).motion(8.5, 1.0)
+        SliderCrank(2.5, 6.0, input=SLIDE).motion(8.5, 1.0)
     with pytest.raises(InvalidParameter, match='^slide_velocity = nan'):
-        SliderCrank(2.5, 6.0, input=SLIDER).motion(5.0, nan)
+        SliderCrank(2.5, 6.0, input=SLIDE).motion(5.0, nan)
     with pytest.raises(MissingBodies, match='masses'):
         SliderCrank(2.5, 6.0).loads(0.3)
 
@@ -304,7 +305,7 @@ def test_gas_force_on_the_piston():
         assert loads.guide_force == pytest.approx(-1000.0 * m.sin_b / m.cos_b, rel=1e-13)
         assert loads.guide_couple == pytest.approx(-20.0, rel=4 * EPS)      # turns the slider back: 0.02 m x 1000 N
         assert loads.f43_x == 0.0 and loads.shaking_force_x == -1000.0
-        m, loads = SliderCrank(0.1, 0.3, e, mode=1, input=SLIDER, bodies=nothing, external=push).step(0.25)
+        m, loads = SliderCrank(0.1, 0.3, e, mode=1, input=SLIDE, bodies=nothing, external=push).step(0.25)
         assert loads.driving_force == 1000.0 and loads.f21 == loads.f32 == 0.0
 
 

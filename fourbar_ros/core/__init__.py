@@ -1,9 +1,13 @@
 """The mechanics, with numpy only: no ROS, no scipy, no files."""
-from .bodies import Applied, Body, round_rod
+from .bodies import Applied, Bodies, Body, External, round_rod
 from .errors import FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle
 from .kinematics import Motion
-from .linkage import CROSSED, OPEN, Bodies, External, FourBar
+from .inverted_slider import InvertedSlider
+from .linkage import FourBar
 from .loads import Loads
+from .mechanism import CROSSED, OPEN
+from .slider_crank import SliderCrank
 
 __all__ = ['Applied', 'Bodies', 'Body', 'CROSSED', 'External', 'FourBar', 'FourBarError', 'InvalidParameter',
-           'Loads', 'MissingBodies', 'Motion', 'OPEN', 'OutOfRange', 'Toggle', 'round_rod']
+           'InvertedSlider', 'Loads', 'MissingBodies', 'Motion', 'OPEN', 'OutOfRange', 'SliderCrank', 'Toggle',
+           'round_rod']

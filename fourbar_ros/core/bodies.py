@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite, pi
+from typing import NamedTuple
 
 from .errors import InvalidParameter
 
@@ -91,3 +92,18 @@ def round_rod(length, density, radius):
             raise InvalidParameter(name, value, 'must be a positive number')
     mass = density * pi * radius**2 * length
     return Body(mass, 0.5 * length, 0.0, mass * (3.0 * radius**2 + length**2) / 12.0)
+
+
+class Bodies(NamedTuple):
+    """Mass properties of the three moving links."""
+
+    crank: Body
+    coupler: Body
+    output: Body
+
+
+class External(NamedTuple):
+    """What acts on coupler and output link from outside."""
+
+    coupler: Applied = NOT_APPLIED
+    output: Applied = NOT_APPLIED

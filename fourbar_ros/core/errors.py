@@ -13,21 +13,24 @@ class InvalidParameter(FourBarError, ValueError):
         super().__init__(f'{name}: {allowed}' if value is None else f'{name} = {value!r}: {allowed}')
 
 
-class OutOfRange(FourBarError, ValueError):
-    """The linkage cannot be assembled at the given input angle; ``theta1`` and ``ranges`` are kept."""
+UNITS = {'theta1': 'rad', 'slide': 'm'}     # of what a mechanism can be driven by
 
-    def __init__(self, theta1, ranges):
-        self.theta1, self.ranges = theta1, ranges
+
+class OutOfRange(FourBarError, ValueError):
+    """The mechanism cannot be assembled at the given input; its ``name``, ``value``, ``ranges`` are kept."""
+
+    def __init__(self, name, value, ranges):
+        self.name, self.value, self.ranges = name, value, ranges
         allowed = ' or '.join(f'[{low:.9g}, {high:.9g}]' for low, high in ranges)
-        super().__init__(f'theta1 = {theta1!r} rad is outside the input range {allowed} rad')
+        super().__init__(f'{name} = {value!r} {UNITS[name]} is outside the input range {allowed} {UNITS[name]}')
 
 
 class Toggle(FourBarError, ArithmeticError):
-    """Coupler and output link are in line: rates and loads are unbounded; ``theta1`` is kept."""
+    """The dyad is in line, so that rates and loads are unbounded; ``name`` and ``value`` of the input are kept."""
 
-    def __init__(self, theta1):
-        self.theta1 = theta1
-        super().__init__(f'theta1 = {theta1!r} rad is a toggle position: rates and loads are unbounded')
+    def __init__(self, name, value):
+        self.name, self.value = name, value
+        super().__init__(f'{name} = {value!r} {UNITS[name]} is a toggle position: rates and loads are unbounded')
 
 
 class MissingBodies(FourBarError, ValueError):

@@ -25,17 +25,14 @@ from functools import cached_property
 from math import atan2, cos, fabs, frexp, fsum, ldexp, pi, sin, sqrt
 from typing import NamedTuple
 
+from .bodies import Bodies, External
 from .dialects import dialects
 from .errors import InvalidParameter
 from .factors import difference_of_squares
 from .kinematics import INFINITESIMAL
-from .linkage import OPEN, Bodies, External
-from .mechanism import Mechanism
-from .slider_crank import CRANK
+from .mechanism import CRANK, OPEN, SLIDE, THETA1, THETA2, THETA4, TRAVEL, Mechanism
 from .slider_loads import SliderLoads, make_inverted_loads
 from .triangle import make_triangle, reach, slide_ranges
-
-SLIDE = 'slide'
 
 
 class InvertedSliderMotion(NamedTuple):
@@ -178,7 +175,9 @@ class InvertedSlider(Mechanism):
     gravity: tuple[float, float] = (0.0, 0.0)
     external: External = External()
 
-    INPUTS = {CRANK: ('theta1', 'omega1', 'alpha1'), SLIDE: ('slide', 'slide_velocity', 'slide_acceleration')}
+    INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
+    OUTPUTS = {CRANK: (THETA4, 'output_ratio'), SLIDE: (THETA1, 'crank_ratio')}
+    JOINTS = (THETA1, THETA2, TRAVEL, THETA4)
     MOTION, LOADS = InvertedSliderMotion, SliderLoads
 
     def __post_init__(self):

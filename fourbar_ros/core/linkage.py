@@ -1,27 +1,19 @@
 """The planar 4R linkage: lengths, assembly mode, masses; what it is, how far it moves, how it moves."""
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, frexp, fsum, isfinite, ldexp, pi, remainder, sqrt
-from numbers import Real
+from math import atan2, frexp, fsum, ldexp, pi, sqrt
 from typing import NamedTuple
 
-import numpy as np
-
-from .bodies import NOT_APPLIED, Applied, Body
-from .errors import InvalidParameter, MissingBodies, OutOfRange, Toggle
+from .bodies import Bodies, External
+from .errors import InvalidParameter
 from .factors import difference_of_squares
 from .kinematics import Motion, make_motion
 from .loads import Loads, make_loads
+from .mechanism import CRANK, CROSSED, OPEN, THETA1, THETA2, THETA3, THETA4, Mechanism
 
-CROSSED, OPEN = 1, 2     # assembly modes: sin(theta4 - beta) < 0, > 0
-
-# Samples a numpy evaluation takes at once: its temporaries then stay in the cache.
-CHUNK = 8192
-
-EPS = 2.0**-52
-_new = tuple.__new__     # of a NamedTuple from a tuple: four times faster than its own constructor
+__all__ = ['CROSSED', 'OPEN', 'DeadPoint', 'FourBar']
 
 # Signs of (a4 - a1 + a3 - a2, a4 - a1 - a3 + a2, a2 + a3 - a4 - a1) for the eight basic planar 4R
 # linkages: McCarthy and Soh, Geometric Design of Linkages, whose first two are exchanged here. Of a
@@ -36,21 +28,6 @@ _CLASSES = {
     (1, -1, 1): 'non-Grashof pi-pi double-rocker',
     (1, 1, -1): 'non-Grashof 0-pi double-rocker',
 }
-
-
-class Bodies(NamedTuple):
-    """Mass properties of the three moving links."""
-
-    crank: Body
-    coupler: Body
-    output: Body
-
-
-class External(NamedTuple):
-    """What acts on coupler and output link from outside."""
-
-    coupler: Applied = NOT_APPLIED
-    output: Applied = NOT_APPLIED
 
 
 class DeadPoint(NamedTuple):
@@ -80,18 +57,8 @@ def _ranges(a1, a2, a3, a4):
     return ((-far, far),) if s2 >= 0.0 else ((-far, -near), (near, far))
 
 
-def _are_numbers(*values):
-    return all(isinstance(value, Real) for value in values)
-
-
-def _require_finite(theta1, omega1, alpha1):
-    for name, value in (('theta1', theta1), ('omega1', omega1), ('alpha1', alpha1)):
-        if not isfinite(value):
-            raise InvalidParameter(name, value, 'must be a finite number')
-
-
 @dataclass(frozen=True)
-class FourBar:
+class FourBar(Mechanism):
     """
     Planar four-bar linkage O1-A-B-O4 with four revolute joints.
 
@@ -129,34 +96,24 @@ class FourBar:
     gravity: tuple[float, float] = (0.0, 0.0)
     external: External = External()
 
+    input = CRANK
+    INPUTS, OUTPUTS = {CRANK: THETA1}, {CRANK: (THETA4, 'velocity_ratio')}
+    JOINTS = (THETA1, THETA2, THETA3, THETA4)
+    MOTION, LOADS = Motion, Loads
+
     def __post_init__(self):
+        self._check(('a1', 'a2', 'a3', 'a4'))
         lengths = self.lengths
-        for name, value in zip(('a1', 'a2', 'a3', 'a4'), lengths):
-            if not (isfinite(value) and value > 0.0):
-                raise InvalidParameter(name, value, 'a length must be a positive number')
         longest = max(lengths)
         if fsum(lengths + (-longest, -longest)) <= 0.0:
             raise InvalidParameter(f'a{lengths.index(longest) + 1}', longest,
                                    'the links cannot close: it must be shorter than the other three '
                                    f'together ({fsum(lengths + (-longest,))!r})')
-        if self.mode not in (CROSSED, OPEN):
-            raise InvalidParameter('mode', self.mode, 'must be 1 (crossed) or 2 (open)')
-        if not (len(self.gravity) == 2 and all(map(isfinite, self.gravity))):
-            raise InvalidParameter('gravity', self.gravity, 'must be two finite numbers')
 
     @property
     def lengths(self):
         """Return (a1, a2, a3, a4) [m]."""
         return (self.a1, self.a2, self.a3, self.a4)
-
-    @property
-    def sign(self):
-        """Return the sign of sin(theta4 - beta): the assembly mode as +1 or -1."""
-        return 1.0 if self.mode == OPEN else -1.0
-
-    def in_mode(self, mode):
-        """Return the same linkage in another assembly mode."""
-        return self if mode == self.mode else replace(self, mode=mode)
 
     # --- what it is -----------------------------------------------------------------------------
 
@@ -227,11 +184,6 @@ class FourBar:
                 points.append(DeadPoint(theta1, theta4, stretched))
         return tuple(sorted(points))
 
-    @property
-    def turns_fully(self):
-        """Return whether the input link can make full turns."""
-        return self.input_ranges == ((-pi, pi),)
-
     # --- how it moves ---------------------------------------------------------------------------
 
     @cached_property
@@ -240,82 +192,4 @@ class FourBar:
 
     @cached_property
     def _loads(self):
-        if self.bodies is None:
-            raise MissingBodies
         return [make(*self.lengths, self.bodies, self.gravity, self.external) for make in make_loads]
-
-    def motion(self, theta1, omega1=0.0, alpha1=0.0):
-        """
-        Return the :class:`Motion` for given input angle, rate and acceleration.
-
-        Parameters
-        ----------
-        theta1, omega1, alpha1 : float or array_like
-            Input angle [rad] (any number of turns), rate [rad/s] and acceleration [rad/s^2]; arrays
-            are broadcast. Three floats take the fast scalar path.
-
-        Raises
-        ------
-        InvalidParameter, OutOfRange, Toggle
-            For a single value that is not finite, out of range, at a toggle. In arrays such samples
-            are NaN in every field that depends on it.
-
-        """
-        if not (type(theta1) is type(omega1) is type(alpha1) is float):
-            if _are_numbers(theta1, omega1, alpha1):
-                return self.motion(float(theta1), float(omega1), float(alpha1))
-            return self._evaluate_arrays(theta1, omega1, alpha1, False)[0]
-        if (theta1 + omega1 + alpha1) * 0.0 != 0.0:
-            _require_finite(theta1, omega1, alpha1)
-        try:
-            return _new(Motion, self._motion[0](theta1, omega1, alpha1))
-        except (ValueError, ZeroDivisionError):
-            raise self._why_no_motion(theta1) from None
-
-    def loads(self, theta1, omega1=0.0, alpha1=0.0):
-        """Return the :class:`Loads`; arguments and errors as in :meth:`motion`, or MissingBodies."""
-        return self.step(theta1, omega1, alpha1)[1]
-
-    def step(self, theta1, omega1=0.0, alpha1=0.0):
-        """Return (Motion, Loads) together, at the cost of one; arguments as in :meth:`motion`."""
-        if not (type(theta1) is type(omega1) is type(alpha1) is float):
-            if _are_numbers(theta1, omega1, alpha1):
-                return self.step(float(theta1), float(omega1), float(alpha1))
-            return self._evaluate_arrays(theta1, omega1, alpha1, True)
-        if (theta1 + omega1 + alpha1) * 0.0 != 0.0:
-            _require_finite(theta1, omega1, alpha1)
-        loads = self._loads[0]
-        try:
-            motion = self._motion[0](theta1, omega1, alpha1)
-            return _new(Motion, motion), _new(Loads, loads(motion))
-        except (ValueError, ZeroDivisionError):
-            raise self._why_no_motion(theta1) from None
-
-    def _why_no_motion(self, theta1):
-        """Return the error for an angle at which a square root was not real or a sine zero."""
-        # A limit and the angle compared with it are each rounded, and so is their distance.
-        tolerance = 4.0 * EPS * abs(theta1)
-        for end in (end for bounds in self.input_ranges for end in bounds):
-            if abs(remainder(theta1 - end, 2.0 * pi)) <= tolerance:
-                return Toggle(theta1)
-        return OutOfRange(theta1, self.input_ranges)
-
-    def _evaluate_arrays(self, theta1, omega1, alpha1, with_loads):
-        kind = 2 if np.iscomplexobj(theta1) else 1
-        dtype = np.complex128 if kind == 2 else np.float64
-        inputs = np.broadcast_arrays(*(np.asarray(v, dtype) for v in (theta1, omega1, alpha1)))
-        shape = inputs[0].shape
-        flat = [v.reshape(-1) for v in inputs]
-        motions = np.empty((len(Motion._fields), flat[0].size), dtype)
-        loads = np.empty((len(Loads._fields), flat[0].size), dtype) if with_loads else None
-        with np.errstate(invalid='ignore', divide='ignore', over='ignore', under='ignore'):
-            for start in range(0, flat[0].size, CHUNK):
-                part = slice(start, start + CHUNK)
-                motion = self._motion[kind](*(v[part] for v in flat))
-                for row, values in zip(motions, motion):
-                    row[part] = values
-                if with_loads:
-                    for row, values in zip(loads, self._loads[kind](motion)):
-                        row[part] = values
-        return (Motion(*(row.reshape(shape) for row in motions)),
-                Loads(*(row.reshape(shape) for row in loads)) if with_loads else None)

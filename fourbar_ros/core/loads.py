@@ -48,7 +48,7 @@ class Loads(NamedTuple):
     shaking_moment: float     # on the ground about O1: T14 + (O4 - O1) x F34
 
 
-def _about_first_joint(body, unit, gravity, applied=NOT_APPLIED):
+def about_first_joint(body, unit, gravity, applied=NOT_APPLIED):
     """
     Return the constants of a link in the equations; lengths in ``unit``, origin at its first joint.
 
@@ -87,9 +87,9 @@ def make_loads(a1, a2, a3, a4, bodies, gravity, external):
     crank, coupler, output = bodies
 
     def loads(motion, a1=a1 / unit, a2=a2 / unit, a3=a3 / unit, a4=a4 / unit, unit=unit,
-              mass2=coupler.mass * unit, crank=_about_first_joint(crank, unit, gravity),
-              coupler=_about_first_joint(coupler, unit, gravity, external.coupler),
-              output=_about_first_joint(output, unit, gravity, external.output)):
+              mass2=coupler.mass * unit, crank=about_first_joint(crank, unit, gravity),
+              coupler=about_first_joint(coupler, unit, gravity, external.coupler),
+              output=about_first_joint(output, unit, gravity, external.output)):
         (_, omega, alpha, _, _, _, _, _, _, _, omega4, alpha4, _, omega_b, alpha_b, _, dy, db, _,
          cos_x, sin_x, cos_b, sin_b, cos_y, sin_y, _, sin_mu) = motion
 

@@ -6,47 +6,44 @@ called for floats and arrays, with the same rules for all.
 """
 from __future__ import annotations
 
-from math import isfinite, pi, remainder
+from dataclasses import replace
+from math import isfinite, nan, pi, remainder
 from numbers import Real
+from typing import NamedTuple
 
 import numpy as np
 
 from .errors import InvalidParameter, MissingBodies, OutOfRange, Toggle
-from .linkage import CROSSED, OPEN
 
-EPS = 2.0**-52
+CROSSED, OPEN = 1, 2     # assembly modes: sin(theta4 - beta) < 0, > 0 of a 4R linkage
+CRANK, SLIDE = 'crank', 'slide'     # inputs
+
 CHUNK = 8192             # samples a numpy evaluation takes at once: its temporaries stay in the cache
+EPS = 2.0**-52
 _new = tuple.__new__     # of a NamedTuple from a tuple: four times faster than its own constructor
-_UNITS = {'theta1': 'rad', 'slide': 'm'}
 
 
-class InputOutOfRange(OutOfRange):
-    """The mechanism cannot be assembled at this input; ``name``, ``value`` and ``ranges`` are kept."""
+class Coordinate(NamedTuple):
+    """Names of a joint's position, rate and acceleration among the fields of a motion."""
 
-    def __init__(self, name, value, ranges):
-        super().__init__(value, ranges)
-        self.name, self.value = name, value
-        if name != 'theta1':
-            self.args = (str(self).replace('theta1', name).replace(' rad', f' {_UNITS[name]}'),)
+    position: str
+    rate: str
+    acceleration: str
 
 
-class InputToggle(Toggle):
-    """The input is where the dyad is locked: rates and loads are unbounded; ``name`` and ``value`` are kept."""
-
-    def __init__(self, name, value):
-        super().__init__(value)
-        self.name, self.value = name, value
-        if name != 'theta1':
-            self.args = (str(self).replace('theta1', name).replace(' rad', f' {_UNITS[name]}'),)
+THETA1, THETA2, THETA3, THETA4 = (Coordinate(f'theta{i}', f'omega{i}', f'alpha{i}') for i in (1, 2, 3, 4))
+TRAVEL = Coordinate('slide', 'slide_velocity', 'slide_acceleration')
 
 
 class Mechanism:
     """
     Base of a frozen dataclass with ``mode``, ``input``, ``bodies``, ``gravity``.
 
-    A subclass has ``INPUTS`` (for each kind of input the names of its value, rate and acceleration),
-    ``MOTION`` and ``LOADS`` (types of the results), ``input_ranges``, and ``_motion`` and ``_loads``,
-    the :class:`~.dialects.Dialects` of its two functions as sequences.
+    A subclass has ``INPUTS`` (the :class:`Coordinate` of each kind of input), ``OUTPUTS`` (for each kind
+    of input the coordinate it is used for, and the field that is d output / d input), ``JOINTS`` (the
+    coordinates of all joints, from O1 on), ``MOTION`` and ``LOADS`` (types of the results),
+    ``input_ranges``, and ``_motion`` and ``_loads``, the :class:`~.dialects.Dialects` of its two
+    functions as sequences.
     """
 
     def _check(self, lengths, signed=()):
@@ -58,7 +55,7 @@ class Mechanism:
             if not isfinite(getattr(self, name)):
                 raise InvalidParameter(name, getattr(self, name), 'must be a finite number')
         if self.mode not in (CROSSED, OPEN):
-            raise InvalidParameter('mode', self.mode, 'must be 1 or 2')
+            raise InvalidParameter('mode', self.mode, 'must be 1 (crossed) or 2 (open)')
         if self.input not in self.INPUTS:
             raise InvalidParameter('input', self.input, f'must be one of {", ".join(self.INPUTS)}')
         if not (len(self.gravity) == 2 and all(map(isfinite, self.gravity))):
@@ -69,10 +66,34 @@ class Mechanism:
         """Return the assembly mode as +1 (mode 2) or -1 (mode 1)."""
         return 1.0 if self.mode == OPEN else -1.0
 
+    def in_mode(self, mode):
+        """Return the same mechanism in another assembly mode."""
+        return self if mode == self.mode else replace(self, mode=mode)
+
+    @property
+    def input_coordinate(self):
+        """Return the :class:`Coordinate` that is driven."""
+        return self.INPUTS[self.input]
+
+    @property
+    def is_driven_by_slide(self):
+        """Return whether the input is a length, not an angle."""
+        return self.input == SLIDE
+
     @property
     def turns_fully(self):
         """Return whether the input is a crank that makes full turns."""
         return self.input_ranges == ((-pi, pi),)
+
+    def distance(self, one, other):
+        """Return the signed distance of two inputs: the short way round of angles [rad], or [m]."""
+        return one - other if self.is_driven_by_slide else remainder(one - other, 2.0 * pi)
+
+    def unknown(self, position, rate, acceleration):
+        """Return the motion of which only the input is known; the rest is NaN."""
+        fields = dict.fromkeys(self.MOTION._fields, nan)
+        fields.update(zip(self.input_coordinate, (position, rate, acceleration)))
+        return self.MOTION(**fields)
 
     def motion(self, position, rate=0.0, acceleration=0.0):
         """
@@ -81,8 +102,8 @@ class Mechanism:
         Parameters
         ----------
         position, rate, acceleration : float or array_like
-            Crank angle [rad], [rad/s], [rad/s^2], or slide [m], [m/s], [m/s^2], as ``input`` says;
-            arrays are broadcast. Three floats take the fast scalar path.
+            Crank angle [rad] (any number of turns), [rad/s], [rad/s^2], or slide [m], [m/s], [m/s^2], as
+            ``input`` says; arrays are broadcast. Three floats take the fast scalar path.
 
         Raises
         ------
@@ -91,7 +112,16 @@ class Mechanism:
             are NaN in every field that depends on it.
 
         """
-        return self._evaluate(position, rate, acceleration, False)[0]
+        if not (type(position) is type(rate) is type(acceleration) is float):
+            if _are_numbers(position, rate, acceleration):
+                return self.motion(float(position), float(rate), float(acceleration))
+            return self._evaluate_arrays(position, rate, acceleration, False)[0]
+        if (position + rate + acceleration) * 0.0 != 0.0:
+            self._require_finite(position, rate, acceleration)
+        try:
+            return _new(self.MOTION, self._motion[0](position, rate, acceleration))
+        except (ValueError, ZeroDivisionError):
+            raise self._why_no_motion(position) from None
 
     def loads(self, position, rate=0.0, acceleration=0.0):
         """Return the loads; arguments and errors as in :meth:`motion`, or MissingBodies."""
@@ -101,33 +131,31 @@ class Mechanism:
         """Return (motion, loads) together, at the cost of one; arguments as in :meth:`motion`."""
         if self.bodies is None:
             raise MissingBodies
-        return self._evaluate(position, rate, acceleration, True)
-
-    def _evaluate(self, position, rate, acceleration, with_loads):
         if not (type(position) is type(rate) is type(acceleration) is float):
-            if not all(isinstance(value, Real) for value in (position, rate, acceleration)):
-                return self._evaluate_arrays(position, rate, acceleration, with_loads)
-            position, rate, acceleration = float(position), float(rate), float(acceleration)
+            if _are_numbers(position, rate, acceleration):
+                return self.step(float(position), float(rate), float(acceleration))
+            return self._evaluate_arrays(position, rate, acceleration, True)
         if (position + rate + acceleration) * 0.0 != 0.0:
-            for name, value in zip(self.INPUTS[self.input], (position, rate, acceleration)):
-                if not isfinite(value):
-                    raise InvalidParameter(name, value, 'must be a finite number')
+            self._require_finite(position, rate, acceleration)
         try:
             motion = self._motion[0](position, rate, acceleration)
-            return _new(self.MOTION, motion), _new(self.LOADS, self._loads[0](motion)) if with_loads else None
+            return _new(self.MOTION, motion), _new(self.LOADS, self._loads[0](motion))
         except (ValueError, ZeroDivisionError):
             raise self._why_no_motion(position) from None
 
+    def _require_finite(self, *values):
+        for name, value in zip(self.input_coordinate, values):
+            if not isfinite(value):
+                raise InvalidParameter(name, value, 'must be a finite number')
+
     def _why_no_motion(self, position):
         """Return the error for an input at which a square root was not real or a sine zero."""
-        name = self.INPUTS[self.input][0]
+        name = self.input_coordinate.position
         # A limit and the input compared with it are each rounded, and so is their distance.
         tolerance = 4.0 * EPS * abs(position)
-        for end in (end for bounds in self.input_ranges for end in bounds):
-            distance = position - end if name == 'slide' else remainder(position - end, 2.0 * pi)
-            if abs(distance) <= tolerance:
-                return InputToggle(name, position)
-        return InputOutOfRange(name, position, self.input_ranges)
+        if any(abs(self.distance(position, end)) <= tolerance for bounds in self.input_ranges for end in bounds):
+            return Toggle(name, position)
+        return OutOfRange(name, position, self.input_ranges)
 
     def _evaluate_arrays(self, position, rate, acceleration, with_loads):
         kind = 2 if np.iscomplexobj(position) else 1
@@ -148,3 +176,7 @@ class Mechanism:
                         row[part] = values
         return (self.MOTION(*(row.reshape(shape) for row in motions)),
                 self.LOADS(*(row.reshape(shape) for row in loads)) if with_loads else None)
+
+
+def _are_numbers(*values):
+    return all(isinstance(value, Real) for value in values)

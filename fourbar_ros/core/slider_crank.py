@@ -24,15 +24,13 @@ from functools import cached_property
 from math import atan2, cos, fabs, frexp, fsum, ldexp, pi, sin, sqrt
 from typing import NamedTuple
 
+from .bodies import Bodies, External
 from .dialects import dialects, where
 from .errors import InvalidParameter
 from .factors import difference_of_squares
-from .linkage import OPEN, Bodies, External
-from .mechanism import Mechanism
+from .mechanism import CRANK, OPEN, SLIDE, THETA1, THETA2, THETA3, TRAVEL, Mechanism
 from .slider_loads import SliderLoads, make_slider_crank_loads
 from .triangle import make_triangle, reach, slide_ranges
-
-CRANK, SLIDER = 'crank', 'slider'
 
 
 class SliderCrankMotion(NamedTuple):
@@ -153,7 +151,7 @@ class SliderCrank(Mechanism):
         Assembly mode. Crank input: 2 has cos(beta) > 0 (slider ahead of A), 1 has cos(beta) < 0. Slider
         input: 2 has sin(theta2) > 0 (from O1 over A to B one turns left), 1 < 0.
     input : str
-        'crank' or 'slider': what theta1 or slide is given for.
+        'crank' or 'slide': what theta1 or slide is given for.
     bodies : Bodies, optional
         Crank from O1, coupler from A, slider (``output``) from B along x.
     gravity : tuple of 2 floats
@@ -179,7 +177,9 @@ class SliderCrank(Mechanism):
     gravity: tuple[float, float] = (0.0, 0.0)
     external: External = External()
 
-    INPUTS = {CRANK: ('theta1', 'omega1', 'alpha1'), SLIDER: ('slide', 'slide_velocity', 'slide_acceleration')}
+    INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
+    OUTPUTS = {CRANK: (TRAVEL, 'slide_ratio'), SLIDE: (THETA1, 'crank_ratio')}
+    JOINTS = (THETA1, THETA2, THETA3, TRAVEL)
     MOTION, LOADS = SliderCrankMotion, SliderLoads
 
     def __post_init__(self):
@@ -221,7 +221,7 @@ class SliderCrank(Mechanism):
         the guide (crank input), or in line with the crank (slider input): a toggle.
         """
         a1, a2, e = self.lengths
-        if self.input == SLIDER:
+        if self.input == SLIDE:
             return slide_ranges(a1, a2, e)
         below, above = fsum((a2, -e, -a1)), fsum((a2, e, -a1))      # of a2 -+ n at x = -+ pi/2
         low = atan2(e - a2, sqrt(-below * fsum((a2, -e, a1)))) if below < 0.0 else None

@@ -10,7 +10,7 @@ from math import fabs, frexp, hypot, ldexp
 from typing import NamedTuple
 
 from .dialects import dialects, where
-from .loads import _about_first_joint
+from .loads import about_first_joint
 
 
 class SliderLoads(NamedTuple):
@@ -53,7 +53,7 @@ def link_needs(link, mass, cosine, sine, omega, alpha, a_x, a_y):
     Parameters
     ----------
     link : tuple
-        Of :func:`.loads._about_first_joint`, in its unit of length.
+        Of :func:`.loads.about_first_joint`, in its unit of length.
     mass : float
         [kg unit]
     cosine, sine, omega, alpha : float
@@ -82,9 +82,9 @@ def make_slider_crank_loads(a1, a2, e, is_crank, bodies, gravity, external):
 
     def loads(motion, a1=a1 / unit, a2=a2 / unit, e=e / unit, unit=unit, per_unit=1.0 / unit, is_crank=is_crank,
               mass2=coupler.mass * unit, mass3=slider.mass * unit,
-              crank=_about_first_joint(crank, unit, gravity),
-              coupler=_about_first_joint(coupler, unit, gravity, external.coupler),
-              slider=_about_first_joint(slider, unit, gravity, external.output)):
+              crank=about_first_joint(crank, unit, gravity),
+              coupler=about_first_joint(coupler, unit, gravity, external.coupler),
+              slider=about_first_joint(slider, unit, gravity, external.output)):
         (_, omega, alpha, _, _, _, _, _, _, slide, _, slide_acceleration, _, omega_b, alpha_b, _, dx, db, ds, _,
          cos_x, sin_x, cos_b, sin_b, _, sin_2) = motion
         f1_x, f1_y, moment1 = link_needs(crank, 0.0, cos_x, sin_x, omega, alpha, 0.0, 0.0)
@@ -123,9 +123,9 @@ def make_inverted_loads(a1, a4, h, is_crank, bodies, gravity, external):
     crank, block, bar = bodies
 
     def loads(motion, a1=a1 / unit, a4=a4 / unit, h=h / unit, unit=unit, per_unit=1.0 / unit, is_crank=is_crank,
-              mass2=block.mass * unit, crank=_about_first_joint(crank, unit, gravity),
-              block=_about_first_joint(block, unit, gravity, external.coupler),
-              bar=_about_first_joint(bar, unit, gravity, external.output)):
+              mass2=block.mass * unit, crank=about_first_joint(crank, unit, gravity),
+              block=about_first_joint(block, unit, gravity, external.coupler),
+              bar=about_first_joint(bar, unit, gravity, external.output)):
         (_, omega, alpha, _, _, _, _, omega4, alpha4, slide, _, _, _, dx, dy, _, _,
          cos_x, sin_x, cos_y, sin_y, _, sin_2) = motion
         f1_x, f1_y, moment1 = link_needs(crank, 0.0, cos_x, sin_x, omega, alpha, 0.0, 0.0)

@@ -94,7 +94,7 @@ def evaluate_one(node, request, response):
     response.result = {OK: response.RESULT_OK, OUT_OF_RANGE: response.RESULT_OUT_OF_RANGE,
                        INVALID_INPUT: response.RESULT_INVALID_REQUEST, TOGGLE: response.RESULT_TOGGLE}[status]
     if status == OUT_OF_RANGE:
-        response.message = str(OutOfRange(request.theta1, linkage.input_ranges))
+        response.message = str(OutOfRange(linkage.input_coordinate.position, request.theta1, linkage.input_ranges))
     elif status == INVALID_INPUT:
         response.message = 'theta1, omega1, alpha1 must be finite, and so must the result'
     elif status == TOGGLE:
