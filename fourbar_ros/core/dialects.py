@@ -67,15 +67,29 @@ class Dialects(NamedTuple):
     analytic: Callable
 
 
+def rebound(function, **names):
+    """
+    Return a function with other meanings of names that are not its own: other numbers, other arrays.
+
+    In plain functions that it calls, and in those that they call, the names have these meanings too.
+    """
+    scope = {**function.__globals__, **names}
+    for name in _global_names(function.__code__) - names.keys():
+        if isinstance(scope.get(name), FunctionType):
+            scope[name] = rebound(scope[name], **names)
+    return FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
+
+
+def _global_names(code):
+    """Return the names of globals and attributes in a function and those inside it."""
+    return set(code.co_names).union(*(_global_names(inner) for inner in code.co_consts if hasattr(inner, 'co_names')))
+
+
 def dialects(function):
     """Return the :class:`Dialects` of a function (or of a factory of inner functions)."""
-    def with_globals(changes):
-        return FunctionType(function.__code__, {**function.__globals__, **changes},
-                            function.__name__, function.__defaults__)
-
     tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
     tree.body[0].decorator_list = []
     ast.fix_missing_locations(_Unfold().visit(tree))
     namespace = dict(function.__globals__)
     exec(compile(tree, inspect.getsourcefile(function), 'exec'), namespace)
-    return Dialects(namespace[function.__name__], with_globals(_ARRAY), with_globals(_ANALYTIC))
+    return Dialects(namespace[function.__name__], rebound(function, **_ARRAY), rebound(function, **_ANALYTIC))

@@ -9,11 +9,9 @@ first changes sign from end to end, and none otherwise; others are halved.
 """
 from __future__ import annotations
 
-from inspect import isfunction
-from types import FunctionType, SimpleNamespace
+from types import SimpleNamespace
 
-from . import factors
-from .dialects import where
+from .dialects import rebound, where
 from .kinematics import Motion, make_motion
 from .loads import Loads, make_loads
 from .sampling import NoLoads
@@ -74,12 +72,7 @@ def _atan2(y, x):
 
 
 # The names that the formulas use, for exact lengths and enclosures. Balls need no scaling.
-_FACTORS = {**vars(factors), 'fsum': sum}
-_FACTORS.update({name: FunctionType(function.__code__, _FACTORS)
-                 for name, function in vars(factors).items() if isfunction(function)})
-_NAMES = {'half_angle_coefficients': _FACTORS['half_angle_coefficients'],
-          'difference_of_squares': _FACTORS['difference_of_squares'], 'where': where,
-          'frexp': lambda v: (v, 0), 'ldexp': lambda v, exponent: v,
+_NAMES = {'fsum': sum, 'where': where, 'frexp': lambda v: (v, 0), 'ldexp': lambda v, exponent: v,
           'sin': Series.sin, 'cos': Series.cos, 'sqrt': Series.sqrt, 'atan2': _atan2,
           'hypot': lambda x, y: (x * x + y * y).sqrt(), 'fabs': lambda v: v}
 
@@ -87,7 +80,7 @@ _NAMES = {'half_angle_coefficients': _FACTORS['half_angle_coefficients'],
 def _enclosing(factory, with_angles):
     """Return a factory of :mod:`.kinematics` or :mod:`.loads` for exact constants and enclosures."""
     angles = {} if with_angles else {'atan2': lambda y, x: 0.0}
-    return FunctionType(factory.array.__code__, {**factory.array.__globals__, **_NAMES, **angles})
+    return rebound(factory.array, **{**_NAMES, **angles})
 
 
 def _exact(record, arb):

@@ -2,12 +2,11 @@
 from __future__ import annotations
 
 from math import pi
-from types import FunctionType
 from typing import NamedTuple
 
 import numpy as np
 
-from . import factors
+from .dialects import rebound
 from .elliptic import POINTS_PER_FEATURE, half_turn, phases
 from .errors import InvalidParameter
 from .extrema import CONSTANT, MAXIMUM, RATES, find_extrema
@@ -61,11 +60,7 @@ def _two_sum(a, b):
     return total, (a - (total - part)) + (b - part)
 
 
-_FACTORS = {**vars(factors), 'fsum': _exact_sum}
-_FACTORS.update({name: FunctionType(function.__code__, _FACTORS)
-                 for name, function in vars(factors).items() if isinstance(function, FunctionType)})
-_constants = FunctionType(sine_constants.__code__, {**sine_constants.__globals__, **{
-    name: _FACTORS[name] for name in ('half_angle_coefficients', 'difference_of_squares')}})
+_constants = rebound(sine_constants, fsum=_exact_sum)
 
 
 def find_extrema_many(a1, a2, a3, a4, mode=OPEN, omega1=1.0, progress=None):

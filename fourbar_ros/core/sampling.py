@@ -6,10 +6,10 @@ The derivative is exact: a complex step through the same formulas that compute t
 from __future__ import annotations
 
 from math import sqrt
-from types import FunctionType
 
 import numpy as np
 
+from .dialects import rebound
 from .errors import MissingBodies
 from .kinematics import Motion, make_motion
 from .loads import Loads
@@ -34,8 +34,7 @@ def _complex_angle(y, x):
     return np.arctan2(y.real, x.real) + 1j * (x.real * y.imag - y.real * x.imag) / (x.real**2 + y.real**2)
 
 
-_MOTION_WITH_ANGLES = FunctionType(make_motion.analytic.__code__,
-                                   {**make_motion.analytic.__globals__, 'atan2': _complex_angle})
+_MOTION_WITH_ANGLES = rebound(make_motion.analytic, atan2=_complex_angle)
 
 
 class Sampler:
