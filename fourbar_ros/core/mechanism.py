@@ -7,6 +7,7 @@ called for floats and arrays, with the same rules for all.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from math import isfinite, nan, pi, remainder
 from numbers import Real
 from typing import NamedTuple
@@ -18,7 +19,7 @@ from .errors import InvalidParameter, MissingBodies, OutOfRange, Toggle
 CROSSED, OPEN = 1, 2     # assembly modes: sin(theta4 - beta) < 0, > 0 of a 4R linkage
 CRANK, SLIDE = 'crank', 'slide'     # inputs
 
-CHUNK = 8192             # samples a numpy evaluation takes at once: its temporaries stay in the cache
+CHUNK = 12288            # samples a numpy evaluation takes at once: its temporaries stay in the cache
 EPS = 2.0**-52
 _new = tuple.__new__     # of a NamedTuple from a tuple: four times faster than its own constructor
 
@@ -161,21 +162,49 @@ class Mechanism:
         kind = 2 if np.iscomplexobj(position) else 1
         dtype = np.complex128 if kind == 2 else np.float64
         inputs = np.broadcast_arrays(*(np.asarray(v, dtype) for v in (position, rate, acceleration)))
-        shape = inputs[0].shape
-        flat = [v.reshape(-1) for v in inputs]
-        motions = np.empty((len(self.MOTION._fields), flat[0].size), dtype)
-        loads = np.empty((len(self.LOADS._fields), flat[0].size), dtype) if with_loads else None
+        shape, size = inputs[0].shape, inputs[0].size
+        inputs = [v.reshape(-1) for v in inputs]
         with np.errstate(invalid='ignore', divide='ignore', over='ignore', under='ignore'):
-            for start in range(0, flat[0].size, CHUNK):
-                part = slice(start, start + CHUNK)
-                motion = self._motion[kind](*(v[part] for v in flat))
-                for row, values in zip(motions, motion):
-                    row[part] = values
-                if with_loads:
-                    for row, values in zip(loads, self._loads[kind](motion)):
+            _keep_memory()
+            if size <= CHUNK:
+                rows = _own(self._fields(kind, inputs, with_loads), inputs)
+            else:
+                rows = [row for kind_of in (self.MOTION, self.LOADS)[:1 + with_loads]
+                        for row in np.empty((len(kind_of._fields), size), dtype)]
+                for start in range(0, size, CHUNK):
+                    part = slice(start, start + CHUNK)
+                    for row, values in zip(rows, self._fields(kind, [v[part] for v in inputs], with_loads)):
                         row[part] = values
-        return (self.MOTION(*(row.reshape(shape) for row in motions)),
-                self.LOADS(*(row.reshape(shape) for row in loads)) if with_loads else None)
+        rows = [row.reshape(shape) for row in rows]
+        count = len(self.MOTION._fields)
+        return self.MOTION(*rows[:count]), self.LOADS(*rows[count:]) if with_loads else None
+
+    def _fields(self, kind, inputs, with_loads):
+        """Return the fields of motion, or of motion and loads, of arrays."""
+        motion = self._motion[kind](*inputs)
+        return motion + self._loads[kind](motion) if with_loads else motion
+
+
+@cache
+def _keep_memory():
+    """
+    Have blocks of up to 16 MB kept by the C library when they are freed, once and for all.
+
+    glibc gives each back to the system until it has seen one of that size freed; getting the pages again
+    would take longer than the formulas. The block is never touched, so it costs nothing.
+    """
+    np.empty(2**21)
+
+
+def _own(fields, inputs):
+    """Return fields as arrays of full size that share no memory with each other nor with the inputs."""
+    taken, rows = set(map(id, inputs)), []
+    for field in fields:
+        if id(field) in taken or np.shape(field) != inputs[0].shape:
+            field = np.array(np.broadcast_to(field, inputs[0].shape), inputs[0].dtype)
+        taken.add(id(field))
+        rows.append(field)
+    return rows
 
 
 def _are_numbers(*values):
