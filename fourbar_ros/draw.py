@@ -12,7 +12,7 @@ import numpy as np
 from .core import FourBarError
 from .core.frames import turned
 from .core.inverted_slider import InvertedSlider
-from .core.points import link_motion, point_of
+from .core.points import link_motion, point_motion
 from .core.slider_crank import SliderCrank
 from .polygons import O1, acceleration_polygon, velocity_polygon
 
@@ -29,13 +29,15 @@ class CannotDraw(FourBarError, ValueError):
 
 def joints(mechanism, motion):
     """Return the places of the joints by name, in order along the chain, each of shape (2,) [m]."""
-    crank, output = (link_motion(mechanism, motion, link) for link in ('crank', 'output'))
-    places = {'O_1': O1, 'A': point_of(crank, mechanism.a1)[0]}
+    def place(link, along):
+        return point_motion(mechanism, motion, link, along).place
+
+    places = {'O_1': O1, 'A': place('crank', mechanism.a1)}
     if isinstance(mechanism, SliderCrank):
-        return places | {'B': output.place}
+        return places | {'B': place('output', 0.0)}
     if isinstance(mechanism, InvertedSlider):
-        return places | {'O_4': output.place}
-    return places | {'B': point_of(output, mechanism.a3)[0], 'O_4': output.place}
+        return places | {'O_4': place('output', 0.0)}
+    return places | {'B': place('output', mechanism.a3), 'O_4': place('output', 0.0)}
 
 
 def nice(value):

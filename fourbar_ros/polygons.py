@@ -7,7 +7,7 @@ import numpy as np
 
 from .core.frames import acceleration_terms, turned
 from .core.inverted_slider import InvertedSlider
-from .core.points import link_motion, point_of
+from .core.points import link_motion, point_motion
 from .core.slider_crank import SliderCrank
 
 O1 = np.zeros(2)      # also the pole
@@ -33,20 +33,20 @@ def _chain(start, *steps):
 
 def velocity_polygon(mechanism, motion):
     """Return the list of :class:`Arrow` of the velocities [m/s]; the pole is the origin."""
-    crank, coupler, output = (link_motion(mechanism, motion, link) for link in ('crank', 'coupler', 'output'))
-    v_a = point_of(crank, mechanism.a1)[1]
+    v_a = point_motion(mechanism, motion, 'crank', mechanism.a1).velocity
     if isinstance(mechanism, InvertedSlider):
-        v_q = point_of(output, motion.slide, mechanism.offset)[1]
+        output = link_motion(mechanism, motion, 'output')
+        v_q = point_motion(mechanism, motion, 'output', motion.slide, mechanism.offset).velocity
         return [Arrow(O1, v_a, 'V_A', True), Arrow(O1, v_q, 'V_Q', True),
                 Arrow(v_q, motion.slide_velocity * output.direction, 'V_{rel}', False)]
-    v_b = point_of(coupler, mechanism.a2)[1]
+    v_b = point_motion(mechanism, motion, 'coupler', mechanism.a2).velocity
     return [Arrow(O1, v_a, 'V_A', True), Arrow(O1, v_b, 'V_B', True), Arrow(v_a, v_b - v_a, 'V_{B/A}', False)]
 
 
 def acceleration_polygon(mechanism, motion):
     """Return the list of :class:`Arrow` of the accelerations [m/s^2]; the pole is the origin."""
     crank, coupler, output = (link_motion(mechanism, motion, link) for link in ('crank', 'coupler', 'output'))
-    a_a = point_of(crank, mechanism.a1)[2]
+    a_a = point_motion(mechanism, motion, 'crank', mechanism.a1).acceleration
     arrows = [Arrow(O1, a_a, 'A_A', True), *_around(O1, crank, mechanism.a1 * crank.direction, 'A')]
     if isinstance(mechanism, InvertedSlider):
         arm = motion.slide * output.direction + mechanism.offset * turned(1.0, output.direction)
@@ -56,7 +56,7 @@ def acceleration_polygon(mechanism, motion):
         a_q = terms.normal + terms.tangential
         return arrows + [*_around(O1, output, arm, 'Q'), Arrow(O1, a_q, 'A_Q', True),
                          *_chain(a_q, (terms.coriolis, 'A_{Cor}'), (relative, 'A_{rel}'))]
-    a_b = point_of(coupler, mechanism.a2)[2]
+    a_b = point_motion(mechanism, motion, 'coupler', mechanism.a2).acceleration
     arrows += [*_around(a_a, coupler, mechanism.a2 * coupler.direction, 'B/A'), Arrow(O1, a_b, 'A_B', True)]
     if not isinstance(mechanism, SliderCrank):
         arrows += _around(O1, output, mechanism.a3 * output.direction, 'B')

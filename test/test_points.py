@@ -67,7 +67,7 @@ def test_points_move_as_their_path_says(link):
         found = point_motion(mechanism, motion, link, along, across)
         size = 1.0 + sum(abs(value) for name, value in motion._asdict().items()
                          if name.startswith(('omega', 'alpha', 'slide')))
-        for ours, truth in zip(found, exact):
+        for ours, truth in zip((found.place, found.velocity, found.acceleration), exact):
             assert abs(complex(*ours) - truth) <= 1e-11 * size**2
 
 
@@ -95,19 +95,19 @@ def test_the_split_is_the_acceleration():
     x = np.linspace(-pi, pi, 50).reshape(5, 10)
     point = point_motion(linkage, linkage.motion(x, 25.0), 'coupler', 0.5, 0.3)
     assert point.place.shape == (5, 10, 2) and point.curvature.shape == (5, 10)
-    np.testing.assert_allclose(np.hypot(point.tangential, point.normal), np.hypot(*np.moveaxis(point.acceleration, -1, 0)),
+    np.testing.assert_allclose(np.hypot(point.tangential_acceleration, point.normal_acceleration), np.hypot(*np.moveaxis(point.acceleration, -1, 0)),
                                rtol=8 * EPS)
     circle = point_motion(linkage, linkage.motion(x, 25.0), 'crank', 0.4)
     np.testing.assert_allclose(circle.curvature, 2.5, rtol=16 * EPS)
-    np.testing.assert_allclose(circle.normal, 25.0**2 * 0.4, rtol=8 * EPS)
-    np.testing.assert_allclose(circle.tangential, 0.0, atol=8 * EPS * 250.0)
+    np.testing.assert_allclose(circle.normal_acceleration, 25.0**2 * 0.4, rtol=8 * EPS)
+    np.testing.assert_allclose(circle.tangential_acceleration, 0.0, atol=8 * EPS * 250.0)
     assert (point_motion(linkage, linkage.motion(x, -25.0), 'crank', 0.4).curvature < 0.0).all()     # turns right
 
 
 def test_a_point_at_rest_has_no_tangent():
     linkage = FourBar(0.4, 1.2, 0.8, 1.0)
     point = point_motion(linkage, linkage.motion(0.3, 25.0), 'crank', 0.0)
-    assert point.speed == 0.0 and np.isnan(point.tangential) and np.isnan(point.curvature)
+    assert point.speed == 0.0 and np.isnan(point.tangential_acceleration) and np.isnan(point.curvature)
 
 
 def test_images_of_links():

@@ -2,20 +2,18 @@
 Any point fixed to any link of any mechanism: path, velocity, acceleration, and its polygon's image.
 
 A point is given as a centre of gravity is: along the link from its first joint, and across to its left.
-From the fields of a motion alone, so a point costs nothing until it is asked for; vectors have shape
-(..., 2), for one sample as for an array.
+From the fields of a motion alone, so a point costs nothing until it is asked for.
 """
 from __future__ import annotations
 
-from math import isfinite
+from math import hypot, isfinite, nan
 from typing import NamedTuple
 
 import numpy as np
 
+from .dialects import dialects, where
 from .errors import InvalidParameter
-from .frames import relative_acceleration, relative_velocity, scaled, turned
 from .inverted_slider import InvertedSlider
-from .linkage import FourBar
 from .slider_crank import SliderCrank
 
 CRANK, COUPLER, OUTPUT = LINKS = ('crank', 'coupler', 'output')
@@ -25,32 +23,59 @@ class LinkMotion(NamedTuple):
     """
     Motion of a link: of its first joint (O1, A; O4, or B of a slider) and its turning.
 
-    Vectors of shape (..., 2) along the ground axes, ``direction`` a unit vector; the rest of shape (...).
+    Floats, arrays or any numbers that the fields of the motion are.
     """
 
-    place: np.ndarray             # [m]
-    velocity: np.ndarray          # [m/s]
-    acceleration: np.ndarray      # [m/s^2]
-    direction: np.ndarray
-    omega: np.ndarray             # [rad/s]
-    alpha: np.ndarray             # [rad/s^2]
+    x: float                  # [m] of the first joint
+    y: float
+    v_x: float                # [m/s]
+    v_y: float
+    a_x: float                # [m/s^2]
+    a_y: float
+    cosine: float             # direction of the link
+    sine: float
+    omega: float              # [rad/s]
+    alpha: float              # [rad/s^2]
+
+    @property
+    def direction(self):
+        """Return the direction of the link as a unit vector of shape (..., 2)."""
+        return vector(self.cosine, self.sine)
 
 
 class PointMotion(NamedTuple):
     """
-    Motion of a point; vectors of shape (..., 2), the rest of shape (...).
+    Motion of a point; each field a float, or an array of the input's shape.
 
-    ``tangential`` and ``normal`` are the parts of the acceleration along the velocity and to its left;
-    they and the curvature are NaN where the point rests.
+    The tangential and normal acceleration are the parts along the velocity and to its left; they and the
+    curvature are NaN where the point rests.
     """
 
-    place: np.ndarray             # [m]
-    velocity: np.ndarray          # [m/s]
-    acceleration: np.ndarray      # [m/s^2]
-    speed: np.ndarray             # [m/s]
-    tangential: np.ndarray        # [m/s^2] d speed / dt, Eq. (2)
-    normal: np.ndarray            # [m/s^2] speed^2 times curvature
-    curvature: np.ndarray         # [1/m] of the path, positive where it turns left
+    x: float                  # [m]
+    y: float
+    velocity_x: float         # [m/s]
+    velocity_y: float
+    acceleration_x: float     # [m/s^2]
+    acceleration_y: float
+    speed: float              # [m/s]
+    tangential_acceleration: float     # [m/s^2] d speed / dt, Eq. (2)
+    normal_acceleration: float         # [m/s^2] speed^2 times curvature
+    curvature: float          # [1/m] of the path, positive where it turns left
+
+    @property
+    def place(self):
+        """Return the place as a vector of shape (..., 2) [m]."""
+        return vector(self.x, self.y)
+
+    @property
+    def velocity(self):
+        """Return the velocity as a vector of shape (..., 2) [m/s]."""
+        return vector(self.velocity_x, self.velocity_y)
+
+    @property
+    def acceleration(self):
+        """Return the acceleration as a vector of shape (..., 2) [m/s^2]."""
+        return vector(self.acceleration_x, self.acceleration_y)
 
 
 def vector(x, y):
@@ -74,30 +99,45 @@ def link_motion(mechanism, motion, link):
     """
     if link not in LINKS:
         raise InvalidParameter('link', link, f'must be one of {", ".join(LINKS)}')
-    rest = np.zeros(np.shape(motion.theta1) + (2,))
-    crank = LinkMotion(rest, rest, rest, vector(motion.cos_x, motion.sin_x), motion.omega1, motion.alpha1)
+    crank = LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_x, motion.sin_x, motion.omega1, motion.alpha1)
     if link == CRANK:
         return crank
-    end = point_of(crank, mechanism.a1)
     if isinstance(mechanism, SliderCrank):
-        if link == COUPLER:
-            return LinkMotion(*end, vector(motion.cos_b, motion.sin_b), motion.omega_beta, motion.alpha_beta)
-        flat = rest[..., 0]
-        return LinkMotion(vector(motion.slide, mechanism.offset), vector(motion.slide_velocity, flat),
-                          vector(motion.slide_acceleration, flat), vector(1.0 + flat, flat), flat, flat)
-    output = (vector(motion.cos_y, motion.sin_y), motion.omega4, motion.alpha4)
-    if link == OUTPUT:
-        return LinkMotion(rest + (mechanism.a4, 0.0), rest, rest, *output)
+        if link == OUTPUT:
+            return LinkMotion(motion.slide, mechanism.offset, motion.slide_velocity, 0.0,
+                              motion.slide_acceleration, 0.0, 1.0, 0.0, 0.0, 0.0)
+    elif link == OUTPUT:
+        return LinkMotion(mechanism.a4, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_y, motion.sin_y, motion.omega4, motion.alpha4)
+    at_a = point_of(crank, mechanism.a1)
     if isinstance(mechanism, InvertedSlider):
-        return LinkMotion(*end, *output)
-    return LinkMotion(*end, vector(motion.cos_b, motion.sin_b), motion.omega_beta, motion.alpha_beta)
+        return LinkMotion(*at_a, motion.cos_y, motion.sin_y, motion.omega4, motion.alpha4)
+    return LinkMotion(*at_a, motion.cos_b, motion.sin_b, motion.omega_beta, motion.alpha_beta)
 
 
 def point_of(link, along, across=0.0):
-    """Return place, velocity and acceleration of a point of a LinkMotion, Eq. (6)."""
-    arm = scaled(along, link.direction) + turned(across, link.direction)
-    return (link.place + arm, relative_velocity(link.velocity, link.omega, arm),
-            relative_acceleration(link.acceleration, link.omega, link.alpha, arm))
+    """
+    Return (x, y, v_x, v_y, a_x, a_y) of a point of a LinkMotion, slides Eq. (6).
+
+    Plain arithmetic, for whatever numbers the LinkMotion is made of.
+    """
+    x0, y0, v_x, v_y, a_x, a_y, cosine, sine, omega, alpha = link
+    x, y = along * cosine - across * sine, along * sine + across * cosine
+    square = omega * omega
+    return (x0 + x, y0 + y, v_x - omega * y, v_y + omega * x,
+            a_x - alpha * y - square * x, a_y + alpha * x - square * y)
+
+
+@dialects
+def make_point(mechanism, link, along, across):
+    """Return the function (motion) -> fields of :class:`PointMotion` for a point fixed to a link."""
+    def point(motion, mechanism=mechanism, link=link, along=along, across=across):
+        x, y, v_x, v_y, a_x, a_y = point_of(link_motion(mechanism, motion, link), along, across)
+        speed = hypot(v_x, v_y)
+        moves = speed > 0.0
+        tangential = where(moves, (a_x * v_x + a_y * v_y) / speed, nan)
+        normal = where(moves, (a_y * v_x - a_x * v_y) / speed, nan)
+        return (x, y, v_x, v_y, a_x, a_y, speed, tangential, normal, where(moves, normal / (speed * speed), nan))
+    return point
 
 
 def point_motion(mechanism, motion, link, along, across=0.0):
@@ -123,13 +163,12 @@ def point_motion(mechanism, motion, link, along, across=0.0):
     for name, value in (('along', along), ('across', across)):
         if not isfinite(value):
             raise InvalidParameter(name, value, 'must be a finite number')
-    place, velocity, acceleration = point_of(link_motion(mechanism, motion, link), along, across)
-    speed = np.hypot(velocity[..., 0], velocity[..., 1])
+    shape = np.shape(motion.cos_x)
+    if not shape:
+        return PointMotion(*make_point.scalar(mechanism, link, along, across)(motion))
     with np.errstate(divide='ignore', invalid='ignore'):
-        tangent = velocity / speed[..., None]
-        tangential = np.sum(acceleration * tangent, axis=-1)
-        normal = np.sum(acceleration * turned(1.0, tangent), axis=-1)
-        return PointMotion(place, velocity, acceleration, speed, tangential, normal, normal / np.square(speed))
+        fields = make_point.array(mechanism, link, along, across)(motion)
+    return PointMotion(*(np.broadcast_to(field, shape) for field in fields))
 
 
 def velocity_image(omega):
