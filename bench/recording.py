@@ -34,15 +34,15 @@ def steps():
     from fourbar_ros import scene as scenes
     from fourbar_ros.stepper import Stepper
     from scenes import PAPER, RODS
-    scene = scenes.from_values({**PAPER, **RODS, 'drive.speed': 25.0, 'outputs': list(interfaces.OUTPUTS)})
-    topics = [interfaces.CRANK, *(interfaces.OUTPUTS[name] for name in scene.outputs)]
+    scene = scenes.from_values({**PAPER, **RODS, 'drive.speed': 25.0, 'outputs': [name for name in interfaces.OUTPUTS if name != 'points']})
+    topics = [interfaces.DRIVEN, *scene.topics.values()]
     names = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
     about = {'scene': json.dumps(scene.values), 'topics': json.dumps(names)}
-    stepper, messages = Stepper(scene.linkage), []
+    stepper, messages = Stepper(scene), []
     for k in range(PERIOD * RATE):
         crank = (25.0 * k / RATE, 25.0, 0.0)
         status, values = stepper.step(*crank, True)
-        messages.append([bags.output_message(name, 1, status, values, scene) for name in ('crank', *scene.outputs)])
+        messages.append([bags.output_message(name, 1, status, values, scene) for name in ('driven', *scene.outputs)])
     return [bags.channel(names[t.name], t.type) for t in topics], about, messages
 
 

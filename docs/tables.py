@@ -11,9 +11,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from fourbar_ros.core.quantities import QUANTITIES  # noqa: E402
-from fourbar_ros.interfaces import CRANK, INPUTS, OUTPUTS, SCENE, SERVICES  # noqa: E402
-from fourbar_ros.parameters import PARAMETERS, REQUIRED  # noqa: E402
+from fourbar_ros.core.kinds import KINDS  # noqa: E402
+from fourbar_ros.core.quantities import QUANTITIES, known  # noqa: E402
+from fourbar_ros.interfaces import DRIVEN, INPUTS, OUTPUTS, SCENE, SERVICES  # noqa: E402
+from fourbar_ros.parameters import PARAMETERS, POINT, REQUIRED  # noqa: E402
 
 PAGE = ROOT / 'docs' / 'node.md'
 
@@ -35,6 +36,16 @@ def default(parameter):
     return f'`{parameter.default}`'.replace("'", '')
 
 
+def having(quantity):
+    """Return which mechanisms have a quantity, as text."""
+    found = []
+    for name, kind in KINDS.items():
+        inputs = [driven for driven in kind.INPUTS if quantity in known(kind, driven)]
+        if inputs:
+            found.append(name if len(inputs) == len(kind.INPUTS) else f'{name} driven at its {inputs[0]}')
+    return 'all' if found == list(KINDS) else ', '.join(found)
+
+
 def tables():
     """Return {name: Markdown table}."""
     return {
@@ -43,14 +54,14 @@ def tables():
         'outputs': table(('name in `outputs`', 'topic', 'type', 'what', 'needs masses'),
                          [(f'`{t.name}`', f'`{t.topic}`', f'`{t.type}`', t.text, 'yes' if t.needs_loads else '')
                           for t in OUTPUTS.values()]),
-        'always': table(('topic', 'type', 'what'), [(f'`{t.topic}`', f'`{t.type}`', t.text) for t in (CRANK, SCENE)]),
+        'always': table(('topic', 'type', 'what'), [(f'`{t.topic}`', f'`{t.type}`', t.text) for t in (DRIVEN, SCENE)]),
         'services': table(('service', 'type', 'what'),
                           [(f'`{s.service}`', f'`{s.type}`', s.text) for s in SERVICES.values()]),
         'parameters': table(('parameter', 'type', 'unit', 'default', 'allowed', 'live', 'what'),
                             [(f'`{p.name}`', p.type, p.unit, default(p), p.allowed, 'yes' if p.live else '', p.text)
-                             for p in PARAMETERS.values()]),
-        'quantities': table(('quantity', 'unit', 'what'),
-                            [(f'`{q.name}`', q.unit, q.text) for q in QUANTITIES.values()]),
+                             for p in (*PARAMETERS.values(), *POINT.values())]),
+        'quantities': table(('quantity', 'unit', 'what', 'of'),
+                            [(f'`{q.name}`', q.unit, q.text, having(q.name)) for q in QUANTITIES.values()]),
     }
 
 

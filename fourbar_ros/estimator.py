@@ -1,5 +1,5 @@
 """
-Rates of the crank from a stream that does not carry them all: causal, on the stamps as they come.
+Rates of the input from a stream that does not carry them all: causal, on the stamps as they come.
 
 The newest ``window`` samples are fitted by a parabola (least squares in time, any spacing), and its slope
 and curvature at the newest sample are the estimate: exact for constant acceleration. If the stream

@@ -6,8 +6,8 @@ from timeit import repeat
 from . import interfaces
 from . import scene as scenes
 from .core.status import evaluate
-from .parameters import PARAMETERS, REQUIRED
-from .show import make_console, plain_table
+from .parameters import REQUIRED, find
+from .show import make_console, plain_table, rate_unit
 
 STEPS, ROUNDS = 2000, 5        # of the measurement: some 50 ms
 
@@ -20,16 +20,16 @@ def explain(path, console=None):
     console.print(f'{path}: good. {linkage.classification}, mode {linkage.mode}.')
     console.print(_drive_in_words(scene))
     if not linkage.turns_fully and drive.source == 'timer':
-        console.print('note: this input link does not turn fully: the timer will drive it out of its range '
+        console.print('note: this input does not turn fully: the timer will drive it out of its range '
                       f'(drive.out_of_range: {drive.out_of_range})')
     console.print()
     console.print(_outputs_table(scene))
     console.print()
     changed = {name: value for name, value in scene.values.items()
-               if PARAMETERS[name].default is not REQUIRED and value != PARAMETERS[name].default and value == value}
+               if find(name).default is not REQUIRED and value != find(name).default and value == value}
     table = plain_table('parameters that are not the default', ('parameter', 'value', 'unit'))
     for name, value in changed.items():
-        table.add_row(name, str(value), PARAMETERS[name].unit)
+        table.add_row(name, str(value), find(name).unit)
     console.print(table)
     console.print()
     console.print(_cost_in_words(scene))
@@ -38,7 +38,8 @@ def explain(path, console=None):
 def _drive_in_words(scene):
     drive = scene.drive
     if drive.source == 'timer':
-        return f'The clock drives it: {drive.speed:g} rad/s from {drive.start:g} rad, {drive.rate:g} samples a second.'
+        return (f'The clock drives it: {drive.speed:g} {rate_unit(scene.linkage)} from {drive.start:g} '
+                f'{rate_unit(scene.linkage)[:-2]}, {drive.rate:g} samples a second.')
     topic = interfaces.INPUTS[drive.source]
     of = f', joint {drive.joint}' if drive.joint else ''
     return f'Each {topic.type} on {topic.topic}{of} makes one step; missing rates are estimated from {drive.window} samples.'
@@ -46,11 +47,10 @@ def _drive_in_words(scene):
 
 def _outputs_table(scene):
     table = plain_table('outputs', ('name', 'topic', 'type', ''))
-    for output in interfaces.OUTPUTS.values():
-        if output.name in scene.outputs:
-            table.add_row(output.name, output.topic, output.type, 'loads' if output.needs_loads else '')
-        else:
-            table.add_row(f'({output.name})', '', '', 'not named: not created')
+    for topic in scene.topics.values():
+        table.add_row(topic.name, topic.topic, topic.type, 'loads' if topic.needs_loads else '')
+    for name in interfaces.OUTPUTS.keys() - set(scene.outputs):
+        table.add_row(f'({name})', '', '', 'not named: not created')
     return table
 
 

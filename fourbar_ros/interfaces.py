@@ -33,14 +33,14 @@ class Service(NamedTuple):
 
 INPUTS = {topic.name: topic for topic in (
     Topic('motion', '~/input', 'fourbar_msgs/msg/Motion',
-          'motion of the crank; a NaN rate or acceleration is estimated'),
+          'motion of the driven joint; a NaN rate or acceleration is estimated'),
     Topic('joint_state', '~/input_joint_states', 'sensor_msgs/msg/JointState',
-          'the joint named by `drive.joint` is the crank'),
+          'the joint named by `drive.joint` is the driven one'),
 )}
 
 # Always there, whatever the scene names; they cost nothing until heard or recorded.
-CRANK = Topic('crank', '~/crank', 'fourbar_msgs/msg/Motion',
-              'the motion of the crank that the outputs belong to: from the clock, or the input completed')
+DRIVEN = Topic('driven', '~/driven', 'fourbar_msgs/msg/Motion',
+               'the motion of the driven joint that the outputs belong to: from the clock, or the input completed')
 SCENE = Topic('scene', '~/scene', 'std_msgs/msg/String',
               'all parameters as JSON; latched, sent again after every change')
 
@@ -48,18 +48,34 @@ OUTPUTS = {topic.name: topic for topic in (
     Topic('state', '~/state', 'fourbar_msgs/msg/LinkageState',
           'angles, rates and accelerations of all joints, transmission angle, condition'),
     Topic('output', '~/output', 'fourbar_msgs/msg/Motion',
-          'motion of the output link: the input of a next node'),
+          'motion of the output: the input of a next node'),
     Topic('joint_states', 'joint_states', 'sensor_msgs/msg/JointState',
-          'the four joints for robot_state_publisher, RViz, Foxglove; effort of the crank: driving torque'),
+          'the four joints for robot_state_publisher, RViz, Foxglove; effort of the driven one: torque or force'),
     Topic('loads', '~/loads', 'fourbar_msgs/msg/LinkageLoads',
-          'joint reactions, driving torque, shaking force and moment', True),
+          'joint reactions, driving torque or force, shaking force and moment', True),
     Topic('shaking_wrench', '~/shaking_wrench', 'geometry_msgs/msg/WrenchStamped',
           'force and moment of the linkage on the ground, about O1, the origin of the frame', True),
+    Topic('points', '~/points/NAME', 'fourbar_msgs/msg/PointMotion',
+          'for each of the points.NAME of the scene: place, velocity, acceleration'),
 )}
+
+
+def topics_of(outputs, points):
+    """Return {name: Topic} of the outputs of a scene; the points have a topic each, named points/NAME."""
+    topics = {}
+    for output in outputs:
+        topic = OUTPUTS[output]
+        if output == 'points':
+            topics |= {f'points/{name}': topic._replace(name=f'points/{name}', topic=topic.topic.replace('NAME', name))
+                       for name in points}
+        else:
+            topics[output] = topic
+    return topics
+
 
 SERVICES = {service.name: service for service in (
     Service('find_extrema', '~/find_extrema', 'fourbar_msgs/srv/FindExtrema',
-            'all extremes of motion and loads over the input angle', True),
+            'all extremes of motion and loads over the input', True),
     Service('evaluate', '~/evaluate', 'fourbar_msgs/srv/Evaluate',
             'state and loads for one input'),
     Service('start_recording', '~/start_recording', 'fourbar_msgs/srv/StartRecording',

@@ -5,10 +5,14 @@ This table feeds the declaration in the node, the check of scene files, the manu
 """
 from __future__ import annotations
 
+import re
 from math import inf, isfinite, isnan, nan
 from typing import Any, NamedTuple
 
 from .core import InvalidParameter
+from .core.kinds import KINDS
+from .core.mechanism import CRANK, SLIDE
+from .core.points import COUPLER, LINKS
 from .interfaces import INPUTS, OUTPUTS
 
 REQUIRED = object()        # as a default: the scene must give the value
@@ -77,7 +81,7 @@ def _body(link, first_joint):
         Parameter(name + 'inertia', 'double', nan, 'kg m^2',
                   'moment of inertia about the centre of gravity; needed with a mass', low=0.0),
         Parameter(name + 'cg_along', 'double', nan, 'm',
-                  f'centre of gravity from {first_joint} along the link; not given: half its length'),
+                  f'centre of gravity from {first_joint} along the link; not given: half its length, if it has one'),
         Parameter(name + 'cg_across', 'double', 0.0, 'm',
                   'centre of gravity to the left of the link line'),
     )
@@ -95,32 +99,41 @@ def _external(link, first_joint):
 
 
 PARAMETERS = {parameter.name: parameter for parameter in (
-    Parameter('linkage.a1', 'double', REQUIRED, 'm', 'length of the crank O1-A (input)', positive=True),
-    Parameter('linkage.a2', 'double', REQUIRED, 'm', 'length of the coupler A-B', positive=True),
-    Parameter('linkage.a3', 'double', REQUIRED, 'm', 'length of the output link O4-B', positive=True),
-    Parameter('linkage.a4', 'double', REQUIRED, 'm', 'length of the ground O1-O4', positive=True),
-    Parameter('linkage.mode', 'integer', 2, '', 'assembly mode: 1 crossed, 2 open', 1, 2),
-    Parameter('gravity.x', 'double', 0.0, 'm/s^2', 'field of gravity along O1-O4'),
-    Parameter('gravity.y', 'double', 0.0, 'm/s^2', 'field of gravity across O1-O4'),
+    Parameter('linkage.kind', 'string', 'four_bar', '',
+              'four joints that turn; a slider on a guide parallel to x; a block on a bar that turns about O4 '
+              '(inverted slider-crank, oscillating cylinder)', choices=tuple(KINDS), live=False),
+    Parameter('linkage.input', 'string', CRANK, '',
+              'what is driven: the crank, or the slide of a slider_crank or inverted_slider', choices=(CRANK, SLIDE),
+              live=False),
+    Parameter('linkage.a1', 'double', REQUIRED, 'm', 'length of the crank O1-A', positive=True),
+    Parameter('linkage.a2', 'double', nan, 'm', 'length of the coupler A-B (not of an inverted_slider)', positive=True),
+    Parameter('linkage.a3', 'double', nan, 'm', 'length of the output link O4-B (four_bar)', positive=True),
+    Parameter('linkage.a4', 'double', nan, 'm', 'length of the ground O1-O4 (not of a slider_crank)', positive=True),
+    Parameter('linkage.offset', 'double', 0.0, 'm',
+              'slider_crank: y of the guide; inverted_slider: of the line of A from O4, to the left of the bar'),
+    Parameter('linkage.mode', 'integer', 2, '',
+              'assembly mode: 1 crossed, 2 open; of the sliders see docs/conventions.md', 1, 2),
+    Parameter('gravity.x', 'double', 0.0, 'm/s^2', 'field of gravity along x'),
+    Parameter('gravity.y', 'double', 0.0, 'm/s^2', 'field of gravity across x'),
     Parameter('bodies.rods.density', 'double', nan, 'kg/m^3',
-              'all three links are uniform round rods of this density', positive=True),
+              'all links that have two joints that turn are uniform round rods of this density', positive=True),
     Parameter('bodies.rods.radius', 'double', nan, 'm', 'and of this radius', positive=True),
     *_body('crank', 'O1'),
     *_body('coupler', 'A'),
-    *_body('output', 'O4'),
+    *_body('output', 'O4, of a slider from B,'),
     *_external('coupler', 'A'),
-    *_external('output', 'O4'),
+    *_external('output', 'O4, of a slider from B,'),
     Parameter('drive.source', 'string', 'timer', '',
-              'what drives the crank: the clock, a Motion message, or a joint of a JointState',
+              'what drives the input: the clock, a Motion message, or a joint of a JointState',
               choices=('timer', *INPUTS), live=False),
-    Parameter('drive.speed', 'double', 1.0, 'rad/s', 'timer: constant speed of the crank'),
-    Parameter('drive.start', 'double', 0.0, 'rad', 'timer: crank angle at the first sample', live=False),
+    Parameter('drive.speed', 'double', 1.0, 'rad/s or m/s', 'timer: constant speed of the input'),
+    Parameter('drive.start', 'double', 0.0, 'rad or m', 'timer: input at the first sample', live=False),
     Parameter('drive.rate', 'double', 100.0, 'Hz', 'timer: samples a second', high=5000.0, positive=True),
-    Parameter('drive.joint', 'string', '', '', 'joint_state: name of the joint that is the crank',
+    Parameter('drive.joint', 'string', '', '', 'joint_state: name of the joint that is the input',
               live=False),
     Parameter('drive.window', 'integer', 5, '',
               'missing rates: number of newest samples the estimate is fitted to', 3, 50),
-    Parameter('drive.jump', 'double', 1.0, 'rad',
+    Parameter('drive.jump', 'double', 1.0, 'rad or m',
               'missing rates: a larger step between two samples starts the estimate afresh', positive=True),
     Parameter('drive.timeout', 'double', 1.0, 's',
               'messages: longer without input and the status says so; 0: never', low=0.0),
@@ -132,12 +145,34 @@ PARAMETERS = {parameter.name: parameter for parameter in (
     Parameter('frame_id', 'string', 'fourbar', '', 'frame of all outputs: origin O1, x towards O4',
               live=False),
     Parameter('joint_names', 'strings', ['crank', 'coupler', 'coupler_output', 'output'], '',
-              'names in joint_states of the joints at O1, A, B, O4', live=False),
+              'names in joint_states of the joints at O1, A, B, O4 (slider_crank: O1, A, B, guide; inverted_slider: '
+              'O1, A, slide, O4)', live=False),
     Parameter('recording.start', 'bool', False, '', 'record from the first sample on', live=False),
     Parameter('recording.directory', 'string', 'bags', '', 'where bags go', live=False),
     Parameter('recording.name', 'string', '', '', 'name of the first bag; empty: a fresh one',
               live=False),
 )}
+
+
+# Of every point of a scene, under any name: points.NAME.link and so on.
+POINT = {parameter.name: parameter for parameter in (
+    Parameter('points.NAME.link', 'string', COUPLER, '', 'link that the point NAME is fixed to', choices=LINKS),
+    Parameter('points.NAME.along', 'double', 0.0, 'm', 'where it is: from the first joint of the link along it'),
+    Parameter('points.NAME.across', 'double', 0.0, 'm', 'and to the left of the link line'),
+)}
+_POINT_NAME = re.compile(r'points\.([A-Za-z]\w*)\.\w+')
+
+
+def find(name):
+    """Return the Parameter of this name, one of the table or of a point, or None."""
+    match = _POINT_NAME.fullmatch(name)
+    general = POINT.get(name.replace(f'.{match[1]}.', '.NAME.', 1)) if match else None
+    return general._replace(name=name) if general else PARAMETERS.get(name)
+
+
+def points_in(values):
+    """Return the names of the points that have a parameter, in order."""
+    return list(dict.fromkeys(match[1] for match in map(_POINT_NAME.fullmatch, values) if match))
 
 
 def check(values):
@@ -151,13 +186,14 @@ def check(values):
 
     """
     for name in values:
-        if name not in PARAMETERS:
+        if find(name) is None:
             raise InvalidParameter(name, values[name], f'unknown parameter{_nearest(name)}')
     for parameter in PARAMETERS.values():
         if parameter.default is REQUIRED and parameter.name not in values:
             raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
-    return {name: parameter.check(values.get(name, parameter.default))
-            for name, parameter in PARAMETERS.items()}
+    of_points = [find(name.replace('NAME', point)) for point in points_in(values) for name in POINT]
+    return {parameter.name: parameter.check(values.get(parameter.name, parameter.default))
+            for parameter in (*PARAMETERS.values(), *of_points)}
 
 
 def _nearest(name):

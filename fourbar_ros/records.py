@@ -1,57 +1,87 @@
 """
 Which number goes into which field of which message, once, for the node and for recomputing a bag.
 
-A value is named by its field in Motion or Loads.
+A value is named by its field in the mechanism's motion or loads, or NAME.FIELD of the motion of a point.
 """
 from __future__ import annotations
 
+from functools import cache
 from math import nan
 from operator import attrgetter
+from typing import NamedTuple
 
 from .core import Loads, Motion
+from .core.mechanism import THETA1, TRAVEL
+from .core.points import PointMotion
+from .core.slider_loads import SliderLoads
 
-STATE_FIELDS = tuple(name for name in Motion._fields[:Motion._fields.index('condition') + 1]
-                     if name != 'coupler_ratio')       # omega_beta says it
-JOINTS = ('theta1', 'theta2', 'theta3', 'theta4')      # the order of the scene's joint_names
+# Fields of LinkageState; what a mechanism does not have is NaN there. omega_beta says the coupler's ratio.
+STATE_FIELDS = (*(name for name in Motion._fields[:Motion._fields.index('condition') + 1] if name != 'coupler_ratio'),
+                *TRAVEL)
+LOADS_FIELDS = tuple(dict.fromkeys(Loads._fields + SliderLoads._fields))
 PASSIVE_EFFORT = 0.0                                   # frictionless joints
-
-FIELDS = {
-    'crank': {'position': 'theta1', 'velocity': 'omega1', 'acceleration': 'alpha1'},
-    'output': {'position': 'theta4', 'velocity': 'omega4', 'acceleration': 'alpha4'},
-    'state': {name: name for name in STATE_FIELDS},
-    'loads': {name: name for name in Loads._fields},
-    'shaking_wrench': {'wrench.force.x': 'shaking_force_x', 'wrench.force.y': 'shaking_force_y',
-                       'wrench.torque.z': 'shaking_moment'},
-    'joint_states': {'position': JOINTS,
-                     'velocity': tuple(name.replace('theta', 'omega') for name in JOINTS),
-                     'effort': ('driving_torque', None, None, None)},
-}
-
-# Where a value stands in the tuple (*Motion, *Loads).
-PLACE = {name: i for i, name in enumerate(Motion._fields + Loads._fields)}
+_EFFORTS = {THETA1: 'driving_torque', TRAVEL: 'driving_force'}
 
 
-def expected(output, values):
-    """Return {field: number or tuple of numbers} of one output message for values (*Motion, *Loads)."""
-    def pick(source):
-        if isinstance(source, tuple):
-            return tuple(map(pick, source))
-        return PASSIVE_EFFORT if source is None else values[PLACE[source]]
-
-    return {field: pick(source) for field, source in FIELDS[output].items()}
-
-
-def found(output, message):
-    """Return the same fields as :func:`expected`, read from a message."""
-    def plain(value):
-        return tuple(value) if hasattr(value, '__len__') else value
-
-    return {field: plain(attrgetter(field)(message)) for field in FIELDS[output]}
-
-
-def crank_of(message, joint=''):
+class Layout(NamedTuple):
     """
-    Return (position, velocity, acceleration) of the crank from a Motion or of a joint of a JointState.
+    Where the numbers of a mechanism and its points go.
+
+    ``fields``: {output: {field of the message: name of the value, or a tuple of names}}, a None standing for
+    the effort of a passive joint; ``absent``: {output: fields that are always NaN}; ``place``: where a
+    value stands in the tuple (*motion, *loads, *motion of the first point, ...).
+    """
+
+    fields: dict
+    absent: dict
+    place: dict
+
+    def expected(self, output, values):
+        """Return {field: number or tuple of numbers} of one output message."""
+        def pick(source):
+            if isinstance(source, tuple):
+                return tuple(map(pick, source))
+            return PASSIVE_EFFORT if source is None else values[self.place[source]]
+
+        return {**{field: pick(source) for field, source in self.fields[output].items()},
+                **dict.fromkeys(self.absent.get(output, ()), nan)}
+
+    def found(self, output, message):
+        """Return the same fields as :meth:`expected`, read from a message."""
+        def plain(value):
+            return tuple(value) if hasattr(value, '__len__') else value
+
+        return {field: plain(attrgetter(field)(message))
+                for field in (*self.fields[output], *self.absent.get(output, ()))}
+
+
+@cache
+def layout(kind, driven, points=()):
+    """Return the :class:`Layout` of a kind of mechanism, driven at its crank or slide, with named points."""
+    names = kind.MOTION._fields + kind.LOADS._fields
+    output, ratio = kind.OUTPUTS[driven]
+    motion = ('position', 'velocity', 'acceleration')
+    fields = {
+        'driven': dict(zip(motion, kind.INPUTS[driven])),
+        'output': dict(zip(motion, output)),
+        'state': {'velocity_ratio': ratio, **{name: name for name in STATE_FIELDS if name in names}},
+        'loads': {name: name for name in LOADS_FIELDS if name in names},
+        'shaking_wrench': {'wrench.force.x': 'shaking_force_x', 'wrench.force.y': 'shaking_force_y',
+                           'wrench.torque.z': 'shaking_moment'},
+        'joint_states': {'position': tuple(joint.position for joint in kind.JOINTS),
+                         'velocity': tuple(joint.rate for joint in kind.JOINTS),
+                         'effort': tuple(_EFFORTS.get(joint) for joint in kind.JOINTS)},
+        **{f'points/{point}': {name: f'{point}.{name}' for name in PointMotion._fields} for point in points},
+    }
+    absent = {'state': tuple(name for name in STATE_FIELDS if name not in fields['state']),
+              'loads': tuple(name for name in LOADS_FIELDS if name not in names)}
+    names += tuple(f'{point}.{name}' for point in points for name in PointMotion._fields)
+    return Layout(fields, absent, {name: i for i, name in enumerate(names)})
+
+
+def driven_of(message, joint=''):
+    """
+    Return (position, velocity, acceleration) from a Motion or of a joint of a JointState.
 
     NaN for what the message does not have; None if it does not have the joint.
     """

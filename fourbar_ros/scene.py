@@ -9,10 +9,13 @@ from typing import NamedTuple
 import yaml
 
 from . import parameters
-from .core import Applied, Bodies, Body, External, FourBar, FourBarError, InvalidParameter, round_rod
-from .interfaces import OUTPUTS
-
-LINKS = ('crank', 'coupler', 'output')
+from .core import Applied, Bodies, Body, External, FourBarError, InvalidParameter, SliderCrank, round_rod
+from .core.kinds import KINDS
+from .core.mechanism import Mechanism
+from .core.points import LINKS, OUTPUT
+from .core.quantities import point_acceleration, point_speed
+from .interfaces import topics_of
+from .records import layout
 
 
 class SceneError(FourBarError, ValueError):
@@ -20,7 +23,7 @@ class SceneError(FourBarError, ValueError):
 
 
 class Drive(NamedTuple):
-    """What moves the crank: source 'timer', 'motion' or 'joint_state'; see the parameter table."""
+    """What moves the input: source 'timer', 'motion' or 'joint_state'; see the parameter table."""
 
     source: str
     speed: float
@@ -41,10 +44,19 @@ class Recording(NamedTuple):
     name: str
 
 
-class Scene(NamedTuple):
-    """Everything a node needs to know, checked."""
+class Point(NamedTuple):
+    """A point fixed to a link, see :mod:`.core.points`."""
 
-    linkage: FourBar
+    link: str
+    along: float
+    across: float
+
+
+class Scene(NamedTuple):
+    """Everything a node needs to know, checked; ``points`` by their names."""
+
+    linkage: Mechanism
+    points: dict[str, Point]
     drive: Drive
     outputs: tuple[str, ...]
     frame_id: str
@@ -58,9 +70,25 @@ class Scene(NamedTuple):
         return json.dumps({name: value for name, value in self.values.items() if value == value})
 
     @property
+    def topics(self):
+        """Return {name: Topic} of all outputs; each point has one, named points/NAME."""
+        return topics_of(self.outputs, self.points)
+
+    @property
+    def layout(self):
+        """Return the :class:`~.records.Layout` of its values."""
+        return layout(type(self.linkage), self.linkage.input, tuple(self.points))
+
+    @property
     def needs_loads(self):
-        """Return whether any output is a load (the crank's torque in joint_states alone is not)."""
-        return any(OUTPUTS[name].needs_loads for name in self.outputs)
+        """Return whether any output is a load (the drive's effort in joint_states alone is not)."""
+        return any(topic.needs_loads for topic in self.topics.values())
+
+    @property
+    def point_quantities(self):
+        """Return the quantities of its points: NAME.speed and NAME.acceleration."""
+        return [make(self.linkage, *point, name=name)
+                for name, point in self.points.items() for make in (point_speed, point_acceleration)]
 
 
 def from_values(values):
@@ -74,18 +102,38 @@ def from_values(values):
 
     """
     values = parameters.check(values)
-    try:
-        linkage = FourBar(*(values[f'linkage.a{i}'] for i in (1, 2, 3, 4)), values['linkage.mode'],
-                          _bodies(values), (values['gravity.x'], values['gravity.y']), _external(values))
-    except InvalidParameter as error:
-        if error.name in values:
-            raise
-        raise InvalidParameter(f'linkage.{error.name}', error.value, error.allowed) from None
-    scene = Scene(linkage, Drive(*(values[f'drive.{field}'] for field in Drive._fields)),
+    points = {name: Point(*(values[f'points.{name}.{field}'] for field in Point._fields))
+              for name in parameters.points_in(values)}
+    scene = Scene(_linkage(values), points, Drive(*(values[f'drive.{field}'] for field in Drive._fields)),
                   tuple(values['outputs']), values['frame_id'], tuple(values['joint_names']),
                   Recording(*(values[f'recording.{field}'] for field in Recording._fields)), values)
     _check_together(scene)
     return scene
+
+
+def _linkage(values):
+    """Return the mechanism of a scene."""
+    name = values['linkage.kind']
+    kind = KINDS[name]
+    for length in dict.fromkeys(length for other in KINDS.values() for length in other.LENGTHS):
+        parameter = parameters.PARAMETERS[f'linkage.{length}']
+        value = values[parameter.name]
+        if length in kind.LENGTHS and isnan(value):
+            raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
+        if length not in kind.LENGTHS and not isnan(value) and value != parameter.default:
+            raise InvalidParameter(parameter.name, value, f'a {name} has {", ".join(kind.LENGTHS)} only')
+    arguments = {length: values[f'linkage.{length}'] for length in kind.LENGTHS}
+    if len(kind.INPUTS) > 1:
+        arguments['input'] = values['linkage.input']
+    elif values['linkage.input'] not in kind.INPUTS:
+        raise InvalidParameter('linkage.input', values['linkage.input'], f'a {name} is driven at its crank')
+    try:
+        return kind(**arguments, mode=values['linkage.mode'], bodies=_bodies(values, kind),
+                    gravity=(values['gravity.x'], values['gravity.y']), external=_external(values))
+    except InvalidParameter as error:
+        if error.name in values:
+            raise
+        raise InvalidParameter(f'linkage.{error.name}', error.value, error.allowed) from None
 
 
 def _check_together(scene):
@@ -94,16 +142,18 @@ def _check_together(scene):
         raise InvalidParameter(name, scene.values[name], why)
 
     if scene.needs_loads and scene.linkage.bodies is None:
-        loads = [name for name in scene.outputs if OUTPUTS[name].needs_loads]
+        loads = [name for name, topic in scene.topics.items() if topic.needs_loads]
         refuse('bodies.crank.mass', f'must be given (or bodies.rods): output {loads[0]} needs masses')
     if not scene.frame_id:
         refuse('frame_id', 'must not be empty')
     if len(scene.joint_names) != 4 or len(set(scene.joint_names)) != 4 or '' in scene.joint_names:
-        refuse('joint_names', 'must be four different names: the joints at O1, A, B, O4')
+        refuse('joint_names', 'must be four different names, one for each joint')
     if len(set(scene.outputs)) != len(scene.outputs):
         refuse('outputs', 'names an output twice')
+    if 'points' in scene.outputs and not scene.points:
+        refuse('outputs', 'points: the scene has none; give points.NAME.link, .along, .across')
     if scene.drive.source == 'joint_state' and not scene.drive.joint:
-        refuse('drive.joint', 'must name the joint that is the crank')
+        refuse('drive.joint', 'must name the joint that is the input')
 
 
 def _external(values):
@@ -111,37 +161,41 @@ def _external(values):
                       for link in External._fields))
 
 
-def _bodies(values):
+def _bodies(values, kind):
     """Return the Bodies, or None if the scene gives no mass at all."""
     def given(name):
         return not isnan(values[name])
 
-    masses = [f'bodies.{link}.mass' for link in LINKS]
-    if given('bodies.rods.density') or given('bodies.rods.radius'):
-        for name in ('bodies.rods.density', 'bodies.rods.radius'):
-            if not given(name):
-                raise InvalidParameter(name, values[name], 'must be given: rods have density and radius')
-        for link in LINKS:
-            for field in ('mass', 'inertia', 'cg_along'):
-                if given(f'bodies.{link}.{field}'):
-                    raise InvalidParameter(f'bodies.{link}.{field}', values[f'bodies.{link}.{field}'],
-                                           'give either bodies.rods or the bodies one by one, not both')
-        return Bodies(*(round_rod(values[f'linkage.a{i}'], values['bodies.rods.density'],
-                                  values['bodies.rods.radius']) for i in (1, 2, 3)))
-    if not any(map(given, masses)):
+    has_rods = given('bodies.rods.density') or given('bodies.rods.radius')
+    if not has_rods and not any(given(f'bodies.{link}.mass') for link in LINKS):
         return None
-    return Bodies(*(_body(values, link, values[f'linkage.a{i}'], given)
-                    for i, link in enumerate(LINKS, 1)))
+    for name in ('bodies.rods.density', 'bodies.rods.radius'):
+        if has_rods and not given(name):
+            raise InvalidParameter(name, values[name], 'must be given: rods have density and radius')
+    return Bodies(*(_rod(values, link, kind, given) if has_rods and link in kind.LINK_LENGTHS
+                    else _body(values, link, kind, given) for link in LINKS))
 
 
-def _body(values, link, length, given):
+def _rod(values, link, kind, given):
+    for field in ('mass', 'inertia', 'cg_along'):
+        if given(f'bodies.{link}.{field}'):
+            raise InvalidParameter(f'bodies.{link}.{field}', values[f'bodies.{link}.{field}'],
+                                   'give either bodies.rods or the bodies one by one, not both')
+    return round_rod(values[f'linkage.{kind.LINK_LENGTHS[link]}'], values['bodies.rods.density'],
+                     values['bodies.rods.radius'])
+
+
+def _body(values, link, kind, given):
     name = f'bodies.{link}.'
-    for field in ('mass', 'inertia'):
+    turns = not (kind is SliderCrank and link == OUTPUT)
+    for field in ('mass', 'inertia') if turns else ('mass',):
         if not given(name + field):
             raise InvalidParameter(name + field, values[name + field],
-                                   'must be given: loads need mass and inertia of every link')
-    along = values[name + 'cg_along'] if given(name + 'cg_along') else 0.5 * length
-    return Body(values[name + 'mass'], along, values[name + 'cg_across'], values[name + 'inertia'])
+                                   f'must be given: loads need mass{" and inertia" * turns} of the {link}')
+    length = kind.LINK_LENGTHS.get(link)
+    along = values[name + 'cg_along'] if given(name + 'cg_along') else 0.5 * values[f'linkage.{length}'] if length else 0.0
+    return Body(values[name + 'mass'], along, values[name + 'cg_across'],
+                values[name + 'inertia'] if given(name + 'inertia') else 0.0)
 
 
 def load(path):

@@ -8,7 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from . import scene as scenes
-from .core import OPEN
+from .core.errors import UNITS
 from .core.extrema import find_extrema
 from .core.quantities import select
 from .core.status import STATUS_NAMES, evaluate
@@ -18,21 +18,32 @@ SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the rang
 MODE_NAMES = {1: '1 (crossed)', 2: '2 (open)'}
 
 
-def show(path, mode=None, speed=None, at_deg=None, console=None):
-    """Print the tables of a scene; ``at_deg``: an input angle [degrees] to evaluate."""
+def show(path, mode=None, speed=None, at=None, console=None):
+    """Print the tables of a scene; ``at``: an input to evaluate [degrees], or [m] of a driven slide."""
     scene = scenes.load(path)
     linkage = scene.linkage.in_mode(mode or scene.linkage.mode)
     speed = scene.drive.speed if speed is None else speed
     console = console or make_console()
     console.print(what_it_is(linkage, path))
     console.print()
-    console.print(extremes_table(find_extrema(linkage, (), speed),
-                                 f'extremes at {speed:g} rad/s, mode {MODE_NAMES[linkage.mode]}'))
+    quantities = select((), linkage, scene.point_quantities)
+    console.print(extremes_table(find_extrema(linkage, quantities, speed),
+                                 f'extremes at {speed:g} {rate_unit(linkage)}, mode {MODE_NAMES[linkage.mode]}'))
     if linkage.bodies is None:
         console.print('no masses given, so no loads: see bodies.* in docs/node.md')
-    if at_deg is not None:
+    if at is not None:
         console.print()
-        console.print(state_table(linkage, radians(at_deg), speed))
+        console.print(state_table(linkage, at if linkage.is_driven_by_slide else radians(at), speed, quantities))
+
+
+def rate_unit(linkage):
+    """Return the unit of the input's rate."""
+    return f'{UNITS[linkage.input_coordinate.position]}/s'
+
+
+def shown(name, value):
+    """Return a position as text: angles in degrees."""
+    return f'{value:.6g} m' if name == 'slide' else f'{degrees(value):.4f} deg'
 
 
 def make_console():
@@ -49,8 +60,8 @@ def plain_table(title, columns):
     return table
 
 
-def _ranges(ranges):
-    return ', '.join('full turns' if high - low >= tau else f'{degrees(low):.4f} to {degrees(high):.4f} deg'
+def _ranges(name, ranges):
+    return ', '.join('full turns' if name != 'slide' and high - low >= tau else f'{shown(name, low)} to {shown(name, high)}'
                      for low, high in ranges)
 
 
@@ -58,15 +69,17 @@ def what_it_is(linkage, title):
     """Return the table of a linkage's own properties."""
     table = plain_table(str(title), ('', ''))
     table.show_header = False
-    rows = [('lengths', '  '.join(f'a{i} {a:g}' for i, a in enumerate(linkage.lengths, 1)) + '  m'),
+    driven = linkage.input_coordinate.position
+    rows = [('lengths', '  '.join(f'{name} {length:g}' for name, length in zip(linkage.LENGTHS, linkage.lengths)) + '  m'),
             ('class', linkage.classification),
-            ('assembly mode', f'{MODE_NAMES[linkage.mode]}: sin(theta4 - beta) '
-                              f'{">" if linkage.mode == OPEN else "<"} 0'),
-            ('input range', _ranges(linkage.input_ranges)),
-            ('output range', _ranges(linkage.output_ranges)),
-            *((f'dead point, {"stretched" if point.stretched else "folded"}', f'theta1 {degrees(point.theta1):.4f} deg, '
-               f'theta4 {degrees(point.theta4):.4f} deg') for point in linkage.dead_points),
-            ('change-point margin', f'{linkage.change_point_margin:.6g} of the perimeter')]
+            ('assembly mode', MODE_NAMES[linkage.mode]),
+            ('input', f'{driven}: {_ranges(driven, linkage.input_ranges)}')]
+    if hasattr(linkage, 'output_ranges'):
+        rows.append(('output', f'theta4: {_ranges("theta4", linkage.output_ranges)}'))
+    rows += [('dead point' + (f', {"stretched" if point.stretched else "folded"}' if hasattr(point, 'stretched') else ''),
+              ', '.join(f'{name} {shown(name, value)}' for name, value in zip(point._fields, point[:2])))
+             for point in linkage.dead_points]
+    rows.append(('change-point margin', f'{linkage.change_point_margin:.6g} of the perimeter'))
     if linkage.bodies:
         rows += [(f'{name}', f'{body.mass:.6g} kg, {body.inertia:.6g} kg m^2, CG at '
                              f'({body.cg_along:g}, {body.cg_across:g}) m')
@@ -78,27 +91,32 @@ def what_it_is(linkage, title):
 
 def extremes_table(extrema, title):
     """Return the table of a list of Extremum."""
-    table = plain_table(title, ('quantity', 'kind', '', 'value>', 'unit', 'theta1 [rad]>', '[deg]>', ''))
+    slides = any(extremum.slide == extremum.slide for extremum in extrema)
+    table = plain_table(title, ('quantity', 'kind', '', 'value>', 'unit', *(('slide [m]>',) if slides else ()),
+                                'theta1 [rad]>', '[deg]>', ''))
     last = None
     for extremum in extrema:
         if last not in (None, extremum.quantity):
             table.add_section()
         table.add_row('' if extremum.quantity == last else extremum.quantity, str(extremum.kind),
                       'global' if extremum.is_global else '', f'{extremum.value:.10g}', extremum.unit,
+                      *((f'{extremum.slide:.8f}',) if slides else ()),
                       f'{extremum.theta1:.8f}', f'{degrees(extremum.theta1):.4f}', SIDES[extremum.side])
         last = extremum.quantity
     return table
 
 
-def state_table(linkage, theta1, omega1):
-    """Return the table of all quantities at one input."""
-    with_loads = linkage.bodies is not None
-    status, motion, loads = evaluate(linkage, theta1, omega1, 0.0, with_loads)
-    table = plain_table(f'at theta1 = {degrees(theta1):g} deg: {STATUS_NAMES[status]}',
+def state_table(linkage, position, rate, quantities):
+    """Return the table of the pose and of some quantities at one input."""
+    status, motion, loads = evaluate(linkage, position, rate, 0.0, linkage.bodies is not None)
+    driven = linkage.input_coordinate.position
+    table = plain_table(f'at {driven} = {shown(driven, position)}: {STATUS_NAMES[status]}',
                         ('quantity', 'value>', 'unit', ''))
-    table.add_row('theta4', f'{degrees(motion.theta4):.8g}', 'deg', 'output link')
-    table.add_row('beta', f'{degrees(motion.beta):.8g}', 'deg', 'coupler')
-    table.add_row('transmission angle', f'{degrees(motion.transmission_angle):.8g}', 'deg', '')
-    for quantity in select((), with_loads):
+    for name, text in (('theta1', 'crank'), ('theta4', 'output link'), ('beta', 'coupler'), ('slide', 'slider'),
+                       ('transmission_angle', '')):
+        if name in motion._fields:
+            value, unit = shown(name, getattr(motion, name)).split()
+            table.add_row(name, value, unit, text)
+    for quantity in quantities:
         table.add_row(quantity.name, f'{quantity.of(motion, loads):.10g}', quantity.unit, quantity.text)
     return table

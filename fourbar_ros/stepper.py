@@ -1,61 +1,64 @@
-"""One linkage, one input after the other, with what the scene wants where it cannot be assembled."""
+"""One scene, one input after the other, with what the scene wants where the linkage cannot be assembled."""
 from __future__ import annotations
 
-from math import nan, nextafter, pi, remainder, tau
+from math import nan, nextafter
 
+from .core.points import PointMotion, make_point
 from .core.status import INVALID_INPUT, OK, OUT_OF_RANGE, evaluate
-from .records import PLACE
 
-_RATES = [place for name, place in PLACE.items()
-          if name.startswith(('omega', 'alpha', 'velocity_ratio', 'coupler_ratio', 'condition')) or place >= PLACE['f41_x']]
+_UNBOUNDED = ('_ratio', 'condition', '_velocity', '_acceleration')      # at a limit, besides omega and alpha
+_NO_POINT = (nan,) * len(PointMotion._fields)
 
 
 class Stepper:
     """
-    Evaluates inputs of one linkage in order.
+    Evaluates inputs of one scene in order.
+
+    Out of range its policy holds: 'nan' (nothing is known), 'hold' (the last good values again), or
+    'clamp' (the pose at the nearest limit; rates and loads are unbounded there, so NaN). The status says
+    OUT_OF_RANGE in any case.
 
     Parameters
     ----------
-    linkage : FourBar
-    policy : str
-        Out of range: 'nan' (nothing is known), 'hold' (the last good values again), or 'clamp' (the pose
-        at the nearest limit; rates and loads are unbounded there, so NaN). The status says OUT_OF_RANGE
-        in any case.
+    scene : Scene
 
     """
 
-    def __init__(self, linkage, policy='nan'):
-        self.linkage, self._policy = linkage, policy
+    def __init__(self, scene):
+        self.linkage, self._policy = scene.linkage, scene.drive.out_of_range
+        self._points = [make_point.scalar(scene.linkage, *point) for point in scene.points.values()]
         self._good = None
         self._limits = None
 
-    def step(self, theta1, omega1, alpha1, with_loads):
-        """Return (status, values): values are (*Motion, *Loads)."""
-        status, motion, loads = evaluate(self.linkage, theta1, omega1, alpha1, with_loads)
-        values = (*motion, *loads)
+    def step(self, position, rate, acceleration, with_loads, with_points=True):
+        """Return (status, values): values are (*motion, *loads, *the motion of each point)."""
+        status, motion, loads = evaluate(self.linkage, position, rate, acceleration, with_loads)
+        values = (*motion, *loads, *self._of_points(motion, with_points))
         if self._policy == 'hold':
             if status == OK:
                 self._good = values
             elif status in (OUT_OF_RANGE, INVALID_INPUT) and self._good:
                 values = self._good
         elif self._policy == 'clamp' and status == OUT_OF_RANGE:
-            values = self._at_limit(theta1)
+            values = self._at_limit(position)
         return status, values
 
-    def _at_limit(self, theta1):
+    def _of_points(self, motion, wanted):
+        return [value for point in self._points for value in (point(motion) if wanted else _NO_POINT)]
+
+    def _at_limit(self, position):
         if self._limits is None:
             self._limits = [_inside(self.linkage, end, toward) for low, high in self.linkage.input_ranges
                             for end, toward in ((low, high), (high, low))]
-        nearest = min(self._limits, key=lambda limit: abs(remainder(theta1 - limit, tau)))
+        nearest = min(self._limits, key=lambda limit: abs(self.linkage.distance(position, limit)))
         _, motion, loads = evaluate(self.linkage, nearest, nan, nan, False)
-        values = [*motion, *loads]
-        for place in _RATES:
-            values[place] = nan
-        return tuple(values)
+        motion = motion._replace(**{name: nan for name in motion._fields
+                                    if name.startswith(('omega', 'alpha')) or name.endswith(_UNBOUNDED)})
+        return (*motion, *loads, *self._of_points(motion, True))
 
 
 def _inside(linkage, end, toward):
     """Return the float nearest to the end of a range at which the linkage can be assembled."""
-    while evaluate(linkage, end, 0.0, 0.0, False)[0] == OUT_OF_RANGE and abs(end) < 2.0 * pi:
+    while evaluate(linkage, end, 0.0, 0.0, False)[0] == OUT_OF_RANGE and end != toward:
         end = nextafter(end, toward)
     return end

@@ -30,7 +30,7 @@ def channel(topic, type_name, depth=10, latched=False):
     return Channel(topic, type_name, text_of(type_name), STORE.hash_rihs01(type_name), depth, latched)
 
 
-MOTION = channel('/fourbar/crank', 'fourbar_msgs/msg/Motion')
+MOTION = channel('/fourbar/driven', 'fourbar_msgs/msg/Motion')
 
 
 def stamp(nanoseconds, frame='fourbar'):
@@ -66,7 +66,7 @@ def zero(type_name):
 
 def output_message(name, when, status, values, scene):
     """Return the bytes of one output as the node would send it."""
-    topic = interfaces.CRANK if name == 'crank' else interfaces.OUTPUTS[name]
+    topic = interfaces.DRIVEN if name == 'driven' else scene.topics[name]
     message = zero(topic.type)
     message.header = stamp(when)
     if hasattr(message, 'status'):
@@ -75,7 +75,7 @@ def output_message(name, when, status, values, scene):
         message.change_point_margin = float(scene.linkage.change_point_margin)
     if name == 'joint_states':
         message.name = list(scene.joint_names)
-    for field, value in records.expected(name, values).items():
+    for field, value in scene.layout.expected(name, values).items():
         *path, last = field.split('.')
         place = message
         for step in path:
@@ -93,7 +93,7 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
     step_ns apart, whatever the clock says.
     """
     scene = scenes.from_values(values)
-    topics = [interfaces.CRANK, interfaces.SCENE, *(interfaces.OUTPUTS[output] for output in scene.outputs)]
+    topics = [interfaces.DRIVEN, interfaces.SCENE, *scene.topics.values()]
     resolved = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
     about = {'scene': json.dumps(scene.values), 'topics': json.dumps(resolved), 'node': '/fourbar'}
     channels = [channel(resolved[t.name], t.type, latched=t is interfaces.SCENE) for t in topics]
@@ -102,7 +102,7 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
 
     def say_scene():
         writer.write(number['scene'], encode('std_msgs/msg/String', data=json.dumps(scene.values)))
-        return Stepper(scene.linkage, scene.drive.out_of_range)
+        return Stepper(scene)
     stepper, changes, begun = say_scene(), dict(changes), writer.clock.now()
     for k, crank in enumerate(cranks):
         if paced:
@@ -111,7 +111,7 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
             scene = scenes.from_values({**scene.values, **changes[k]})
             stepper = say_scene()
         status, found = stepper.step(*crank, scene.needs_loads)
-        writer.write(number['crank'], output_message('crank', (k + 1) * step_ns, 0, [*crank, *found[3:]], scene))
-        for output in scene.outputs:
+        writer.write(number['driven'], output_message('driven', (k + 1) * step_ns, 0, scene.linkage.unknown(*crank), scene))
+        for output in scene.topics:
             writer.write(number[output], output_message(output, (k + 1) * step_ns, status, found, scene))
     return writer.close()

@@ -1,20 +1,19 @@
 """
-Compute every recorded output again from the recorded motion of the crank and the scene; compare.
+Compute every recorded output again from the recorded motion of the driven joint and the scene; compare.
 
 Both are in the bag: the motion as messages, the scene as its first message and again after every change.
 """
 from __future__ import annotations
 
 import json
-from math import inf
+from math import inf, nan
 from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
 
-from .. import records as fields
 from .. import scene as scenes
-from ..interfaces import OUTPUTS
+from ..records import PASSIVE_EFFORT, driven_of
 from ..stepper import Stepper
 from . import BagError
 from .reader import Bag, Record
@@ -33,7 +32,7 @@ class Recomputed(NamedTuple):
     """
     What became of a bag.
 
-    ``unmatched`` outputs belong to no motion of the crank in the bag: it was dropped, or the input had
+    ``unmatched`` outputs belong to no motion of the driven joint in the bag: it was dropped, or the input had
     stopped and the output says so; ``cut``: the bag ends without an end.
     """
 
@@ -46,7 +45,7 @@ class Recomputed(NamedTuple):
 def scene_of(path):
     """Return (Scene, topics) of a bag: what was run at its start, and {output name: topic}."""
     about = Bag(path).metadata().get('custom_data') or {}
-    if 'scene' not in about or 'crank' not in (topics := json.loads(about.get('topics', '{}'))):
+    if 'scene' not in about or 'driven' not in (topics := json.loads(about.get('topics', '{}'))):
         raise BagError(f'{path}: was not recorded by fourbar_ros: its metadata hold no scene')
     return scenes.from_values(json.loads(about['scene'])), topics
 
@@ -60,7 +59,7 @@ def compare(path, progress=None):
     """
     Return the :class:`Recomputed` of a bag.
 
-    Each output is compared with what the crank's motion gives, the last one before it in the file; both
+    Each output is compared with what the driven joint's motion gives, the last one before it in the file; both
     carry the same stamp. Differences are absolute; NaN against NaN is none, NaN against a number infinite.
     ``progress`` is called with the number of bytes read.
     """
@@ -87,15 +86,16 @@ class _Comparison:
 
     def change(self, scene):
         """Take another scene; it holds from the next input on."""
-        self._stepper = Stepper(scene.linkage, scene.drive.out_of_range)
+        self._stepper, self._layout = Stepper(scene), scene.layout
         self._with_loads = scene.needs_loads
         self._constant = {'mode': scene.linkage.mode, 'change_point_margin': scene.linkage.change_point_margin}
+        self._outputs = scene.topics.keys()
         self._last = None
 
     def block(self, columns):
         """Compare all messages of a block."""
-        inputs = [self._input(c) for c in columns if self._name_of.get(c.topic) == 'crank']
-        outputs = [c for c in columns if self._name_of.get(c.topic) in OUTPUTS]
+        inputs = [self._input(c) for c in columns if self._name_of.get(c.topic) == 'driven']
+        outputs = [c for c in columns if self._name_of.get(c.topic) in self._outputs]
         if not inputs and self._last is None:
             self.unmatched += sum(len(c.places) for c in outputs)
             return
@@ -109,14 +109,13 @@ class _Comparison:
 
     @staticmethod
     def _input(columns):
-        crank = np.stack(fields.crank_of(columns.tree), axis=1)
-        return columns.places, columns.stamps, crank
+        return columns.places, columns.stamps, np.stack(driven_of(columns.tree), axis=1)
 
-    def _evaluated(self, places, stamps, cranks):
+    def _evaluated(self, places, stamps, motions):
         """Return places, stamps, statuses and values; one by one, as the node does: not one bit differs."""
         order = np.argsort(places)
         self.inputs += len(order)
-        found = [self._stepper.step(*crank, self._with_loads) for crank in cranks[order].tolist()]
+        found = [self._stepper.step(*motion, self._with_loads) for motion in motions[order].tolist()]
         return (places[order], stamps[order], np.array([status for status, _ in found], float),
                 np.array([values for _, values in found]).T)
 
@@ -131,23 +130,23 @@ class _Comparison:
         self.counts[name] = self.counts.get(name, 0) + len(source)
         there = columns.records.dtype.names                  # a bag of an older version may have less
         pairs = [(field, self._expected(values_of, source, values), attrgetter(field)(tree))
-                 for field, values_of in fields.FIELDS[name].items() if field in there]
+                 for field, values_of in self._layout.fields[name].items() if field in there]
         if 'status' in there:
             pairs.append(('status', status[source], tree.status))
+        constant = self._constant | dict.fromkeys(self._layout.absent.get(name, ()), nan)
         pairs += [(field, np.full(len(source), float(value)), columns.records[field])
-                  for field, value in self._constant.items() if field in there]
+                  for field, value in constant.items() if field in there]
         for field, want, have in pairs:
             same = want.shape[:-1] == have.shape[:-1]        # as many joints
             found = distance(want, have[..., good]) if same else inf
             key = (name, field)
             self.largest[key] = max(self.largest.get(key, 0.0), found)
 
-    @staticmethod
-    def _expected(source_field, rows, values):
+    def _expected(self, source_field, rows, values):
         if isinstance(source_field, str):
-            return values[fields.PLACE[source_field]][rows]
-        return np.stack([np.full(len(rows), fields.PASSIVE_EFFORT) if part is None
-                         else values[fields.PLACE[part]][rows] for part in source_field])
+            return values[self._layout.place[source_field]][rows]
+        return np.stack([np.full(len(rows), PASSIVE_EFFORT) if part is None
+                         else values[self._layout.place[part]][rows] for part in source_field])
 
 
 def distance(a, b):

@@ -96,6 +96,8 @@ class FourBar(Mechanism):
     gravity: tuple[float, float] = (0.0, 0.0)
     external: External = External()
 
+    LENGTHS = ('a1', 'a2', 'a3', 'a4')
+    LINK_LENGTHS = {'crank': 'a1', 'coupler': 'a2', 'output': 'a3'}
     input = CRANK
     INPUTS, OUTPUTS = {CRANK: THETA1}, {CRANK: (THETA4, 'velocity_ratio')}
     JOINTS = (THETA1, THETA2, THETA3, THETA4)

@@ -40,7 +40,8 @@ class Mechanism:
     """
     Base of a frozen dataclass with ``mode``, ``input``, ``bodies``, ``gravity``.
 
-    A subclass has ``INPUTS`` (the :class:`Coordinate` of each kind of input), ``OUTPUTS`` (for each kind
+    A subclass has ``LENGTHS`` (names of its lengths and offsets, in the order of ``lengths``), ``LINK_LENGTHS``
+    (which of them is the length of a link, for the links that have one), ``INPUTS`` (the :class:`Coordinate` of each kind of input), ``OUTPUTS`` (for each kind
     of input the coordinate it is used for, and the field that is d output / d input), ``JOINTS`` (the
     coordinates of all joints, from O1 on), ``MOTION`` and ``LOADS`` (types of the results),
     ``input_ranges``, and ``_motion`` and ``_loads``, the :class:`~.dialects.Dialects` of its two

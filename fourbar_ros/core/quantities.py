@@ -6,21 +6,23 @@ from typing import Callable, NamedTuple
 import numpy as np
 
 from .errors import FourBarError
+from .mechanism import CRANK, SLIDE
+from .points import link_motion, point_of
 
 
 class UnknownQuantity(FourBarError, KeyError):
-    """A quantity of this name does not exist; the message lists those that do."""
+    """A mechanism has no quantity of this name; the message lists those that it has."""
 
-    def __init__(self, name):
+    def __init__(self, name, known):
         self.name = name
-        super().__init__(f'unknown quantity {name!r}; known: {", ".join(QUANTITIES)}')
+        super().__init__(f'unknown quantity {name!r}; known: {", ".join(known)}')
 
     def __str__(self):
         return self.args[0]
 
 
 class Quantity(NamedTuple):
-    """A number that a linkage has for each input: a field of Motion or, if ``is_load``, of Loads."""
+    """A number that a mechanism has for each input: a field of its motion or, if ``is_load``, of its loads."""
 
     name: str
     unit: str
@@ -42,47 +44,54 @@ class Function(NamedTuple):
     is_load: bool = False     # not known; without masses, loads raise MissingBodies when used
 
 
-def coupler_point_speed(linkage, along, across=0.0):
-    """Return the speed [m/s] of a point of the coupler, given in its frame (from A, towards B) [m]."""
+def point_speed(mechanism, link, along, across=0.0, name='point'):
+    """Return the speed [m/s] of a point fixed to a link, see :mod:`.points`, as a quantity ``name.speed``."""
     def speed(motion, loads):
-        x, y = _from_a(motion, along, across)
-        v_x = -linkage.a1 * motion.omega1 * motion.sin_x - motion.omega_beta * y
-        v_y = linkage.a1 * motion.omega1 * motion.cos_x + motion.omega_beta * x
+        _, _, v_x, v_y, _, _ = point_of(link_motion(mechanism, motion, link), along, across)
         return np.sqrt(v_x * v_x + v_y * v_y)
-    return Function('coupler_point_speed', 'm/s', f'speed of the coupler point ({along:g}, {across:g}) m', speed)
+    return Function(f'{name}.speed', 'm/s', f'speed of the point ({along:g}, {across:g}) m of the {link}', speed)
 
 
-def coupler_point_acceleration(linkage, along, across=0.0):
-    """Return the magnitude of the acceleration [m/s^2] of a point of the coupler, as the speed."""
+def point_acceleration(mechanism, link, along, across=0.0, name='point'):
+    """Return the magnitude of the acceleration [m/s^2] of such a point as a quantity ``name.acceleration``."""
     def acceleration(motion, loads):
-        x, y = _from_a(motion, along, across)
-        square, other = motion.omega1 * motion.omega1, motion.omega_beta * motion.omega_beta
-        a_x = (-linkage.a1 * (motion.alpha1 * motion.sin_x + square * motion.cos_x)
-               - motion.alpha_beta * y - other * x)
-        a_y = (linkage.a1 * (motion.alpha1 * motion.cos_x - square * motion.sin_x)
-               + motion.alpha_beta * x - other * y)
+        *_, a_x, a_y = point_of(link_motion(mechanism, motion, link), along, across)
         return np.sqrt(a_x * a_x + a_y * a_y)
-    return Function('coupler_point_acceleration', 'm/s^2',
-                    f'acceleration of the coupler point ({along:g}, {across:g}) m', acceleration)
-
-
-def _from_a(motion, along, across):
-    return along * motion.cos_b - across * motion.sin_b, along * motion.sin_b + across * motion.cos_b
+    return Function(f'{name}.acceleration', 'm/s^2', f'acceleration of the point ({along:g}, {across:g}) m of the {link}',
+                    acceleration)
 
 
 QUANTITIES = {quantity.name: quantity for quantity in (
     Quantity('omega4', 'rad/s', 'angular velocity of the output link', False),
     Quantity('alpha4', 'rad/s^2', 'angular acceleration of the output link', False),
+    Quantity('omega1', 'rad/s', 'angular velocity of a crank that is not driven', False),
+    Quantity('alpha1', 'rad/s^2', 'angular acceleration of a crank that is not driven', False),
     Quantity('omega_beta', 'rad/s', 'angular velocity of the coupler', False),
     Quantity('alpha_beta', 'rad/s^2', 'angular acceleration of the coupler', False),
+    Quantity('slide_velocity', 'm/s', 'velocity of a slider that is not driven', False),
+    Quantity('slide_acceleration', 'm/s^2', 'acceleration of a slider that is not driven', False),
     Quantity('shaking_force', 'N', 'magnitude of the force on the ground', True),
     Quantity('shaking_moment', 'N m', 'moment on the ground about O1', True),
-    Quantity('driving_torque', 'N m', 'torque of the drive on the crank', True),
+    Quantity('driving_torque', 'N m', 'torque of the drive on a driven crank', True),
+    Quantity('driving_force', 'N', 'force of the drive along a driven slide', True),
     Quantity('f41', 'N', 'magnitude of the reaction at O1', True),
     Quantity('f21', 'N', 'magnitude of the reaction at A', True),
-    Quantity('f32', 'N', 'magnitude of the reaction at B', True),
-    Quantity('f43', 'N', 'magnitude of the reaction at O4', True),
+    Quantity('f32', 'N', 'magnitude of the reaction at B, or of the bar on its block', True),
+    Quantity('f43', 'N', 'magnitude of the reaction at O4, or of the guide', True),
+    Quantity('guide_force', 'N', 'force of the guide, square to it', True),
+    Quantity('guide_couple', 'N m', 'couple of the guide', True),
 )}
+
+
+# What one kind of input makes given, or nothing.
+_NOT_OF = {CRANK: ('omega1', 'alpha1', 'driving_force'),
+           SLIDE: ('slide_velocity', 'slide_acceleration', 'driving_torque')}
+
+
+def known(kind, driven=CRANK):
+    """Return {name: Quantity} of what a kind of mechanism has, driven at its crank or slide."""
+    return {name: quantity for name, quantity in QUANTITIES.items() if name not in _NOT_OF[driven]
+            and name in (kind.LOADS if quantity.is_load else kind.MOTION)._fields}
 
 
 def is_published(quantity):
@@ -90,11 +99,16 @@ def is_published(quantity):
     return QUANTITIES.get(quantity.name) is quantity
 
 
-def select(names=(), with_loads=True):
-    """Return the quantities of these names, or all of them (without loads if there are no masses)."""
-    unknown = [name for name in names if name not in QUANTITIES]
-    if unknown:
-        raise UnknownQuantity(unknown[0])
+def select(names, mechanism, others=()):
+    """
+    Return the quantities of these names, or all that a mechanism has (without loads if it has no masses).
+
+    ``others``: more quantities that have a name, as those of a scene's points.
+    """
+    available = known(type(mechanism), mechanism.input) | {quantity.name: quantity for quantity in others}
+    for name in names:
+        if name not in available:
+            raise UnknownQuantity(name, available)
     if names:
-        return [QUANTITIES[name] for name in names]
-    return [quantity for quantity in QUANTITIES.values() if with_loads or not quantity.is_load]
+        return [available[name] for name in names]
+    return [quantity for quantity in available.values() if mechanism.bodies is not None or not quantity.is_load]

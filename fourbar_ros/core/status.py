@@ -6,48 +6,49 @@ from math import isfinite, isinf, isnan, nan
 import numpy as np
 
 from .errors import OutOfRange, Toggle
-from .kinematics import Motion
-from .loads import Loads
 
 # The same numbers as the STATUS_ constants of fourbar_msgs/LinkageState (a test compares them).
 OK, OUT_OF_RANGE, INVALID_INPUT, TOGGLE, RATES_UNKNOWN, INPUT_TIMEOUT = range(6)
 STATUS_NAMES = ('ok', 'out of range', 'invalid input', 'toggle', 'rates unknown', 'input timeout')
 
-NO_LOADS = Loads(*[nan] * len(Loads._fields))
-_UNKNOWN = [nan] * (len(Motion._fields) - 3)
+
+def no_loads(mechanism):
+    """Return the loads of a mechanism of which none is known."""
+    return mechanism.LOADS(*[nan] * len(mechanism.LOADS._fields))
 
 
-def evaluate(linkage, theta1, omega1, alpha1, with_loads):
+def evaluate(mechanism, position, rate, acceleration, with_loads):
     """
-    Return (status, Motion, Loads): what does not exist is NaN, loads are all NaN if not asked for.
+    Return (status, motion, loads): what does not exist is NaN, loads are all NaN if not asked for.
 
-    INVALID_INPUT stands for an angle that is NaN, for infinity, and for speeds so high that a result
-    overflows; RATES_UNKNOWN for omega1 or alpha1 that is NaN: what does not depend on it is valid.
+    INVALID_INPUT stands for an input that is NaN, for infinity, and for speeds so high that a result
+    overflows; RATES_UNKNOWN for a rate or acceleration that is NaN: what does not depend on it is valid.
     """
-    if not isfinite(theta1) or isinf(omega1) or isinf(alpha1):
-        return INVALID_INPUT, Motion(theta1, omega1, alpha1, *_UNKNOWN), NO_LOADS
-    if isnan(omega1) or isnan(alpha1):
-        return _partly(RATES_UNKNOWN, linkage, theta1, omega1, alpha1)
+    given = position, rate, acceleration
+    if not isfinite(position) or isinf(rate) or isinf(acceleration):
+        return INVALID_INPUT, mechanism.unknown(*given), no_loads(mechanism)
+    if isnan(rate) or isnan(acceleration):
+        return _partly(RATES_UNKNOWN, mechanism, *given)
     try:
         if with_loads:
-            motion, loads = linkage.step(theta1, omega1, alpha1)
-            finite = isfinite(loads.shaking_moment + loads.f41 + motion.alpha4)
+            motion, loads = mechanism.step(*given)
+            is_finite = isfinite(sum(motion) + sum(loads))
         else:
-            motion, loads = linkage.motion(theta1, omega1, alpha1), NO_LOADS
-            finite = isfinite(motion.alpha4 + motion.alpha_beta)
+            motion, loads = mechanism.motion(*given), no_loads(mechanism)
+            is_finite = isfinite(sum(motion))
     except OutOfRange:
-        return OUT_OF_RANGE, Motion(theta1, omega1, alpha1, *_UNKNOWN), NO_LOADS
+        return OUT_OF_RANGE, mechanism.unknown(*given), no_loads(mechanism)
     except Toggle:
-        return _partly(TOGGLE, linkage, theta1, omega1, alpha1)
-    if finite:
+        return _partly(TOGGLE, mechanism, *given)
+    if is_finite:
         return OK, motion, loads
-    return INVALID_INPUT, Motion(theta1, omega1, alpha1, *_UNKNOWN), NO_LOADS
+    return INVALID_INPUT, mechanism.unknown(*given), no_loads(mechanism)
 
 
-def _partly(status, linkage, theta1, omega1, alpha1):
-    """Return the answer where not all of the Motion exists: what is infinite or undefined is NaN."""
-    motion = linkage.motion(np.array([theta1]), omega1, alpha1)
+def _partly(status, mechanism, position, rate, acceleration):
+    """Return the answer where not all of the motion exists: what is infinite or undefined is NaN."""
+    motion = mechanism.motion(np.array([position]), rate, acceleration)
+    if isnan(motion.transmission_angle[0]):
+        return OUT_OF_RANGE, mechanism.unknown(position, rate, acceleration), no_loads(mechanism)
     values = [float(field[0]) for field in motion]
-    if isnan(motion.theta4[0]):
-        return OUT_OF_RANGE, Motion(theta1, omega1, alpha1, *_UNKNOWN), NO_LOADS
-    return status, Motion(theta1, omega1, alpha1, *[v if isfinite(v) else nan for v in values[3:]]), NO_LOADS
+    return (status, mechanism.MOTION(*[value if isfinite(value) else nan for value in values]), no_loads(mechanism))

@@ -7,7 +7,7 @@ from rcl_interfaces.msg import IntegerRange, ParameterDescriptor, ParameterType,
 
 from .. import scene as scenes
 from ..core import FourBarError
-from ..parameters import PARAMETERS
+from ..parameters import find
 
 # Parameters that rclpy itself owns.
 BUILT_IN = ('use_sim_time', 'start_type_description_service', 'qos_overrides.')
@@ -36,7 +36,7 @@ def scene(node):
     for name in given:
         node.undeclare_parameter(name)
     for name, value in checked.values.items():
-        node.declare_parameter(name, value, descriptor(PARAMETERS[name]), ignore_override=True)
+        node.declare_parameter(name, value, descriptor(find(name)), ignore_override=True)
     return checked
 
 
@@ -49,7 +49,7 @@ def watch(node, current, apply):
     checked = []
 
     def changed(given):
-        return {parameter.name: parameter.value for parameter in given if parameter.name in PARAMETERS}
+        return {parameter.name: parameter.value for parameter in given if find(parameter.name)}
 
     def check(given):
         checked.clear()

@@ -45,8 +45,7 @@ class Client:
         self.executor = EventsExecutor()
         self.executor.add_node(self.node)
         self.latest, self.received = {}, {}
-        for name in scene.outputs:
-            topic = interfaces.OUTPUTS[name]
+        for name, topic in scene.topics.items():
             self.node.create_subscription(resolve(topic.type), topic.topic.replace('~', NODE),
                                           lambda message, name=name: self._take(name, message), 100)
         self.input = None
@@ -64,8 +63,8 @@ class Client:
         while (left := end - time.monotonic()) > 0.0:
             self.executor.spin_once(timeout_sec=left)
 
-    def crank(self, seconds):
-        """Return angle, rate and acceleration: constant speed, or a swing inside the range of a rocker."""
+    def given(self, seconds):
+        """Return the input and its rates: constant speed, or a swing inside the range of what does not turn fully."""
         drive, linkage = self.scene.drive, self.scene.linkage
         if linkage.turns_fully:
             return drive.start + drive.speed * seconds, drive.speed, 0.0
@@ -82,11 +81,11 @@ class Client:
         drive = self.scene.drive
         message = resolve(interfaces.INPUTS[drive.source].type)()
         message.header.stamp = to_stamp(self.node.get_clock().now().nanoseconds)
-        angle, rate, acceleration = self.crank(seconds)
+        position, rate, acceleration = self.given(seconds)
         if drive.source == 'joint_state':
-            message.name, message.position, message.velocity = [drive.joint], [angle], [rate]
+            message.name, message.position, message.velocity = [drive.joint], [position], [rate]
         else:
-            message.position, message.velocity, message.acceleration = angle, rate, acceleration
+            message.position, message.velocity, message.acceleration = position, rate, acceleration
         self.input.publish(message)
 
     def ask(self, service_name, /, **request):
@@ -156,7 +155,7 @@ def published_for(path):
 def compare_extremes(client, published, console):
     """Ask for all extremes; print the global ones, and what was published beside them."""
     speed = client.scene.drive.speed
-    answer = client.ask('find_extrema', omega1=speed)
+    answer = client.ask('find_extrema', velocity=speed)
     if answer.result != answer.RESULT_OK:
         console.print(f'find_extrema: {answer.message}')
         return

@@ -2,12 +2,11 @@
 from __future__ import annotations
 
 import time
-from math import isnan, sin
+from math import isnan
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from ..core.status import OK, STATUS_NAMES
-from ..records import PLACE
 
 PERIOD = 1.0               # [s]
 NEAR_TOGGLE = 0.05         # |sin| of the transmission angle below which a warning is due
@@ -34,7 +33,7 @@ class Diagnostics:
         before, steps, bad, counts = self._before
         self._before = (now, stream.steps, stream.bad_steps, dict(drive.counts))
         grown = {name: count - counts.get(name, 0) for name, count in drive.counts.items()}
-        sine = abs(sin(stream.values[PLACE['transmission_angle']]))
+        sine = stream.transmission_sine()
         recorder = node.recording.state()
 
         problems = [f'{count} {name.replace("_", " ")}' for name, count in grown.items()

@@ -1,4 +1,4 @@
-"""Drive a live node with the recorded motion of the crank; compare its answers with the recorded ones."""
+"""Drive a live node with the recorded motion of the driven joint; compare its answers with the recorded ones."""
 from __future__ import annotations
 
 import time
@@ -35,7 +35,7 @@ def drive_live(path, node_name=None, rate=1.0, start=0.0, ros_args=()):
     """
     Return a list of :class:`Answer`, one for every output in the bag.
 
-    The recorded motion of the crank goes to the ``~/input`` of the node, which must be driven by
+    The recorded motion of the driven joint goes to the ``~/input`` of the node, which must be driven by
     ``motion`` and have the scene of the bag (``fourbar bag scene`` writes it). Answers are matched by
     their stamp, that of their input.
     """
@@ -44,16 +44,16 @@ def drive_live(path, node_name=None, rate=1.0, start=0.0, ros_args=()):
     recorded_node = (bag.metadata()['custom_data'] or {}).get('node', '/fourbar')
     outputs = {topic: name for name, topic in topics.items() if name in interfaces.OUTPUTS}
     next(bag.raw(), None)                                # so that its topics are known
-    for topic in (topics['crank'], *outputs):
+    for topic in (topics['driven'], *outputs):
         _, why = installed(bag.type_of(topic), bag.hash_of(topic))
         if why:
             raise BagError(f'{path}: {topic}: {why}')
     with Replayer(bag, ros_args=ros_args) as replayer:
         live = _Live(replayer, outputs, recorded_node, node_name or recorded_node)
         live.wait_until_found()
-        played = play(bag, [topics['crank'], *outputs], rate, start, tick=live.tick)
+        played = play(bag, [topics['driven'], *outputs], rate, start, tick=live.tick)
         for raw in played:
-            if raw.topic == topics['crank']:
+            if raw.topic == topics['driven']:
                 live.send(raw)
             else:
                 live.expect(raw)
@@ -106,7 +106,7 @@ class _Live:
         return self._replayer.tick(0)
 
     def send(self, raw):
-        """Send one motion of the crank."""
+        """Send one motion of the driven joint."""
         self._sent.add(stamp_of(raw.data))
         self._input.publish(raw.data)
 
@@ -137,7 +137,7 @@ class _Live:
                     worst, where = value, field
             found.append(Answer(topic, len(both), len(expected) - len(both), worst, where))
         if not self._sent:
-            raise BagError('the bag has no motion of the crank')
+            raise BagError('the bag has no motion of the driven joint')
         self._executor.shutdown()
         return found
 

@@ -1,4 +1,4 @@
-"""What moves the crank: a thread on the clock's grid, a timer of simulated time, or a subscription."""
+"""What moves the input: a thread on the clock's grid, a timer of simulated time, or a subscription."""
 from __future__ import annotations
 
 import threading
@@ -188,8 +188,8 @@ class TopicDrive(Drive):
         except Exception:                                # whatever a foreign writer sends, the node goes on
             self._once('malformed', f'{self._topic.topic}: a message that is no {self._topic.type}')
             return
-        crank = records.crank_of(message, self.settings.joint)
-        if crank is None:
+        given = records.driven_of(message, self.settings.joint)
+        if given is None:
             self._once('without_joint', f'joint {self.settings.joint!r} is not in the input message')
             return
         stamp = message.header.stamp
@@ -199,7 +199,7 @@ class TopicDrive(Drive):
             stamp = to_stamp(time_of)
         elif time_of > self._horizon:                    # reached about once in FUTURE seconds
             self._look_ahead(time_of)
-        position, velocity, acceleration = crank
+        position, velocity, acceleration = given
         if isnan(velocity) or isnan(acceleration):
             velocity, estimate = self.estimator.update(time_of * 1e-9, position, velocity)
             acceleration = estimate if isnan(acceleration) else acceleration

@@ -2,8 +2,9 @@
 from __future__ import annotations
 
 from importlib import import_module
+from math import nan
 
-from .. import records
+from ..records import PASSIVE_EFFORT
 
 
 def resolve(type_name):
@@ -18,31 +19,33 @@ def resolve(type_name):
                                   'colcon build --base-paths . msg_defs') from None
 
 
-def set_constants(message, scene):
+def set_constants(output, message, scene):
     """Fill what is the same in all messages of a scene."""
     message.header.frame_id = scene.frame_id
+    for field in scene.layout.absent.get(output, ()):
+        setattr(message, field, nan)
     if hasattr(message, 'change_point_margin'):
         message.change_point_margin = float(scene.linkage.change_point_margin)
     if hasattr(message, 'effort'):
         message.name = list(scene.joint_names)
 
 
-def filler(output, message):
+def filler(output, message, layout):
     """
     Return the function (stamp, status, mode, values) that fills ``message``.
 
-    ``values`` is (*Motion, *Loads) of floats. Targets are looked up here, not per message.
+    ``values`` are floats in the places of the layout. Targets are looked up here, not per message.
     """
     plan, arrays = [], []
-    for field, source in records.FIELDS[output].items():
+    for field, source in layout.fields[output].items():
         *path, attribute = field.split('.')
         target = message
         for step in path:
             target = getattr(target, step)
         if isinstance(source, tuple):
-            arrays.append((target, attribute, [None if s is None else records.PLACE[s] for s in source]))
+            arrays.append((target, attribute, [None if s is None else layout.place[s] for s in source]))
         else:
-            plan.append((target, attribute, records.PLACE[source]))
+            plan.append((target, attribute, layout.place[source]))
     has_status = hasattr(message, 'status')
 
     def fill(stamp, status, mode, values):
@@ -52,6 +55,6 @@ def filler(output, message):
         for target, attribute, place in plan:
             setattr(target, attribute, values[place])
         for target, attribute, places in arrays:
-            setattr(target, attribute, [records.PASSIVE_EFFORT if place is None else values[place]
+            setattr(target, attribute, [PASSIVE_EFFORT if place is None else values[place]
                                         for place in places])
     return fill

@@ -12,15 +12,16 @@ class Output:
 
     def __init__(self, node, topic):
         self.name, self._topic = topic.name, topic
+        self.is_point = topic.type == interfaces.OUTPUTS['points'].type
         self._node = node
         message_type = resolve(topic.type)
         self._message = message_type()
-        self._fill = filler(topic.name, self._message)
         self._publisher = node.create_publisher(message_type, topic.topic, interfaces.QUEUE_DEPTH)
 
     def apply(self, scene):
         """Take over a scene."""
-        set_constants(self._message, scene)
+        set_constants(self.name, self._message, scene)
+        self._fill = filler(self.name, self._message, scene.layout)
         self.needs_loads = self._topic.needs_loads or (self.name == 'joint_states' and scene.needs_loads)
 
     @property

@@ -56,7 +56,7 @@ class Recording:
         if self._writer:
             with contextlib.suppress(BagError):
                 self._writer.close()                     # a bag that ended by an error; that was told
-        topics = [interfaces.CRANK, interfaces.SCENE, *(interfaces.OUTPUTS[output] for output in scene.outputs)]
+        topics = [interfaces.DRIVEN, interfaces.SCENE, *scene.topics.values()]
         if scene.drive.source in interfaces.INPUTS:
             topics.append(interfaces.INPUTS[scene.drive.source])
         resolved = {topic.name: self._node.resolve_topic_name(topic.topic) for topic in topics}

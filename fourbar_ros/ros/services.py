@@ -28,19 +28,19 @@ def find_extrema(node, request, response):
 
     scene = node.stream.scene
     linkage = scene.linkage
-    omega1 = request.omega1 or (scene.drive.speed if scene.drive.source == 'timer' else 0.0)
+    velocity = request.velocity or (scene.drive.speed if scene.drive.source == 'timer' else 0.0)
     try:
         modes = _modes(request, linkage)
-        if not isfinite(omega1) or omega1 == 0.0:
-            raise _BadRequest(f'omega1 = {omega1!r}: must be a finite speed, not zero '
+        if not isfinite(velocity) or velocity == 0.0:
+            raise _BadRequest(f'velocity = {velocity!r}: must be a finite speed, not zero '
                               '(zero stands for the speed of the timer drive, if there is one)')
-        quantities = select(request.quantities, linkage.bodies is not None)
+        quantities = select(request.quantities, linkage, scene.point_quantities)
         missing = [quantity.name for quantity in quantities if quantity.is_load and linkage.bodies is None]
         if missing:
             raise _BadRequest(f'{missing[0]}: the scene has no masses')
         names = [quantity.name for quantity in quantities]
         found = [extremum for mode in modes
-                 for extremum in search(linkage.in_mode(mode), names, omega1, request.alpha1, request.certify)]
+                 for extremum in search(linkage.in_mode(mode), quantities, velocity, request.acceleration, request.certify)]
         found.sort(key=lambda extremum: (names.index(extremum.quantity), extremum.mode))
         response.extrema = [_extremum_message(extremum) for extremum in found]
         response.result = response.RESULT_OK
@@ -67,7 +67,7 @@ def _extremum_message(extremum):
     message.kind = getattr(message, f'KIND_{extremum.kind.upper()}')
     message.place = getattr(message, f'PLACE_{extremum.place.upper().replace("-", "_")}')
     message.side, message.is_global, message.proof = int(extremum.side), bool(extremum.is_global), extremum.proof
-    for name in ('theta1', 'value', 'condition', 'value_condition'):
+    for name in ('theta1', 'slide', 'value', 'condition', 'value_condition'):
         setattr(message, name, float(getattr(extremum, name)))
     return message
 
@@ -82,21 +82,22 @@ def evaluate_one(node, request, response):
         response.result = response.RESULT_INVALID_REQUEST
         response.message = f'mode = {request.mode}: must be 0 (of the scene), 1 or 2'
         return response
-    linkage = node.stream.scene.linkage.in_mode(request.mode or node.stream.scene.linkage.mode)
+    scene = node.stream.scene
+    linkage = scene.linkage.in_mode(request.mode or scene.linkage.mode)
     response.has_loads = linkage.bodies is not None
-    status, motion, loads = evaluate(linkage, request.theta1, request.omega1, request.alpha1,
+    status, motion, loads = evaluate(linkage, request.position, request.velocity, request.acceleration,
                                      response.has_loads)
     stamp = node.get_clock().now().to_msg()
     for output in ('state', 'loads'):
         message = getattr(response, output)
-        set_constants(message, node.stream.scene._replace(linkage=linkage))
-        filler(output, message)(stamp, status, linkage.mode, (*motion, *loads))
+        set_constants(output, message, scene)
+        filler(output, message, scene.layout)(stamp, status, linkage.mode, (*motion, *loads))
     response.result = {OK: response.RESULT_OK, OUT_OF_RANGE: response.RESULT_OUT_OF_RANGE,
                        INVALID_INPUT: response.RESULT_INVALID_REQUEST, TOGGLE: response.RESULT_TOGGLE}[status]
     if status == OUT_OF_RANGE:
-        response.message = str(OutOfRange(linkage.input_coordinate.position, request.theta1, linkage.input_ranges))
+        response.message = str(OutOfRange(linkage.input_coordinate.position, request.position, linkage.input_ranges))
     elif status == INVALID_INPUT:
-        response.message = 'theta1, omega1, alpha1 must be finite, and so must the result'
+        response.message = 'position, velocity, acceleration must be finite, and so must the result'
     elif status == TOGGLE:
         response.message = 'toggle position: rates and loads are unbounded'
     return response

@@ -18,10 +18,10 @@ def add(verbs):
                     'to scale. Needs matplotlib.',
         epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
     draw.add_argument('scene', metavar='SCENE', help='parameter file of the scene (YAML)')
-    draw.add_argument('--at', type=float, required=True, metavar='DEG', help='input angle [degrees]')
-    draw.add_argument('--speed', type=float, metavar='RAD_S', help='input speed [rad/s]; default: that of the scene')
-    draw.add_argument('--acceleration', type=float, default=0.0, metavar='RAD_S2',
-                      help='of the input [rad/s^2], default 0')
+    draw.add_argument('--at', type=float, required=True, metavar='INPUT', help='input angle [degrees], or slide [m]')
+    draw.add_argument('--speed', type=float, metavar='SPEED', help='input speed [rad/s], of a slide [m/s]; default: that of the scene')
+    draw.add_argument('--acceleration', type=float, default=0.0, metavar='ACCELERATION',
+                      help='of the input [rad/s^2], of a slide [m/s^2]; default 0')
     draw.add_argument('--mode', type=int, choices=(1, 2), help='assembly mode; default: that of the scene')
     draw.add_argument('-o', '--out', metavar='FILE', required=True, help='picture: .png, .svg, .pdf')
     draw.set_defaults(run=_draw)
@@ -32,11 +32,13 @@ def _draw(arguments):
 
     from .. import scene as scenes
     from ..draw import make_figure, save
+    from ..show import rate_unit, shown
     scene = scenes.load(arguments.scene)
     linkage = scene.linkage.in_mode(arguments.mode or scene.linkage.mode)
     speed = scene.drive.speed if arguments.speed is None else arguments.speed
-    given = (radians(arguments.at), speed, arguments.acceleration)
+    at = arguments.at if linkage.is_driven_by_slide else radians(arguments.at)
+    given = (at, speed, arguments.acceleration)
     motion, loads = linkage.step(*given) if linkage.bodies else (linkage.motion(*given), None)
-    title = f'{linkage.classification}, {arguments.at:g} deg, {speed:g} rad/s'
+    title = f'{linkage.classification}, {shown(linkage.input_coordinate.position, at)}, {speed:g} {rate_unit(linkage)}'
     save(make_figure(linkage, motion, loads, title), arguments.out)
     print(arguments.out)

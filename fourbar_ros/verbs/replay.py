@@ -42,7 +42,7 @@ def add(verbs):
                         help='wait for readers to find the topics before the first message, default 1')
     replay.add_argument('--topics', nargs='+', metavar='TOPIC', help='only these')
     replay.add_argument('--inputs-only', action='store_true',
-                        help='send only the motion of the crank to a live node, compare what it answers')
+                        help='send only the motion of the input to a live node, compare what it answers')
     replay.add_argument('--node', metavar='NAME', help='that node; default: the one that was recorded')
     replay.add_argument('--tolerance', type=float, default=0.0, metavar='X',
                         help='with --inputs-only: largest difference that is none, default 0')

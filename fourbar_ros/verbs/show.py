@@ -9,10 +9,10 @@ def add(verbs):
                     'motion and (with masses) of loads at constant input speed, and the state at one angle.')
     show.add_argument('scene', metavar='SCENE', help='parameter file of the scene (YAML)')
     show.add_argument('--mode', type=int, choices=(1, 2), help='assembly mode; default: that of the scene')
-    show.add_argument('--speed', type=float, metavar='RAD_S',
-                      help='constant input speed [rad/s]; default: drive.speed of the scene')
-    show.add_argument('--at', type=float, metavar='DEG',
-                      help='also state and loads at this input angle [degrees]')
+    show.add_argument('--speed', type=float, metavar='SPEED',
+                      help='constant input speed [rad/s], of a slide [m/s]; default: drive.speed of the scene')
+    show.add_argument('--at', type=float, metavar='INPUT',
+                      help='also state and loads at this input angle [degrees], or slide [m]')
     show.set_defaults(run=_show)
 
 

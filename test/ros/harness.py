@@ -17,7 +17,7 @@ from fourbar_ros.ros.messages import resolve
 # Requests that change nothing, to learn whether a service and its client have seen each other.
 HARMLESS = {'find_extrema': {'quantities': ['?']}, 'evaluate': {}, 'start_recording': {'name': '..'}}
 PATIENCE = 30.0       # [s] discovery takes 0.3 s mostly and 4 s sometimes; a slow machine more
-ALL_OUTPUTS = list(interfaces.OUTPUTS)
+ALL_OUTPUTS = [name for name in interfaces.OUTPUTS if name != 'points']      # these need points in the scene
 
 
 class NodeProcess:
@@ -71,7 +71,7 @@ class Client:
 
     def listen(self, names=ALL_OUTPUTS, node='fourbar', depth=1000):
         """Collect all messages of these topics in ``received``."""
-        topics = {**interfaces.OUTPUTS, 'crank': interfaces.CRANK}
+        topics = {**interfaces.OUTPUTS, 'driven': interfaces.DRIVEN}
         for name in names:
             inbox = self.received.setdefault(name, [])
             self.node.create_subscription(resolve(topics[name].type), self.topic(topics[name], node),

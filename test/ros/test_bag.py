@@ -60,7 +60,7 @@ def test_rosbags_reads_the_directory_and_every_value_is_what_was_heard(bag):
     for source in (path, path / 'run_0.mcap'):
         with AnyReader([source], default_typestore=None) as reader:
             topics = {connection.topic: connection for connection in reader.connections}
-            assert set(topics) == {'/fourbar/crank', '/fourbar/scene', '/joint_states', '/fourbar/state', '/fourbar/output',
+            assert set(topics) == {'/fourbar/driven', '/fourbar/scene', '/joint_states', '/fourbar/state', '/fourbar/output',
                                    '/fourbar/loads', '/fourbar/shaking_wrench'}
             for connection, _, data in reader.messages():
                 name = connection.topic.rsplit('/', 1)[-1]
@@ -145,7 +145,7 @@ def test_records_keep_the_order_input_then_its_outputs(bag):
     path, _ = bag
     stamp = None
     for record in records(path):
-        if record.topic == '/fourbar/crank':
+        if record.topic == '/fourbar/driven':
             stamp = record.message.header.stamp
         if record.topic != '/fourbar/scene':
             assert record.message.header.stamp.nanosec == stamp.nanosec

@@ -32,14 +32,14 @@ def whole_steps(path):
             stamp = record.message.header.stamp
             stamps.setdefault((stamp.sec, stamp.nanosec), []).append(record.topic)
     kept = list(stamps.values())
-    assert all(len(topics) == 1 + len(ALL_OUTPUTS) and topics[0] == '/fourbar/crank' for topics in kept[:-1])
+    assert all(len(topics) == 1 + len(ALL_OUTPUTS) and topics[0] == '/fourbar/driven' for topics in kept[:-1])
     return list(stamps)
 
 
 def kill_node(run_node, client, tmp_path, seed):
     node = recording_node(run_node, tmp_path)
-    client.listen(['crank'])
-    heard = client.received['crank']
+    client.listen(['driven'])
+    heard = client.received['driven']
     client.until(lambda: len(heard) > 200, 'the stream')
     end = time.monotonic() + random.Random(seed).uniform(0.0, 1.0)
     while time.monotonic() < end:
@@ -76,8 +76,8 @@ def test_a_killed_node_leaves_all_but_the_newest_many_times(run_node, client, tm
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_closes_the_bag_whole(run_node, client, tmp_path, number):
     node = recording_node(run_node, tmp_path)
-    client.listen(['crank'])
-    client.until(lambda: len(client.received['crank']) > 50, 'the stream')
+    client.listen(['driven'])
+    client.until(lambda: len(client.received['driven']) > 50, 'the stream')
     assert node.stop(number) == 0
     found = info(tmp_path / 'bags/run', check=True)
     assert found.is_sound and len({t.messages for t in found.topics if t.topic != '/fourbar/scene'}) == 1
@@ -87,8 +87,8 @@ def test_a_signal_closes_the_bag_whole(run_node, client, tmp_path, number):
 
 def test_a_bag_can_be_read_while_the_node_writes_it(run_node, client, tmp_path):
     recording_node(run_node, tmp_path)
-    client.listen(['crank'])
-    client.until(lambda: len(client.received['crank']) > 300, 'the stream')
+    client.listen(['driven'])
+    client.until(lambda: len(client.received['driven']) > 300, 'the stream')
     path = tmp_path / 'bags/run'
     assert info(path).state == 'being written'
     found = compare(path)
@@ -104,10 +104,10 @@ def test_a_recording_that_dies_is_told_and_the_stream_goes_on(run_node, client, 
         node = recording_node(run_node, tmp_path)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limit)
-    client.listen(['crank'])
+    client.listen(['driven'])
     client.until(lambda: 'recording stopped' in node.said, 'the disk is full')
-    client.received['crank'].clear()
-    client.until(lambda: len(client.received['crank']) > 100, 'the stream goes on')
+    client.received['driven'].clear()
+    client.until(lambda: len(client.received['driven']) > 100, 'the stream goes on')
     answer = client.call('stop_recording')
     assert not answer.success and 'recording stopped' in answer.message
     path = tmp_path / 'bags/run'

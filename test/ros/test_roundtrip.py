@@ -21,7 +21,7 @@ from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.schemas import channel
 from test_bag import plain
 
-TOPICS = [*interfaces.INPUTS.values(), interfaces.CRANK, interfaces.SCENE, *interfaces.OUTPUTS.values()]
+TOPICS = [*interfaces.INPUTS.values(), interfaces.DRIVEN, interfaces.SCENE, *interfaces.OUTPUTS.values()]
 # What Foxglove and Lichtblick read bags with.
 NPM = ('@mcap/core@2.2.2', '@mcap/support@1.1.0', '@foxglove/rosmsg@5.0.5', '@foxglove/rosmsg2-serialization@3.1.0')
 

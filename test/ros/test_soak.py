@@ -134,8 +134,8 @@ def test_garbage_to_services_and_parameters(driven, client):
     rng = random.Random(3)
     for _ in range(max(ROUNDS // 20, 5)):
         client.call('find_extrema', quantities=rng.choice([[''], ['x' * 10_000], ['omega4', 'ä\n\t'], ['alpha4'] * 3]),
-                    mode=rng.randrange(256), omega1=rng.choice(EDGES))
-        client.call('evaluate', theta1=rng.choice(EDGES), omega1=rng.choice(EDGES), alpha1=rng.choice(EDGES),
+                    mode=rng.randrange(256), velocity=rng.choice(EDGES))
+        client.call('evaluate', position=rng.choice(EDGES), velocity=rng.choice(EDGES), acceleration=rng.choice(EDGES),
                     mode=rng.randrange(256))
         client.call('start_recording', name=rng.choice(['/etc', '../..', 'a/../../b', '\\', '.', '..']))
         results = set_parameters(client, {'linkage.a1': rng.choice([-1.0, math.nan, math.inf, 'long', True, 99.0]),
