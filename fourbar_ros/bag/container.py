@@ -12,14 +12,16 @@ import zlib
 from collections import defaultdict
 
 import zstandard
-from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import (Channel, Chunk, ChunkIndex, DataEnd, Footer, Header, Metadata, MetadataIndex, Schema,
                           Statistics, SummaryOffset)
 
-from .scan import HEAD, IS_MESSAGE, MAGIC, MESSAGE, Damaged, parse, split, unpacked
+from .scan import (HEAD, IS_MESSAGE, MAGIC, MESSAGE, SEAL, Damaged, encoded, parse, seal, split, tells_its_times,
+                   unpacked)
 
 CHUNK_SIZE = 1 << 20          # [bytes] a chunk is closed at this size, flush or not
+# So many chunks begin with all schemas and channels: under their checksum, and if one is hit, in the other.
+TOLD = 2
 _MESSAGE = struct.Struct('<BQHIQQ')
 _INDEX = struct.Struct('<BQHI')
 
@@ -42,32 +44,39 @@ class Container:
         self._chunk_indices, self._chunks = bytearray(), 0
         self._metadata_indices = []
         self._compressor = zstandard.ZstdCompressor()
+        self._definitions, self._told = b'', 0         # schemas and channels, chunks that hold them all
         self._clear()
         self._append(MAGIC + encoded(Header(profile, library)))
 
     def add_schema(self, name, text, encoding='ros2msg'):
-        """Write a schema and return its number."""
+        """Return the number of a new schema; it is written with the next messages."""
         schema = Schema(len(self.schemas) + 1, text.encode(), encoding, name)
-        self.copy(schema)
+        self._define(self.schemas, schema)
         return schema.id
 
     def add_channel(self, topic, schema, metadata):
-        """Write a channel of CDR messages and return its number."""
+        """Return the number of a new channel of CDR messages; it is written with the next messages."""
         channel = Channel(len(self.channels) + 1, topic, 'cdr', metadata, schema)
-        self.copy(channel)
+        self._define(self.channels, channel)
         return channel.id
 
     def copy(self, record):
-        """Write a Schema or Channel under the number it has; again is no error."""
+        """Write a Schema or Channel under the number it has; again is no error, another raises Damaged."""
         known = self.schemas if isinstance(record, Schema) else self.channels
+        if getattr(record, 'schema_id', 0) not in (0, *self.schemas):
+            raise Damaged(f'the schema of {record.topic} is missing')
         if record.id not in known:
             self._append(encoded(record))
             known[record.id] = record
+        elif known[record.id] != record:
+            raise Damaged(f'{type(record).__name__.lower()} {record.id} is another one than before')
 
     def add_metadata(self, name, values):
         """Write a metadata record behind all messages so far."""
         self.flush()
-        offset, record = self.size, encoded(Metadata(name=name, metadata=values))
+        sealed = Metadata(name=name, metadata={**values, SEAL: ''})
+        sealed.metadata[SEAL] = seal(sealed)
+        offset, record = self.size, encoded(sealed)
         self._append(record)
         self._metadata_indices.append(MetadataIndex(offset, len(record), name))
 
@@ -82,16 +91,22 @@ class Container:
 
     def flush(self):
         """Write what was taken as one chunk; on OSError the file is as before and the messages are gone."""
-        if not self._parts:
+        if not self._index:
             return
         content, index = b''.join(self._parts), self._index
-        self._clear()
-        times = [entry for entries in index.values() for entry in entries[::2]]
-        self._append_chunk(Chunk('zstd', self._compressor.compress(content), max(times), min(times),
-                                 zlib.crc32(content), len(content)), index)
+        try:
+            self._append_chunk(Chunk('zstd', self._compressor.compress(content), 0, 0, zlib.crc32(content),
+                                     len(content)), index)
+            self._told += 1
+        finally:
+            self._clear()
 
     def copy_chunk(self, body):
-        """Write a chunk of another file, its index made anew; raises Damaged before anything is written."""
+        """
+        Write a chunk of another file, its index and times made anew.
+
+        Returns whether it told its times rightly; raises Damaged before anything is written.
+        """
         chunk = parse(Opcode.CHUNK, body)
         content, index = unpacked(chunk), defaultdict(list)
         records = []
@@ -106,12 +121,17 @@ class Container:
             raise Damaged('chunk has messages of an unknown channel')
         for record in records:
             self.copy(record)
+        told = tells_its_times(chunk, times_of(index))
         if index:
             self._append_chunk(chunk, index)
+        return told
 
     def finish(self):
         """Write the end: statistics and indices. On OSError the file is as before, without an end."""
         self.flush()
+        if not self._told:
+            self._append(self._definitions)            # no message, but a reader may ask for the topics
+            self._told = 1
         end = encoded(DataEnd(self._crc))
         start = self.size + len(end)
         parts, offsets = bytearray(), []
@@ -136,10 +156,20 @@ class Container:
     # --------------------------------------------------------------------------------------------
 
     def _clear(self):
-        self._parts, self._length, self._index = [], 0, defaultdict(list)
+        front = self._definitions if self._told < TOLD else b''
+        self._parts, self._length, self._index = [front], len(front), defaultdict(list)
+
+    def _define(self, known, record):
+        self.flush()
+        known[record.id] = record
+        self._definitions += encoded(record)
+        self._told = 0
+        self._clear()
 
     def _append_chunk(self, chunk, index):
-        """Write a Chunk and its message index {channel: [time, offset, time, offset, ...]}."""
+        """Write a Chunk, its times, and its message index {channel: [time, offset, time, offset, ...]}."""
+        times = times_of(index)
+        chunk.message_start_time, chunk.message_end_time = min(times), max(times)
         record = encoded(chunk)
         parts, at, offsets = [record], self.size + len(record), {}
         for channel, entries in index.items():
@@ -174,10 +204,6 @@ class Container:
         self.size += len(data)
 
 
-def encoded(*records):
-    """Return the bytes of records of the mcap library."""
-    builder = RecordBuilder()
-    for record in records:
-        record.write(builder)
-    return builder.end()
-
+def times_of(index):
+    """Return all log times of a message index {channel: [time, offset, time, offset, ...]}."""
+    return [time for entries in index.values() for time in entries[::2]]

@@ -37,7 +37,8 @@ class Info(NamedTuple):
     about : dict
         What the recorder noted: scene, software, units, ...
     damage : str
-        Empty, or where reading had to stop.
+        Empty, or what is wrong with the file and where; a finished bag that was not read is only asked for
+        its end.
 
     """
 
@@ -68,19 +69,30 @@ def info(path, check=False, progress=None):
     except BagError:
         about = {}
     being_written = bag.is_being_written
-    summary = None if check or bag.cut else bag.summary()
+    summary = None if check else bag.summary()
     if summary and summary.statistics:
-        statistics = summary.statistics
-        topics = [TopicInfo(channel.topic, summary.schemas[channel.schema_id].name,
-                            statistics.channel_message_counts.get(channel.id, 0), None)
-                  for channel in summary.channels.values()]
-        begun = statistics.message_count > 0
-        start, end = (statistics.message_start_time, statistics.message_end_time) if begun else (None, None)
-        damage = ''
+        topics, start, end, damage = *_told(summary), ''
     else:
         topics, start, end, damage = _count(bag, progress)
     state = 'being written' if being_written else 'cut' if bag.cut else 'finished'
     return Info(bag.file, state, bag.file.stat().st_size, start, end, topics, about, damage)
+
+
+def _told(summary):
+    """Return (topics, start, end) as the summary of a bag tells them."""
+    statistics, names = summary.statistics, {number: schema.name for number, schema in summary.schemas.items()}
+    topics = [TopicInfo(channel.topic, names.get(channel.schema_id, ''),
+                        statistics.channel_message_counts.get(channel.id, 0), None)
+              for channel in summary.channels.values()]
+    begun = statistics.message_count > 0
+    return topics, statistics.message_start_time if begun else None, statistics.message_end_time if begun else None
+
+
+def _type_of(bag, topic):
+    try:
+        return bag.type_of(topic)
+    except BagError:            # a bag without schemas, or the schema is what is damaged
+        return ''
 
 
 def _count(bag, progress):
@@ -98,7 +110,8 @@ def _count(bag, progress):
                 end = stamp if end is None or stamp > end else end
     except BagError as error:
         damage = str(error)
-    topics = [TopicInfo(channel.topic, bag.type_of(channel.topic), counts[number], missing[number])
+    damage = '; '.join(bag.damage) or damage
+    topics = [TopicInfo(channel.topic, _type_of(bag, channel.topic), counts[number], missing[number])
               for number, channel in bag.channels.items()]
     return topics, start, end, damage
 

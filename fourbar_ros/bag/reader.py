@@ -15,12 +15,13 @@ import numpy as np
 import yaml
 from mcap.opcode import Opcode
 from mcap.reader import make_reader
-from mcap.records import Channel
+from mcap.records import Channel, MetadataIndex, Schema, Statistics
 
 from . import BagError, rosbag2
 from .cdr import Decoder
 from .rosbag2 import file_of
-from .scan import HEAD, IS_MESSAGE, MESSAGE, Damaged, Scan, is_being_written, parse, split, unpacked
+from .scan import (HEAD, IS_MESSAGE, MESSAGE, WRONG_TIMES, Damaged, Scan, ending, is_being_written, parse, split,
+                   tells_its_times, unpacked)
 
 BLOCK = 20_000          # messages that are decoded together: large for numpy, small for the memory
 _LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
@@ -83,13 +84,16 @@ class Bag:
     cut : bool or None
         Whether the last reading met the end of the data without the end of the file: a crash, or a bag
         still being written. None before.
+    damage : list of str
+        What the last reading found wrong with the file: where and why. Of a finished bag it misses nothing;
+        what leaves all messages as they were, as in an index, does not stop the reading.
 
     """
 
     def __init__(self, path):
         self.path, self.file = Path(path), file_of(path)
         self.channels, self._schemas, self._decoders = {}, {}, {}
-        self.cut = None
+        self.cut, self.damage = None, []
 
     # --- about it -------------------------------------------------------------------------------
 
@@ -101,26 +105,35 @@ class Bag:
     def summary(self):
         """Return the mcap library's Summary of a finished bag, None for any other."""
         with open(self.file, 'rb') as file, contextlib.suppress(Exception):    # it raises what it likes
-            return make_reader(file).get_summary()
+            end = ending(file)
+            file.seek(0)
+            return None if end is None or end.damage else make_reader(file).get_summary()
         return None
 
     def metadata(self):
-        """Return the rosbag2 metadata kept in the file itself; the last record wins."""
+        """Return the rosbag2 metadata kept in the file itself; the last undamaged record wins."""
         found = None
-        for record in self._scan_metadata():
+        for record in self._metadata_records():
             if record.name == rosbag2.RECORD and rosbag2.KEY in record.metadata:
-                found = record.metadata[rosbag2.KEY]
-        if found is None:
+                with contextlib.suppress(yaml.YAMLError):
+                    found = yaml.load(record.metadata[rosbag2.KEY], Loader=_LOADER)
+        if not isinstance(found, dict):
             raise BagError(f'{self.path}: has no rosbag2 metadata')
-        return yaml.load(found, Loader=_LOADER)
+        return found
 
-    def _scan_metadata(self):
+    def _metadata_records(self):
+        """Yield every undamaged metadata record, by the index if there is one."""
         with open(self.file, 'rb') as file:
-            scan = Scan(file, {Opcode.METADATA})
-            for _, opcode, body in scan:
+            end = ending(file)
+            places = end.of(MetadataIndex) if end else ()
+            is_told = places or end and any(not told.metadata_count for told in end.of(Statistics))
+            for place in places:
+                file.seek(place.offset)
+                with contextlib.suppress(Damaged):
+                    yield parse(Opcode.METADATA, file.read(place.length)[HEAD.size:])
+            for _, opcode, body in () if is_told else Scan(file):
                 if opcode == Opcode.METADATA:
                     yield parse(opcode, body)
-            self.cut = not scan.complete
 
     # --- messages -------------------------------------------------------------------------------
 
@@ -222,7 +235,10 @@ class Bag:
         return next(channel for channel in self.channels.values() if channel.topic == topic)
 
     def _schema_of(self, topic):
-        return self._schemas[self._channel_of(topic).schema_id]
+        schema = self._schemas.get(self._channel_of(topic).schema_id)
+        if schema is None:
+            raise BagError(f'{self.path}: {topic} has no schema')
+        return schema
 
     def decoder(self, topic):
         """Return the Decoder of a topic met so far."""
@@ -245,30 +261,51 @@ class Bag:
             time.sleep(POLL)
             return True
         with open(self.file, 'rb') as file:
-            scan = Scan(file, {Opcode.SCHEMA, Opcode.CHANNEL, Opcode.CHUNK, Opcode.MESSAGE},
-                        wait if follow else None)
+            scan = Scan(file, wait if follow else None)
+            self.damage, self.cut = scan.damage, scan.ending is None
+            # The checksum at the end covers these; a topic that was hit is seen before its messages are read.
+            for record in scan.ending.of((Schema, Channel)) if scan.ending else ():
+                self._learn(record)
             for offset, opcode, body in scan:
                 try:
-                    item = self._item(opcode, body, wanted, start)
+                    item = self._item(scan, offset, opcode, body)
                 except Damaged as error:
+                    if scan.is_followed_by_zeros():
+                        break                       # a power cut in the middle of this record
+                    if opcode:
+                        scan.spoil(offset, error)
                     raise BagError(f'{self.path}: at byte {offset}: {error}; '
                                    'fourbar bag recover keeps the rest') from None
-                if item:
-                    yield item
+                chosen = item and self._chosen(item, wanted, start)
+                if chosen:
+                    yield chosen
                 if progress:
                     progress(scan.end)
             self.cut = not scan.complete
 
-    def _item(self, opcode, body, wanted, start):
+    def _item(self, scan, offset, opcode, body):
+        """Return the messages of a record."""
+        if opcode is None:
+            raise Damaged(body)
         if opcode == Opcode.CHUNK:
-            return self._messages(unpacked(parse(opcode, body)), wanted, start)
+            chunk = parse(opcode, body)
+            found = self._messages(unpacked(chunk))
+            if not tells_its_times(chunk, [item[2] for item in found]):
+                scan.damage.append(f'at byte {offset}: {WRONG_TIMES}')
+            return found
         if opcode == Opcode.MESSAGE:
-            return self._messages(HEAD.pack(opcode, len(body)) + body, wanted, start)
+            return self._messages(HEAD.pack(opcode, len(body)) + body)
         if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
             self._learn(parse(opcode, body))
         return None
 
-    def _messages(self, content, wanted, start):
+    def _chosen(self, found, wanted, start):
+        if wanted is not None:
+            numbers = {number for number, channel in self.channels.items() if channel.topic in wanted}
+            found = [item for item in found if item[0] in numbers]
+        return found if start is None else [item for item in found if item[2] >= start]
+
+    def _messages(self, content):
         """Return [(channel, sequence, log time, bytes)] of the content of a chunk."""
         found, unpack = [], MESSAGE.unpack_from
         for _, opcode, begin, end in split(content):
@@ -279,16 +316,12 @@ class Bag:
                 self._learn(parse(opcode, content[begin:end]))
         if not {item[0] for item in found} <= self.channels.keys():
             raise Damaged('message of an unknown channel')
-        if wanted is not None:
-            numbers = {number for number, channel in self.channels.items() if channel.topic in wanted}
-            found = [item for item in found if item[0] in numbers]
-        return found if start is None else [item for item in found if item[2] >= start]
+        return found
 
     def _learn(self, record):
-        if isinstance(record, Channel):
-            self.channels[record.id] = record
-        else:
-            self._schemas[record.id] = record
+        known = self.channels if isinstance(record, Channel) else self._schemas
+        if known.setdefault(record.id, record) != record:
+            raise Damaged(f'{type(record).__name__.lower()} {record.id} is another one than before')
 
 
 def records(path, topics=None, start=None, follow=False):

@@ -8,11 +8,12 @@ from typing import NamedTuple
 import yaml
 from mcap import __version__ as mcap_version
 from mcap.opcode import Opcode
+from mcap.records import Channel, Schema
 
 from .. import __version__
 from . import BagError, rosbag2
 from .container import Container
-from .scan import HEAD, MESSAGE, Damaged, Scan, is_being_written, parse
+from .scan import MESSAGE, SEAL, WRONG_TIMES, Damaged, Scan, is_being_written, parse
 
 
 class Recovered(NamedTuple):
@@ -27,7 +28,7 @@ class Recovered(NamedTuple):
     lost : int
         Bytes of the old file that are not in the new one: its unfinished last record, damaged records.
     damaged : list of str
-        Every damaged record: where and why.
+        Everything wrong with the old file: where and why.
     was_whole : bool
         The old bag was finished and nothing of it is lost.
 
@@ -73,9 +74,9 @@ def recover(path, out=None, progress=None):
             if copy.container is None:
                 raise BagError(f'{path}: nothing to recover: it ends before its first record')
             copy.finish(folder)
-            lost = copy.lost + (0 if scan.complete else source.stat().st_size - scan.end)
-        return Recovered(folder, sum(copy.container.counts.values()), lost, copy.damaged,
-                         scan.complete and not copy.damaged)
+            lost = scan.lost + (0 if scan.complete else source.stat().st_size - scan.end)
+        return Recovered(folder, sum(copy.container.counts.values()), lost, scan.damage,
+                         scan.complete and not scan.damage)
     except BaseException:
         shutil.rmtree(folder)
         raise
@@ -91,27 +92,33 @@ class _Copy:
     """The records of a Scan in a new Container."""
 
     def __init__(self, scan, file, progress):
-        self.container, self.lost, self.damaged, self._metadata = None, 0, [], None
+        self.container, self._metadata = None, None
         for offset, opcode, body in scan:
             try:
                 if self.container is None:
-                    header = parse(Opcode.HEADER, body)
-                    self.container = Container(
-                        file, header.profile, f'{header.library}; recovered by fourbar_ros {__version__}, '
-                                              f'mcap {mcap_version}')
-                else:
-                    self._record(opcode, body)
+                    self._begin(scan, file, opcode, body)
+                if opcode is not None:
+                    self._record(scan, offset, opcode, body)
             except Damaged as error:
-                self.damaged.append(f'at byte {offset}: {error}')
-                self.lost += HEAD.size + len(body)
+                scan.spoil(offset, error)
             if progress:
                 progress(scan.end)
 
-    def _record(self, opcode, body):
+    def _begin(self, scan, file, opcode, body):
+        """Start the new file with what the header and the end of the old one tell."""
+        by = f'recovered by fourbar_ros {__version__}, mcap {mcap_version}'
+        old = f'{parse(opcode, body).library}; ' if opcode == Opcode.HEADER else ''
+        self.container = Container(file, 'ros2', old + by)
+        for kind in (Schema, Channel) if scan.ending else ():
+            for record in scan.ending.of(kind):
+                self.container.copy(record)    # the chunk that has it may be damaged
+
+    def _record(self, scan, offset, opcode, body):
         container = self.container
         if opcode == Opcode.CHUNK:
             container.flush()
-            container.copy_chunk(body)
+            if not container.copy_chunk(body):
+                scan.damage.append(f'at byte {offset}: {WRONG_TIMES}')
         elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
             container.copy(parse(opcode, body))
         elif opcode == Opcode.MESSAGE:                 # an unchunked file
@@ -126,7 +133,7 @@ class _Copy:
             if record.name == rosbag2.RECORD:
                 self._metadata = record.metadata.get(rosbag2.KEY)
             else:
-                container.add_metadata(record.name, record.metadata)
+                container.add_metadata(record.name, {k: v for k, v in record.metadata.items() if k != SEAL})
         elif opcode == Opcode.ATTACHMENT:
             raise Damaged('an attachment; these are not copied')
 
@@ -134,9 +141,10 @@ class _Copy:
         """Write metadata of what is there now, and the end."""
         self.container.flush()
         try:
-            old = yaml.safe_load(self._metadata or '') or {}
+            old = yaml.safe_load(self._metadata or '')
         except yaml.YAMLError:
-            old = {}
+            old = None
+        old = old if isinstance(old, dict) else {}
         about = {**(old.get('custom_data') or {}), 'recovered_by': f'fourbar_ros {__version__}'}
         metadata = rosbag2.describe(f'{folder.name}_0.mcap', self.container, about, old.get('ros_distro'))
         self.container.add_metadata(rosbag2.RECORD, {rosbag2.KEY: rosbag2.dumped(metadata)})

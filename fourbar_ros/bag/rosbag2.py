@@ -54,8 +54,9 @@ def describe(file_name, container, about, distro=None):
     begin = {'nanoseconds_since_epoch': container.start if begun else NOT_STARTED}
     duration = {'nanoseconds': container.end - container.start if begun else 0}
     total = sum(container.counts.values())
+    names = {number: schema.name for number, schema in container.schemas.items()}
     topics = [{'topic_metadata': {
-        'name': channel.topic, 'type': container.schemas[channel.schema_id].name,
+        'name': channel.topic, 'type': names.get(channel.schema_id, ''),
         'serialization_format': 'cdr', 'offered_qos_profiles': yaml.safe_load(channel.metadata.get(QOS) or '[]'),
         'type_description_hash': channel.metadata.get(HASH, '')},
         'message_count': container.counts.get(channel.id, 0)} for channel in container.channels.values()]

@@ -1,23 +1,26 @@
 """
-Walk through an MCAP file record by record: finished, cut by a crash, or still being written.
+Walk through an MCAP file record by record: finished, cut by a crash, still being written, or damaged.
 
 The library's readers want the index at the end of a file, which a crash never writes; its stream reader
-takes 4 us a message, this one less than 1.
+takes 4 us a message, this one less than 1. Neither asks whether a record is what it says. Here the lengths
+inside a record must fill it, and where they do not, the walk goes on at the next record that is whole.
 """
 from __future__ import annotations
 
 import contextlib
 import fcntl
 import os
+import re
 import zlib
 from io import BytesIO
 from struct import Struct
+from typing import NamedTuple
 
 import lz4.frame
 import zstandard
-from mcap.data_stream import ReadDataStream
+from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, Header, Metadata, Schema
+from mcap.records import Channel, Chunk, DataEnd, Header, Metadata, MetadataIndex, Schema, Statistics
 
 from . import BagError
 
@@ -25,97 +28,295 @@ MAGIC = b'\x89MCAP0\r\n'
 HEAD = Struct('<BQ')                # opcode and length of every record
 IS_MESSAGE = int(Opcode.MESSAGE)     # compares in a tenth of the time
 MESSAGE = Struct('<HIQQ')           # channel, sequence, log time, publish time: what a message starts with
+WRONG_TIMES = 'chunk tells other times than its messages'
+SEAL = 'crc32'                      # key of a metadata record: the checksum of all others
 _TYPES = {Opcode.HEADER: Header, Opcode.SCHEMA: Schema, Opcode.CHANNEL: Channel, Opcode.METADATA: Metadata,
-          Opcode.CHUNK: Chunk}
+          Opcode.CHUNK: Chunk, Opcode.DATA_END: DataEnd, Opcode.STATISTICS: Statistics,
+          Opcode.METADATA_INDEX: MetadataIndex}
+_U32, _U64 = Struct('<I'), Struct('<Q')
+# What is in the data section: bytes at the start of a body, the lengths of its texts, bytes at its end.
+_SHAPES = {int(opcode): shape for opcode, shape in {
+    Opcode.HEADER: (0, (_U32, _U32), 0), Opcode.SCHEMA: (2, (_U32, _U32, _U32), 0),
+    Opcode.CHANNEL: (4, (_U32, _U32, _U32), 0), Opcode.CHUNK: (28, (_U32, _U64), 0),
+    Opcode.MESSAGE_INDEX: (2, (_U32,), 0), Opcode.ATTACHMENT: (16, (_U32, _U32, _U64), 4),
+    Opcode.METADATA: (0, (_U32, _U32), 0), Opcode.DATA_END: (4, (), 0)}.items()}
+_LOOSE = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})      # what can be in a chunk as well
+_END = Struct('<BQQQI8s')           # the footer and the magic behind it
+_WINDOW = 1 << 22                   # [bytes] what is searched at once
 
 
 class Damaged(BagError):
     """A record is whole but its content is not what it should be."""
 
 
+class Ending(NamedTuple):
+    """How a finished file ends: where its summary begins, records of that, and what is wrong with it."""
+
+    start: int
+    records: tuple
+    damage: str = ''
+
+    def of(self, kind):
+        """Return the records of a type."""
+        return [record for record in self.records if isinstance(record, kind)]
+
+    @property
+    def is_chunked(self):
+        """Return whether no message is outside of a chunk; False if that is not told."""
+        return any(told.chunk_count or not told.message_count for told in self.of(Statistics))
+
+
+def ending(file):
+    """Return the Ending of an open file, None if it was not finished."""
+    at = os.fstat(file.fileno()).st_size - _END.size
+    if at < len(MAGIC):
+        return None
+    file.seek(at)
+    tail = file.read(_END.size)
+    opcode, length, start, _, crc, magic = _END.unpack(tail)
+    is_footer = (opcode, length) == (Opcode.FOOTER, 20)
+    if not is_footer and magic != MAGIC:
+        return None
+    start = start or at
+    if not is_footer or magic != MAGIC or not len(MAGIC) <= start <= at:
+        return Ending(0, (), f'at byte {at}: the last bytes of the file are wrong')
+    file.seek(start)
+    summary = file.read(at - start)
+    if crc not in (0, zlib.crc32(tail[:25], zlib.crc32(summary))):
+        return Ending(0, (), f'at byte {at}: the index at the end of the file has a wrong checksum')
+    try:
+        found = Ending(start, tuple(parse(opcode, summary[begin:end])
+                                    for _, opcode, begin, end in split(summary) if opcode in _TYPES))
+        if any(place.offset + place.length > start for place in found.of(MetadataIndex)):
+            raise Damaged('the index at the end of the file leads nowhere')
+        return found
+    except Damaged as error:           # of a writer without checksums
+        return Ending(0, (), f'at byte {start}: {error}')
+
+
 class Scan:
     """
     Iterate over (offset, opcode, body) of the data section of an open file.
 
+    Bytes that are no record are (offset, None, what is wrong), up to where the next record begins.
+
     Parameters
     ----------
     file : binary file
-    bodies : set of opcodes, optional
-        Only these records are read, the others are skipped and have body None.
     wait : callable, optional
         Called when the file ends early, returns whether to look again: for a bag being written.
 
     Attributes
     ----------
     end : int
-        Offset behind the last whole record.
+        Offset behind the last record, or behind damage.
     complete : bool
         Whether the file was finished; False for one that was cut or is still being written.
+    ending : Ending or None
+    damage : list of str
+        What is wrong with the file: where and why. The caller adds what it finds in the records.
+    lost : int
+        Bytes that are damaged.
 
     """
 
-    def __init__(self, file, bodies=None, wait=None):
-        self._file, self._bodies, self._wait = file, bodies, wait
-        self.end, self.complete = 0, False
+    def __init__(self, file, wait=None):
+        self._file, self._wait = file, wait
+        self.end, self.complete, self.damage, self.lost = 0, False, [], 0
+        self.ending = ending(file)
+        if self.ending and self.ending.damage:
+            self.damage.append(self.ending.damage)
+        self._limit = self.ending.start if self.ending else 0      # of the data section; 0: not known
+        self._chunked = bool(self._limit) and self.ending.is_chunked
 
     def __iter__(self):
-        if not self._there(len(MAGIC)):
+        if not self._there(len(MAGIC), wait=True):
             return
-        if self._file.read(len(MAGIC)) != MAGIC:
-            raise BagError(f'{self._file.name}: not an MCAP file')
-        self.end = len(MAGIC)
-        while self._there(HEAD.size):
-            opcode, length = HEAD.unpack(self._file.read(HEAD.size))
-            if opcode == 0 or not self._there(HEAD.size + length):
-                return          # opcode 0: zeros, as a power cut leaves them
-            self._file.seek(self.end + HEAD.size)
-            if self._bodies is None or opcode in self._bodies:
-                body = self._file.read(length)
-            else:
-                body = self._file.seek(length, os.SEEK_CUR) and None
-            offset, self.end = self.end, self.end + HEAD.size + length
+        self._file.seek(0)
+        magic = self._file.read(len(MAGIC))
+        if magic != MAGIC:
+            if not self._limit and not self._record_at(len(MAGIC)):
+                raise BagError(f'{self._file.name}: not an MCAP file')
+            self.damage.append('at byte 0: the first bytes of the file are wrong')
+        self.end, crc = len(MAGIC), zlib.crc32(magic)
+        while self._limit == 0 or self.end < self._limit:
+            offset, found = self.end, self._record_at(self.end, wait=True)
+            if found is None:
+                self.end = self._next(offset)
+                if self.end == offset:
+                    return                     # cut
+                yield offset, None, self.spoil(offset, 'the type or a length of a record is wrong')
+                continue
+            head, opcode, body = found
+            self.end += len(head) + len(body)
             if opcode == Opcode.DATA_END:
-                self._file.seek(-len(MAGIC), os.SEEK_END)
-                self.complete = self._file.tell() >= self.end and self._file.read() == MAGIC
+                self._finish(offset, parse(opcode, body).data_section_crc, crc)
                 return
-            yield offset, opcode, body
+            crc = zlib.crc32(body, zlib.crc32(head, crc))
+            self._chunked |= opcode == Opcode.CHUNK
+            if self._is_sound(offset, opcode, body):
+                yield offset, opcode, body
+        self.complete = True                   # without the mark for the end of the data, which is damage
 
-    def _there(self, length):
-        """Return whether this many bytes follow the last whole record."""
+    def spoil(self, offset, why):
+        """Note that the bytes from an offset up to ``end`` are damaged; returns why."""
+        self.damage.append(f'at byte {offset}: {why}')
+        self.lost += self.end - offset
+        return why
+
+    def is_followed_by_zeros(self):
+        """Return whether the file was not finished and only zeros follow, as a power cut leaves them."""
+        self._file.seek(self.end)
+        rest = self._file.read(_WINDOW) if not self.ending else b''
+        return bool(rest) and not rest.strip(b'\0')
+
+    def _is_sound(self, offset, opcode, body):
+        """Return whether a header can be read and metadata, whose checksum is its own, is as it was written."""
+        try:
+            return opcode not in (Opcode.HEADER, Opcode.METADATA) or bool(parse(opcode, body))
+        except Damaged as error:
+            self.spoil(offset, error)
+            return False
+
+    def _finish(self, offset, told, crc):
+        """Compare the checksum of the data; what changed is in no chunk if nothing was found before."""
+        self.ending = ending(self._file)       # it may be new
+        self.complete = self.ending is not None
+        if not self.damage and told not in (0, crc):
+            self.damage.append(f'from byte 0 to {offset}: the data have a wrong checksum, but no chunk has: '
+                               'a message index, the header or the checksum itself has changed')
+
+    def _there(self, end, wait=False):
+        """Return whether the file reaches up to this offset."""
         def there():
-            return os.fstat(self._file.fileno()).st_size >= self.end + length
+            return os.fstat(self._file.fileno()).st_size >= end
 
         while not there():
-            if not (self._wait and self._wait()) and not there():      # its writer may just have finished
+            if not (wait and self._wait and self._wait()) and not there():     # its writer may just have finished
                 return False
-        self._file.seek(self.end)
         return True
+
+    def _record_at(self, offset, wait=False):
+        """Return (head, opcode, body) of the record at an offset, None if there is no whole one."""
+        if not self._there(offset + HEAD.size, wait):
+            return None
+        self._file.seek(offset)
+        head = self._file.read(HEAD.size)
+        opcode, length = HEAD.unpack(head)
+        end = offset + HEAD.size + length
+        if not self._may_be(offset, opcode, end) or not self._there(end, wait):
+            return None
+        self._file.seek(offset + HEAD.size)
+        body = self._file.read(length)
+        return (head, opcode, body) if filled(opcode, body) == length else None
+
+    def _may_be(self, offset, opcode, end):
+        """Return whether a record of this kind can be here."""
+        if self._limit and (end > self._limit or (opcode == Opcode.DATA_END) != (end == self._limit)):
+            return False
+        if (opcode == Opcode.HEADER) != (offset == len(MAGIC)):
+            return False
+        # A message index that lost one bit looks like a message.
+        return opcode in _SHAPES or opcode == IS_MESSAGE and not self._chunked
+
+    def _next(self, offset):
+        """Return where the first whole record behind a damaged one is, the offset itself if there is none."""
+        size = self._limit or os.fstat(self._file.fileno()).st_size
+        if offset + HEAD.size > size or self._record_at(offset):       # its writer has just completed it
+            return offset
+        self._file.seek(offset)
+        opcode, length = HEAD.unpack(self._file.read(HEAD.size))
+        # Of the two lengths, its own and that of its content, one bit spoils one.
+        ends = {offset + HEAD.size + length}
+        if opcode in _SHAPES:
+            ends.add(offset + HEAD.size + filled(opcode, self._file.read(min(length, _WINDOW))))
+        for end in sorted(ends):
+            if offset < end <= size and (end == size or self._record_at(end)):
+                return end
+        loose = not self._chunked and opcode != Opcode.CHUNK
+        return self._search(offset + 1, size, loose) or self._limit or offset
+
+    def _search(self, begin, size, loose):
+        """Return where the next whole record is, 0 for nowhere; ``loose``: also of the kinds that are in chunks."""
+        kinds = bytes(kind for kind in (*_SHAPES, IS_MESSAGE) if loose or kind not in _LOOSE)
+        pattern = re.compile(b'[' + re.escape(kinds) + rb'](?=.{5}\0{3})', re.DOTALL)      # shorter than 1 TiB
+        for base in range(begin, size, _WINDOW):
+            self._file.seek(base)
+            for match in pattern.finditer(self._file.read(_WINDOW + HEAD.size)):
+                if self._record_at(base + match.start()):
+                    return base + match.start()
+        return 0
+
+
+def filled(opcode, body):
+    """Return how long the lengths inside a body say that it is, -1 if it ends before them."""
+    if opcode == IS_MESSAGE:
+        return max(len(body), MESSAGE.size)
+    begin, lengths, end = _SHAPES[opcode]
+    for length in lengths:
+        if begin + length.size > len(body):
+            return -1
+        begin += length.size + length.unpack_from(body, begin)[0]
+    return begin + end
 
 
 def parse(opcode, body):
     """Return the record of the mcap library for a body."""
     try:
-        return _TYPES[opcode].read(ReadDataStream(BytesIO(body)))
+        record = _TYPES[opcode].read(ReadDataStream(BytesIO(body)))
     except Exception as error:      # the library raises whatever the bytes lead it to
         raise Damaged(f'{Opcode(opcode).name.lower()} cannot be read: {type(error).__name__}') from None
+    # The library takes what is left where a text should be longer; written again it is not the same.
+    if opcode == Opcode.METADATA and (record.metadata.get(SEAL) not in (None, seal(record))
+                                      or encoded(record)[HEAD.size:] != body):
+        raise Damaged(f'metadata {record.name!r} has a wrong checksum')
+    return record
+
+
+def encoded(*records):
+    """Return the bytes of records of the mcap library."""
+    builder = RecordBuilder()
+    for record in records:
+        record.write(builder)
+    return builder.end()
+
+
+def seal(record):
+    """Return the checksum of a Metadata record: an unfinished file has no other for it."""
+    items = (text for key, value in sorted(record.metadata.items()) if key != SEAL for text in (key, value))
+    return f'{zlib.crc32(chr(0).join((record.name, *items)).encode()):08x}'
 
 
 def unpacked(chunk):
     """Return the content of a Chunk, checked against its CRC."""
     try:
-        if chunk.compression == 'zstd':
-            data = zstandard.ZstdDecompressor().decompress(chunk.data, chunk.uncompressed_size)
-        elif chunk.compression == 'lz4':
-            data = lz4.frame.decompress(chunk.data)
-        elif chunk.compression == '':
-            data = chunk.data
-        else:
-            raise Damaged(f'unknown compression {chunk.compression!r}')
-    except (zstandard.ZstdError, RuntimeError, MemoryError) as error:
+        data = _decompressed(chunk)
+    except Damaged:
+        raise
+    except Exception as error:      # of either library, or no memory for the size that is told
         raise Damaged(f'chunk cannot be decompressed: {error}') from None
     if len(data) != chunk.uncompressed_size or chunk.uncompressed_crc not in (0, zlib.crc32(data)):
         raise Damaged('chunk has a wrong checksum')
     return data
+
+
+def _decompressed(chunk):
+    """Return the content of a Chunk; refuses a size that the data do not confirm before memory is taken for it."""
+    size = chunk.uncompressed_size
+    if chunk.compression == 'zstd':
+        if zstandard.frame_content_size(chunk.data) not in (-1, size):
+            raise Damaged('chunk is told to have another size than its data')
+        return zstandard.ZstdDecompressor().decompressobj().decompress(chunk.data)
+    if chunk.compression == 'lz4':
+        return lz4.frame.decompress(chunk.data)
+    if chunk.compression == '':
+        return chunk.data
+    raise Damaged(f'unknown compression {chunk.compression!r}')
+
+
+def tells_its_times(chunk, times):
+    """Return whether a Chunk tells the first and last of these log times; its checksum does not cover that."""
+    return not times or (chunk.message_start_time, chunk.message_end_time) == (min(times), max(times))
 
 
 def split(data):

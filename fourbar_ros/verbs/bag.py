@@ -20,7 +20,7 @@ examples:
 
 exit codes: 0 good; 1 an error; 2 bad arguments; 3 done, but
   info       the bag is not finished, damaged, or messages are missing
-  recover    something was lost
+  recover    something was lost or damaged
   recompute  a value differs by more than the tolerance
   diff       the bags differ
 """
@@ -49,7 +49,7 @@ def add(verbs):
     recover.add_argument('-o', '--out', metavar='DIR', help='folder of the new bag; default NAME_recovered')
 
     recompute = action('recompute', _recompute, 'compute every recorded output again and compare',
-                       'The motion of the crank and the scene are in the bag. A bag of this version of the '
+                       'The motion of the input and the scene are in the bag. A bag of this version of the '
                        'software differs by exactly 0.')
     _tolerance(recompute)
 
@@ -75,7 +75,7 @@ def add(verbs):
                    'For a node that is to be driven by the bag (drive.source: motion): see fourbar replay '
                    '--inputs-only.')
     scene.add_argument('--drive', choices=('motion', 'timer'), default='motion',
-                       help='what moves the crank of that node (default motion)')
+                       help='what moves the input of that node (default motion)')
 
 
 def _tolerance(parser):
@@ -116,6 +116,8 @@ def _info(arguments):
     console.print(table)
     if found.state == 'cut':
         console.print('it was cut, by a crash or a full disk: fourbar bag recover makes it whole')
+    elif found.damage:
+        console.print('fourbar bag recover makes a whole bag of the rest')
     return 0 if found.is_sound else BAD
 
 
@@ -126,8 +128,8 @@ def _recover(arguments):
     print(f'{found.path}: {found.messages} messages, '
           + (f'{found.lost} bytes lost' if found.lost else 'nothing lost'))
     for damage in found.damaged:
-        print(f'not copied: {damage}')
-    return BAD if found.lost else 0
+        print(f'damaged: {damage}')
+    return BAD if found.lost or found.damaged else 0
 
 
 def _recompute(arguments):
@@ -148,7 +150,7 @@ def _recompute(arguments):
     if found.differences:
         console.print(table)
     worst = max((d.largest for d in found.differences), default=0.0)
-    print(f'{found.inputs} motions of the crank; largest difference {worst:g}'
+    print(f'{found.inputs} motions of the input; largest difference {worst:g}'
           + (f'; {found.unmatched} outputs without their motion, not compared' if found.unmatched else '')
           + ('; the bag is cut' if found.cut else ''))
     return 0 if worst <= arguments.tolerance else BAD
