@@ -93,7 +93,7 @@ def jacobi(sine, cosine, steps):
 
 def half_turn(s1, s2, k, crosses_out, crosses_in):
     """
-    Return K, and the function that gives theta1/2 as a pair (numerator, denominator of its tangent).
+    Return K, one unit of it in u, and theta1/2 as a function: numerator and denominator of its tangent.
 
     Its arguments are the sine and cosine of pi t/2, t from 0 at the lower end of theta1 in [0, pi] to 1
     at the upper end, uniform in u. K is the length of that in units of u in which quantities have
@@ -110,7 +110,8 @@ def half_turn(s1, s2, k, crosses_out, crosses_in):
     s1b, s2b = s1 + k, s2 + k
     p, q = abs(s1 * s2), s1b * s2b
     a, b, c, d = abs(s1)**0.5, s1b**0.5, abs(s2)**0.5, s2b**0.5
-    steps = landen_steps(p / q if crosses_out == crosses_in else p / (p + q))
+    q = q if crosses_out == crosses_in else p + q
+    steps, unit = landen_steps(p / q), 4.0 / q**0.5
 
     period = 0.5 * pi
     for step, _ in steps:
@@ -130,19 +131,20 @@ def half_turn(s1, s2, k, crosses_out, crosses_in):
         return b * jacobi(cosine, sine, steps)[2], a
 
     if crosses_out:
-        return period, crank if crosses_in else through_pi
-    return period, through_zero if crosses_in else apart
+        return period, unit, crank if crosses_in else through_pi
+    return period, unit, through_zero if crosses_in else apart
 
 
 def phases(count, low_is_toggle, high_is_toggle):
     """
-    Return the arguments of the function of :func:`half_turn` for equal steps of u: sines and cosines.
+    Return the arguments of the function of :func:`half_turn` for equal steps of u: sines, cosines; the step of t.
 
     They include a toggle, and leave half a step where the motion goes on symmetrically.
     """
     first, last = 0.5 * (not low_is_toggle), 0.5 * (not high_is_toggle)
-    t = (np.arange(count) + first) / (count - 1 + first + last)
-    return np.sin(0.5 * pi * t), np.sin(0.5 * pi * (1.0 - t))
+    step = 1.0 / (count - 1 + first + last)
+    t = (np.arange(count) + first) * step
+    return np.sin(0.5 * pi * t), np.sin(0.5 * pi * (1.0 - t)), step
 
 
 def input_paths(linkage, points):
@@ -159,7 +161,7 @@ def input_paths(linkage, points):
     high = End(min(high_end, pi), s1 == 0.0) if s1 <= 0.0 else None
     s1, s2 = s1 or CLEARANCE * k, s2 or CLEARANCE * k
 
-    period, half = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
+    period, _, half = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
     count = int(max(points // 2, POINTS_PER_FEATURE * period))
     before, after = _closer(low, count), _closer(high, count)
     phase = 0.5 * pi * np.concatenate((before[::-1], (np.arange(count) + 0.5) / count, 1.0 - after))

@@ -18,9 +18,9 @@ from .errors import InvalidParameter
 from .quantities import Function, is_published, select
 from .rates import SAMPLES as RATE_SAMPLES
 from .rates import rate_extrema
-from .roots import EPS
+from .roots import EPS, fold
 from .sampling import DifferenceSampler, Sampler
-from .search import Found, fold, search_path
+from .search import Found, search_path
 
 MINIMUM, MAXIMUM, CONSTANT = 'minimum', 'maximum', 'constant'
 INTERIOR, LIMIT, ONE_SIDED = 'interior', 'limit', 'one-sided'
@@ -57,8 +57,6 @@ class Extremum(NamedTuple):
     proof : str
         How it is known that no extreme inside the range is missing: '' if not asked, 'exact count',
         'interval bounds ...', or 'not proved: ...'.
-    slide : float
-        Of a driven slide [m], where ``theta1`` is the crank's angle; NaN if the crank is driven.
 
     """
 
@@ -74,7 +72,6 @@ class Extremum(NamedTuple):
     condition: float = nan
     value_condition: float = nan
     proof: str = ''
-    slide: float = nan
 
 
 def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False, conditions=True):
@@ -106,7 +103,7 @@ def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False, 
     for name, value in (('omega1', omega1), ('alpha1', alpha1)):
         if not isfinite(value):
             raise InvalidParameter(name, value, 'must be a finite number')
-    quantities = _resolve(quantities, linkage)
+    quantities = _resolve(quantities, linkage.bodies is not None)
     found = _search(linkage, quantities, omega1, alpha1, 1, conditions)
     proofs = [''] * len(quantities)
     if certify:
@@ -150,13 +147,13 @@ def _search(linkage, quantities, omega1, alpha1, density, conditions):
     return found
 
 
-def _resolve(quantities, linkage):
+def _resolve(quantities, has_bodies):
     """Return the quantities meant."""
     if isinstance(quantities, str) or hasattr(quantities, 'of') or callable(quantities):
         quantities = (quantities,)
     if not len(quantities):
-        return select((), linkage)
-    return [quantity if hasattr(quantity, 'of') else select((quantity,), linkage)[0] if not callable(quantity)
+        return select((), has_bodies)
+    return [quantity if hasattr(quantity, 'of') else select((quantity,))[0] if not callable(quantity)
             else Function(getattr(quantity, '__name__', 'quantity'), getattr(quantity, 'unit', ''), '', quantity)
             for quantity in quantities]
 
@@ -179,14 +176,11 @@ def _has_complex_step(linkage, quantity, omega1, alpha1):
 
 def _at_constant_rate(linkage, names, omega1, density, with_conditions):
     """Yield the :class:`Found` of omega4 and alpha4; ``row`` is the index in names."""
-    roots, toggles = rate_extrema(linkage, density * RATE_SAMPLES, with_conditions)
-    motion = linkage._motion[0]
+    extrema, toggles = rate_extrema(linkage, density * RATE_SAMPLES, with_conditions)
     for row, name in enumerate(names):
-        i, field, sign = (0, 10, 1 if omega1 > 0.0 else -1) if name == 'omega4' else (1, 11, 1)
-        for x, is_maximum, *conditions in roots[i]:
-            theta1 = fold(x)
-            yield Found(row, theta1, motion(theta1, omega1, 0.0)[field], sign if is_maximum else -sign, 0, False,
-                        *conditions)
+        i, factor, sign = (0, omega1, 1 if omega1 > 0.0 else -1) if name == 'omega4' else (1, omega1 * omega1, 1)
+        for theta1, value, is_maximum, *conditions in extrema[i]:
+            yield Found(row, theta1, factor * value, sign if is_maximum else -sign, 0, False, *conditions)
         for x, side, *is_up in toggles:
             sense = sign if is_up[i] else -sign
             yield Found(row, fold(x), sense * inf, sense, side)

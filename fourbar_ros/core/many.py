@@ -12,8 +12,7 @@ from .errors import InvalidParameter
 from .extrema import CONSTANT, MAXIMUM, RATES, find_extrema
 from .linkage import CROSSED, OPEN, FourBar
 from .rates import SAMPLES, sine_constants, sines
-from .roots import EPS, bracketed_roots, find_brackets, turn_after
-from .search import fold
+from .roots import EPS, find_brackets, first_guess, fold, newton_roots, turn_after
 
 # Linkages taken at a time: their samples stay in the cache.
 CHUNK = 4096
@@ -110,11 +109,16 @@ def _search(lengths, sign, omega1):
     is_flat = closes & ((constants[0] == 0.0) | (constants[1] == 0.0))
     upward, forward = sign > 0.0, omega1 > 0.0
 
+    def at(x, row):
+        return sines.array(np.sin(0.5 * x), np.cos(0.5 * x), constants[:, row])
+
     def g_at(x, row):
-        return sines.array(np.sin(0.5 * x), np.cos(0.5 * x), constants[:, row])[0]
+        g, gu, _, _, X, _ = at(x, row)
+        return g, g * X / gu
 
     def k_at(x, row):
-        return sines.array(np.sin(0.5 * x), np.cos(0.5 * x), constants[:, row])[1]
+        _, _, k, ku, X, _ = at(x, row)
+        return k, k * X / ku
 
     found = ([], [])
     for index in np.nonzero(is_flat)[0].tolist():
@@ -128,28 +132,23 @@ def _search(lengths, sign, omega1):
 
     # All roots of k at once; then those of g between them and the samples.
     if paths:
-        cells, *brackets = _stack(path.brackets_of_k(k_at) for path in paths)
-        root = bracketed_roots(k_at, *brackets)
-        rows, f = brackets[0], brackets[3]
-        found[1].append(_rows(constants, omega1, 1, rows, root, (f >= 0.0) == upward[rows]))
-        ends = np.cumsum([path.number for path in paths])
-        parts = (np.split(v, ends[:-1]) for v in (cells, rows, root, g_at(root, rows)))
-        brackets = _stack(path.brackets_of_g(*part) for path, *part in zip(paths, *parts))
-        rows, f = brackets[0], brackets[3]
-        root = bracketed_roots(g_at, *brackets)
-        found[0].append(_rows(constants, omega1, 0, rows, root, ((f >= 0.0) == upward[rows]) == forward[rows]))
+        with np.errstate(all='ignore'):
+            cells, *brackets = _stack(path.brackets_of_k(lambda x, row: k_at(x, row)[0]) for path in paths)
+            rows, falls, x = brackets[0], brackets[3] >= 0.0, newton_roots(k_at, *brackets)
+            g, gu, _, _, X, _ = at(x, rows)
+            found[1].append((rows, fold(x), omega1[rows]**2 * g / X**3, falls == upward[rows], np.zeros(x.size, int)))
+            ends = np.cumsum([path.number for path in paths])
+            parts = (np.split(v, ends[:-1]) for v in (cells, rows, x, g, g * X / gu))
+            brackets = _stack(path.brackets_of_g(*part) for path, *part in zip(paths, *parts))
+            rows, falls, x = brackets[0], brackets[3] >= 0.0, newton_roots(g_at, *brackets)
+            _, _, _, _, X, Y = at(x, rows)
+            found[0].append((rows, fold(x), omega1[rows] * Y / X, (falls == upward[rows]) == forward[rows],
+                             np.zeros(x.size, int)))
     return found
 
 
 def _stack(tuples):
     return [np.concatenate(arrays) for arrays in zip(*tuples)]
-
-
-def _rows(constants, omega1, order, row, x, is_maximum):
-    """Return (index, theta1, value, is_maximum, side) of roots of g (order 0) or k (order 1)."""
-    g, _, X, Y = sines.array(np.sin(0.5 * x), np.cos(0.5 * x), constants[:, row])
-    value = omega1[row]**2 * g / X**3 if order else omega1[row] * Y / X
-    return row, fold(x), value, is_maximum, np.zeros(row.size, int)
 
 
 def _paths(constants, chosen):
@@ -159,30 +158,36 @@ def _paths(constants, chosen):
         rows = np.nonzero(chosen & (out == crosses_out) & (inside == crosses_in))[0]
         if not rows.size:
             continue
-        period, _ = half_turn(*constants[:3, rows], crosses_out, crosses_in)
+        period, _, _ = half_turn(*constants[:3, rows], crosses_out, crosses_in)
         count = np.maximum(SAMPLES // 2, 2.0**(0.5 * np.ceil(2.0 * np.log2(POINTS_PER_FEATURE * period)))).astype(int)
         for number in np.unique(count).tolist():
             group = rows[count == number]
             c = constants[:, group]
-            _, half = half_turn(*c[:3], crosses_out, crosses_in)
-            up, down = half(*(v[:, None] for v in phases(number, not crosses_in, not crosses_out)))
+            period, unit, half = half_turn(*c[:3], crosses_out, crosses_in)
+            sines_of, cosines_of, step = phases(number, not crosses_in, not crosses_out)
+            up, down = half(sines_of[:, None], cosines_of[:, None])
             scale = 1.0 / np.sqrt(up * up + down * down)
             sh, ch = up * scale, down * scale
+            step = c[-1] * step * period * unit * 0.5 / c[-2]
             one, other = (-sh[::-1], ch[::-1]), (sh, ch)
             if not crosses_in and not crosses_out:
-                yield _Path(group, c, *one, False)
-                yield _Path(group, c, *other, False)
+                yield _Path(group, c, *one, step, False)
+                yield _Path(group, c, *other, step, False)
             else:
                 both = (one, other) if crosses_in else (other, one)
-                yield _Path(group, c, *(np.concatenate(pair) for pair in zip(*both)), crosses_in and crosses_out)
+                yield _Path(group, c, *(np.concatenate(pair) for pair in zip(*both)), step, crosses_in and crosses_out)
 
 
 class _Path:
-    """Samples of linkages ``row`` along one path each; sh, ch = sin, cos(theta1/2): shape (samples, linkages)."""
+    """
+    Samples of linkages ``row`` along one path each; sh, ch = sin, cos(theta1/2): shape (samples, linkages).
 
-    def __init__(self, row, constants, sh, ch, is_closed):
-        self.row, self.sh, self.ch, self.is_closed = row, sh, ch, is_closed
-        self.g, self.k, _, self.Y = sines.array(sh, ch, constants)
+    ``step``: of u between samples, with the sign of X: shape (linkages,).
+    """
+
+    def __init__(self, row, constants, sh, ch, step, is_closed):
+        self.row, self.sh, self.ch, self.third, self.is_closed = row, sh, ch, step / 3.0, is_closed
+        self.g, self.gu, self.k, self.ku, self.X, self.Y = sines.array(sh, ch, constants)
         self.number = 0       # of roots of k
 
     def angle(self, i, column):
@@ -194,38 +199,41 @@ class _Path:
                                           for i, side in ((0, 1), (-1, -1))]
 
     def brackets_of_k(self, k_at):
-        """Return (interval, row, xa, xb, fa, fb) of all roots of k."""
-        i, column, *bracket = find_brackets(lambda x, column: k_at(x, self.row[column]), self.angle, self.k,
-                                            self.is_closed)
+        """Return (interval, row, xa, xb, fa, guess) of all roots of k."""
+        i, column, *bracket = find_brackets(
+            lambda x, column: k_at(x, self.row[column]),
+            lambda i, column: (self.angle(i, column), self.third[column] * self.X[i, column]),
+            self.k, self.third * self.ku, self.is_closed)
         self.number = i.size
         return i, self.row[column], *bracket
 
-    def brackets_of_g(self, i, row, root, g_root):
-        """Return (row, xa, xb, fa, fb) of the sign changes of g between samples and roots of k."""
-        g, column, number = self.g, np.searchsorted(self.row, row), len(self.g)
+    def _g(self, i, column):
+        """Return theta1, g and the step of Newton's method at samples."""
+        g = self.g[i, column]
+        return self.angle(i, column), g, g * self.X[i, column] / self.gu[i, column]
+
+    def brackets_of_g(self, i, row, root, *g_there):
+        """Return (row, xa, xb, fa, guess) of the sign changes of g between samples and roots of k."""
+        column, number = np.searchsorted(self.row, row), len(self.g)
+        positive = self.g >= 0.0
         if self.is_closed:
-            g = np.concatenate((g, g[:1]))
-        positive = g >= 0.0
+            positive = np.concatenate((positive, positive[:1]))
         changes = positive[1:] != positive[:-1]
+        # Chains sample, roots of k, sample of the intervals with such roots; the others whole.
         divided = np.zeros(changes.shape, bool)
         divided[i, column] = True
-        plain = np.nonzero(changes & ~divided)
-        xa = self.angle(*plain)
-        whole = self.row[plain[1]], xa, turn_after(self.angle((plain[0] + 1) % number, plain[1]), xa), g[plain], \
-            g[plain[0] + 1, plain[1]]
-
-        # chains sample, roots, sample of the divided intervals, one after the other
+        j, one = np.nonzero(changes | divided)
+        before, after = self._g(j, one), self._g((j + 1) % number, one)
+        after = turn_after(after[0], before[0]), *after[1:]
         start = self.angle(i, column)
         root = np.maximum(root + 2.0 * pi * np.round((start - root) / (2.0 * pi)), start)    # in its turn
-        j, one = np.nonzero(divided)
-        start = self.angle(j, one)
         key = np.concatenate((one * number + j, column * number + i, one * number + j))
-        x = np.concatenate((start, root, turn_after(self.angle((j + 1) % number, one), start)))
-        f = np.concatenate((g[j, one], g_root, g[j + 1, one]))
+        x, g, step = _stack((before, (root, *g_there), after))
         order = np.lexsort((x, key))
-        key, x, f = key[order], x[order], f[order]
-        n = np.nonzero((key[1:] == key[:-1]) & ((f[1:] >= 0.0) != (f[:-1] >= 0.0)))[0]
-        return _stack((whole, (self.row[key[n] // number], x[n], x[n + 1], f[n], f[n + 1])))
+        key, x, g, step = key[order], x[order], g[order], step[order]
+        n = np.nonzero((key[1:] == key[:-1]) & ((g[1:] >= 0.0) != (g[:-1] >= 0.0)))[0]
+        guess = first_guess.array(x[n], x[n + 1], g[n], g[n + 1], step[n], step[n + 1])
+        return self.row[key[n] // number], x[n], x[n + 1], g[n], guess
 
 
 def _at_change_point(index, lengths, sign, omega1):

@@ -15,23 +15,27 @@ from __future__ import annotations
 
 from functools import cache
 from math import atan2, cos, fabs, frexp, inf, ldexp, nan, sin, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
 from .dialects import dialects, where
 from .elliptic import POINTS_PER_FEATURE, half_turn, phases
 from .factors import difference_of_squares, half_angle_coefficients
-from .roots import find_brackets, solve_one, turn_after
-from .sensitivity import TURN, perturbed_lengths
+from .kinematics import make_motion
+from .roots import first_guess, fold, intervals_of_one, look_closer, newton_root, turn_after
+from .sensitivity import rate_changes
 
 # Of a full turn, at least. Half as many have missed nothing in 280 000 linkages of all kinds.
 SAMPLES = 24
+# A root may be moved by at most this [rad] to that of the more accurate formula.
+POLISH = 2.0**-12
 
 
 @dialects
 def sines(sh, ch, constants):
     """
-    Return g, k, X, Y at sh, ch = sin, cos(theta1/2).
+    Return g, g_u, k, k_u, X, Y at sh, ch = sin, cos(theta1/2).
 
     ``constants`` are those of :func:`sine_constants`; the pose is found as in
     :func:`.kinematics.make_motion`. u is in units of 1/(a2 a3): X = sin(y-b).
@@ -51,9 +55,12 @@ def sines(sh, ch, constants):
     cX, X = 0.5 * half * (u - w), half * root                      # a2 a3 cos(y-b)
     cx, YB = 0.5 * half * k * (cc - ss), half * k * sc             # a1 a4 cos(x), Y - B
     Xu = cX * YB
-    g = cY * XB * X - Y * Xu
-    gu = X * Y * (cY * cy - XB * XB - (cX * cx - YB * YB))
-    return g, gu * X - 3.0 * g * Xu, X, Y
+    Yu = cY * XB
+    P, Q = cY * cy - XB * XB, cX * cx - YB * YB                    # Y_uu/Y, X_uu/X
+    XY, PQ = X * Y, P - Q
+    g, gu = Yu * X - Y * Xu, XY * PQ
+    guu = (Xu * Y + X * Yu) * PQ + XY * (X * YB * (3.0 * cx + cX) - Y * XB * (3.0 * cy + cY))
+    return g, gu, gu * X - 3.0 * g * Xu, guu * X - 2.0 * gu * Xu - 3.0 * g * X * Q, X, Y
 
 
 def sine_constants(a1, a2, a3, a4, sign):
@@ -64,119 +71,147 @@ def sine_constants(a1, a2, a3, a4, sign):
             4.0 * a1 * a4, yA, yB, yC, yD, yM, bA, bB, bC, bD, -bM, a1 / a3, a4 / a2, 0.5 / (a2 * a3), sign)
 
 
+class RateExtremum(NamedTuple):
+    """An extreme of theta4' or theta4'': theta1 [rad] and value; conditions as in :mod:`.sensitivity`."""
+
+    theta1: float
+    value: float
+    is_maximum: bool
+    condition: float
+    value_condition: float
+
+
+class Node(NamedTuple):
+    """Where g or k is known: theta1 [rad], its value, the step of Newton's method (NaN: not known)."""
+
+    theta1: float
+    value: float
+    step: float
+
+
 def rate_extrema(linkage, samples=SAMPLES, with_conditions=True):
     """
-    Return the roots of theta4'' and of theta4''' at constant input rate, and the signs at the toggles.
+    Return the extremes of theta4' and of theta4'' at constant input rate, and the signs at the toggles.
 
     For one linkage in its mode; not at change points.
 
     Returns
     -------
-    roots : tuple of 2 lists of (float, bool, float, float)
-        For theta4' and for theta4'': theta1 [rad], whether it is a maximum, and the condition numbers
-        of place and value as in :mod:`.sensitivity` (NaN if not wanted).
+    extrema : tuple of 2 lists of RateExtremum
+        Of theta4' and of theta4''. The conditions are NaN if not wanted.
     toggles : list of (float, int, bool, bool)
         theta1 [rad]; +1 where a range begins and -1 where it ends; whether theta4' and whether theta4''
         go to plus infinity.
 
     """
-    constants = _scaled_constants(linkage.lengths, linkage.sign)
+    exponent = frexp(max(linkage.lengths))[1]
+    constants = sine_constants(*(ldexp(length, -exponent) for length in linkage.lengths), linkage.sign)
     upward = linkage.sign > 0.0       # X > 0: signs of g and k are those of theta4'' and theta4'''
-
-    def g_at(x):
-        return sines.scalar(sin(0.5 * x), cos(0.5 * x), constants)[0]
-
-    def k_at(x):
-        return sines.scalar(sin(0.5 * x), cos(0.5 * x), constants)[1]
-
-    roots, toggles = ([], []), []
-    for x, is_closed in _paths(constants, linkage.input_ranges[-1], samples // 2):
-        nodes = [sines.scalar(sin(0.5 * v), cos(0.5 * v), constants) for v in x]
+    motion = make_motion.scalar(*linkage.lengths, linkage.sign)
+    extrema, toggles = ([], []), []
+    for x, step, is_closed in _paths(constants, linkage.input_ranges[-1], samples // 2):
+        states = [sines.scalar(sin(0.5 * v), cos(0.5 * v), constants) for v in x]
         if not is_closed:
             for i, side in ((0, 1), (-1, -1)):
-                g, _, _, Y = nodes[i]
+                g, Y = states[i][0], states[i][-1]
                 toggles.append((x[i], side, (Y > 0.0) is upward, (g > 0.0) is upward))
-
-        # Roots of k by the interval they lie in; then those of g between these and the samples.
-        inside = [[] for _ in x]
-        places = np.array(x)
-        brackets = find_brackets(lambda v, _: np.array([k_at(w) for w in v.tolist()]), lambda i, _: places[i],
-                                 np.array([k for _, k, _, _ in nodes])[:, None], is_closed)
-        for i, _, xa, xb, fa, fb in zip(*(part.tolist() for part in brackets)):
-            root = solve_one(k_at, xa, xb, fa, fb)
-            inside[i].append(root)
-            roots[1].append((root, (fa >= 0.0) is upward, xb - xa))
-        ends = [(v, g) for v, (g, *_) in zip(x, nodes)]
-        for one, between, other in zip(ends, inside, ends[1:] + ends[:is_closed]):
-            if not between and (one[1] >= 0.0) is (other[1] >= 0.0):
-                continue
-            chain = [one, *((root, g_at(root)) for root in sorted(between)), other]
-            for (xa, fa), (xb, fb) in zip(chain, chain[1:]):
-                if (fa >= 0.0) is not (fb >= 0.0):
-                    xb = turn_after(xb, xa)
-                    roots[0].append((solve_one(g_at, xa, xb, fa, fb), (fa >= 0.0) is upward, xb - xa))
-    roots = [(_polished(linkage, constants, *root), *root[1:]) for root in roots[0]], roots[1]
-    if with_conditions:
-        return _with_conditions(linkage, constants, roots), toggles
-    return [[(x, is_maximum, nan, nan) for x, is_maximum, _ in part] for part in roots], toggles
+        inside = [[] for _ in x]       # roots of k after each sample, as nodes of g
+        for i, falls, theta1, state in _roots_of_k(x, states, step / 3.0, is_closed, constants):
+            extrema[1].append(_extremum(linkage, motion, 1, theta1, falls is upward, state, with_conditions))
+            inside[i].append(_node(theta1, 0, state))
+        for falls, theta1, state in _roots_of_g(x, states, inside, is_closed, constants):
+            extrema[0].append(_extremum(linkage, motion, 0, theta1, falls is upward, state, with_conditions))
+    return extrema, toggles
 
 
-def _scaled_constants(lengths, sign):
-    exponent = frexp(max(lengths))[1]
-    return sine_constants(*(ldexp(length, -exponent) for length in lengths), sign)
+def _node(x, which, state):
+    """Return the :class:`Node` of g (which = 0) or k (2)."""
+    value, slope, X = state[which], state[which + 1], state[4]
+    return Node(x, value, value * X / slope if slope else inf)
 
 
-def _derivatives(x, constants):
-    """Return theta4', theta4'' and theta4''' with respect to theta1."""
-    g, k, X, Y = sines.scalar(sin(0.5 * x), cos(0.5 * x), constants)
-    square = X * X
-    return Y / X, g / (square * X), k / (square * square * X)
+def _root(which, a, b, constants):
+    """Return the root of g or k between nodes of different sign, and the :func:`sines` there."""
+    def at(x):
+        state = sines.scalar(sin(0.5 * x), cos(0.5 * x), constants)
+        value, slope = state[which], state[which + 1]
+        return value, value * state[4] / slope if slope else inf, state
+
+    guess = first_guess.scalar(a.theta1, b.theta1, a.value, b.value, a.step, b.step)
+    return newton_root(at, a.theta1, b.theta1, a.value, guess)
 
 
-def _polished(linkage, constants, x, _, spacing):
-    """Return the root of g with theta4'' of motion(), more accurate where lengths are very unequal."""
-    curvature = _derivatives(x, constants)[2]
-    correction = linkage._motion[0](x, 1.0, 0.0)[11] / curvature if curvature else inf
-    return x - correction if abs(correction) < TURN * spacing else x
+def _roots_of_k(x, states, third, is_closed, constants):
+    """Yield (interval, whether k falls, theta1, sines) of the roots of k; ``third``: of a step of u."""
+    def k_at(x, _):
+        return np.array([sines.scalar(sin(0.5 * v), cos(0.5 * v), constants)[2] for v in x.tolist()])
+
+    k, rise = [state[2] for state in states], [third * state[3] for state in states]
+    for i, is_plain in intervals_of_one(k, rise, is_closed):
+        j = (i + 1) % len(x)
+        xa, xb = x[i], turn_after(x[j], x[i])
+        if is_plain:
+            pairs = (_node(xa, 2, states[i]), _node(xb, 2, states[j])),
+        else:
+            _, *parts = look_closer(k_at, np.zeros(1, int), np.array([xa]), np.array([xb]))
+            pairs = ((Node(xa, fa, nan), Node(xb, fb, nan)) for xa, xb, fa, fb in zip(*(v.tolist() for v in parts)))
+        for a, b in pairs:
+            yield i, a.value >= 0.0, *_root(2, a, b, constants)
 
 
-def _with_conditions(linkage, constants, roots):
-    """Return the roots with their condition numbers: derivatives by differences in lengths and theta1."""
-    changed = [(step, _scaled_constants(lengths, linkage.sign)) for step, lengths in perturbed_lengths(linkage)[:3]]
-    extended = [], []
-    for order in (0, 1):
-        for x, is_maximum, spacing in roots[order]:
-            here = _derivatives(x, constants)
-            value = slope = value4 = slope4 = 0.0
-            for step, others in changed:
-                there = _derivatives(x, others)
-                by_value, by_slope = (there[order] - here[order]) / step, (there[order + 1] - here[order + 1]) / step
-                value, slope = value + abs(by_value), slope + abs(by_slope)
-                value4, slope4 = value4 - by_value, slope4 - by_slope     # all four together change nothing
-            turn = TURN * spacing
-            curvature = (_derivatives(x + turn, constants)[2] - here[2]) / turn if order else here[2]
-            extended[order].append((x, is_maximum, (slope + abs(slope4)) / abs(curvature) if curvature else inf,
-                                    (value + abs(value4)) / abs(here[order]) if here[order] else inf))
-    return extended
+def _roots_of_g(x, states, inside, is_closed, constants):
+    """Yield (whether g falls, theta1, sines) of the roots of g: between samples and roots of k."""
+    positive = [state[0] >= 0.0 for state in states]
+    for i in range(len(x) if is_closed else len(x) - 1):
+        j = (i + 1) % len(x)
+        if not inside[i] and positive[i] is positive[j]:
+            continue
+        chain = [_node(x[i], 0, states[i]), *sorted(inside[i]), _node(turn_after(x[j], x[i]), 0, states[j])]
+        for a, b in zip(chain, chain[1:]):
+            if (a.value >= 0.0) is not (b.value >= 0.0):
+                yield a.value >= 0.0, *_root(0, a, b, constants)
+
+
+def _extremum(linkage, motion, order, x, is_maximum, state, with_conditions):
+    """Return the :class:`RateExtremum` at a root of g (order 0) or k (1)."""
+    g, gu, k, ku, X, Y = state
+    fields = motion(x, 1.0, 0.0)
+    curvature = ku / X**6 if order else k / X**5      # the first derivative that is not zero there
+    if order == 0:
+        # theta4'' of motion() is more accurate than g where lengths are very unequal
+        correction = fields[11] / curvature if curvature else inf
+        if abs(correction) < POLISH:
+            x = x - correction
+            fields = motion(x, 1.0, 0.0)
+    theta1, value = fold(x), fields[10 + order]
+    if not with_conditions:
+        return RateExtremum(theta1, value, is_maximum, nan, nan)
+    changes = rate_changes(linkage.lengths, fields, 0.0 if order else curvature)
+    place, size = changes[order + 1], changes[order]
+    return RateExtremum(theta1, value, is_maximum, place / abs(curvature) if curvature else inf,
+                        size / abs(value) if value else inf)
 
 
 def _paths(constants, last_range, count):
-    """Return the samples of each path, toggles included, and whether it is closed."""
-    s1, s2, k = constants[:3]
-    period, half = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
+    """Return theta1 of the samples of each path, toggles included, their step in u, and whether it is closed."""
+    s1, s2, k, *_, half, sign = constants
+    period, unit, at = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
     count = int(max(count, POINTS_PER_FEATURE * period))
-    x = [2.0 * atan2(*half(*pair)) for pair in _phases(count, s2 < 0.0, s1 < 0.0)]
+    pairs, step = _phases(count, s2 < 0.0, s1 < 0.0)
+    x = [2.0 * atan2(*at(*pair)) for pair in pairs]
+    step = sign * step * period * unit * 0.5 / half
     if s2 < 0.0:
         x[0] = last_range[0]
     if s1 < 0.0:
         x[-1] = last_range[1]
     mirrored = [-v for v in reversed(x)]
     if s2 > 0.0:
-        return [(mirrored + x, s1 > 0.0)]
-    return [(x + mirrored, False)] if s1 > 0.0 else [(mirrored, False), (x, False)]
+        return [(mirrored + x, step, s1 > 0.0)]
+    return [(x + mirrored, step, False)] if s1 > 0.0 else [(mirrored, step, False), (x, step, False)]
 
 
 @cache
 def _phases(*arguments):
-    """Return the pairs of :func:`.elliptic.phases` as floats."""
-    return list(zip(*(part.tolist() for part in phases(*arguments))))
+    """Return the pairs of :func:`.elliptic.phases` as floats, and the step."""
+    sines, cosines, step = phases(*arguments)
+    return list(zip(sines.tolist(), cosines.tolist())), step

@@ -5,9 +5,11 @@ Zero counts as positive. Angles are given in order; a smaller one after a larger
 """
 from __future__ import annotations
 
-from math import pi
+from math import nan, pi
 
 import numpy as np
+
+from .dialects import dialects, where
 
 EPS = 2.0**-52
 # Below this angle [rad] roots are found to an absolute tolerance: 0 has no last bit.
@@ -16,6 +18,8 @@ SMALL = 2.0**-12
 PARTS = 8
 # Part of the sample by which the cubic is allowed to be wrong.
 CAUTION = 0.25
+# By how much the error of a step of Newton's method may exceed its square over the width of the bracket.
+SAFETY = 64.0
 # Halvings of a dip before it is taken for a touching point without a sign change.
 HALVINGS = 26
 
@@ -25,41 +29,80 @@ def turn_after(x, start):
     return x + 2.0 * pi * (x < start - pi)
 
 
-def intervals_with_roots(f, is_closed):
+def fold(x):
+    """Return angles, an array or a float of at most a turn less or more, in [0, 2 pi)."""
+    if isinstance(x, float):
+        x = x + 2.0 * pi if x < 0.0 else x - 2.0 * pi if x >= 2.0 * pi else x + 0.0
+        return x if x < 2.0 * pi else 0.0      # a tiny negative angle rounds to the full turn
+    x = np.where(x < 0.0, x + 2.0 * pi, np.where(x >= 2.0 * pi, x - 2.0 * pi, x + 0.0))
+    return np.where(x < 2.0 * pi, x, 0.0)
+
+
+def turns_back(f, rise):
+    """Return whether the Bernstein coefficient beside a sample has, or nearly has, the other sign."""
+    return ((1.0 - CAUTION) * f + rise >= 0.0) != (f >= 0.0)
+
+
+def intervals_with_roots(f, rise, is_closed):
     """
     Return (i, column, is_plain) of the intervals between samples that have roots, or may have two more.
 
-    Hermite's cubic through two samples, with slopes from five samples each, has as many roots as its
-    Bernstein coefficients change sign, or less by two. One root is plain; where there could be more, also
-    if the inner coefficients were a little smaller, the interval needs a closer look. Where one sample is
-    so small for its slope that the sign changes in an interval without a root, so do both intervals beside it.
+    Hermite's cubic through two samples has as many roots as its Bernstein coefficients change sign, or less
+    by two. One root is plain; where there could be more, also if the inner coefficients were a little smaller,
+    the interval needs a closer look. Where one sample is so small for its slope that the sign changes in an
+    interval without a root, so do both intervals beside it.
 
     Parameters
     ----------
-    f : ndarray, shape (n, m)
-        At equal steps.
+    f, rise : ndarray, shape (n, m)
+        At equal steps, and a third of what f rises in one at its slope.
     is_closed : bool
         After the last sample comes the first.
 
     """
     if is_closed:
-        f = np.concatenate((f[-2:], f, f[:3]))
-    else:
-        f = np.concatenate((_beyond(f)[::-1], f, _beyond(f[::-1])))
-    rise = (8.0 * (f[3:-1] - f[1:-3]) - (f[4:] - f[:-4])) / 36.0     # a third of the slope
-    f = f[2:-2]
+        f, rise = (np.concatenate((v, v[:1])) for v in (f, rise))
     positive = f >= 0.0
-    one = ((1.0 - CAUTION) * f[:-1] + rise[:-1] >= 0.0) != positive[:-1]
-    other = ((1.0 - CAUTION) * f[1:] - rise[1:] >= 0.0) != positive[1:]
     changes = positive[1:] != positive[:-1]
-    small = np.zeros(f.shape, bool)
-    small[:-1] = one & ~changes
-    small[1:] |= other & ~changes
-    if is_closed:
-        small[[0, -1]] = small[0] | small[-1]
-    doubtful = small[:-1] | small[1:] | changes & one & other
+    one, other = turns_back(f[:-1], rise[:-1]), turns_back(f[1:], -rise[1:])
+    doubtful = changes & one & other
+    if (one | other).any():
+        small = np.zeros(f.shape, bool)
+        small[:-1] = one & ~changes
+        small[1:] |= other & ~changes
+        if is_closed:
+            small[[0, -1]] = small[0] | small[-1]
+        doubtful |= small[:-1] | small[1:]
     i, column = np.nonzero(changes | doubtful)
     return i, column, ~doubtful[i, column]
+
+
+def intervals_of_one(f, rise, is_closed):
+    """Return (i, is_plain) as :func:`intervals_with_roots`, of one function in plain floats: lists."""
+    pairs = list(zip(range(len(f)), range(1, len(f))))
+    if is_closed:
+        pairs.append((len(f) - 1, 0))
+    found, small = [], set()
+    for i, j in pairs:
+        one, other = turns_back(f[i], rise[i]), turns_back(f[j], -rise[j])
+        if (f[i] >= 0.0) is not (f[j] >= 0.0):
+            found.append((i, not (one and other)))
+        elif one or other:
+            small.update((i,) * one + (j,) * other)
+    if not small:
+        return found
+    plain = dict(found)
+    return [(i, plain.get(i, False) and i not in small and j not in small)
+            for i, j in pairs if i in plain or i in small or j in small]
+
+
+def rises(f, is_closed):
+    """Return a third of the slopes of samples at equal steps, each from five of them."""
+    if is_closed:
+        f = np.concatenate((f[-2:], f, f[:2]))
+    else:
+        f = np.concatenate((_beyond(f)[::-1], f, _beyond(f[::-1])))
+    return (8.0 * (f[3:-1] - f[1:-3]) - (f[4:] - f[:-4])) / 36.0
 
 
 def _beyond(f):
@@ -113,92 +156,105 @@ def _may_touch(xs, fs):
     return slope * slope > 2.0 * abs(fs[1] * curvature)
 
 
-def find_brackets(function, x, f, is_closed, scale=1.0):
+@dialects
+def first_guess(xa, xb, fa, fb, step_a, step_b):
     """
-    Return brackets (i, row, xa, xb, fa, fb) of all roots of sampled functions, hidden pairs included.
+    Return where a root is by the inverse of f, interpolated with values and slopes (Hermite).
+
+    That is the mean of the points of Newton's method from both ends, x - step, and of the secant. Without steps
+    (NaN), or outside, it is the secant's.
+    """
+    part = fa / (fa - fb)
+    rest = 1.0 - part
+    secant = xa + part * (xb - xa)
+    x = rest * rest * (xa - step_a) + part * part * (xb - step_b) + 2.0 * part * rest * secant
+    return where((x > xa) & (x < xb), x, secant)
+
+
+def find_brackets(function, x, f, rise, is_closed):
+    """
+    Return brackets (i, row, xa, xb, fa, guess) of all roots of sampled functions, hidden pairs included.
 
     Parameters
     ----------
     function : callable
-        (x, row) -> f of the rows given.
+        (x, row) -> f of the rows given, or a positive multiple.
     x : callable
-        (i, row) -> where sample i of the row is [rad].
-    f : ndarray, shape (n, m)
-        At steps that are equal in some smooth variable.
-    is_closed : bool
-        After the last sample comes the first; ``i`` counts this interval as the last.
-    scale : ndarray, shape (n, m) or (n, 1)
-        Positive; f times scale is smooth.
+        (i, row) -> where sample i of the row is [rad], and a third of what x rises in a step there.
+    f, rise, is_closed
+        As in :func:`intervals_with_roots`; ``i`` counts the interval after the last sample as the last.
 
     """
-    i, row, is_plain = intervals_with_roots(f * scale, is_closed)
+    i, row, is_plain = intervals_with_roots(f, rise, is_closed)
     j = (i + 1) % len(f)
-    xa = x(i, row)
-    xb = turn_after(x(j, row), xa)
-    plain = [v[is_plain] for v in (i, row, xa, xb, f[i, row], f[j, row])]
+    (xa, turn_a), (xb, turn_b) = x(i, row), x(j, row)
+    xb, fa, fb = turn_after(xb, xa), f[i, row], f[j, row]
+    with np.errstate(all='ignore'):
+        guess = first_guess.array(xa, xb, fa, fb, fa * turn_a / rise[i, row], fb * turn_b / rise[j, row])
+    brackets = i, row, xa, xb, fa, guess
     if is_plain.all():
-        return plain
-    i, row, xa, xb = (v[~is_plain] for v in (i, row, xa, xb))
-    which, *closer = look_closer(function, row, xa, xb)
-    return [np.concatenate(pair) for pair in zip(plain, (i[which], row[which], *closer))]
+        return brackets
+    which, *closer = look_closer(function, *(v[~is_plain] for v in (row, xa, xb)))
+    others = i[~is_plain][which], row[~is_plain][which], *_guessed(*closer)
+    return [np.concatenate((v[is_plain], w)) for v, w in zip(brackets, others)]
 
 
-def bracketed_roots(function, row, xa, xb, fa, fb):
+def _guessed(xa, xb, fa, fb):
+    return xa, xb, fa, first_guess.array(xa, xb, fa, fb, nan, nan)
+
+
+def newton_roots(function, row, xa, xb, fa, x):
     """
-    Return the root of ``function(x, row)`` in each bracket, to the last bits of x.
+    Return the root of a function in each bracket, to the last bits of x, all together.
 
-    Chandrupatla, Adv. Eng. Software 28 (1997) 145-149: inverse quadratic steps where they are safe,
-    bisection elsewhere, after a linear one; all brackets advance together.
+    Newton's method, with bisection wherever that leaves the bracket or does not halve its step. The last step
+    is not looked at again: its error is about its square over the width of the bracket.
+
+    Parameters
+    ----------
+    function : callable
+        (x, row) -> f and the step f/f'.
+    row : ndarray
+        Of each bracket.
+    xa, xb, fa, x : ndarray
+        Where f changes its sign, its value at the first of them, and a first guess.
+
     """
-    root = np.where(np.abs(fa) < np.abs(fb), xa, xb)
-    todo = np.arange(root.size)
-    xc, fc = xa, fa
-    t = np.clip(fa / (fa - fb), 0.05, 0.95)
+    root, todo, width = x.copy(), np.arange(x.size), xb - xa
+    positive, last = fa >= 0.0, width
     while todo.size:
-        x = xa + t * (xb - xa)
-        f = function(x, row)
-        same = (f >= 0.0) == (fa >= 0.0)
-        xc, fc = np.where(same, xa, xb), np.where(same, fa, fb)
-        xb, fb = np.where(same, xb, xa), np.where(same, fb, fa)
-        xa, fa = x, f
-        better = np.abs(fa) < np.abs(fb)
-        best, best_f = np.where(better, xa, xb), np.where(better, fa, fb)
-        root[todo] = best
-        width = np.abs(xb - xa)
-        tolerance = EPS * np.maximum(np.abs(best), SMALL)
-        going = (width > 2.0 * tolerance) & (best_f != 0.0)
-        if not going.all():
-            row, todo = row[going], todo[going]
-            xa, xb, xc, fa, fb, fc, width, tolerance = (
-                v[going] for v in (xa, xb, xc, fa, fb, fc, width, tolerance))
-        with np.errstate(divide='ignore', invalid='ignore'):
-            xi, phi = (xa - xb) / (xc - xb), (fa - fb) / (fc - fb)
-            safe = (phi * phi < xi) & ((1.0 - phi)**2 < 1.0 - xi)
-            t = np.where(safe, fa / (fb - fa) * fc / (fb - fc)
-                         + (xc - xa) / (xb - xa) * fa / (fc - fa) * fb / (fc - fb), 0.5)
-            least = tolerance / width
-        t = np.clip(t, least, 1.0 - least)
+        f, step = function(x, row)
+        before = (f >= 0.0) == positive
+        xa, xb = np.where(before, x, xa), np.where(before, xb, x)
+        better = x - step
+        is_newton = (better >= xa) & (better <= xb) & (2.0 * np.abs(step) <= last)
+        better = np.where(is_newton, better, 0.5 * (xa + xb))
+        tolerance = EPS * np.maximum(np.abs(better), SMALL)
+        done = np.where(is_newton, SAFETY * step * step <= tolerance * width, xb - xa <= 2.0 * tolerance)
+        last, x = np.abs(better - x), better
+        root[todo] = x
+        if done.any():
+            going = ~done
+            todo, row, xa, xb, x, last, width, positive = (
+                v[going] for v in (todo, row, xa, xb, x, last, width, positive))
     return root
 
 
-def solve_one(function, xa, xb, fa, fb):
-    """Return the root in one bracket, as :func:`bracketed_roots`, in plain floats."""
-    t = min(max(fa / (fa - fb), 0.05), 0.95)
+def newton_root(function, xa, xb, fa, x):
+    """Return as :func:`newton_roots`, in plain floats; ``function(x)`` -> f, step and anything; with its last."""
+    width = last = xb - xa
+    positive = fa >= 0.0
     while True:
-        x = xa + t * (xb - xa)
-        f = function(x)
-        if (f >= 0.0) is (fa >= 0.0):
-            xc, fc = xa, fa
+        f, step, state = function(x)
+        if (f >= 0.0) is positive:
+            xa = x
         else:
-            xc, fc, xb, fb = xb, fb, xa, fa
-        xa, fa = x, f
-        best, best_f = (xa, fa) if abs(fa) < abs(fb) else (xb, fb)
-        width, tolerance = abs(xb - xa), EPS * max(abs(best), SMALL)
-        if best_f == 0.0 or width <= 2.0 * tolerance:
-            return best
-        t = 0.5
-        xi, phi = (xa - xb) / (xc - xb), (fa - fb) / (fc - fb)
-        if phi * phi < xi and (1.0 - phi)**2 < 1.0 - xi:
-            t = fa / (fb - fa) * fc / (fb - fc) + (xc - xa) / (xb - xa) * fa / (fc - fa) * fb / (fc - fb)
-        least = tolerance / width
-        t = min(max(t, least), 1.0 - least)
+            xb = x
+        better = x - step
+        is_newton = xa <= better <= xb and 2.0 * abs(step) <= last
+        if not is_newton:
+            better = 0.5 * (xa + xb)
+        tolerance = EPS * max(abs(better), SMALL)
+        if SAFETY * step * step <= tolerance * width if is_newton else xb - xa <= 2.0 * tolerance:
+            return better, state
+        last, x = abs(better - x), better

@@ -5,14 +5,16 @@ The derivative is exact: a complex step through the same formulas that compute t
 """
 from __future__ import annotations
 
+from copy import copy
+from itertools import repeat
 from math import sqrt
 
 import numpy as np
 
-from .dialects import rebound
+from .dialects import for_columns, rebound
 from .errors import MissingBodies
 from .kinematics import Motion, make_motion
-from .loads import Loads
+from .loads import Loads, make_loads
 from .roots import EPS
 
 # Complex step: its square vanishes beside one, and it is nothing beside the distance of any sample
@@ -40,38 +42,49 @@ _MOTION_WITH_ANGLES = rebound(make_motion.analytic, atan2=_complex_angle)
 class Sampler:
     """Values and derivatives of some quantities of a linkage in its mode."""
 
+    IS_COMPLEX = True   # the steps by which quantities are differentiated
+    TURN = 2.0**-24     # step of real differences of derivatives, in samples: little enough for Newton's method
+
     def __init__(self, linkage, quantities, omega1, alpha1, with_angles=False):
         self.linkage, self.quantities, self.rates = linkage, quantities, (omega1, alpha1)
         self.with_angles = with_angles
         self.needs_loads = any(q.is_load for q in quantities)
         if self.needs_loads and linkage.bodies is None:
             raise MissingBodies
-        self._functions = {1: (linkage._motion[1], self.needs_loads and linkage._loads[1]),
-                           2: (linkage._motion[2], self.needs_loads and linkage._loads[2])}
-        if with_angles:
-            motion = _MOTION_WITH_ANGLES(*linkage.lengths, linkage.sign)
-            self._functions[2] = motion, linkage.bodies and linkage._loads[2]
-            self._functions[1] = linkage._motion[1], linkage.bodies and linkage._loads[1]
+        has_loads = linkage.bodies is not None and (self.needs_loads or with_angles)
+        motions = linkage._motion[1], (_MOTION_WITH_ANGLES(*linkage.lengths, linkage.sign) if with_angles
+                                       else linkage._motion[2])
+        self._functions = motions, linkage._loads[1:] if has_loads else (None, None)
 
     def of(self, linkage):
         """Return the same for another linkage."""
         return type(self)(linkage, self.quantities, *self.rates, self.with_angles)
 
+    def with_lengths(self, *lengths):
+        """Return the same for some linkages that differ in lengths, four columns: x is of shape (linkages, n)."""
+        other, linkage = copy(self), self.linkage
+        motion = (make_motion.array, _MOTION_WITH_ANGLES if self.with_angles else make_motion.analytic)[self.IS_COMPLEX]
+        motion = for_columns(motion)(*lengths, linkage.sign)
+        loads = self._functions[1][0] and for_columns(make_loads[1 + self.IS_COMPLEX])(
+            *lengths, linkage.bodies, linkage.gravity, linkage.external)
+        other._functions = (motion,) * 2, (loads,) * 2
+        return other
+
     def state(self, x):
         """Return (Motion, Loads) at real or complex x."""
-        motion, loads = self._functions[2 if x.dtype.kind == 'c' else 1]
+        motion, loads = (functions[x.dtype.kind == 'c'] for functions in self._functions)
         with np.errstate(all='ignore'):
             fields = motion(x, *self.rates)
             return Motion(*fields), Loads(*loads(fields)) if loads else NoLoads()
 
     def values(self, x):
-        """Return the quantities at x, shape (quantities, x.size)."""
+        """Return the quantities at x, shape (quantities, *x.shape)."""
         state = self.state(x)
         with np.errstate(all='ignore'):
             return self._rows(state, x)
 
     def _rows(self, state, x):
-        rows = np.empty((len(self.quantities), x.size), x.dtype)
+        rows = np.empty((len(self.quantities), *x.shape), x.dtype)
         for row, quantity in zip(rows, self.quantities):
             row[:] = quantity.of(*state)
         return rows
@@ -82,13 +95,20 @@ class Sampler:
         return values.real, values.imag / STEP
 
     def at(self, x, row):
-        """Return value and derivative of quantity ``row[i]`` at x[i]."""
-        values = self.values(x + 1j * STEP)[row, np.arange(x.size)]
+        """Return value and derivative of quantity ``row[i]`` at x[i], or, shape (n, linkages), at x[:, i]."""
+        values = self.values(x + 1j * STEP)[row, ..., np.arange(row.size)]
         return values.real, values.imag / STEP
 
     def slope(self, x, row):
         """Return the derivative of quantity ``row[i]`` at x[i]."""
         return self.at(x, row)[1]
+
+    def newton(self, x, row, spacing):
+        """Return the derivative of quantity ``row[i]`` at x[i], and the step of Newton's method to its zero."""
+        turn = self.TURN * spacing
+        here, there = np.split(self.slope(np.concatenate((x, x + turn)), np.tile(row, 2)), 2)
+        with np.errstate(divide='ignore', invalid='ignore'):
+            return here, here * turn / (there - here)
 
     def noise(self, state):
         """
@@ -113,6 +133,9 @@ class Sampler:
 class DifferenceSampler(Sampler):
     """The same for functions without a complex step (abs, max, a table): derivatives by differences."""
 
+    IS_COMPLEX = False
+    TURN = DIFFERENCE
+
     def __init__(self, linkage, quantities, omega1, alpha1, with_angles=True):
         super().__init__(linkage, quantities, omega1, alpha1, with_angles)
         self._x = None      # samples of the path in rising order
@@ -126,12 +149,10 @@ class DifferenceSampler(Sampler):
         try:
             return super()._rows(state, x)
         except (TypeError, ValueError):       # a function of plain numbers: one sample at a time
-            motion, loads = state
-            loads_of = ((Loads(*v) for v in zip(*(f.tolist() for f in loads)))
-                        if isinstance(loads, tuple) else (loads for _ in x))
-            states = [(Motion(*v), w) for v, w in zip(zip(*(np.broadcast_to(f, x.shape).tolist() for f in motion)),
-                                                      loads_of)]
-            return np.array([[q.of(*s) for s in states] for q in self.quantities], dtype=float)
+            motions, loads = (zip(*(np.broadcast_to(f, x.shape).ravel().tolist() for f in part))
+                              if isinstance(part, tuple) else repeat(part) for part in state)
+            states = [(Motion(*v), Loads(*w) if isinstance(w, tuple) else w) for v, w in zip(motions, loads)]
+            return np.reshape([[q.of(*s) for s in states] for q in self.quantities], (-1, *x.shape)).astype(float)
 
     def sample(self, x):
         self._x = x[np.argsort(x)]
@@ -145,9 +166,9 @@ class DifferenceSampler(Sampler):
 
     def at(self, x, row):
         h = self.step(x)
-        points = np.concatenate((x, x + h, x - h, x + 2.0 * h, x - 2.0 * h))
-        value, *around = np.split(self.values(points)[np.tile(row, 5), np.arange(points.size)], 5)
-        return value, (8.0 * (around[0] - around[1]) - (around[2] - around[3])) / (12.0 * h)
+        points = np.concatenate((x, x + h, x - h, x + 2.0 * h, x - 2.0 * h), axis=-1)
+        value, *around = np.split(self.values(points)[np.tile(row, 5), ..., np.arange(5 * row.size)], 5)
+        return value, (8.0 * (around[0] - around[1]) - (around[2] - around[3])) / (12.0 * h.T)
 
     def polish(self, x, row, sense):
         """Return x, or where it is a kink the place of the extreme by golden section around x."""

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .roots import EPS, bracketed_roots, find_brackets
+from .roots import EPS, find_brackets, fold, newton_roots, rises
 from .sampling import DifferenceSampler
 from .sensitivity import sampled_conditions
 
@@ -47,15 +47,6 @@ class Found(NamedTuple):
     value_condition: float = nan
 
 
-def fold(x):
-    """Return angles, an array or a float of at most a turn less or more, in [0, 2 pi)."""
-    if isinstance(x, float):
-        x = x + 2.0 * pi if x < 0.0 else x - 2.0 * pi if x >= 2.0 * pi else x + 0.0
-        return x if x < 2.0 * pi else 0.0      # a tiny negative angle rounds to the full turn
-    x = np.where(x < 0.0, x + 2.0 * pi, np.where(x >= 2.0 * pi, x - 2.0 * pi, x + 0.0))
-    return np.where(x < 2.0 * pi, x, 0.0)
-
-
 def search_path(sampler, path, with_conditions=True):
     """Return the list of :class:`Found` of all quantities along one :class:`.elliptic.InputPath`."""
     values, slopes = sampler.sample(path.theta1)
@@ -82,18 +73,24 @@ def _interior(sampler, path, values, slopes, state, rows, with_conditions):
     sine = np.abs(state[0].sin_mu)
     values = values[rows]
     scale = np.where((values > 0.0).all(axis=1, keepdims=True), values * sine**(2 * POLE - 1), sine**POLE)
-    _, row, xa, xb, fa, fb = find_brackets(lambda x, row: sampler.slope(x, rows[row]), lambda i, row: path.theta1[i],
-                                           slopes[rows].T, path.is_closed, scale.T)
-    row = rows[row]
+    x, f = path.theta1, slopes[rows].T * scale.T
+    turn = rises(np.unwrap(x)[:, None], False)[:, 0]
+    _, row, xa, xb, fa, guess = find_brackets(lambda x, row: sampler.slope(x, rows[row]), lambda i, row: (x[i], turn[i]),
+                                              f, rises(f, path.is_closed), path.is_closed)
     if not row.size:
         return []
-    root = bracketed_roots(sampler.slope, row, xa, xb, fa, fb)
+    row, spacing = rows[row], xb - xa
+
+    def at(x, which):
+        return sampler.newton(x, row[which], spacing[which])
+
+    root = newton_roots(at, np.arange(row.size), xa, xb, fa, guess)
     sense = np.where(fa >= 0.0, 1, -1)
     if isinstance(sampler, DifferenceSampler):
         root = sampler.polish(root, row, sense)
     theta1 = fold(root)
     value = sampler.values(theta1)[row, np.arange(row.size)]
-    conditions = (sampled_conditions(sampler, root, row, np.abs(xb - xa)) if with_conditions
+    conditions = (sampled_conditions(sampler, root, row, spacing) if with_conditions
                   else np.full((2, row.size), nan))
     return [Found(*fields, 0, False, *pair) for *fields, pair in zip(
         *(v.tolist() for v in (row, theta1, value, sense)), zip(*(v.tolist() for v in conditions)))]
