@@ -57,6 +57,8 @@ class Extremum(NamedTuple):
     proof : str
         How it is known that no extreme inside the range is missing: '' if not asked, 'exact count',
         'interval bounds ...', or 'not proved: ...'.
+    slide : float
+        Of a driven slide [m], where ``theta1`` is the crank's angle; NaN if the crank is driven.
 
     """
 
@@ -72,6 +74,7 @@ class Extremum(NamedTuple):
     condition: float = nan
     value_condition: float = nan
     proof: str = ''
+    slide: float = nan
 
 
 def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False, conditions=True):
@@ -103,7 +106,7 @@ def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False, 
     for name, value in (('omega1', omega1), ('alpha1', alpha1)):
         if not isfinite(value):
             raise InvalidParameter(name, value, 'must be a finite number')
-    quantities = _resolve(quantities, linkage.bodies is not None)
+    quantities = _resolve(quantities, linkage)
     found = _search(linkage, quantities, omega1, alpha1, 1, conditions)
     proofs = [''] * len(quantities)
     if certify:
@@ -147,13 +150,13 @@ def _search(linkage, quantities, omega1, alpha1, density, conditions):
     return found
 
 
-def _resolve(quantities, has_bodies):
+def _resolve(quantities, linkage):
     """Return the quantities meant."""
     if isinstance(quantities, str) or hasattr(quantities, 'of') or callable(quantities):
         quantities = (quantities,)
     if not len(quantities):
-        return select((), has_bodies)
-    return [quantity if hasattr(quantity, 'of') else select((quantity,))[0] if not callable(quantity)
+        return select((), linkage)
+    return [quantity if hasattr(quantity, 'of') else select((quantity,), linkage)[0] if not callable(quantity)
             else Function(getattr(quantity, '__name__', 'quantity'), getattr(quantity, 'unit', ''), '', quantity)
             for quantity in quantities]
 
