@@ -9,11 +9,17 @@ Crank input. B is where a circle meets the guide; with n = e - a1 sin x:
 
     a2 sin b = n,   (a2 cos b)^2 = (a2 - n)(a2 + n)
     b' = -a1 cos x / (a2 cos b),   b' - 1 = -s / (a2 cos b)
-    s' = -a1 sin x - n b',   s'' = -a1 cos x - a2 cos b b'^2 - n b''
+    s' = a1 (e cos x - s sin x) / (a2 cos b),   s'' = a1 cos x (b' - 1) - n b''
     b'' = a1 ((a2^2 - a1^2 - e^2) sin x + a1 e (1 + sin^2 x)) / (a2 cos b)^3
 
 where near sin x = +-1 all is expanded about it, in 1 -+ sin x = cos^2 x / (1 +- sin x), so that limits
-and change points keep their digits.
+and change points keep their digits. s' and s'' are as small as s and e where crank and coupler are
+nearly equal. A long crank (a1 > 2 a2) with its pin A near the level of the guide, |n| < a2/2, is treated
+by n alone,
+
+    (a2 cos b)^2 = (a2 - n)(a2 + n),   b'' = a1 ((a2^2 - n^2) sin x + a1 n cos^2 x) / (a2 cos b)^3
+
+because n is there rounded by up to eps a1, which is much beside a2, and all must be rounded by the same.
 
 Slider input: :mod:`.triangle`. Every difference in these is one that the data make.
 """
@@ -87,7 +93,8 @@ def make_crank_motion(a1, a2, e, sign):
                near_zero=(a2 - e, a2 + e), at_top=(fsum((a2, -e, a1)), fsum((a2, e, -a1))),
                at_bottom=(fsum((a2, -e, -a1)), fsum((a2, e, a1))),
                plain=difference_of_squares(a2, 0.0, a1, 0.0) - e * e,
-               top=difference_of_squares(a2, 0.0, e, -a1), bottom=difference_of_squares(a2, 0.0, e, a1)):
+               top=difference_of_squares(a2, 0.0, e, -a1), bottom=difference_of_squares(a2, 0.0, e, a1),
+               level=0.25 * a2 * a2 if a1 > 2.0 * a2 else 0.0):
         cos_x, sin_x = cos(x), sin(x)
         size = fabs(sin_x)
         low = cos_x * cos_x / (1.0 + size)     # 1 - |sin x|
@@ -96,7 +103,9 @@ def make_crank_motion(a1, a2, e, sign):
         u, w = where(is_near_zero, near_zero, where(is_up, at_top, at_bottom))
         step = a1 * where(is_near_zero, sin_x, where(is_up, -low, low))
         n = e - a1 * sin_x
-        root = sign * sqrt((u + step) * (w - step))     # a2 cos b
+        is_level = (n * n).real < level
+        u, w = where(is_level, (a2 - n, a2 + n), (u + step, w - step))
+        root = sign * sqrt(u * w)     # a2 cos b
         cos_b, sin_b = root * per_a2, n * per_a2 + 0.0 * root      # NaN too where nothing is real
         cos_2, sin_2 = cos_b * cos_x + sin_b * sin_x, sin_b * cos_x - cos_b * sin_x
         # s = a1 cos x + root; where these cancel, from s (root - a1 cos x) = a2^2 - a1^2 - e^2 + 2 a1 e sin x
@@ -105,11 +114,13 @@ def make_crank_motion(a1, a2, e, sign):
         slide = where((root * cos_x).real > 0.0, at_x + root, gap / (root - at_x))
         scale = 1.0 / root
         db, d2 = -at_x * scale, -slide * scale
-        ds = -a1 * sin_x - n * db
-        bend = where(is_near_zero, plain * sin_x + a1_e * (1.0 + sin_x * sin_x),
-                     where(is_up, top * (1.0 - low) + a1_e * low * low, a1_e * low * low - bottom * (1.0 - low)))
+        ds = a1 * (e * cos_x - slide * sin_x) * scale
+        bend = where(is_level, u * w * sin_x + at_x * n * cos_x,
+                     where(is_near_zero, plain * sin_x + a1_e * (1.0 + sin_x * sin_x),
+                           where(is_up, top * (1.0 - low) + a1_e * low * low,
+                                 a1_e * low * low - bottom * (1.0 - low))))
         ddb = a1 * bend * scale * scale * scale
-        dds = -at_x - root * db * db - n * ddb
+        dds = at_x * d2 - n * ddb
         condition = (a1 * fabs(cos_2) + a2 + fabs(e * sin_b)) * a2 * fabs(scale)
         beta, square, omega_b = atan2(sin_b, cos_b), omega * omega, db * omega
         alpha_b = db * alpha + ddb * square

@@ -25,6 +25,10 @@ def make_triangle(a1, a2, e, sign):
         x' = cos b / (a1 sin theta2),   b' = -cos x / (a2 sin theta2),   theta2' = -s / (a1 a2 sin theta2)
         x'' = (2 e - f theta2') s/q^2 - theta2'' (q - f)/(2 q),   b'' = ... + theta2'' (q + f)/(2 q)
 
+    All is computed from the smaller of u = K+ - s^2 and w = s^2 - K-, as u + w = 4 a1 a2. Of links of very
+    different length both are small beside s^2: hence q + f = 2 a1 (a1 + a2) - u = 2 a1 (a1 - a2) + w, and
+    K+ K- - s^4 = s^2 (u - w) - u w where s^2 > 4 a1 a2.
+
     ``sign``: of sin(theta2). Lengths within a few powers of two of one. At s = 0 of a change point the
     values are those for s -> 0 from above.
     """
@@ -32,22 +36,26 @@ def make_triangle(a1, a2, e, sign):
                  two_2=2.0 * a2, outer=difference_of_squares(a1, a2, e, 0.0),
                  inner=difference_of_squares(a1, -a2, e, 0.0),
                  product=difference_of_squares(a1, a2, e, 0.0) * difference_of_squares(a1, -a2, e, 0.0),
-                 total=4.0 * a1 * a2, per=0.25 / (a1 * a2), half_1=0.5 / a1, half_2=0.5 / a2):
+                 total=4.0 * a1 * a2, per=0.25 / (a1 * a2), half_1=0.5 / a1, half_2=0.5 / a2,
+                 stretched_1=2.0 * a1 * (a1 + a2), stretched_2=2.0 * a2 * (a1 + a2),
+                 folded_1=2.0 * a1 * (a1 - a2), folded_2=2.0 * a2 * (a2 - a1)):
         s = s + INFINITESIMAL
         square = s * s
         q = square + ee
         u, w = outer - square, square - inner
         # their sum is given: so the rounding of one is that of the other, as in the shape of a triangle
-        u, w = where(u.real < w.real, (u, total - u), (total - w, w))
+        u, w, more, less = where(u.real < w.real, (u, total - u, stretched_1 - u, stretched_2 - u),
+                                 (total - w, w, folded_1 + w, folded_2 + w))
         root = sign * sqrt(u * w)
         cos_2, sin_2 = (w - u) * per + 0.0 * root, 2.0 * root * per
         per_q, scale = 1.0 / q, 1.0 / root
-        more, less = (q + f) * per_q, (q - f) * per_q
+        more, less = more * per_q, less * per_q     # q + f, q - f
         turn = root * per_q
         cos_x, sin_x = (s * more + e * turn) * half_1, (e * more - s * turn) * half_1
         cos_b, sin_b = (s * less - e * turn) * half_2, (e * less + s * turn) * half_2
         dx, db, d2 = two_2 * cos_b * scale, -two_1 * cos_x * scale, -2.0 * s * scale
-        dd2 = 2.0 * (product - square * square) * scale * scale * scale
+        bend = where(square.real < total, product - square * square, square * (u - w) - u * w)
+        dd2 = 2.0 * bend * scale * scale * scale
         common, half = (two_e - f * d2) * s * per_q * per_q, 0.5 * dd2
         return (cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, dx, db, d2,
                 common - half * less, common + half * more, dd2, scale)
