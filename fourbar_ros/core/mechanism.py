@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from math import isfinite, nan, pi, remainder
+from math import frexp, isfinite, ldexp, nan, pi, remainder
 from numbers import Real
 from typing import NamedTuple
 
@@ -83,9 +83,14 @@ class Mechanism:
         return self.input == SLIDE
 
     @property
+    def input_unit(self):
+        """Return the unit in which inputs are of the size of one: 1 rad, or a power of two [m]."""
+        return ldexp(1.0, frexp(max(map(abs, self.lengths)))[1]) if self.is_driven_by_slide else 1.0
+
+    @property
     def turns_fully(self):
         """Return whether the input is a crank that makes full turns."""
-        return self.input_ranges == ((-pi, pi),)
+        return self.input == CRANK and self.input_ranges == ((-pi, pi),)
 
     def distance(self, one, other):
         """Return the signed distance of two inputs: the short way round of angles [rad], or [m]."""

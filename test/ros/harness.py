@@ -70,8 +70,8 @@ class Client:
             self.executor.spin_once(timeout_sec=0.05)
 
     def listen(self, names=ALL_OUTPUTS, node='fourbar', depth=1000):
-        """Collect all messages of these topics in ``received``."""
-        topics = {**interfaces.OUTPUTS, 'driven': interfaces.DRIVEN}
+        """Collect all messages of these topics in ``received``: names, or the topics of a scene by name."""
+        topics = names if isinstance(names, dict) else {**interfaces.OUTPUTS, 'driven': interfaces.DRIVEN}
         for name in names:
             inbox = self.received.setdefault(name, [])
             self.node.create_subscription(resolve(topics[name].type), self.topic(topics[name], node),

@@ -25,7 +25,7 @@ def recording_node(run_node, tmp_path, **parameters):
 
 
 def whole_steps(path):
-    """Return the stamps of the crank in a bag; every step but the last has all its outputs."""
+    """Return the stamps of the driven joint in a bag; every step but the last has all its outputs."""
     stamps = {}
     for record in records(path):
         if record.topic != '/fourbar/scene':

@@ -43,7 +43,7 @@ def stamps(messages):
 
 
 def test_replay_sends_every_message_again_as_it_was(client, bag):
-    client.listen([*ALL_OUTPUTS, 'crank'])
+    client.listen([*ALL_OUTPUTS, 'driven'])
     late = []
     client.node.create_subscription(String, '/fourbar/scene', late.append,
                                     QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))

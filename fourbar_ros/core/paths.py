@@ -1,0 +1,132 @@
+"""
+Sample points of the input that resolve any mechanism: for the 4R by :mod:`.elliptic`, for sliders here.
+
+With t the parameter of which the samples are equal steps, the input is x = t-parametrised twice: x = phi
+for a crank that turns fully, x = middle + half sin(phi) for a range between two toggles, where phi goes
+through them into the other assembly mode without a root; and phi from
+
+    t(phi) = phi + sum over singular points of some kernels 2 atan(tan((phi - c)/2) / tanh(w/2)),
+
+each of which crowds a constant number of samples within w of c. A quantity is analytic but for points z of
+the complex plane where the dyad is in line, or a pole; there c = Re z, w = |Im z|, and 4 w, 16 w, ... make
+the samples thin out with the distance.
+"""
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+
+from .elliptic import FLAT_POINTS, TOGGLE_POINTS, End, InputPath
+from .elliptic import input_paths as elliptic_paths
+from .linkage import FourBar
+
+# Samples of a kernel; widths of the kernels of a singular point; the least that is resolved.
+PER_KERNEL, WIDER, NARROWEST = 16, 4.0, 1e-12
+HALVINGS, POLISHINGS = 24, 6        # to solve t(phi) = t
+
+
+def input_paths(mechanism, points):
+    """
+    Return the list of :class:`.elliptic.InputPath` that make up the motion of a mechanism in its mode.
+
+    ``points`` is the least number of points of a full turn, without those added at the ends. A slide is
+    given in units of :attr:`input_unit`.
+    """
+    if isinstance(mechanism, FourBar):
+        return elliptic_paths(mechanism, points)
+    unit = mechanism.input_unit
+    singular = np.array(mechanism.singular_inputs, complex) / unit
+    if mechanism.turns_fully:
+        return _closed(singular, points)
+    return [path for low, high in mechanism.input_ranges for path in _between(singular, low / unit, high / unit, points,
+                                                                             not mechanism.is_driven_by_slide)]
+
+
+def _closed(singular, points):
+    """Return the paths of a crank that makes full turns: one, or those between its flat positions."""
+    flat = np.unique(singular.real[singular.imag == 0.0])
+    kernels = _kernels(singular[singular.imag != 0.0], points)
+    if not flat.size:
+        return [InputPath(np.sort(_wrapped(_spread(kernels, -pi, pi, ())[0])), None, None, 0, -1)]
+    ends = [*flat, flat[0] + 2.0 * pi]
+    return [_path(kernels, *pair, lambda phi: phi, [End(float(end), True) for end in pair]) for pair in zip(ends, ends[1:])]
+
+
+def _between(singular, low, high, points, is_periodic):
+    """Return the paths of a range between two toggles: one, or two with a flat position between them."""
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    singular = singular[(singular != low) & (singular != high)]
+    if is_periodic:
+        singular = np.concatenate([singular + turn for turn in (-2.0 * pi, 0.0, 2.0 * pi)])
+        singular = singular[(np.abs(singular - low) > NARROWEST) & (np.abs(singular - high) > NARROWEST)]
+    scaled = (singular - middle) / half
+    is_flat = (scaled.imag == 0.0) & (np.abs(scaled.real) < 1.0)
+    angles = np.arcsin(scaled[~is_flat])
+    kernels = _kernels(np.concatenate((angles, pi - angles)), points)
+    flat = np.unique(np.arcsin(scaled.real[is_flat]))
+    ends = [-0.5 * pi, *flat, 0.5 * pi]
+    toggles = {-0.5 * pi: End(low, False), 0.5 * pi: End(high, False)}
+
+    def to_input(phi):
+        return middle + half * np.sin(phi)
+    return [_path(kernels, *pair, to_input, [toggles.get(end) or End(float(to_input(end)), True) for end in pair])
+            for pair in zip(ends, ends[1:])]
+
+
+def _path(kernels, first, last, to_input, ends):
+    phi, before, after = _spread(kernels, first, last, ends)
+    x = to_input(phi)
+    # Nearer to an end than this, x has no digits left for the distance.
+    near = [np.abs(x - end.theta1) < 2.0**-40 * max(abs(end.theta1), 2.0**-12) for end in ends]
+    before, after = before - near[0].sum(), after - near[1].sum()
+    x = x[~(near[0] | near[1])]
+    return InputPath(x, *ends, int(before), int(x.size - 1 - after))
+
+
+def _kernels(singular, points):
+    """Return (centres, tangents of half the widths, samples of a turn) of all kernels."""
+    centres, widths = [0.0], [40.0]               # as good as infinitely wide: equal steps
+    for z in singular:
+        width = max(abs(z.imag), NARROWEST)
+        while width < 1.0:
+            centres.append(z.real)
+            widths.append(width)
+            width *= WIDER
+    weights = np.full(len(centres), float(PER_KERNEL))
+    weights[0] = points
+    return np.array(centres)[:, None], np.tanh(0.5 * np.array(widths))[:, None], weights[:, None] / (2.0 * pi)
+
+
+def _samples(kernels, phi):
+    """Return t and dt/dphi: t rises by the number of samples of all kernels in a turn of phi."""
+    centres, tangents, weights = kernels
+    half = 0.5 * (phi - centres)
+    turns = np.round(half / pi)
+    half = half - turns * pi                      # in [-pi/2, pi/2]
+    sine, cosine = np.sin(half), np.cos(half)
+    t = 2.0 * (np.arctan2(sine, tangents * cosine) + turns * pi)
+    return (weights * t).sum(axis=0), (weights * tangents / (sine * sine + (tangents * cosine)**2)).sum(axis=0)
+
+
+def _spread(kernels, first, last, ends):
+    """Return the phi of equal steps between two ends, half a step from them, and how many were added at each."""
+    begin, end = (_samples(kernels, np.array([v]))[0][0] for v in (first, last))
+    count = int(np.ceil(end - begin))
+    closer = [0.5 / count * 4.0**-np.arange(1.0, 1 + (FLAT_POINTS if e.is_flat else TOGGLE_POINTS)) for e in ends]
+    before, after = closer if ends else (np.zeros(0), np.zeros(0))
+    t = np.concatenate((before[::-1], (np.arange(count) + 0.5) / count, 1.0 - after))
+    t = begin + (end - begin) * t
+    low, high = np.full(t.size, first), np.full(t.size, last)
+    for _ in range(HALVINGS):
+        phi = 0.5 * (low + high)
+        is_low = _samples(kernels, phi)[0] < t
+        low, high = np.where(is_low, phi, low), np.where(is_low, high, phi)
+    for _ in range(POLISHINGS):
+        value, slope = _samples(kernels, phi)
+        phi = np.clip(phi - (value - t) / slope, low, high)
+    return phi, before.size, after.size
+
+
+def _wrapped(phi):
+    return (phi + pi) % (2.0 * pi) - pi
