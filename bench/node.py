@@ -244,6 +244,24 @@ def scenes():
     print()
 
 
+def imports():
+    """Print how long imports take in a fresh Python."""
+    print('| import, in a fresh Python | wall time [ms] | over that of rclpy |')
+    print('| --- | --- | --- |')
+    modules = {'nothing': 'sys', 'fourbar_ros.core (no ROS)': 'fourbar_ros.core', 'rclpy': 'rclpy',
+               'the node': 'fourbar_ros.ros.node', 'the node and its recorder': 'fourbar_ros.ros.node, fourbar_ros.bag.writer'}
+    took = {what: [] for what in modules}
+    for _ in range(2 * ROUNDS + 1):
+        for what, module in modules.items():
+            began = time.monotonic()
+            subprocess.run([sys.executable, '-c', f'import {module}'], check=True, cwd=ROOT)
+            took[what].append((time.monotonic() - began) * 1e3)
+    whole = median(took['rclpy'])
+    for what, times in took.items():
+        print(f'| {what} | {median(times):.0f} | {median(times) / whole:.2f} |')
+    print()
+
+
 def main():
     """Print all tables of the node."""
     import rclpy
@@ -253,6 +271,7 @@ def main():
         highest()
         echoes()
         scenes()
+        imports()
     finally:
         rclpy.try_shutdown()
 

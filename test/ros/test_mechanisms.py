@@ -107,7 +107,7 @@ def test_points_are_changed_live_and_refused_with_a_reason(run_node, client):
     before = client.received['points/tip'][-1]
     assert before.speed > 0.0
     assert set_parameters(client, {'points.tip.link': 'crank', 'points.tip.along': 0.4, 'points.tip.across': 0.0},
-                          atomically=True).successful
+                          atomically=True)[0].successful
     client.until(lambda: client.received['points/tip'][-1].normal_acceleration == pytest.approx(9.0 * 0.4, rel=1e-12),
                  'the point on the crank')
     assert 'must be one of crank, coupler, output' in set_parameters(client, {'points.tip.link': 'rocker'})[0].reason

@@ -69,7 +69,7 @@ def test_the_clock_of_the_bag_is_published_at_its_rate(client, bag):
     clocks = []
     client.node.create_subscription(Clock, '/clock', clocks.append, 1000)
     process = fourbar('replay', bag, '--clock', '200', '--rate', '0.5', '--topics', '/joint_states', '--start', '0.1',
-                      '--delay', '3')
+                      '--delay', '5')
     client.until(lambda: client.node.count_publishers('/clock'), 'the clock')
     code, _ = finished(process, client)
     assert code == 0
