@@ -156,7 +156,9 @@ def _resolve(quantities, linkage):
         quantities = (quantities,)
     if not len(quantities):
         return select((), linkage)
-    return [quantity if hasattr(quantity, 'of') else select((quantity,), linkage)[0] if not callable(quantity)
+    names = [quantity for quantity in quantities if not (hasattr(quantity, 'of') or callable(quantity))]
+    named = iter(select(names, linkage) if names else ())
+    return [quantity if hasattr(quantity, 'of') else next(named) if not callable(quantity)
             else Function(getattr(quantity, '__name__', 'quantity'), getattr(quantity, 'unit', ''), '', quantity)
             for quantity in quantities]
 

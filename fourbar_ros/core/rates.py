@@ -162,8 +162,7 @@ def _roots_of_k(x, states, third, is_closed, constants):
 def _roots_of_g(x, states, inside, is_closed, constants):
     """Yield (whether g falls, theta1, sines) of the roots of g: between samples and roots of k."""
     positive = [state[0] >= 0.0 for state in states]
-    for i in range(len(x) if is_closed else len(x) - 1):
-        j = (i + 1) % len(x)
+    for i, j in enumerate([*range(1, len(x)), *[0] * is_closed]):
         if not inside[i] and positive[i] is positive[j]:
             continue
         chain = [_node(x[i], 0, states[i]), *sorted(inside[i]), _node(turn_after(x[j], x[i]), 0, states[j])]

@@ -79,13 +79,14 @@ def intervals_with_roots(f, rise, is_closed):
 
 def intervals_of_one(f, rise, is_closed):
     """Return (i, is_plain) as :func:`intervals_with_roots`, of one function in plain floats: lists."""
-    pairs = list(zip(range(len(f)), range(1, len(f))))
-    if is_closed:
-        pairs.append((len(f) - 1, 0))
+    positive = [v >= 0.0 for v in f]
+    turning = [abs(r) >= (1.0 - CAUTION) * abs(v) for v, r in zip(f, rise)]      # one way or the other
+    following = [*range(1, len(f)), *[0] * is_closed]
     found, small = [], set()
-    for i, j in pairs:
-        one, other = turns_back(f[i], rise[i]), turns_back(f[j], -rise[j])
-        if (f[i] >= 0.0) is not (f[j] >= 0.0):
+    for i, j in enumerate(following):
+        one = turning[i] and turns_back(f[i], rise[i])
+        other = turning[j] and turns_back(f[j], -rise[j])
+        if positive[i] is not positive[j]:
             found.append((i, not (one and other)))
         elif one or other:
             small.update((i,) * one + (j,) * other)
@@ -93,7 +94,7 @@ def intervals_of_one(f, rise, is_closed):
         return found
     plain = dict(found)
     return [(i, plain.get(i, False) and i not in small and j not in small)
-            for i, j in pairs if i in plain or i in small or j in small]
+            for i, j in enumerate(following) if i in plain or i in small or j in small]
 
 
 def rises(f, is_closed):
