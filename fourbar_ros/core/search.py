@@ -6,7 +6,7 @@ derivative, hidden pairs of them too, are bracketed, and all brackets of all qua
 """
 from __future__ import annotations
 
-from math import comb, inf, nan, pi
+from math import comb, inf, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -75,7 +75,8 @@ def _interior(sampler, path, values, slopes, state, rows, with_conditions):
     scale = np.where((values > 0.0).all(axis=1, keepdims=True), values * sine**(2 * POLE - 1), sine**POLE)
     x, f = path.theta1, slopes[rows].T * scale.T
     turn = rises(np.unwrap(x)[:, None], False)[:, 0]
-    _, row, xa, xb, fa, guess = find_brackets(lambda x, row: sampler.slope(x, rows[row]), lambda i, row: (x[i], turn[i]),
+    _, row, xa, xb, fa, guess = find_brackets(lambda x, row: sampler.slope(x, rows[row]),
+                                              lambda i, row: (x[i], turn[i]),
                                               f, rises(f, path.is_closed), path.is_closed)
     if not row.size:
         return []
