@@ -10,13 +10,13 @@ import pytest
 from fourbar_ros.core import Bodies, Body, FourBar, InvalidParameter, MissingBodies, round_rod
 from fourbar_ros.core.extrema import find_extrema
 from fourbar_ros.core.many import find_extrema_many
-from fourbar_ros.core.quantities import (QUANTITIES, Quantity, UnknownQuantity, coupler_point_acceleration,
-                                         coupler_point_speed)
+from fourbar_ros.core.quantities import Quantity, UnknownQuantity, known, point_acceleration, point_speed
 from fourbar_ros.core.sturm import count_extrema
 
 EPS = 2.0**-52
 PAPER = (0.4, 1.2, 0.8, 1.0)
 RATES = ('omega4', 'alpha4')
+QUANTITIES = known(FourBar)
 
 
 def with_rods(lengths, **others):
@@ -228,8 +228,8 @@ def test_all_quantities_against_a_scan(kind):
     number = 0
     for _ in range(8):
         linkage = random_linkage(rng, kind)
-        quantities = [*QUANTITIES, coupler_point_speed(linkage, *rng.uniform(-0.5, 0.5, 2)),
-                      coupler_point_acceleration(linkage, *rng.uniform(-0.5, 0.5, 2))]
+        quantities = [*QUANTITIES, point_speed(linkage, 'coupler', *rng.uniform(-0.5, 0.5, 2)),
+                      point_acceleration(linkage, 'coupler', *rng.uniform(-0.5, 0.5, 2))]
         number += check_against_scan(linkage, quantities, rng.normal(0.0, 10.0), rng.normal(0.0, 50.0), 20000)
     assert number > 100
 

@@ -8,10 +8,11 @@ import pytest
 from fourbar_ros.core import Bodies, FourBar, round_rod, sturm
 from fourbar_ros.core import extrema as module
 from fourbar_ros.core.extrema import find_extrema
-from fourbar_ros.core.quantities import QUANTITIES, coupler_point_speed
+from fourbar_ros.core.quantities import known, point_speed
 
 PAPER = (0.4, 1.2, 0.8, 1.0)
 RATES = ('omega4', 'alpha4')
+QUANTITIES = known(FourBar)
 
 
 def with_rods(lengths, **others):
@@ -52,7 +53,7 @@ def test_loads_are_proved_by_intervals(lengths, end):
 def test_functions_are_proved_by_intervals():
     pytest.importorskip('flint')
     linkage = FourBar(*PAPER)
-    assert proofs(find_extrema(linkage, coupler_point_speed(linkage, 0.5, 0.2), certify=True)) == {'interval bounds'}
+    assert proofs(find_extrema(linkage, point_speed(linkage, 'coupler', 0.5, 0.2), certify=True)) == {'interval bounds'}
     assert proofs(find_extrema(linkage, lambda motion, loads: motion.theta4, certify=True)) == {'interval bounds'}
 
 

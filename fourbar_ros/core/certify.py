@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 from . import intervals, sturm
-from .elliptic import input_paths
+from .linkage import FourBar
+from .paths import input_paths
 from .quantities import is_published
 from .sampling import Sampler
 
@@ -26,7 +27,7 @@ def prove_counts(linkage, quantities, omega1, alpha1, samples, found):
     proofs = [None] * len(quantities)
     rates = {'omega4': 0} if alpha1 else {'omega4': 0, 'alpha4': 1}
     exact = [row for row, quantity in enumerate(quantities)
-             if omega1 and quantity.name in rates and is_published(quantity)]
+             if isinstance(linkage, FourBar) and omega1 and quantity.name in rates and is_published(quantity)]
     if exact:
         counts = sturm.count_extrema(linkage.lengths)
         for row in exact:
@@ -53,6 +54,6 @@ def _by_intervals(linkage, quantity, omega1, alpha1, samples):
         return None, f'{NOT_PROVED}: the function does not work on enclosures ({error})'
     if None in counts:
         return None, f'{NOT_PROVED}: more than {intervals.MOST_PIECES} pieces'
-    left_out = [abs(end.theta1 - x) for path in paths for end, x in ((path.low, path.theta1[0]),
-                                                                     (path.high, path.theta1[-1])) if end]
+    left_out = [abs(end.x - x) for path in paths for end, x in ((path.low, path.x[0]),
+                                                                     (path.high, path.x[-1])) if end]
     return sum(counts), INTERVALS + (f', except {max(left_out):.0e} rad at the ends' if left_out else '')

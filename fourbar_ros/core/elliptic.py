@@ -33,20 +33,20 @@ POINTS_PER_FEATURE = 4
 
 
 class End(NamedTuple):
-    """End of an input path: a toggle of a rocker, or (``is_flat``) the flat position of a change point."""
+    """End of an input path: a toggle, or (``is_flat``) the flat position of a change point."""
 
-    theta1: float
+    x: float
     is_flat: bool
 
 
 class InputPath(NamedTuple):
     """
-    A range of theta1 in which the linkage moves smoothly in one assembly mode.
+    A range of the input in which a mechanism moves smoothly in one assembly mode.
 
     Parameters
     ----------
-    theta1 : ndarray, shape (n,)
-        In [-pi, pi], inside the range, in the order of motion: after pi comes -pi.
+    x : ndarray, shape (n,)
+        Inputs inside the range, in the order of motion; a full turn in [-pi, pi]: after pi comes -pi.
     low, high : End or None
         Where it begins and ends; None for full turns: after the last point comes the first.
     first, last : int
@@ -54,7 +54,7 @@ class InputPath(NamedTuple):
 
     """
 
-    theta1: np.ndarray
+    x: np.ndarray
     low: End | None
     high: End | None
     first: int
@@ -168,7 +168,7 @@ def input_paths(linkage, points):
     x = 2.0 * np.arctan2(*half(np.sin(phase), np.cos(phase)))
 
     # Nearer to a toggle than this, x has no digits left for the distance.
-    beyond = [np.abs(x - end.theta1) < 2.0**-40 * end.theta1 if end else np.zeros(x.shape, bool)
+    beyond = [np.abs(x - end.x) < 2.0**-40 * end.x if end else np.zeros(x.shape, bool)
               for end in (low, high)]
     before, after = before.size - beyond[0].sum(), after.size - beyond[1].sum()
     x = x[~(beyond[0] | beyond[1])]
@@ -187,4 +187,4 @@ def _closer(end, count):
 
 
 def _mirror(end):
-    return end and End(-end.theta1, end.is_flat)
+    return end and End(-end.x, end.is_flat)

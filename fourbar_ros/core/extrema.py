@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .elliptic import input_paths
 from .errors import InvalidParameter
+from .linkage import FourBar
+from .paths import input_paths
 from .quantities import Function, is_published, select
 from .rates import SAMPLES as RATE_SAMPLES
 from .rates import rate_extrema
@@ -41,7 +42,7 @@ class Extremum(NamedTuple):
     kind : str
         'minimum', 'maximum', or 'constant': the same value over a whole range, from ``theta1`` on.
     theta1 : float
-        Input angle [rad], in [0, 2 pi).
+        Crank angle [rad], in [0, 2 pi).
     value : float
         In the quantity's unit; +-inf at an end where the quantity is unbounded.
     is_global : bool
@@ -50,9 +51,9 @@ class Extremum(NamedTuple):
         'interior'; 'limit': at a toggle, where the range of the input ends; 'one-sided': the value
         towards the flat position of a change point, where the quantity jumps.
     side : int
-        +1 (-1): theta1 is approached from above (below); 0 in the interior.
+        +1 (-1): the input is approached from above (below); 0 in the interior.
     condition, value_condition : float
-        Link lengths each wrong by a relative eps move ``theta1`` by up to eps * condition [rad] and
+        Link lengths each wrong by a relative eps move the place by up to eps * condition [rad or m] and
         ``value`` by up to the relative eps * value_condition. NaN at ends.
     proof : str
         How it is known that no extreme inside the range is missing: '' if not asked, 'exact count',
@@ -83,14 +84,14 @@ def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False, 
 
     Parameters
     ----------
-    linkage : FourBar
+    linkage : FourBar, SliderCrank or InvertedSlider
     quantities : sequence of str, Quantity or callable
         Names (see :data:`.quantities.QUANTITIES`), or functions (Motion, Loads) -> value of plain
         arithmetic and numpy functions; with abs, comparisons or ``math`` they are slower and located
         to about 1e-10 rad. Attributes ``unit`` and ``__name__`` are used. Empty: all names for which the
         linkage has data.
     omega1, alpha1 : float
-        Input rate [rad/s] and acceleration [rad/s^2], the same at every angle.
+        Input rate [rad/s] and acceleration [rad/s^2], of a driven slide [m/s], [m/s^2], the same everywhere.
     certify : bool
         Also prove that none is missing, see :mod:`.certify`: milliseconds for omega4 and alpha4, a
         second or more for each other quantity.
@@ -100,7 +101,7 @@ def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False, 
     Returns
     -------
     list of Extremum
-        By quantity, in the order asked, then by theta1.
+        By quantity, in the order asked, then by theta1 (by the slide if that is driven).
 
     """
     for name, value in (('omega1', omega1), ('alpha1', alpha1)):
@@ -119,7 +120,7 @@ def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False, 
                   else f'{NOT_PROVED}: {_interior_count(part)} found, {count} exist'
                   for proof, count, part in zip(proofs, counts, found)]
     return [extremum for quantity, part, proof in zip(quantities, found, proofs)
-            for extremum in _extrema(quantity, linkage.mode, part, proof)]
+            for extremum in _extrema(quantity, linkage, part, proof)]
 
 
 def _interior_count(found):
@@ -128,7 +129,7 @@ def _interior_count(found):
 
 def _search(linkage, quantities, omega1, alpha1, density, conditions):
     """Return a list of :class:`Found` for each quantity, each searched for in the way that fits it."""
-    is_fast = alpha1 == 0.0 != omega1 and linkage.change_point_margin > 0.0
+    is_fast = isinstance(linkage, FourBar) and alpha1 == 0.0 != omega1 and linkage.change_point_margin > 0.0
     fast, smooth, rough = [], [], []
     for row, quantity in enumerate(quantities):
         if not is_published(quantity):
@@ -166,8 +167,8 @@ def _resolve(quantities, linkage):
 def _has_complex_step(linkage, quantity, omega1, alpha1):
     """Return whether the complex step gives the derivative of a function: tried at some points."""
     path = input_paths(linkage, 32)[0]
-    x = path.theta1[path.first:path.last:3]
-    step = 2.0**-12 * np.gradient(path.theta1)[path.first:path.last:3]
+    x = path.x[path.first:path.last:3]
+    step = 2.0**-12 * np.gradient(path.x)[path.first:path.last:3]
     sampler = Sampler(linkage, (quantity,), omega1, alpha1, with_angles=True)
     try:
         values, slopes = sampler.sample(x)
@@ -191,14 +192,23 @@ def _at_constant_rate(linkage, names, omega1, density, with_conditions):
             yield Found(row, fold(x), sense * inf, sense, side)
 
 
-def _extrema(quantity, mode, found, proof):
-    """Return the extrema of one quantity by theta1, the global ones marked."""
+def _extrema(quantity, linkage, found, proof):
+    """Return the extrema of one quantity by place, the global ones marked."""
     if not found:
         return []
     low, high = min(part.value for part in found), max(part.value for part in found)
     low, high = (v + margin * abs(v) if isfinite(v) else v for v, margin in ((low, 64 * EPS), (high, -64 * EPS)))
-    return [Extremum(quantity.name, quantity.unit, mode, _KINDS[part.sense], part.theta1, part.value,
+    unit, theta1 = linkage.input_unit, (_crank_angle(linkage, found) if linkage.is_driven_by_slide
+                                        else {part: part.place for part in found})
+    return [Extremum(quantity.name, quantity.unit, linkage.mode, _KINDS[part.sense], theta1[part], part.value,
                      part.sense <= 0 and part.value <= low or part.sense >= 0 and part.value >= high,
                      INTERIOR if not part.side or not part.sense else ONE_SIDED if part.is_flat else LIMIT,
-                     part.side, part.condition, part.value_condition, proof)
-            for part in sorted(found, key=lambda part: (part.theta1, part.side))]
+                     part.side, unit * part.condition, part.value_condition, proof,
+                     unit * part.place if linkage.is_driven_by_slide else nan)
+            for part in sorted(found, key=lambda part: (part.place, part.side))]
+
+
+def _crank_angle(linkage, found):
+    """Return {found: crank angle} where the slide is driven."""
+    angles = linkage.motion(linkage.input_unit * np.array([part.place for part in found])).theta1
+    return dict(zip(found, fold(angles).tolist()))

@@ -128,18 +128,21 @@ def count_extrema(sampler, path):
 def _evaluator(sampler, flint):
     """Return the function (ball of theta1, rows) -> enclosures of dQ/dtheta1 and half d2Q/dtheta1^2."""
     linkage = sampler.linkage
-    lengths = [flint.arb(length) for length in linkage.lengths]
-    motion = _enclosing(make_motion, sampler.with_angles)(*lengths, linkage.sign)
-    loads = linkage.bodies and _enclosing(make_loads, False)(
-        *lengths, *(_exact(part, flint.arb) for part in (tuple(linkage.bodies), linkage.gravity, linkage.external)))
+    exact = SimpleNamespace(lengths=[flint.arb(length) for length in linkage.lengths], sign=linkage.sign,
+                            input=linkage.input, input_unit=flint.arb(1), gravity=_exact(linkage.gravity, flint.arb),
+                            bodies=_exact(tuple(linkage.bodies or ()), flint.arb),
+                            external=_exact(linkage.external, flint.arb))
+    motion = type(linkage)._make_motion(exact, 1, lambda factory: _enclosing(factory, sampler.with_angles))
+    loads = linkage.bodies and type(linkage)._make_loads(exact, 1, lambda factory: _enclosing(factory, False))
+    unit = flint.arb(sampler.unit)
     rates = [flint.arb(rate) for rate in sampler.rates]
     unknown = [flint.arb('nan')] * (ORDER + 1)
 
     def coefficients(ball, rows):
         """Return the Taylor coefficients of quantities ``rows`` about any point of the ball."""
         try:
-            fields = motion(Series(flint.arb_series([ball, 1])), *rates)
-            state = Motion(*fields), Loads(*loads(fields)) if loads else NoLoads()
+            fields = motion(Series(flint.arb_series([unit * ball, unit])), *rates)
+            state = linkage.MOTION(*fields), linkage.LOADS(*loads(fields)) if loads else NoLoads()
             values = [sampler.quantities[row].of(*state).series for row in rows]
         except ValueError:                   # a divisor may vanish: nothing is known
             return [unknown] * len(rows)
@@ -149,7 +152,7 @@ def _evaluator(sampler, flint):
 
 def _pieces(path, arb):
     """Return the pieces (low, high) between samples as balls of little or no width."""
-    x = path.theta1.tolist()
+    x = path.x.tolist()
     points = [arb(v) if v >= x[0] else arb(v) + 2 * arb.pi() for v in x]
     if path.is_closed:
         points.append(points[0] + 2 * arb.pi())

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, cos, fabs, frexp, fsum, ldexp, pi, sin, sqrt
+from math import atan2, atanh, cos, fabs, frexp, fsum, ldexp, pi, sin, sqrt
 from typing import NamedTuple
 
 from .bodies import Bodies, External
@@ -30,9 +30,9 @@ from .dialects import dialects
 from .errors import InvalidParameter
 from .factors import difference_of_squares
 from .kinematics import INFINITESIMAL
-from .mechanism import CRANK, OPEN, SLIDE, THETA1, THETA2, THETA4, TRAVEL, Mechanism
+from .mechanism import CRANK, EPS, OPEN, SLIDE, THETA1, THETA2, THETA4, TRAVEL, Mechanism
 from .slider_loads import SliderLoads, make_inverted_loads
-from .triangle import make_triangle, reach, slide_ranges
+from .triangle import make_triangle, reach, singular_slides, slide_ranges
 
 
 class InvertedSliderMotion(NamedTuple):
@@ -175,6 +175,9 @@ class InvertedSlider(Mechanism):
     gravity: tuple[float, float] = (0.0, 0.0)
     external: External = External()
 
+    LENGTHS = ('a1', 'a4', 'offset')
+    MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
+    LINK_LENGTHS = {'crank': 'a1'}
     INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
     OUTPUTS = {CRANK: (THETA4, 'output_ratio'), SLIDE: (THETA1, 'crank_ratio')}
     JOINTS = (THETA1, THETA2, TRAVEL, THETA4)
@@ -227,6 +230,23 @@ class InvertedSlider(Mechanism):
         return ((low, 2.0 * pi - low),)
 
     @property
+    def singular_inputs(self):
+        """
+        Return the complex inputs where the dyad is singular, as :attr:`.SliderCrank.singular_inputs`.
+
+        For a driven crank where A is at the foot of O4, l = 0, and where it is as far as that from O4, q = 0.
+        """
+        a1, a4, h = self.lengths
+        if self.input == SLIDE:
+            return singular_slides(a4, a1, h)
+        near, far = reach(*self.lengths)
+        pole = complex(0.0, 2.0 * atanh(min(abs(a1 - a4) / (a1 + a4), 1.0 - EPS)))
+        if near > 0.0:
+            return [complex(0.0, 2.0 * atanh(sqrt(near / far))), pole]
+        angle = 2.0 * atan2(sqrt(-near), sqrt(far))
+        return [complex(angle), complex(-angle), *([pole] if near < 0.0 else [])]
+
+    @property
     def dead_points(self):
         """Return where the bar of a driven crank turns back in this mode: up to two InvertedDeadPoint."""
         points = []
@@ -238,16 +258,20 @@ class InvertedSlider(Mechanism):
                 points.append(InvertedDeadPoint(atan2(side * cosine, -side * sine), atan2(sine, cosine)))
         return tuple(sorted(points))
 
-    @cached_property
-    def _motion(self):
+    def _make_motion(self, dialect, change=lambda factory: factory):
         if self.input == CRANK:
-            return [make(*self.lengths, self.sign) for make in make_crank_motion]
-        unit = ldexp(1.0, frexp(max(map(abs, self.lengths)))[1])
-        a1, a4, h = (length / unit for length in self.lengths)
-        return [make(a1, a4, h, unit, triangle(a4, a1, h, -self.sign))
-                for make, triangle in zip(make_slide_motion, make_triangle)]
+            return change(make_crank_motion[dialect])(*self.lengths, self.sign)
+        a1, a4, h = (length / self.input_unit for length in self.lengths)
+        return change(make_slide_motion[dialect])(a1, a4, h, self.input_unit,
+                                                  change(make_triangle[dialect])(a4, a1, h, -self.sign))
 
-    @cached_property
-    def _loads(self):
-        return [make(*self.lengths, self.input == CRANK, self.bodies, self.gravity, self.external)
-                for make in make_inverted_loads]
+    def _make_loads(self, dialect, change=lambda factory: factory):
+        return change(make_inverted_loads[dialect])(*self.lengths, self.input == CRANK, self.bodies, self.gravity,
+                                                    self.external)
+
+    def transmission_sine(self, motion):
+        """Return a number that is zero where the dyad is in line, at most one."""
+        size = max(map(abs, self.lengths))
+        slide, aside = motion.slide / size, self.offset / size
+        opposite = slide if self.input == CRANK else self.a4 / size * motion.sin_x
+        return opposite / (slide * slide + aside * aside)**0.5

@@ -98,6 +98,7 @@ class FourBar(Mechanism):
 
     LENGTHS = ('a1', 'a2', 'a3', 'a4')
     LINK_LENGTHS = {'crank': 'a1', 'coupler': 'a2', 'output': 'a3'}
+    MARGIN_SIGNS = ((-1, -1, 1, 1), (-1, 1, -1, 1), (-1, 1, 1, -1))
     input = CRANK
     INPUTS, OUTPUTS = {CRANK: THETA1}, {CRANK: (THETA4, 'velocity_ratio')}
     JOINTS = (THETA1, THETA2, THETA3, THETA4)
@@ -188,10 +189,17 @@ class FourBar(Mechanism):
 
     # --- how it moves ---------------------------------------------------------------------------
 
-    @cached_property
-    def _motion(self):
-        return [make(*self.lengths, self.sign) for make in make_motion]
+    def _make_motion(self, dialect, change=lambda factory: factory):
+        return change(make_motion[dialect])(*self.lengths, self.sign)
 
-    @cached_property
-    def _loads(self):
-        return [make(*self.lengths, self.bodies, self.gravity, self.external) for make in make_loads]
+    def _make_loads(self, dialect, change=lambda factory: factory):
+        return change(make_loads[dialect])(*self.lengths, self.bodies, self.gravity, self.external)
+
+    def transmission_sine(self, motion):
+        """Return a number that is zero where the dyad is in line, at most one: sin(mu)."""
+        return motion.sin_mu
+
+    def term_sizes(self, motion, rate, acceleration):
+        """Return {unit: size} of the terms that rates and accelerations are sums of, for noise bounds."""
+        gain = min(1.0, self.a1 / min(self.a2, self.a3))
+        return {'rad/s': gain * abs(rate), 'rad/s^2': gain * (abs(acceleration) + rate**2)}

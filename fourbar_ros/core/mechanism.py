@@ -7,7 +7,7 @@ called for floats and arrays, with the same rules for all.
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, cached_property
 from math import frexp, isfinite, ldexp, nan, pi, remainder
 from numbers import Real
 from typing import NamedTuple
@@ -36,6 +36,18 @@ THETA1, THETA2, THETA3, THETA4 = (Coordinate(f'theta{i}', f'omega{i}', f'alpha{i
 TRAVEL = Coordinate('slide', 'slide_velocity', 'slide_acceleration')
 
 
+class ByDialect(dict):
+    """The function of each dialect, by its index, made when it is used first."""
+
+    def __init__(self, make):
+        super().__init__()
+        self._make = make
+
+    def __missing__(self, dialect):
+        made = self[dialect] = self._make(dialect)
+        return made
+
+
 class Mechanism:
     """
     Base of a frozen dataclass with ``mode``, ``input``, ``bodies``, ``gravity``.
@@ -44,9 +56,18 @@ class Mechanism:
     (which of them is the length of a link, for the links that have one), ``INPUTS`` (the :class:`Coordinate` of each kind of input), ``OUTPUTS`` (for each kind
     of input the coordinate it is used for, and the field that is d output / d input), ``JOINTS`` (the
     coordinates of all joints, from O1 on), ``MOTION`` and ``LOADS`` (types of the results),
-    ``input_ranges``, and ``_motion`` and ``_loads``, the :class:`~.dialects.Dialects` of its two
-    functions as sequences.
+    ``input_ranges``, ``singular_inputs``, ``MARGIN_SIGNS`` (how the lengths enter each of ``_margins``), and
+    ``_make_motion(dialect, change)`` and ``_make_loads(dialect, change)``, which return the functions that
+    compute them, from factories that ``change`` may have rebound.
     """
+
+    @cached_property
+    def _motion(self):
+        return ByDialect(self._make_motion)
+
+    @cached_property
+    def _loads(self):
+        return ByDialect(self._make_loads)
 
     def _check(self, lengths, signed=()):
         """Refuse what no mechanism can have: lengths by name positive, signed ones finite."""
@@ -95,6 +116,14 @@ class Mechanism:
     def distance(self, one, other):
         """Return the signed distance of two inputs: the short way round of angles [rad], or [m]."""
         return one - other if self.is_driven_by_slide else remainder(one - other, 2.0 * pi)
+
+    def term_sizes(self, motion, rate, acceleration):
+        """Return {unit: size} of the terms that rates and accelerations are sums of, for noise bounds."""
+        angles = [joint for joint in self.JOINTS if joint is not TRAVEL]
+        omega = sum(abs(getattr(motion, joint.rate).real) for joint in angles)
+        alpha = omega * omega + sum(abs(getattr(motion, joint.acceleration).real) for joint in angles)
+        size = max(map(abs, self.lengths))
+        return {'rad/s': omega, 'rad/s^2': alpha, 'm/s': size * omega, 'm/s^2': size * alpha}
 
     def unknown(self, position, rate, acceleration):
         """Return the motion of which only the input is known; the rest is NaN."""

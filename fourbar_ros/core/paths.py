@@ -78,7 +78,7 @@ def _path(kernels, first, last, to_input, ends):
     phi, before, after = _spread(kernels, first, last, ends)
     x = to_input(phi)
     # Nearer to an end than this, x has no digits left for the distance.
-    near = [np.abs(x - end.theta1) < 2.0**-40 * max(abs(end.theta1), 2.0**-12) for end in ends]
+    near = [np.abs(x - end.x) < 2.0**-40 * max(abs(end.x), 2.0**-12) for end in ends]
     before, after = before - near[0].sum(), after - near[1].sum()
     x = x[~(near[0] | near[1])]
     return InputPath(x, *ends, int(before), int(x.size - 1 - after))

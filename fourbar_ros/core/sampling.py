@@ -1,11 +1,13 @@
 """
-Quantities of a linkage and their derivatives with respect to theta1, at many points at once.
+Quantities of a mechanism and their derivatives with respect to its input, at many points at once.
 
 The derivative is exact: a complex step through the same formulas that compute the quantity.
 """
 from __future__ import annotations
 
 from copy import copy
+from dataclasses import replace
+from functools import cache
 from itertools import repeat
 from math import sqrt
 
@@ -13,9 +15,8 @@ import numpy as np
 
 from .dialects import for_columns, rebound
 from .errors import MissingBodies
-from .kinematics import Motion, make_motion
-from .loads import Loads, make_loads
-from .roots import EPS
+from .linkage import FourBar
+from .roots import EPS, fold
 
 # Complex step: its square vanishes beside one, and it is nothing beside the distance of any sample
 # from a toggle or a flat position.
@@ -36,11 +37,17 @@ def _complex_angle(y, x):
     return np.arctan2(y.real, x.real) + 1j * (x.real * y.imag - y.real * x.imag) / (x.real**2 + y.real**2)
 
 
-_MOTION_WITH_ANGLES = rebound(make_motion.analytic, atan2=_complex_angle)
+@cache
+def _with_angles(factory):
+    return rebound(factory, atan2=_complex_angle)
 
 
 class Sampler:
-    """Values and derivatives of some quantities of a linkage in its mode."""
+    """
+    Values and derivatives of some quantities of a mechanism in its mode.
+
+    The input x is in units of :attr:`.mechanism.Mechanism.input_unit`.
+    """
 
     IS_COMPLEX = True   # the steps by which quantities are differentiated
     TURN = 2.0**-24     # step of real differences of derivatives, in samples: little enough for Newton's method
@@ -51,31 +58,41 @@ class Sampler:
         self.needs_loads = any(q.is_load for q in quantities)
         if self.needs_loads and linkage.bodies is None:
             raise MissingBodies
+        self.unit = linkage.input_unit
         has_loads = linkage.bodies is not None and (self.needs_loads or with_angles)
-        motions = linkage._motion[1], (_MOTION_WITH_ANGLES(*linkage.lengths, linkage.sign) if with_angles
-                                       else linkage._motion[2])
-        self._functions = motions, linkage._loads[1:] if has_loads else (None, None)
+        motions = linkage._motion[1], (linkage._make_motion(2, _with_angles) if with_angles else linkage._motion[2])
+        self._functions = motions, (linkage._loads[1], linkage._loads[2]) if has_loads else (None, None)
 
     def of(self, linkage):
         """Return the same for another linkage."""
         return type(self)(linkage, self.quantities, *self.rates, self.with_angles)
 
-    def with_lengths(self, *lengths):
-        """Return the same for some linkages that differ in lengths, four columns: x is of shape (linkages, n)."""
-        other, linkage = copy(self), self.linkage
-        motion = (make_motion.array, _MOTION_WITH_ANGLES if self.with_angles else make_motion.analytic)[self.IS_COMPLEX]
-        motion = for_columns(motion)(*lengths, linkage.sign)
-        loads = self._functions[1][0] and for_columns(make_loads[1 + self.IS_COMPLEX])(
-            *lengths, linkage.bodies, linkage.gravity, linkage.external)
-        other._functions = (motion,) * 2, (loads,) * 2
-        return other
+    def with_lengths(self, lengths, x, row):
+        """Return :meth:`at` for mechanisms of other lengths, shapes (n, mechanisms)."""
+        others = [replace(self.linkage, **dict(zip(self.linkage.LENGTHS, changed))) for changed in lengths]
+        if not isinstance(self.linkage, FourBar):
+            return [np.stack(parts, axis=1) for parts in zip(*(self.of(other).at(x, row) for other in others))]
+        # Of a 4R all at once: the formulas take columns of lengths.
+        sampler, linkage = copy(self), copy(others[0])
+        for name, column in zip(linkage.LENGTHS, zip(*lengths)):
+            object.__setattr__(linkage, name, np.array(column)[:, None])
+        kind = 1 + self.IS_COMPLEX
+        motion = linkage._make_motion(kind, lambda factory: for_columns(_with_angles(factory) if self.with_angles
+                                                                        and self.IS_COMPLEX else factory))
+        loads = self._functions[1][0] and linkage._make_loads(kind, for_columns)
+        sampler._functions = (motion,) * 2, (loads,) * 2
+        return sampler.at(np.tile(x, (len(lengths), 1)), row)
+
+    def fold(self, x):
+        """Return inputs as they are reported: angles in [0, 2 pi)."""
+        return x if self.linkage.is_driven_by_slide else fold(x)
 
     def state(self, x):
-        """Return (Motion, Loads) at real or complex x."""
+        """Return (motion, loads) at real or complex x."""
         motion, loads = (functions[x.dtype.kind == 'c'] for functions in self._functions)
         with np.errstate(all='ignore'):
-            fields = motion(x, *self.rates)
-            return Motion(*fields), Loads(*loads(fields)) if loads else NoLoads()
+            fields = motion(self.unit * x, *self.rates)
+            return self.linkage.MOTION(*fields), self.linkage.LOADS(*loads(fields)) if loads else NoLoads()
 
     def values(self, x):
         """Return the quantities at x, shape (quantities, *x.shape)."""
@@ -118,16 +135,13 @@ class Sampler:
         shaking force is the noise of the joint reactions.
         """
         motion, loads = state
-        omega1, alpha1 = self.rates
-        a1, a2, a3, a4 = self.linkage.lengths
-        gain = min(1.0, a1 / min(a2, a3))
-        scales = {'rad/s': gain * abs(omega1), 'rad/s^2': gain * (abs(alpha1) + omega1**2)}
+        sine = self.linkage.transmission_sine(motion).real
+        scales = self.linkage.term_sizes(motion, *self.rates)
         if self.needs_loads:
             scales['N'] = force = sum(abs(f.real) for f in (loads.f41, loads.f21, loads.f32, loads.f43))
-            scales['N m'] = max(self.linkage.lengths) * force
-        rows = np.stack([np.broadcast_to(scales.get(q.unit, 0.0), motion.sin_mu.shape)
-                         for q in self.quantities])
-        return 64.0 * EPS * rows / np.minimum(np.abs(motion.sin_mu.real), 1.0)
+            scales['N m'] = max(map(abs, self.linkage.lengths)) * force
+        rows = np.stack([np.broadcast_to(scales.get(q.unit, 0.0), sine.shape) for q in self.quantities])
+        return 64.0 * EPS * rows / np.minimum(np.abs(sine), 1.0)
 
 
 class DifferenceSampler(Sampler):
@@ -151,7 +165,8 @@ class DifferenceSampler(Sampler):
         except (TypeError, ValueError):       # a function of plain numbers: one sample at a time
             motions, loads = (zip(*(np.broadcast_to(f, x.shape).ravel().tolist() for f in part))
                               if isinstance(part, tuple) else repeat(part) for part in state)
-            states = [(Motion(*v), Loads(*w) if isinstance(w, tuple) else w) for v, w in zip(motions, loads)]
+            states = [(self.linkage.MOTION(*v), self.linkage.LOADS(*w) if isinstance(w, tuple) else w)
+                      for v, w in zip(motions, loads)]
             return np.reshape([[q.of(*s) for s in states] for q in self.quantities], (-1, *x.shape)).astype(float)
 
     def sample(self, x):

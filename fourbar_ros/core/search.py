@@ -35,10 +35,10 @@ _UP_TO = _weights(NEIGHBOURS, lambda j: comb(NEIGHBOURS - 1, j))
 
 
 class Found(NamedTuple):
-    """One extreme of quantity number ``row``; the other fields as in :class:`.extrema.Extremum`."""
+    """One extreme of quantity number ``row``, at the input ``place``; other fields as in :class:`.extrema.Extremum`."""
 
     row: int
-    theta1: float
+    place: float
     value: float
     sense: int          # +1 maximum, -1 minimum, 0 constant from here on
     side: int = 0
@@ -49,31 +49,31 @@ class Found(NamedTuple):
 
 def search_path(sampler, path, with_conditions=True):
     """Return the list of :class:`Found` of all quantities along one :class:`.elliptic.InputPath`."""
-    values, slopes = sampler.sample(path.theta1)
+    values, slopes = sampler.sample(path.x)
     middle = np.median(values, axis=1)
-    state = sampler.state(path.theta1)
+    state = sampler.state(path.x)
     noise = np.maximum(sampler.noise(state), 64.0 * EPS * np.abs(middle)[:, None])
     varies = (np.abs(values - middle[:, None]) > noise).any(axis=1)
     middle[np.abs(middle) <= noise.min(axis=1)] = 0.0
-    start = 0.0 if path.is_closed else path.low.theta1
-    found = [Found(row, fold(start), float(middle[row]), 0, 0 if path.is_closed else 1)
+    start = 0.0 if path.is_closed else path.low.x
+    found = [Found(row, sampler.fold(start), float(middle[row]), 0, 0 if path.is_closed else 1)
              for row in np.nonzero(~varies)[0].tolist()]
     rows = np.nonzero(varies)[0]
     if rows.size:
         found += _interior(sampler, path, values, slopes, state, rows, with_conditions)
     if not path.is_closed:
-        inward = np.arange(path.theta1.size)
-        found += _end(sampler, path.theta1, path.low, +1, inward, path.first, values, slopes, noise, rows)
-        found += _end(sampler, path.theta1, path.high, -1, inward[::-1], path.last, values, slopes, noise, rows)
+        inward = np.arange(path.x.size)
+        found += _end(sampler, path.x, path.low, +1, inward, path.first, values, slopes, noise, rows)
+        found += _end(sampler, path.x, path.high, -1, inward[::-1], path.last, values, slopes, noise, rows)
     return found
 
 
 def _interior(sampler, path, values, slopes, state, rows, with_conditions):
     """Return what the quantities ``rows`` do between the ends."""
-    sine = np.abs(state[0].sin_mu)
+    sine = np.abs(sampler.linkage.transmission_sine(state[0]))
     values = values[rows]
     scale = np.where((values > 0.0).all(axis=1, keepdims=True), values * sine**(2 * POLE - 1), sine**POLE)
-    x, f = path.theta1, slopes[rows].T * scale.T
+    x, f = path.x, slopes[rows].T * scale.T
     turn = rises(np.unwrap(x)[:, None], False)[:, 0]
     _, row, xa, xb, fa, guess = find_brackets(lambda x, row: sampler.slope(x, rows[row]),
                                               lambda i, row: (x[i], turn[i]),
@@ -89,12 +89,12 @@ def _interior(sampler, path, values, slopes, state, rows, with_conditions):
     sense = np.where(fa >= 0.0, 1, -1)
     if isinstance(sampler, DifferenceSampler):
         root = sampler.polish(root, row, sense)
-    theta1 = fold(root)
-    value = sampler.values(theta1)[row, np.arange(row.size)]
+    place = sampler.fold(root)
+    value = sampler.values(place)[row, np.arange(row.size)]
     conditions = (sampled_conditions(sampler, root, row, spacing) if with_conditions
                   else np.full((2, row.size), nan))
     return [Found(*fields, 0, False, *pair) for *fields, pair in zip(
-        *(v.tolist() for v in (row, theta1, value, sense)), zip(*(v.tolist() for v in conditions)))]
+        *(v.tolist() for v in (row, place, value, sense)), zip(*(v.tolist() for v in conditions)))]
 
 
 def _end(sampler, x, end, side, inward, first, values, slopes, noise, rows):
@@ -111,7 +111,7 @@ def _end(sampler, x, end, side, inward, first, values, slopes, noise, rows):
     if not has_pole[rows].all():
         near = first + side * np.arange(NEIGHBOURS)
         other = sampler.of(sampler.linkage.in_mode(3 - sampler.linkage.mode))
-        beyond = other.values(2.0 * end.theta1 - x[near] if end.is_flat else x[near])
+        beyond = other.values(2.0 * end.x - x[near] if end.is_flat else x[near])
         bounded = (values[:, near] + beyond) @ _THROUGH
         one_sided = values[:, near] @ _UP_TO
         # Angles are folded there: they do not go on, and are extrapolated, at the loss of three digits.
@@ -121,5 +121,5 @@ def _end(sampler, x, end, side, inward, first, values, slopes, noise, rows):
         limits = np.where(has_pole, limits, bounded)
     rises = slopes[:, inward[0]] * side > 0.0        # seen from the end
     sense = np.where(has_pole, np.sign(limits), np.where(rises, -1, 1)).astype(int)
-    theta1 = fold(end.theta1)
-    return [Found(row, theta1, float(limits[row]), int(sense[row]), side, end.is_flat) for row in rows.tolist()]
+    place = sampler.fold(end.x)
+    return [Found(row, place, float(limits[row]), int(sense[row]), side, end.is_flat) for row in rows.tolist()]

@@ -14,7 +14,6 @@ import numpy as np
 LARGEST, PART, SMALLEST = 2.0**-26, 2.0**-10, 2.0**-46
 # Step in theta1 for the curvature, in distances of samples.
 TURN = 2.0**-12
-_MARGIN_SIGNS = ((-1, -1, 1, 1), (-1, 1, -1, 1), (-1, 1, 1, -1))
 
 
 def rate_changes(lengths, motion, third):
@@ -117,14 +116,14 @@ def rate_changes(lengths, motion, third):
     return changes
 
 
-def perturbed_lengths(linkage):
-    """Return four pairs of a relative step and the lengths with one changed by it, away from change points."""
-    size = min(LARGEST, max(SMALLEST, PART * linkage.change_point_margin))
-    signs, margin = min(zip(_MARGIN_SIGNS, linkage._margins), key=lambda pair: abs(pair[1]))
-    d1, d2, d3, d4 = (sign * size if margin >= 0.0 else -sign * size for sign in signs)
-    a1, a2, a3, a4 = linkage.lengths
-    return ((d1, (a1 * (1.0 + d1), a2, a3, a4)), (d2, (a1, a2 * (1.0 + d2), a3, a4)),
-            (d3, (a1, a2, a3 * (1.0 + d3), a4)), (d4, (a1, a2, a3, a4 * (1.0 + d4))))
+def perturbed_lengths(mechanism):
+    """Return a relative step for each length, and the lengths with that one changed by it, away from change points."""
+    size = min(LARGEST, max(SMALLEST, PART * mechanism.change_point_margin))
+    signs, margin = min(zip(mechanism.MARGIN_SIGNS, mechanism._margins), key=lambda pair: abs(pair[1]))
+    steps = [sign * size if margin >= 0.0 else -sign * size for sign in signs]
+    lengths = mechanism.lengths
+    return steps, [(*lengths[:i], length * (1.0 + step), *lengths[i + 1:])
+                   for i, (step, length) in enumerate(zip(steps, lengths))]
 
 
 def sampled_conditions(sampler, x, row, spacing):
@@ -141,10 +140,9 @@ def sampled_conditions(sampler, x, row, spacing):
     turn = TURN * spacing
     value, slope = sampler.at(np.concatenate((x, x + turn)), np.tile(row, 2))
     curvature = (slope[x.size:] - slope[:x.size]) / turn
-    steps, lengths = zip(*perturbed_lengths(sampler.linkage))
-    others = sampler.with_lengths(*(np.array(column)[:, None] for column in zip(*lengths)))
+    steps, lengths = perturbed_lengths(sampler.linkage)
     value, slope = value[:x.size], slope[:x.size]
     size, place = ((np.abs(there - here[:, None]) / np.abs(steps)).sum(axis=1)
-                   for here, there in zip((value, slope), others.at(np.tile(x, (4, 1)), row)))
+                   for here, there in zip((value, slope), sampler.with_lengths(lengths, x, row)))
     with np.errstate(divide='ignore', invalid='ignore'):
         return place / np.abs(curvature), size / np.abs(value)

@@ -27,7 +27,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, cos, fabs, frexp, fsum, ldexp, pi, sin, sqrt
+from math import asin, atan2, cos, fabs, frexp, fsum, ldexp, log1p, pi, sin, sqrt
 from typing import NamedTuple
 
 from .bodies import Bodies, External
@@ -36,7 +36,7 @@ from .errors import InvalidParameter
 from .factors import difference_of_squares
 from .mechanism import CRANK, OPEN, SLIDE, THETA1, THETA2, THETA3, TRAVEL, Mechanism
 from .slider_loads import SliderLoads, make_slider_crank_loads
-from .triangle import make_triangle, reach, slide_ranges
+from .triangle import make_triangle, reach, singular_slides, slide_ranges
 
 
 class SliderCrankMotion(NamedTuple):
@@ -188,6 +188,9 @@ class SliderCrank(Mechanism):
     gravity: tuple[float, float] = (0.0, 0.0)
     external: External = External()
 
+    LENGTHS = ('a1', 'a2', 'offset')
+    MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
+    LINK_LENGTHS = {'crank': 'a1', 'coupler': 'a2'}
     INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
     OUTPUTS = {CRANK: (TRAVEL, 'slide_ratio'), SLIDE: (THETA1, 'crank_ratio')}
     JOINTS = (THETA1, THETA2, THETA3, TRAVEL)
@@ -242,6 +245,28 @@ class SliderCrank(Mechanism):
         return ((low, pi - low),) if high is None else ((low, high), (pi - high, pi - low))
 
     @property
+    def singular_inputs(self):
+        """
+        Return the complex inputs, as far as real part and size of the other go, where crank and dyad are singular.
+
+        A list of toggles (real), flat positions of change points (real) and others: where sin x = (e +- a2)/a1,
+        or, for a driven slide, of :func:`.triangle.singular_slides`.
+        """
+        a1, a2, e = self.lengths
+        if self.input == SLIDE:
+            return singular_slides(a1, a2, e)
+        found = []
+        for r in (a2, -a2):
+            side = 1.0 if e + r > 0.0 else -1.0
+            excess = fsum((side * e, side * r, -a1)) / a1          # |sin x| - 1
+            if excess >= 0.0:
+                found.append(complex(side * 0.5 * pi, log1p(excess + sqrt(excess * (2.0 + excess)))))
+            else:
+                angle = side * (0.5 * pi - 2.0 * asin(sqrt(-0.5 * excess)))
+                found += [complex(angle), complex(pi - angle)]
+        return found
+
+    @property
     def dead_points(self):
         """Return where the slider of a driven crank turns back in this mode: up to two SliderDeadPoint."""
         points = []
@@ -252,16 +277,17 @@ class SliderCrank(Mechanism):
                 points.append(SliderDeadPoint(atan2(behind * self.offset, ahead), behind * ahead, stretched))
         return tuple(sorted(points))
 
-    @cached_property
-    def _motion(self):
+    def _make_motion(self, dialect, change=lambda factory: factory):
         if self.input == CRANK:
-            return [make(*self.lengths, self.sign) for make in make_crank_motion]
-        unit = ldexp(1.0, frexp(max(map(abs, self.lengths)))[1])
-        scaled = [length / unit for length in self.lengths]
-        return [make(*scaled, unit, triangle(*scaled, self.sign))
-                for make, triangle in zip(make_slider_motion, make_triangle)]
+            return change(make_crank_motion[dialect])(*self.lengths, self.sign)
+        scaled = [length / self.input_unit for length in self.lengths]
+        return change(make_slider_motion[dialect])(*scaled, self.input_unit,
+                                                   change(make_triangle[dialect])(*scaled, self.sign))
 
-    @cached_property
-    def _loads(self):
-        return [make(*self.lengths, self.input == CRANK, self.bodies, self.gravity, self.external)
-                for make in make_slider_crank_loads]
+    def _make_loads(self, dialect, change=lambda factory: factory):
+        return change(make_slider_crank_loads[dialect])(*self.lengths, self.input == CRANK, self.bodies, self.gravity,
+                                                        self.external)
+
+    def transmission_sine(self, motion):
+        """Return a number that is zero where the dyad is in line, at most one."""
+        return motion.cos_b if self.input == CRANK else motion.sin_2

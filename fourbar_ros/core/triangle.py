@@ -72,3 +72,9 @@ def slide_ranges(p, r, e):
     inner, outer = reach(p, r, e)
     far = sqrt(outer)
     return ((-far, far),) if inner <= 0.0 else ((-far, -sqrt(inner)), (sqrt(inner), far))
+
+
+def singular_slides(p, r, e):
+    """Return the complex s where that triangle is flat, and those where it has no side q [m]."""
+    roots = [complex(sqrt(k)) if k >= 0.0 else complex(0.0, sqrt(-k)) for k in reach(p, r, e)]
+    return [*roots, *(-z for z in roots if z.imag == 0.0 != z.real), *([complex(0.0, e)] if e else [])]

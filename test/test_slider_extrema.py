@@ -1,0 +1,198 @@
+"""Extremes of slider-cranks and inverted slider-cranks, driven at crank or slide, against scans; limits, change points."""
+from math import inf, isfinite, isnan, nan, pi
+
+import numpy as np
+import pytest
+
+from fourbar_ros.core import Bodies, Body, InvalidParameter, InvertedSlider, SliderCrank
+from fourbar_ros.core.extrema import find_extrema
+from fourbar_ros.core.mechanism import CRANK, SLIDE
+from fourbar_ros.core.quantities import UnknownQuantity, known, point_acceleration, point_speed, select
+
+EPS = 2.0**-52
+KINDS = [(SliderCrank, CRANK), (SliderCrank, SLIDE), (InvertedSlider, CRANK), (InvertedSlider, SLIDE)]
+
+
+def random_bodies(rng):
+    return Bodies(*(Body(*rng.uniform((0.1, 0.0, -0.2, 0.01), (2.0, 1.0, 0.2, 0.2)).tolist()) for _ in range(3)))
+
+
+def random_mechanism(rng, kind, driven, least=1e-3):
+    """Return a mechanism with random lengths, masses, gravity and mode, not too near a change point."""
+    while True:
+        try:
+            mechanism = kind(*rng.uniform(0.1, 1.0, 2).tolist(), float(rng.normal(0.0, 0.2)), mode=int(rng.integers(1, 3)),
+                             input=driven, gravity=tuple(rng.normal(0.0, 5.0, 2).tolist()), bodies=random_bodies(rng))
+        except InvalidParameter:
+            continue
+        if mechanism.change_point_margin > least:
+            return mechanism
+
+
+def place(mechanism, extremum):
+    return extremum.slide if mechanism.input == SLIDE else extremum.theta1
+
+
+def check_against_scan(mechanism, quantities, rate, acceleration, points):
+    """Compare with the local extremes of a scan: each must be found, each found one be an extreme."""
+    found = find_extrema(mechanism, quantities, rate, acceleration)
+    number = 0
+    for low, high in mechanism.input_ranges:
+        step = (high - low) / points
+        x = low + step * (np.arange(-1, points + 1) + 0.5)
+        state = mechanism.step(x, rate, acceleration)
+        if not mechanism.turns_fully:
+            x, state = x[1:-1], [type(part)(*(field[1:-1] for field in part)) for part in state]
+        for quantity in quantities:
+            values = quantity.of(*state)
+            noise = 64 * EPS * np.abs(values[1:-1])
+            for sign, kind in ((1, 'maximum'), (-1, 'minimum')):
+                rise = sign * np.diff(values)
+                tops = x[1:-1][(rise[:-1] > noise) & (rise[1:] < -noise)]
+                extrema = [place(mechanism, e) for e in found if (e.quantity, e.kind, e.place) == (quantity.name, kind, 'interior')]
+                for top in tops:
+                    number += 1
+                    assert extrema and min(abs(mechanism.distance(top, at)) for at in extrema) <= 1.5 * step, \
+                        (mechanism, quantity.name, top)
+    by_name = {quantity.name: quantity for quantity in quantities}
+    for extremum in found:
+        if extremum.place == 'interior' and extremum.kind != 'constant':
+            d = 1e-6 * mechanism.input_unit / max(1.0, extremum.condition / mechanism.input_unit)
+            around = by_name[extremum.quantity].of(*mechanism.step(place(mechanism, extremum) + d * np.array((-1.0, 0.0, 1.0)),
+                                                                   rate, acceleration))
+            sense = 1 if extremum.kind == 'maximum' else -1
+            drop = (sense * (around[1] - around[[0, 2]])).min()
+            assert drop > -64 * EPS * abs(around[1]) * (1 + extremum.value_condition), (mechanism, extremum)
+    return number
+
+
+def everything(mechanism, rng):
+    return [*select((), mechanism), point_speed(mechanism, 'coupler', *rng.uniform(-0.5, 0.5, 2).tolist()),
+            point_acceleration(mechanism, 'coupler', *rng.uniform(-0.5, 0.5, 2).tolist())]
+
+
+@pytest.mark.parametrize('kind, driven', KINDS)
+def test_all_quantities_against_a_scan(kind, driven):
+    rng = np.random.default_rng(4)
+    number = 0
+    for _ in range(8):
+        mechanism = random_mechanism(rng, kind, driven)
+        number += check_against_scan(mechanism, everything(mechanism, rng), float(rng.normal(0.0, 10.0)),
+                                     float(rng.normal(0.0, 50.0)), 20000)
+    assert number > 60
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('seed', range(4))
+@pytest.mark.parametrize('kind, driven', KINDS)
+def test_500_mechanisms_against_a_scan(kind, driven, seed):
+    rng = np.random.default_rng(100 + seed)
+    for _ in range(32):
+        mechanism = random_mechanism(rng, kind, driven)
+        check_against_scan(mechanism, everything(mechanism, rng), float(rng.normal(0.0, 10.0)), 0.0, 60000)
+
+
+@pytest.mark.parametrize('kind, driven', KINDS)
+@pytest.mark.parametrize('gap', [1e-3, 1e-6, 1e-9])
+def test_near_change_points_against_a_scan_that_looks_there(kind, driven, gap):
+    """The scan's steps shrink towards every place where the motion changes within sqrt(gap)."""
+    rng = np.random.default_rng(9)
+    for sign in (1.0, -1.0):
+        mechanism = kind(0.3, 0.3 + 0.1 + sign * gap, 0.1, mode=2, input=driven, bodies=random_bodies(rng))
+        quantities = [q for q in select((), mechanism) if not q.is_load]
+        found = find_extrema(mechanism, quantities, 3.0)
+        near = np.array([z.real for z in mechanism.singular_inputs])
+        distances = np.concatenate([10.0**np.linspace(-9.0, 0.0, 6000)])
+        x = np.unique(np.concatenate([near[:, None] + s * distances for s in (-1.0, 1.0)], axis=None))
+        for low, high in mechanism.input_ranges:
+            inside = x[(x > low) & (x < high)]
+            state = mechanism.motion(inside, 3.0), None
+            for quantity in quantities:
+                values = quantity.of(*state)
+                noise = 1e-7 * np.abs(values[1:-1])
+                for side, kind_of in ((1, 'maximum'), (-1, 'minimum')):
+                    rise = side * np.diff(values)
+                    tops = np.nonzero((rise[:-1] > noise) & (rise[1:] < -noise))[0] + 1
+                    places = np.array([place(mechanism, e) for e in found if (e.quantity, e.kind) == (quantity.name, kind_of)])
+                    for i in tops:
+                        width = inside[i + 1] - inside[i - 1]
+                        assert places.size and min(abs(mechanism.distance(inside[i], p)) for p in places) <= width, \
+                            (mechanism, quantity.name, inside[i])
+
+
+def test_piston_of_a_centric_slider_crank():
+    """The largest speed of the piston lies where, in the textbooks, crank and rod are nearly square; both ways alike."""
+    mechanism = SliderCrank(0.06, 0.2)
+    found = find_extrema(mechanism, ('slide_velocity', 'slide_acceleration'), 314.0)
+    speeds = [e for e in found if e.quantity == 'slide_velocity']
+    assert [e.kind for e in speeds] == ['minimum', 'maximum'] and isnan(speeds[0].slide)
+    assert speeds[0].value == pytest.approx(-speeds[1].value, rel=16 * EPS)
+    assert speeds[0].theta1 + speeds[1].theta1 == pytest.approx(2.0 * pi, rel=4 * EPS)
+    outer = next(e for e in found if e.quantity == 'slide_acceleration' and e.kind == 'minimum' and e.is_global)
+    assert (outer.theta1, outer.value) == (0.0, pytest.approx(-0.06 * 314.0**2 * (1.0 + 0.06 / 0.2), rel=8 * EPS))
+
+
+@pytest.mark.parametrize('mechanism', [SliderCrank(0.1, 0.3, 0.05, input=SLIDE), SliderCrank(0.1, 0.3, 0.25),
+                                       SliderCrank(0.3, 0.1, 0.05), InvertedSlider(0.3, 0.35, 0.1, input=SLIDE),
+                                       InvertedSlider(0.3, 0.35, 0.1)])
+@pytest.mark.parametrize('mode', [1, 2])
+@pytest.mark.parametrize('rate', [2.0, -2.0])
+def test_ends_of_the_range_are_unbounded_with_their_sign(mechanism, mode, rate):
+    mechanism = mechanism.in_mode(mode)
+    quantities = [q for q in known(type(mechanism), mechanism.input).values() if not q.is_load]
+    found = find_extrema(mechanism, quantities, rate)
+    for quantity in quantities:
+        ends = [e for e in found if e.quantity == quantity.name and e.place == 'limit']
+        assert len(ends) == 2 * len(mechanism.input_ranges)
+        for end in ends:
+            at = place(mechanism, end)
+            low, high = min(mechanism.input_ranges, key=lambda r: min(abs(mechanism.distance(at, v)) for v in r))
+            near = at + end.side * 1e-9 * (high - low)
+            value = quantity.of(mechanism.motion(near, rate), None)
+            if isfinite(end.value):
+                assert value == pytest.approx(end.value, rel=1e-3, abs=1e-3)
+            else:
+                assert np.sign(value) == np.sign(end.value) and abs(value) > 1e3
+
+
+@pytest.mark.parametrize('mechanism', [SliderCrank(0.2, 0.2), InvertedSlider(0.2, 0.2), SliderCrank(0.2, 0.3, 0.1),
+                                       SliderCrank(0.3, 0.2, 0.1), InvertedSlider(0.2, 0.3, -0.1)])
+def test_exact_change_points_have_one_sided_values(mechanism):
+    found = find_extrema(mechanism, [q for q in known(type(mechanism), CRANK).values() if not q.is_load], 2.0)
+    sided = [e for e in found if e.place == 'one-sided']
+    assert sided and all(e.side in (-1, 1) and not isnan(e.value) for e in sided)
+    for e in sided:
+        value = known(type(mechanism))[e.quantity].of(mechanism.motion(e.theta1 + e.side * 1e-6, 2.0), None)
+        assert value == pytest.approx(e.value, rel=1e-3, abs=1e-3)
+
+
+@pytest.mark.parametrize('unit', [2.0**-300, 1e-9, 1e9])
+@pytest.mark.parametrize('kind, driven', KINDS)
+def test_unit_of_length_does_not_matter(kind, driven, unit):
+    one = kind(0.3, 0.8, 0.1, input=driven)
+    other = kind(0.3 * unit, 0.8 * unit, 0.1 * unit, input=driven)
+    quantities = [q.name for q in select((), one) if q.unit.startswith('rad')]
+    rate = unit if driven == SLIDE else 1.0
+    for a, b in zip(find_extrema(one, quantities, 1.0), find_extrema(other, quantities, rate)):
+        assert (a.quantity, a.kind, a.place) == (b.quantity, b.kind, b.place)
+        assert a.value == pytest.approx(b.value, rel=256 * EPS)
+        if driven == SLIDE:
+            assert a.slide * unit == pytest.approx(b.slide, rel=256 * EPS, abs=256 * EPS * unit)
+        else:
+            assert one.distance(a.theta1, b.theta1) == pytest.approx(0.0, abs=256 * EPS)
+
+
+def test_a_slide_that_is_driven_has_a_place_and_a_crank_angle():
+    mechanism = InvertedSlider(1.2, 1.6, 0.1, input=SLIDE, mode=1)
+    for extremum in find_extrema(mechanism, ('omega4', 'alpha1'), 0.2):
+        assert mechanism.input_ranges[0][0] <= extremum.slide <= mechanism.input_ranges[-1][1]
+        motion = mechanism.motion(np.array([extremum.slide]))
+        assert extremum.theta1 == pytest.approx(motion.theta1[0] % (2.0 * pi), abs=1e-7)
+
+
+def test_what_is_given_is_no_quantity():
+    with pytest.raises(UnknownQuantity, match='known: omega1, alpha1, omega_beta'):
+        find_extrema(SliderCrank(0.1, 0.3, input=SLIDE), ('slide_velocity',), 1.0)
+    with pytest.raises(InvalidParameter):
+        find_extrema(SliderCrank(0.1, 0.3), ('slide_velocity',), nan)
+    assert inf not in {abs(e.value) for e in find_extrema(SliderCrank(0.1, 0.3), (), 1.0)}
