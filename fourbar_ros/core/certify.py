@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from . import intervals, sturm
+from .errors import UNITS
 from .linkage import FourBar
 from .paths import input_paths
 from .quantities import is_published
@@ -54,6 +55,7 @@ def _by_intervals(linkage, quantity, omega1, alpha1, samples):
         return None, f'{NOT_PROVED}: the function does not work on enclosures ({error})'
     if None in counts:
         return None, f'{NOT_PROVED}: more than {intervals.MOST_PIECES} pieces'
-    left_out = [abs(end.x - x) for path in paths for end, x in ((path.low, path.x[0]),
-                                                                     (path.high, path.x[-1])) if end]
-    return sum(counts), INTERVALS + (f', except {max(left_out):.0e} rad at the ends' if left_out else '')
+    left_out = [sampler.unit * abs(end.x - x)
+                for path in paths for end, x in ((path.low, path.x[0]), (path.high, path.x[-1])) if end]
+    unit = UNITS[linkage.input_coordinate.position]
+    return sum(counts), INTERVALS + (f', except {max(left_out):.0e} {unit} at the ends' if left_out else '')

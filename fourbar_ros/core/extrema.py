@@ -209,6 +209,8 @@ def _extrema(quantity, linkage, found, proof):
 
 
 def _crank_angle(linkage, found):
-    """Return {found: crank angle} where the slide is driven."""
-    angles = linkage.motion(linkage.input_unit * np.array([part.place for part in found])).theta1
-    return dict(zip(found, fold(angles).tolist()))
+    """Return {found: crank angle} where the slide is driven; next to a limit that rounding has put outside."""
+    places = linkage.input_unit * np.array([part.place for part in found])
+    inward = np.array([part.side for part in found]) * 4.0 * EPS * np.abs(places)
+    angles = linkage.motion(places).theta1
+    return dict(zip(found, fold(np.where(np.isnan(angles), linkage.motion(places + inward).theta1, angles)).tolist()))

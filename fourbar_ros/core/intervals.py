@@ -71,16 +71,21 @@ def _atan2(y, x):
     return Series(rate.integral() + type(y[0]).atan2(y[0], x[0]))
 
 
+def _fabs(v):
+    """Return |v|; of a series by its middle, for forms that are right whatever the sign."""
+    return abs(v) if not isinstance(v, Series) else -v if v.real < 0 else v
+
+
 # The names that the formulas use, for exact lengths and enclosures. Balls need no scaling.
 _NAMES = {'fsum': sum, 'where': where, 'frexp': lambda v: (v, 0), 'ldexp': lambda v, exponent: v,
           'sin': Series.sin, 'cos': Series.cos, 'sqrt': Series.sqrt, 'atan2': _atan2,
-          'hypot': lambda x, y: (x * x + y * y).sqrt(), 'fabs': lambda v: v}
+          'hypot': lambda x, y: (x * x + y * y).sqrt(), 'fabs': _fabs}
 
 
 def _enclosing(factory, with_angles):
-    """Return a factory of :mod:`.kinematics` or :mod:`.loads` for exact constants and enclosures."""
+    """Return a factory of motions or loads for exact constants and enclosures."""
     angles = {} if with_angles else {'atan2': lambda y, x: 0.0}
-    return rebound(factory.array, **{**_NAMES, **angles})
+    return rebound(factory, **{**_NAMES, **angles})
 
 
 def _exact(record, arb):

@@ -244,7 +244,7 @@ class InvertedSlider(Mechanism):
         if near > 0.0:
             return [complex(0.0, 2.0 * atanh(sqrt(near / far))), pole]
         angle = 2.0 * atan2(sqrt(-near), sqrt(far))
-        return [complex(angle), complex(-angle), *([pole] if near < 0.0 else [])]
+        return [complex(angle), complex(-angle), pole]
 
     @property
     def dead_points(self):

@@ -95,9 +95,8 @@ def make_slider_crank_loads(a1, a2, e, is_crank, bodies, gravity, external):
         carried = moment1 + at_x * f2_y - at_y * f2_x
         drive = unit * (carried * dx + moment2 * db) + f3_x * ds
         along_b, along_x = carried / a1, -moment2 / a2
-        f32_x, f32_y = where(is_crank, (-f3_x, (-along_x - sin_b * f3_x) / cos_b),
-                             ((along_b * cos_b + along_x * cos_x) / sin_2,
-                              (along_b * sin_b + along_x * sin_x) / sin_2))
+        f32_x = where(is_crank, -f3_x, along_b * cos_b + along_x * cos_x) / where(is_crank, 1.0, sin_2)
+        f32_y = where(is_crank, -along_x - sin_b * f3_x, along_b * sin_b + along_x * sin_x) / where(is_crank, cos_b, sin_2)
         f21_x, f21_y = f32_x - f2_x, f32_y - f2_y
         torque, force = where(is_crank, (drive, 0.0), (0.0, drive))
         f43_x, f43_y = force, f3_y + f32_y
@@ -135,7 +134,8 @@ def make_inverted_loads(a1, a4, h, is_crank, bodies, gravity, external):
         f3_x, f3_y, moment3 = link_needs(bar, 0.0, cos_y, sin_y, omega4, alpha4, 0.0, 0.0)
         carried, turning = moment1 + at_x * f2_y - at_y * f2_x, moment2 + moment3
         drive = unit * (carried * dx + turning * dy)
-        normal = where(is_crank, -turning / (slide * per_unit), (h * carried / a1 - turning * sin_2) / (a4 * sin_x))
+        normal = (where(is_crank, -turning, h * carried / a1 - turning * sin_2)
+                  / where(is_crank, slide * per_unit, a4 * sin_x))
         torque, force = where(is_crank, (drive, 0.0), (0.0, drive))
         f32_x, f32_y = force * cos_y - normal * sin_y, force * sin_y + normal * cos_y
         f21_x, f21_y = f32_x - f2_x, f32_y - f2_y
