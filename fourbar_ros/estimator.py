@@ -15,7 +15,7 @@ In general the acceleration is late by half the window, (n - 1) h/2. A test meas
 from __future__ import annotations
 
 from collections import deque
-from math import isfinite, nan, pi, tau
+from math import isfinite, nan, remainder, tau
 
 
 class RateEstimator:
@@ -29,12 +29,14 @@ class RateEstimator:
     gap : float
         A longer pause [s], or a longer step back of the clock, starts afresh.
     jump : float
-        A larger step between two samples [rad], after taking off whole turns, starts afresh.
+        A larger step between two samples [rad, m], after taking off whole turns, starts afresh.
+    period : float
+        A turn of the input; infinite for one that slides.
 
     """
 
-    def __init__(self, window=5, gap=1.0, jump=1.0):
-        self._gap, self._jump = gap, jump
+    def __init__(self, window=5, gap=1.0, jump=1.0, period=tau):
+        self._gap, self._jump, self._period = gap, jump, period
         self._samples = deque(maxlen=window)     # (time, unwrapped angle, velocity), newest last
         self.restarts = 0                        # after a jump, a gap, a clock set back
         self.late = 0                            # samples older than the newest
@@ -53,7 +55,7 @@ class RateEstimator:
             Stamp [s]. One that stands still or goes back leaves the memory as it is, unless it goes back by
             more than ``gap``: then the clock was set and the estimate starts afresh.
         position, velocity : float
-            Angle [rad], wrapped or not, and its rate [rad/s], NaN if the stream has none.
+            Angle [rad], wrapped or not, or slide [m], and its rate, NaN if the stream has none.
 
         """
         samples = self._samples
@@ -64,7 +66,7 @@ class RateEstimator:
             if last_time - self._gap < time < last_time:
                 self.late += 1
                 return velocity, nan
-            step = (position - last_angle + pi) % tau - pi
+            step = remainder(position - last_angle, self._period)
             if abs(time - last_time) > self._gap or abs(step) > self._jump:
                 samples.clear()
                 self.restarts += 1

@@ -198,5 +198,6 @@ def check(values):
 
 def _nearest(name):
     from difflib import get_close_matches
-    close = get_close_matches(name, PARAMETERS, 1, 0.75)
-    return f'; did you mean {close[0]}?' if close else f'; known: {", ".join(PARAMETERS)}'
+    known = [*PARAMETERS, *POINT]
+    close = get_close_matches(name, known, 1, 0.75)
+    return f'; did you mean {close[0]}?' if close else f'; known: {", ".join(known)}'

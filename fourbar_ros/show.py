@@ -8,6 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from . import scene as scenes
+from .core import FourBar
 from .core.errors import UNITS
 from .core.extrema import find_extrema
 from .core.quantities import select
@@ -28,12 +29,17 @@ def show(path, mode=None, speed=None, at=None, console=None):
     console.print()
     quantities = select((), linkage, scene.point_quantities)
     console.print(extremes_table(find_extrema(linkage, quantities, speed),
-                                 f'extremes at {speed:g} {rate_unit(linkage)}, mode {MODE_NAMES[linkage.mode]}'))
+                                 f'extremes at {speed:g} {rate_unit(linkage)}, mode {mode_name(linkage)}'))
     if linkage.bodies is None:
         console.print('no masses given, so no loads: see bodies.* in docs/node.md')
     if at is not None:
         console.print()
         console.print(state_table(linkage, at if linkage.is_driven_by_slide else radians(at), speed, quantities))
+
+
+def mode_name(linkage):
+    """Return the assembly mode as text."""
+    return MODE_NAMES[linkage.mode] if isinstance(linkage, FourBar) else str(linkage.mode)
 
 
 def rate_unit(linkage):
@@ -72,7 +78,7 @@ def what_it_is(linkage, title):
     driven = linkage.input_coordinate.position
     rows = [('lengths', '  '.join(f'{name} {length:g}' for name, length in zip(linkage.LENGTHS, linkage.lengths)) + '  m'),
             ('class', linkage.classification),
-            ('assembly mode', MODE_NAMES[linkage.mode]),
+            ('assembly mode', mode_name(linkage)),
             ('input', f'{driven}: {_ranges(driven, linkage.input_ranges)}')]
     if hasattr(linkage, 'output_ranges'):
         rows.append(('output', f'theta4: {_ranges("theta4", linkage.output_ranges)}'))

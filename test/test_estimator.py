@@ -70,3 +70,12 @@ def test_noise_and_lag_are_as_documented(window, velocity_noise, acceleration_no
     found = feed(RateEstimator(window), t, jerk * t**3 / 6.0)[window:]
     assert found[:, 0] - jerk * t[window:]**2 / 2.0 == pytest.approx(-jerk_share * jerk * h**2, rel=1e-3)
     assert found[:, 1] - jerk * t[window:] == pytest.approx(-jerk * h * (window - 1) / 2.0, rel=1e-3)
+
+
+def test_a_slide_does_not_wrap():
+    """Three metres a sample are three metres, not half a turn."""
+    times = np.arange(10) * 0.1
+    found = feed(RateEstimator(jump=100.0, period=math.inf), times, 40.0 * times)
+    assert found[3:, 0] == pytest.approx(40.0, rel=1e-12)
+    jump = feed(RateEstimator(jump=1.0, period=math.inf), [0.0, 0.1, 0.2], [0.0, 0.1, 0.1 + 2.0 * np.pi])
+    assert np.isnan(jump[2]).all()

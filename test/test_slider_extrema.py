@@ -193,6 +193,19 @@ def test_a_slide_that_is_driven_has_a_place_and_a_crank_angle():
             assert abs(np.sin(extremum.theta1)) < 1e-7
 
 
+@pytest.mark.parametrize('kind, driven', KINDS)
+def test_extremes_are_proved_complete(kind, driven):
+    """All but magnitudes of reactions, which may have a kink, or be too steep at a toggle to be decided."""
+    pytest.importorskip('flint')
+    rng = np.random.default_rng(12)
+    for _ in range(3):
+        mechanism = random_mechanism(rng, kind, driven, least=0.02)
+        quantities = [q for q in everything(mechanism, rng) if q.name not in ('f41', 'f21', 'f32', 'f43', 'guide_couple')]
+        proofs = {e.proof for e in find_extrema(mechanism, quantities, 3.0, 4.0, certify=True)}
+        assert all(proof.startswith('interval bounds') for proof in proofs), (mechanism, proofs)
+        assert all('at the ends' in proof for proof in proofs) != mechanism.turns_fully
+
+
 def test_what_is_given_is_no_quantity():
     with pytest.raises(UnknownQuantity, match='known: omega1, alpha1, omega_beta'):
         find_extrema(SliderCrank(0.1, 0.3, input=SLIDE), ('slide_velocity',), 1.0)

@@ -64,9 +64,16 @@ for _name in ('add', 'radd', 'sub', 'rsub', 'mul', 'rmul', 'truediv', 'rtruediv'
     setattr(Series, f'__{_name}__', _operator(f'__{_name}__'))
 
 
+def _series(value):
+    """Return the series of a value, which may be a constant."""
+    import flint
+
+    return value.series if isinstance(value, Series) else flint.arb_series([value])
+
+
 def _atan2(y, x):
     """Return the angle of two series: its derivative is (x y' - y x') / (x^2 + y^2)."""
-    y, x = y.series, x.series
+    y, x = _series(y), _series(x)
     rate = (x * y.derivative() - y * x.derivative()) / (x * x + y * y)
     return Series(rate.integral() + type(y[0]).atan2(y[0], x[0]))
 
@@ -148,7 +155,7 @@ def _evaluator(sampler, flint):
         try:
             fields = motion(Series(flint.arb_series([unit * ball, unit])), *rates)
             state = linkage.MOTION(*fields), linkage.LOADS(*loads(fields)) if loads else NoLoads()
-            values = [sampler.quantities[row].of(*state).series for row in rows]
+            values = [_series(sampler.quantities[row].of(*state)) for row in rows]
         except ValueError:                   # a divisor may vanish: nothing is known
             return [unknown] * len(rows)
         return [[value[i] for i in range(ORDER + 1)] for value in values]

@@ -55,7 +55,7 @@ class InvertedSliderMotion(NamedTuple):
     slide: float                   # [m] of the block along the bar
     slide_velocity: float          # [m/s] V_rel of Eq. (9)
     slide_acceleration: float      # [m/s^2] A_rel
-    transmission_angle: float      # [rad] in [0, pi], at A: bar's line and line to O4 (slide input: crank)
+    transmission_angle: float      # [rad] in [0, pi], at A: line to O4 and normal of the bar (slide input: crank)
     crank_ratio: float             # d theta1, d theta4, d slide over d input
     output_ratio: float
     slide_ratio: float
@@ -157,7 +157,7 @@ class InvertedSlider(Mechanism):
         Forces and couples on block (``coupler``) and bar (``output``).
 
     Guide force: of the bar on the block, + to the left of the bar; guide couple: of the bar on the block
-    about A. The driving force pushes the block away from O4 along the bar, and the bar back.
+    about A. The driving force pushes the block along the bar as ``slide`` grows, and the bar back.
 
     Raises
     ------

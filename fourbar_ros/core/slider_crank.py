@@ -111,7 +111,8 @@ def make_crank_motion(a1, a2, e, sign):
         # s = a1 cos x + root; where these cancel, from s (root - a1 cos x) = a2^2 - a1^2 - e^2 + 2 a1 e sin x
         at_x = a1 * cos_x
         gap = where(is_near_zero, plain + two_a1_e * sin_x, where(is_up, top - two_a1_e * low, bottom + two_a1_e * low))
-        slide = where((root * cos_x).real > 0.0, at_x + root, gap / (root - at_x))
+        adds = (root * cos_x).real > 0.0
+        slide = where(adds, at_x + root, gap) / where(adds, 1.0, root - at_x)
         scale = 1.0 / root
         db, d2 = -at_x * scale, -slide * scale
         ds = a1 * (e * cos_x - slide * sin_x) * scale

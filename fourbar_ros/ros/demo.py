@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from math import cos, degrees, remainder, sin
+from math import cos, degrees, isnan, remainder, sin
 from pathlib import Path
 
 import rclpy
@@ -20,7 +20,7 @@ from .. import scene as scenes
 from ..bag.recompute import recompute
 from ..core import FourBarError
 from ..core.status import STATUS_NAMES
-from ..show import MODE_NAMES, make_console, plain_table, what_it_is
+from ..show import MODE_NAMES, make_console, mode_name, rate_unit, plain_table, what_it_is
 from .drives import to_stamp
 from .messages import resolve
 
@@ -114,17 +114,21 @@ def live_table(client, seconds):
     """Return the table of the newest messages."""
     table = plain_table(f'{NODE} at {seconds:4.1f} s', ('', '        value>', 'unit'))
     state, loads = client.latest.get('state'), client.latest.get('loads')
+
+    def row(name, value, form, unit):
+        if not isnan(value):                             # of another kind of linkage
+            table.add_row(name.replace('_', ' '), format(value, form), unit)
     if state:
         table.add_row('status', STATUS_NAMES[state.status], '')
-        for name in ('theta1', 'theta4'):
-            table.add_row(name, f'{remainder(degrees(getattr(state, name)), 360.0):.3f}', 'deg')
-        table.add_row('omega4', f'{state.omega4:.4f}', 'rad/s')
-        table.add_row('alpha4', f'{state.alpha4:.3f}', 'rad/s^2')
-        table.add_row('transmission angle', f'{degrees(state.transmission_angle):.2f}', 'deg')
+        for name in ('theta1', 'theta4', 'transmission_angle'):
+            row(name, remainder(degrees(getattr(state, name)), 360.0), '.3f', 'deg')
+        for name, unit in (('slide', 'm'), ('omega4', 'rad/s'), ('alpha4', 'rad/s^2'), ('slide_velocity', 'm/s'),
+                           ('slide_acceleration', 'm/s^2')):
+            row(name, getattr(state, name), '.5g', unit)
     if loads:
         for name, unit in (('f41', 'N'), ('f21', 'N'), ('f32', 'N'), ('f43', 'N'), ('driving_torque', 'N m'),
-                           ('shaking_force', 'N'), ('shaking_moment', 'N m')):
-            table.add_row(name, f'{getattr(loads, name):.3f}', unit)
+                           ('driving_force', 'N'), ('guide_force', 'N'), ('shaking_force', 'N'), ('shaking_moment', 'N m')):
+            row(name, getattr(loads, name), '.3f', unit)
     for name, count in client.received.items():
         table.add_row(f'received {name}', str(count), 'messages')
     return table
@@ -159,15 +163,15 @@ def compare_extremes(client, published, console):
     if answer.result != answer.RESULT_OK:
         console.print(f'find_extrema: {answer.message}')
         return
-    table = plain_table(f'global extremes at {speed:g} rad/s, mode {MODE_NAMES[client.scene.linkage.mode]}, '
+    table = plain_table(f'global extremes at {speed:g} {rate_unit(client.scene.linkage)}, mode {mode_name(client.scene.linkage)}, '
                         f'asked over {NODE}/find_extrema',
-                        ('quantity', '', 'value>', 'unit', 'theta1>', 'published>', 'at>'))
+                        ('quantity', '', 'value>', 'unit', f'{client.scene.linkage.input_coordinate.position}>', 'published>', 'at>'))
     notes = []
     for extremum in answer.extrema:
         if not extremum.is_global:
             continue
         kind = KINDS[extremum.kind]
-        row = [extremum.quantity, kind[:3], f'{extremum.value:.9g}', extremum.unit, f'{extremum.theta1:.7f}']
+        row = [extremum.quantity, kind[:3], f'{extremum.value:.9g}', extremum.unit, f'{extremum.theta1 if isnan(extremum.slide) else extremum.slide:.7f}']
         for entry in published:
             if (entry['quantity'], entry['kind']) == (extremum.quantity, kind):
                 mark = ''

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import threading
 import time
-from math import isnan
+from math import inf, isnan, tau
 
 from builtin_interfaces.msg import Time
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -173,7 +173,8 @@ class TopicDrive(Drive):
     def apply(self, settings):
         """Take over settings; the estimate starts afresh."""
         super().apply(settings)
-        self.estimator = RateEstimator(settings.window, settings.timeout or 1.0, settings.jump)
+        turn = inf if self._stream.scene.linkage.is_driven_by_slide else tau
+        self.estimator = RateEstimator(settings.window, settings.timeout or 1.0, settings.jump, turn)
 
     def age(self):
         """Return the time since the newest input [s]."""
