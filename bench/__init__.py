@@ -1,1 +1,6 @@
 """Measurements of this project: each module has a ``main()`` that prints Markdown. See ``python -m bench -h``."""
+import os
+
+# The threads of a BLAS spin for a while after their work, which would count as CPU time of what comes next.
+for _name in ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS'):
+    os.environ[_name] = '1'

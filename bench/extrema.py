@@ -25,6 +25,7 @@ from extrema_reference import exact_roots  # noqa: E402
 SEEDS = ((0.4, 1.2, 0.8, 1.0), (2.0, 6.0, 7.0, 5.0))     # the paper's linkage; the slides' Example 7.7
 LOADS = ('shaking_force', 'shaking_moment', 'driving_torque', 'f41', 'f21', 'f32', 'f43')
 ROUNDS, PER_FAMILY, ONLY, MANY = 5, 20, 3, 100_000
+LEAST = 0.1              # [s] of CPU time for one figure
 PROGRESS = Console(stderr=True)
 
 
@@ -99,11 +100,18 @@ FINDERS = {name: way for name, way in {**QUICK, **SLOW}.items() if way not in (o
 # --- time ------------------------------------------------------------------------------------------
 
 def time_of(function, *arguments):
-    """Return the CPU time of a call [s], without what others left to be collected."""
+    """
+    Return the CPU time of a call [s], without what others left to be collected.
+
+    Short ones are called again until they have taken LEAST together: the caches are theirs then.
+    """
     gc.collect()
-    start = time.process_time()
-    function(*arguments)
-    return time.process_time() - start
+    start, count, spent = time.process_time(), 0, 0.0
+    while spent < LEAST:
+        function(*arguments)
+        count += 1
+        spent = time.process_time() - start
+    return spent / count
 
 
 def each(way, linkages):

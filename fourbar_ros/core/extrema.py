@@ -198,19 +198,20 @@ def _extrema(quantity, linkage, found, proof):
         return []
     low, high = min(part.value for part in found), max(part.value for part in found)
     low, high = (v + margin * abs(v) if isfinite(v) else v for v, margin in ((low, 64 * EPS), (high, -64 * EPS)))
-    unit, theta1 = linkage.input_unit, (_crank_angle(linkage, found) if linkage.is_driven_by_slide
-                                        else {part: part.place for part in found})
-    return [Extremum(quantity.name, quantity.unit, linkage.mode, _KINDS[part.sense], theta1[part], part.value,
+    found = sorted(found, key=lambda part: (part.place, part.side))
+    unit, is_slide = linkage.input_unit, linkage.is_driven_by_slide
+    angles = _crank_angles(linkage, found) if is_slide else [part.place for part in found]
+    return [Extremum(quantity.name, quantity.unit, linkage.mode, _KINDS[part.sense], theta1, part.value,
                      part.sense <= 0 and part.value <= low or part.sense >= 0 and part.value >= high,
                      INTERIOR if not part.side or not part.sense else ONE_SIDED if part.is_flat else LIMIT,
                      part.side, unit * part.condition, part.value_condition, proof,
-                     unit * part.place if linkage.is_driven_by_slide else nan)
-            for part in sorted(found, key=lambda part: (part.place, part.side))]
+                     unit * part.place if is_slide else nan)
+            for part, theta1 in zip(found, angles)]
 
 
-def _crank_angle(linkage, found):
-    """Return {found: crank angle} where the slide is driven; next to a limit that rounding has put outside."""
+def _crank_angles(linkage, found):
+    """Return the crank's angles where the slide is driven; next to a limit that rounding has put outside."""
     places = linkage.input_unit * np.array([part.place for part in found])
     inward = np.array([part.side for part in found]) * 4.0 * EPS * np.abs(places)
     angles = linkage.motion(places).theta1
-    return dict(zip(found, fold(np.where(np.isnan(angles), linkage.motion(places + inward).theta1, angles)).tolist()))
+    return fold(np.where(np.isnan(angles), linkage.motion(places + inward).theta1, angles)).tolist()

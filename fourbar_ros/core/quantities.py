@@ -1,6 +1,7 @@
 """What can be asked for by name: searched for extremes, tabulated, plotted."""
 from __future__ import annotations
 
+from functools import cache
 from typing import Callable, NamedTuple
 
 import numpy as np
@@ -88,6 +89,7 @@ _NOT_OF = {CRANK: ('omega1', 'alpha1', 'driving_force'),
            SLIDE: ('slide_velocity', 'slide_acceleration', 'driving_torque')}
 
 
+@cache
 def known(kind, driven=CRANK):
     """Return {name: Quantity} of what a kind of mechanism has, driven at its crank or slide."""
     return {name: quantity for name, quantity in QUANTITIES.items() if name not in _NOT_OF[driven]
