@@ -223,12 +223,12 @@ class Mechanism:
 @cache
 def _keep_memory():
     """
-    Have blocks of up to 16 MB kept by the C library when they are freed, once and for all.
+    Have blocks of up to 31 MB kept by the C library when they are freed, once and for all.
 
     glibc gives each back to the system until it has seen one of that size freed; getting the pages again
     would take longer than the formulas. The block is never touched, so it costs nothing.
     """
-    np.empty(2**21)
+    np.empty(31 * 2**17)
 
 
 def _own(fields, inputs):
