@@ -46,7 +46,7 @@ test-all:
 
 soak:
 	@scripts/setup.sh test
-	@$(env) && SOAK_MINUTES=$(MINUTES) python -m pytest test/ros/test_soak.py -x $(ARGS)
+	@$(env) && SOAK_MINUTES=$(MINUTES) python -m pytest test/ros/test_soak.py -x -s $(ARGS)
 
 bench:
 	@scripts/setup.sh test
