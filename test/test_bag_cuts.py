@@ -15,7 +15,8 @@ from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recover import recover
 from fourbar_ros.bag.rosbag2 import Channel
-from fourbar_ros.bag.scan import HEAD, MAGIC
+from fourbar_ros.bag.mcap_records import HEAD
+from fourbar_ros.bag.scan import MAGIC
 from fourbar_ros.bag.writer import BagWriter
 from test_bag_writer import assert_every_reader_takes, numbers
 

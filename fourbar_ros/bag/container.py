@@ -16,8 +16,9 @@ from mcap.opcode import Opcode
 from mcap.records import (Channel, Chunk, ChunkIndex, DataEnd, Footer, Header, Metadata, MetadataIndex, Schema,
                           Statistics, SummaryOffset)
 
-from .scan import (HEAD, IS_MESSAGE, MAGIC, MESSAGE, SEAL, Damaged, encoded, parse, seal, split, tells_its_times,
-                   unpacked)
+from .mcap_records import (HEAD, IS_MESSAGE, MESSAGE, SEAL, Damaged, encoded, parse, seal, split, tells_its_times,
+                           unpacked)
+from .scan import MAGIC
 
 CHUNK_SIZE = 1 << 20          # [bytes] a chunk is closed at this size, flush or not
 # So many chunks begin with all schemas and channels: under their checksum, and if one is hit, in the other.

@@ -20,8 +20,8 @@ from mcap.records import Channel, MetadataIndex, Schema, Statistics
 from . import BagError, rosbag2
 from .cdr import Decoder
 from .rosbag2 import file_of
-from .scan import (HEAD, IS_MESSAGE, MESSAGE, WRONG_TIMES, Damaged, Scan, ending, is_being_written, parse, split,
-                   tells_its_times, unpacked)
+from .mcap_records import HEAD, IS_MESSAGE, MESSAGE, WRONG_TIMES, Damaged, parse, split, tells_its_times, unpacked
+from .scan import Scan, ending, is_being_written
 
 BLOCK = 20_000          # messages that are decoded together: large for numpy, small for the memory
 _LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)

@@ -13,7 +13,8 @@ from mcap.records import Channel, Schema
 from .. import __version__
 from . import BagError, rosbag2
 from .container import Container
-from .scan import MESSAGE, SEAL, WRONG_TIMES, Damaged, Scan, is_being_written, parse
+from .mcap_records import MESSAGE, SEAL, WRONG_TIMES, Damaged, parse
+from .scan import Scan, is_being_written
 
 
 class Recovered(NamedTuple):

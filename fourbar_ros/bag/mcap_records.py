@@ -1,0 +1,119 @@
+"""The records of an MCAP file one by one: what their bytes must be, and what the bytes say."""
+from __future__ import annotations
+
+import zlib
+from io import BytesIO
+from struct import Struct
+
+import lz4.frame
+import zstandard
+from mcap.data_stream import ReadDataStream, RecordBuilder
+from mcap.opcode import Opcode
+from mcap.records import Channel, Chunk, DataEnd, Header, Metadata, MetadataIndex, Schema, Statistics
+
+from . import BagError
+
+HEAD = Struct('<BQ')                # opcode and length of every record
+IS_MESSAGE = int(Opcode.MESSAGE)     # compares in a tenth of the time
+MESSAGE = Struct('<HIQQ')           # channel, sequence, log time, publish time: what a message starts with
+WRONG_TIMES = 'chunk tells other times than its messages'
+SEAL = 'crc32'                      # key of a metadata record: the checksum of all others
+TYPES = {Opcode.HEADER: Header, Opcode.SCHEMA: Schema, Opcode.CHANNEL: Channel, Opcode.METADATA: Metadata,
+         Opcode.CHUNK: Chunk, Opcode.DATA_END: DataEnd, Opcode.STATISTICS: Statistics,
+         Opcode.METADATA_INDEX: MetadataIndex}
+_U32, _U64 = Struct('<I'), Struct('<Q')
+# What is in the data section: bytes at the start of a body, the lengths of its texts, bytes at its end.
+SHAPES = {int(opcode): shape for opcode, shape in {
+    Opcode.HEADER: (0, (_U32, _U32), 0), Opcode.SCHEMA: (2, (_U32, _U32, _U32), 0),
+    Opcode.CHANNEL: (4, (_U32, _U32, _U32), 0), Opcode.CHUNK: (28, (_U32, _U64), 0),
+    Opcode.MESSAGE_INDEX: (2, (_U32,), 0), Opcode.ATTACHMENT: (16, (_U32, _U32, _U64), 4),
+    Opcode.METADATA: (0, (_U32, _U32), 0), Opcode.DATA_END: (4, (), 0)}.items()}
+
+
+class Damaged(BagError):
+    """A record is whole but its content is not what it should be."""
+
+
+def filled(opcode, body):
+    """Return how long the lengths inside a body say that it is, -1 if it ends before them."""
+    if opcode == IS_MESSAGE:
+        return max(len(body), MESSAGE.size)
+    begin, lengths, end = SHAPES[opcode]
+    for length in lengths:
+        if begin + length.size > len(body):
+            return -1
+        begin += length.size + length.unpack_from(body, begin)[0]
+    return begin + end
+
+
+def parse(opcode, body):
+    """Return the record of the mcap library for a body."""
+    try:
+        record = TYPES[opcode].read(ReadDataStream(BytesIO(body)))
+    except Exception as error:      # the library raises whatever the bytes lead it to
+        raise Damaged(f'{Opcode(opcode).name.lower()} cannot be read: {type(error).__name__}') from None
+    # The library takes what is left where a text should be longer; written again it is not the same.
+    if opcode == Opcode.METADATA and (record.metadata.get(SEAL) not in (None, seal(record))
+                                      or encoded(record)[HEAD.size:] != body):
+        raise Damaged(f'metadata {record.name!r} has a wrong checksum')
+    return record
+
+
+def encoded(*records):
+    """Return the bytes of records of the mcap library."""
+    builder = RecordBuilder()
+    for record in records:
+        record.write(builder)
+    return builder.end()
+
+
+def seal(record):
+    """Return the checksum of a Metadata record: an unfinished file has no other for it."""
+    items = (text for key, value in sorted(record.metadata.items()) if key != SEAL for text in (key, value))
+    return f'{zlib.crc32(chr(0).join((record.name, *items)).encode()):08x}'
+
+
+def unpacked(chunk):
+    """Return the content of a Chunk, checked against its CRC."""
+    try:
+        data = _decompressed(chunk)
+    except Damaged:
+        raise
+    except Exception as error:      # of either library, or no memory for the size that is told
+        raise Damaged(f'chunk cannot be decompressed: {error}') from None
+    if len(data) != chunk.uncompressed_size or chunk.uncompressed_crc not in (0, zlib.crc32(data)):
+        raise Damaged('chunk has a wrong checksum')
+    return data
+
+
+def _decompressed(chunk):
+    """Return the content of a Chunk; refuses a size that the data do not confirm before memory is taken for it."""
+    size = chunk.uncompressed_size
+    if chunk.compression == 'zstd':
+        if zstandard.frame_content_size(chunk.data) not in (-1, size):
+            raise Damaged('chunk is told to have another size than its data')
+        return zstandard.ZstdDecompressor().decompressobj().decompress(chunk.data)
+    if chunk.compression == 'lz4':
+        return lz4.frame.decompress(chunk.data)
+    if chunk.compression == '':
+        return chunk.data
+    raise Damaged(f'unknown compression {chunk.compression!r}')
+
+
+def tells_its_times(chunk, times):
+    """Return whether a Chunk tells the first and last of these log times; its checksum does not cover that."""
+    return not times or (chunk.message_start_time, chunk.message_end_time) == (min(times), max(times))
+
+
+def split(data):
+    """Yield (offset, opcode, start, end) of the records in the content of a chunk, the body being start:end."""
+    at, size, unpack = 0, len(data), HEAD.unpack_from
+    while at < size:
+        if at + 9 > size:
+            raise Damaged('chunk ends inside a record')
+        opcode, length = unpack(data, at)
+        start, end = at + 9, at + 9 + length
+        if end > size or opcode == IS_MESSAGE and length < MESSAGE.size:
+            raise Damaged('chunk ends inside a record')
+        yield at, opcode, start, end
+        at = end
