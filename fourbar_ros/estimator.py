@@ -59,6 +59,8 @@ class RateEstimator:
 
         """
         samples = self._samples
+        if not isfinite(position):
+            return velocity, nan                 # nothing to remember
         if samples:
             last_time, last_angle, _ = samples[-1]
             if time == last_time:

@@ -79,3 +79,11 @@ def test_a_slide_does_not_wrap():
     assert found[3:, 0] == pytest.approx(40.0, rel=1e-12)
     jump = feed(RateEstimator(jump=1.0, period=math.inf), [0.0, 0.1, 0.2], [0.0, 0.1, 0.1 + 2.0 * np.pi])
     assert np.isnan(jump[2]).all()
+
+
+@pytest.mark.parametrize('bad', [math.nan, math.inf, -math.inf])
+def test_an_input_that_is_no_number_is_not_remembered(bad):
+    estimator = RateEstimator()
+    feed(estimator, [0.0, 0.1, 0.2], [0.0, 0.1, 0.2])
+    assert np.isnan(estimator.update(0.25, bad)).all()
+    assert estimator.update(0.3, 0.3) == pytest.approx((1.0, 0.0), abs=1e-12) and estimator.restarts == 0
