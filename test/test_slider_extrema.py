@@ -194,11 +194,12 @@ def test_a_slide_that_is_driven_has_a_place_and_a_crank_angle():
 
 
 @pytest.mark.parametrize('kind, driven', KINDS)
-def test_extremes_are_proved_complete(kind, driven):
+@pytest.mark.parametrize('count', [1, pytest.param(5, marks=pytest.mark.slow)])
+def test_extremes_are_proved_complete(kind, driven, count):
     """All but magnitudes of reactions, which may have a kink, or be too steep at a toggle to be decided."""
     pytest.importorskip('flint')
     rng = np.random.default_rng(12)
-    for _ in range(3):
+    for _ in range(count):
         mechanism = random_mechanism(rng, kind, driven, least=0.02)
         quantities = [q for q in everything(mechanism, rng) if q.name not in ('f41', 'f21', 'f32', 'f43', 'guide_couple')]
         proofs = {e.proof for e in find_extrema(mechanism, quantities, 3.0, 4.0, certify=True)}
