@@ -68,7 +68,8 @@ class RateEstimator:
             if last_time - self._gap < time < last_time:
                 self.late += 1
                 return velocity, nan
-            step = remainder(position - last_angle, self._period)
+            step = position - last_angle
+            step = remainder(step, self._period) if isfinite(step) else step      # two of 1e308 can overflow
             if abs(time - last_time) > self._gap or abs(step) > self._jump:
                 samples.clear()
                 self.restarts += 1

@@ -87,3 +87,16 @@ def test_an_input_that_is_no_number_is_not_remembered(bad):
     feed(estimator, [0.0, 0.1, 0.2], [0.0, 0.1, 0.2])
     assert np.isnan(estimator.update(0.25, bad)).all()
     assert estimator.update(0.3, 0.3) == pytest.approx((1.0, 0.0), abs=1e-12) and estimator.restarts == 0
+
+
+@pytest.mark.parametrize('period', [math.tau, math.inf])
+def test_whatever_comes_it_goes_on(period):
+    """Stamps of messages and the edges of floats in every order, and afterwards the estimate is right again."""
+    edges = [0.0, -0.0, 1.0, math.nan, math.inf, -math.inf, 5e-324, 1.7e308, -1.7e308, 1e154, 1e16]
+    rng = np.random.default_rng(3)
+    estimator = RateEstimator(period=period)
+    stamps = np.append(rng.integers(-2**31, 2**31, 20), rng.integers(-9, 9, 20) * 1e-9)
+    for time, (position, velocity) in zip(rng.choice(stamps, 20000).tolist(), rng.choice(edges, (20000, 2)).tolist()):
+        estimator.update(time, position, velocity)
+    estimator.reset()
+    assert feed(estimator, [0.0, 0.1, 0.2], [0.0, 0.1, 0.2])[-1] == pytest.approx((1.0, 0.0), abs=1e-12)

@@ -24,5 +24,5 @@ def run_node(tmp_path):
     for node in started:
         running = node.process.poll() is None
         code = node.stop()
-        if running:
-            assert code == 0, node.said
+        assert not running or code == 0, node.said
+        assert 'Traceback' not in node.said, node.said

@@ -42,7 +42,7 @@ def check_alive(client, publisher, linkage):
     client.received['state'].clear()
     deadline = time.monotonic() + 30.0
     while not any(s.theta1 == angle for s in client.received['state']):
-        assert time.monotonic() < deadline, 'no answer to a good message'
+        assert time.monotonic() < deadline, f'no answer to a good message; the newest: {client.received["state"][-1:]}'
         publisher.publish(Motion(position=angle, velocity=2.0, acceleration=1.0))
         client.executor.spin_once(timeout_sec=0.05)
     state = next(s for s in client.received['state'] if s.theta1 == angle)
@@ -123,7 +123,7 @@ def test_joint_states_of_every_shape(run_node, client):
     client.received['state'].clear()
     deadline = time.monotonic() + 60.0
     while not any(s.theta1 == 1.25 for s in client.received['state']):
-        assert time.monotonic() < deadline, 'no answer to a good message'
+        assert time.monotonic() < deadline, f'no answer to a good message; the newest: {client.received["state"][-1:]}'
         publisher.publish(JointState(name=['motor'], position=[1.25], velocity=[0.5]))
         client.executor.spin_once(timeout_sec=0.05)
     assert 'Traceback' not in node.said
