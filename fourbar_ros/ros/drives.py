@@ -4,6 +4,7 @@ from __future__ import annotations
 import threading
 import time
 from math import inf, isnan, tau
+from traceback import format_exc
 
 from builtin_interfaces.msg import Time
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -152,7 +153,7 @@ class SimulatedTimerDrive(Drive):
 class TopicDrive(Drive):
     """Every input message makes one step, stamped as the message; missing rates are estimated."""
 
-    COUNTED = ('received', 'malformed', 'without_joint', 'future', 'timeouts')
+    COUNTED = ('received', 'malformed', 'without_joint', 'future', 'timeouts', 'faults')
 
     def start(self):
         """Subscribe. Raw bytes: they are what is recorded."""
@@ -181,6 +182,12 @@ class TopicDrive(Drive):
         return time.monotonic() - self._heard
 
     def _receive(self, data):
+        try:
+            self._take(data)
+        except Exception:                                # a fault of ours: told, and the next message is taken
+            self._once('faults', f'a fault in taking an input: {format_exc()}')
+
+    def _take(self, data):
         self.counts['received'] += 1
         self._heard, self._waiting = time.monotonic(), True
         self._recording.write(self._topic.name, data)

@@ -3,11 +3,12 @@ from __future__ import annotations
 
 from functools import partial
 from math import isfinite
+from traceback import format_exc
 
 from .. import interfaces
 from ..core import FourBarError, InvalidParameter, OutOfRange
 from ..core.quantities import UnknownQuantity, select
-from ..core.status import INVALID_INPUT, OK, OUT_OF_RANGE, TOGGLE, evaluate
+from ..core.status import INVALID_INPUT, OK, OUT_OF_RANGE, RATES_UNKNOWN, TOGGLE, evaluate
 from .messages import filler, resolve, set_constants
 
 
@@ -19,7 +20,19 @@ def create(node):
     for service in interfaces.SERVICES.values():
         owner = node.worker if service.is_long else node
         owner.create_service(resolve(service.type), node.resolve_service_name(service.service),
-                             partial(handlers[service.name], node))
+                             partial(_answered, handlers[service.name], node))
+
+
+def _answered(handler, node, request, response):
+    """Answer in any case: a fault of ours is told to the caller and in the log, and the stream goes on."""
+    try:
+        return handler(node, request, response)
+    except Exception as error:
+        node.get_logger().error(f'a fault in {handler.__name__}: {format_exc()}')
+        if hasattr(response, 'result'):
+            response.result = response.RESULT_INVALID_REQUEST
+        response.message = f'a fault in the node, see its log: {error!r}'
+        return response
 
 
 def find_extrema(node, request, response):
@@ -93,10 +106,11 @@ def evaluate_one(node, request, response):
         set_constants(output, message, scene)
         filler(output, message, scene.layout)(stamp, status, linkage.mode, (*motion, *loads))
     response.result = {OK: response.RESULT_OK, OUT_OF_RANGE: response.RESULT_OUT_OF_RANGE,
-                       INVALID_INPUT: response.RESULT_INVALID_REQUEST, TOGGLE: response.RESULT_TOGGLE}[status]
+                       INVALID_INPUT: response.RESULT_INVALID_REQUEST, RATES_UNKNOWN: response.RESULT_INVALID_REQUEST,
+                       TOGGLE: response.RESULT_TOGGLE}[status]
     if status == OUT_OF_RANGE:
         response.message = str(OutOfRange(linkage.input_coordinate.position, request.position, linkage.input_ranges))
-    elif status == INVALID_INPUT:
+    elif status in (INVALID_INPUT, RATES_UNKNOWN):
         response.message = 'position, velocity, acceleration must be finite, and so must the result'
     elif status == TOGGLE:
         response.message = 'toggle position: rates and loads are unbounded'

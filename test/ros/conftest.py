@@ -25,4 +25,4 @@ def run_node(tmp_path):
         running = node.process.poll() is None
         code = node.stop()
         assert not running or code == 0, node.said
-        assert 'Traceback' not in node.said, node.said
+        assert 'Traceback' not in node.said, node.said     # nor a fault that it went on from

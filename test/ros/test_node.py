@@ -201,6 +201,8 @@ def test_evaluate_answers_the_values_of_the_core(run_node, client):
         assert answer.state.mode == (mode or 2) and answer.state.header.frame_id == 'machine'
     bad = client.call('evaluate', position=math.nan)
     assert bad.result == bad.RESULT_INVALID_REQUEST and 'finite' in bad.message
+    bad = client.call('evaluate', position=0.1, velocity=math.nan)
+    assert bad.result == bad.RESULT_INVALID_REQUEST and 'finite' in bad.message
     bad = client.call('evaluate', position=0.1, mode=9)
     assert bad.result == bad.RESULT_INVALID_REQUEST and 'mode = 9' in bad.message
 
