@@ -7,6 +7,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from fourbar_ros import interfaces, records
 from fourbar_ros import scene as scenes
+from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.writer import BagWriter, Channel
 from fourbar_ros.stepper import Stepper
 
@@ -82,6 +83,27 @@ def output_message(name, when, status, values, scene):
             place = getattr(place, step)
         setattr(place, last, np.array(value) if isinstance(value, tuple) else value)
     return bytes(STORE.serialize_cdr(message, topic.type))
+
+
+def copy(bag, directory, name, change):
+    """Write a bag again, the data of every message as ``change(raw)`` returns them; return the new bag's path."""
+    metadata = Bag(bag).metadata()
+    topics = [told['topic_metadata'] for told in metadata['topics_with_message_count']]
+    writer = BagWriter(directory, name, [channel(t['name'], t['type']) for t in topics], metadata['custom_data'])
+    numbers = {topic['name']: i for i, topic in enumerate(topics)}
+    for raw in Bag(bag).raw():
+        writer.write(numbers[raw.topic], bytes(change(raw)))
+    return writer.close()
+
+
+def with_old_memory(data, texts, rng):
+    """Return a message with random bytes in the padding behind these texts, as Fast CDR leaves it."""
+    data = bytearray(data)
+    for text in texts:
+        end = data.index(text.encode() + b'\0') + len(text) + 1
+        padding = -(end - 4) % 4
+        data[end:end + padding] = rng.bytes(padding)
+    return bytes(data)
 
 
 def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False, **kwargs):

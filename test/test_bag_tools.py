@@ -75,17 +75,12 @@ def test_outputs_without_their_input_are_counted_not_compared(tmp_path):
 
 
 def test_one_changed_bit_is_found(bag, tmp_path):
-    metadata, first = Bag(bag).metadata(), {}
-    names = [t['topic_metadata'] for t in metadata['topics_with_message_count']]
-    writer = BagWriter(tmp_path, 'bit', [bags.channel(t['name'], t['type']) for t in names], metadata['custom_data'])
-    numbers = {t['name']: i for i, t in enumerate(names)}
-    for raw in Bag(bag).raw():
+    def change(raw):
         data = bytearray(raw.data)
         if raw.topic == '/fourbar/loads' and raw.sequence == 200:
-            first['old'] = bytes(data)
             data[-32] ^= 1                                  # the last bit of shaking_moment
-        writer.write(numbers[raw.topic], bytes(data))
-    path = writer.close()
+        return data
+    path = bags.copy(bag, tmp_path, 'bit', change)
     differing = [d for d in compare(path).differences if d.largest]
     assert [(d.topic, d.field) for d in differing] == [('/fourbar/loads', 'shaking_moment')]
     assert 0.0 < differing[0].largest < 1e-9
@@ -184,6 +179,25 @@ def test_a_message_that_is_shorter_than_its_type_is_an_error_not_a_number():
     for length in range(4, len(data)):
         with pytest.raises(BagError, match='shorter than its definition'):
             decoder.message(data[:length])
+
+
+def test_old_memory_in_the_padding_between_texts_changes_nothing(bag, tmp_path):
+    rng, names = np.random.default_rng(3), next(records(bag, ['/joint_states'])).message.name
+    assert any((len(name) + 1) % 4 for name in names)
+    path = bags.copy(bag, tmp_path, 'dirty', lambda raw: raw.data if raw.topic != '/joint_states' else
+                     bags.with_old_memory(raw.data, names, rng))
+    assert len({raw.data[24:60] for raw in Bag(path).raw(['/joint_states'])}) > STEPS // 2     # behind the header
+    assert len(list(Bag(path).columns(['/joint_states']))) == 1
+    for pair in ((path, path), (path, bag)):
+        assert [topic[1:4] for topic in diff(*pair, ['/joint_states'])] == [(STEPS, 0, 0)]
+        assert all(topic.is_same() for topic in diff(*pair))
+    assert export(path, tmp_path / 'run.npz', 'npz')['joint_states'] == STEPS
+    assert (np.diff(np.load(tmp_path / 'run.npz')['joint_states/log_time']) > 0).all()
+    times, values, _ = series(path, ['joint_states.position[output]'])['joint_states.position[output]']
+    assert (np.diff(times) > 0).all() and values.tolist() == [
+        r.message.position[3] for r in records(bag, ['/joint_states'])]
+    found = compare(path)
+    assert found.inputs == STEPS and found.unmatched == 0 and {d.largest for d in found.differences} == {0.0}
 
 
 # --- export, plot ---------------------------------------------------------------------------------

@@ -191,10 +191,9 @@ class Layout:
             raise BagError(f'{self._definition.name}: wstring is not supported')
         if field.count is None:
             return self._string(path) if field.type == 'string' else self._walk(field.type, path)
-        start = self._at
         count = self._length() if field.count < 0 else field.count
         if field.type == 'string':
-            return self._strings(path, count, start)
+            return self._strings(path, count)
         return [self._walk(field.type, (*path, i)) for i in range(count)]
 
     def _leaf(self, path, format_, shape, unit=''):
@@ -231,16 +230,21 @@ class Layout:
         self._at += length                              # an empty one has its final zero, or not even that
         return self._text(path, '')
 
-    def _strings(self, path, count, start):
-        found, fixed = [], len(self._fixed)
+    def _strings(self, path, count):
+        found = []
         for _ in range(count):
             length = self._length()
             found.append(self._data[self._at:self._at + max(length - 1, 0)].decode(errors='replace'))
             self._at += length
+            self._pin_text(length)
         if self._at > self.size:
             raise IndexError
-        self._fixed[fixed:] = [(start, self._at, self._data[start:self._at])]
         return self._text(path, found)
+
+    def _pin_text(self, length):
+        """Make the text before here, with its length, part of the layout; not the padding: it holds old memory."""
+        begin = self._at - length - 4
+        self._fixed[-1] = begin, self._at, self._data[begin:self._at]
 
     def _text(self, path, value):
         name = Leaf(path, '', (), 0).name
