@@ -14,7 +14,7 @@ class Stepper:
     """
     Evaluates inputs of one scene in order.
 
-    Out of range its policy holds: 'nan' (nothing is known), 'hold' (the last good values again), or
+    Out of range its policy holds: 'none' (nothing is known), 'hold' (the last good values again), or
     'clamp' (the pose at the nearest limit; rates and loads are unbounded there, so NaN). The status says
     OUT_OF_RANGE in any case.
 

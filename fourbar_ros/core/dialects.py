@@ -90,8 +90,10 @@ def _global_names(code):
 @cache
 def for_columns(factory):
     """Return a function of lengths as one of columns of lengths, shape (n, 1), n small."""
-    return rebound(factory, max=lambda *columns: np.maximum.reduce(columns), frexp=np.frexp, ldexp=np.ldexp,
-                   fsum=lambda columns: np.array([[fsum(row)] for row in zip(*(v[:, 0].tolist() for v in columns))]))
+    def sum_of(columns):
+        rows = zip(*(column[:, 0].tolist() for column in np.broadcast_arrays(*columns)))
+        return np.array([[fsum(row)] for row in rows])
+    return rebound(factory, max=lambda *columns: np.maximum.reduce(columns), frexp=np.frexp, ldexp=np.ldexp, fsum=sum_of)
 
 
 def dialects(function):

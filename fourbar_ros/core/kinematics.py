@@ -102,6 +102,11 @@ def make_motion(a1, a2, a3, a4, sign):
     Ar, Br, Cr, Dr, Mr = half_angle_coefficients(-a4, a2, a3, -a1)      # y - x: seen from the crank the
     Ab, Bb, Cb, Db, Mb = half_angle_coefficients(-a4, a3, -a2, -a1)     # ground turns by -x; b - x
     e, f = (a1 - a4) * (a1 + a4), (a2 - a3) * (a2 + a3)
+    # Of three squares the odd one is paired with the larger of the others: what cancels then is what the data make.
+    y_near = where(fabs(a1 - a4) > a2, difference_of_squares(a1, -a4, a3, 0.0) + a2 * a2, f + (a1 - a4)**2)
+    y_far = where(a1 + a4 > a2, difference_of_squares(a1, a4, a3, 0.0) + a2 * a2, f + (a1 + a4)**2)
+    b_near = where(fabs(a1 - a4) > a3, difference_of_squares(a2, 0.0, a1, -a4) - a3 * a3, f - (a1 - a4)**2)
+    b_far = where(a1 + a4 > a3, difference_of_squares(a2, 0.0, a1, a4) - a3 * a3, f - (a1 + a4)**2)
 
     def motion(x, omega, alpha, sign=sign, straight=sign * pi,
                s1=difference_of_squares(a2, a3, a1, a4), c1=difference_of_squares(a2, a3, a1, -a4),
@@ -111,8 +116,7 @@ def make_motion(a1, a2, a3, a4, sign):
                j1=2.0 * a1 * a4 * difference_of_squares(a2, a3, a1, a4),
                j2=2.0 * a1 * a4 * difference_of_squares(a1, -a4, a2, -a3),
                e=e, f=f, least_q=fabs(e), k=4.0 * a1 * a4, near=(a1 - a4)**2, half_k=a1 * a4,
-               y_near=0.5 * (f + (a1 - a4)**2), y_far=0.5 * (f + (a1 + a4)**2),
-               b_near=0.5 * (f - (a1 - a4)**2), b_far=0.5 * (f - (a1 + a4)**2),
+               y_near=0.5 * y_near, y_far=0.5 * y_far, b_near=0.5 * b_near, b_far=0.5 * b_far,
                n1=sign * a1 / a3, n2=sign * a2 / a3, n4=sign * a4 / a3):
         half = 0.5 * x
         sh, ch = sin(half) + INFINITESIMAL, cos(half)
