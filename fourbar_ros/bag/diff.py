@@ -78,8 +78,9 @@ class _Topic:
             if found is None:
                 over[side] = True
                 continue
-            newest[side] = int(found[0].max())
-            self._meet(side, *found)
+            newest[side] = max(int(keys.max()) for keys, _ in found)
+            for keys, records in found:
+                self._meet(side, keys, records)
             if None not in newest:
                 self._forget(min(newest))
         for side in (0, 1):
@@ -110,20 +111,21 @@ class _Topic:
     def _compare(self, a, b):
         self.messages += len(a)
         for field in dict.fromkeys((*a.dtype.names, *b.dtype.names)):
-            if field in a.dtype.names and field in b.dtype.names and a[field].shape == b[field].shape:
-                here, there = a[field], b[field]
-                found = (distance(here.astype(float), there.astype(float)) if here.dtype.kind != 'S'
-                         else 0.0 if (here == there).all() else np.inf)
-            else:
-                found = np.inf
+            is_in_both = field in a.dtype.names and field in b.dtype.names
+            found = _apart(a[field], b[field]) if is_in_both else np.inf
             self.largest[field] = max(self.largest.get(field, 0.0), found)
 
 
+def _apart(here, there):
+    """Return the largest difference of one field in two arrays of messages; infinite if it is none of numbers."""
+    if here.shape != there.shape:
+        return np.inf
+    if here.dtype.kind == 'S':
+        return 0.0 if (here == there).all() else np.inf
+    return distance(here.astype(float), there.astype(float)) if here.size else 0.0      # an empty sequence
+
+
 def _keyed(bag, topic, progress):
-    """Yield (keys, records); the key is the stamp [ns], or the place in the topic."""
-    count = 0
-    for found in bag.columns([topic], progress):
-        stamps = found.stamps
-        keys = np.arange(count, count + len(found.times)) if stamps is None else stamps
-        count += len(keys)
-        yield keys, found.records
+    """Yield lists of (keys, records), one a layout in a block; the key is the stamp [ns], or the place in the topic."""
+    for block in bag.blocks([topic], progress=progress):
+        yield [(found.places if found.stamps is None else found.stamps, found.records) for found in block]

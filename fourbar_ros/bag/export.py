@@ -50,21 +50,38 @@ def export(path, out, format_='csv', topics=None, progress=None):
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=out.parent, prefix=f'.{out.name}.') as folder:
-            for found in Bag(path).columns(topics, progress):
-                columns = table(found)
-                key = (found.topic, *columns, *(make.fixed(values) for values in columns.values()))
-                if key not in tables:
-                    names[found.topic] = names.get(found.topic, 0) + 1
-                    number = names[found.topic]
-                    name = found.topic.strip('/').replace('/', '.') + (f'_{number}' if number > 1 else '')
-                    tables[key] = make(Path(folder), name, columns)
-                tables[key].add(columns)
+            for block in Bag(path).blocks(topics, progress=progress):
+                for key, columns in _by_table(block, make.fixed).items():
+                    if key not in tables:
+                        topic = key[0]
+                        number = names[topic] = names.get(topic, 0) + 1
+                        name = topic.strip('/').replace('/', '.') + (f'_{number}' if number > 1 else '')
+                        tables[key] = make(Path(folder), name, columns)
+                    tables[key].add(columns)
             for written in tables.values():
                 written.close()
             make.finish(Path(folder), tables.values(), out)
     except OSError as error:
         raise BagError(f'{error.filename or out}: {error.strerror}') from None
     return {written.name: written.rows for written in tables.values()}
+
+
+def _by_table(block, fixed):
+    """Return {key: columns} of a block: what goes into one table, in the order of the bag."""
+    parts = {}
+    for found in block:
+        columns = table(found)
+        key = (found.topic, *columns, *(fixed(values) for values in columns.values()))
+        parts.setdefault(key, []).append((found.places, columns))
+    return {key: _in_order(*zip(*found)) for key, found in parts.items()}
+
+
+def _in_order(places, parts):
+    """Return the rows of tables with the same columns as one, sorted by their places in the bag."""
+    if len(parts) == 1:
+        return parts[0]
+    order = np.argsort(np.concatenate(places))
+    return {name: np.concatenate([part[name] for part in parts])[order] for name in parts[0]}
 
 
 def table(columns):

@@ -26,7 +26,7 @@ def series(path, names, progress=None):
 
     """
     bag = Bag(path)
-    found = {name: ([], [], '') for name in names}
+    found = {name: ([], [], [], '') for name in names}
     known, starts = {}, {}
     for columns in bag.columns(progress=progress):
         values, stamps = table(columns), columns.stamps
@@ -39,18 +39,22 @@ def series(path, names, progress=None):
         for name in names:
             topic, _, field = name.partition('.')
             if topic in (columns.topic, short) and field in values and values[field].dtype.kind in 'iufb':
-                times, numbers, _ = found[name]
+                times, numbers, places, _ = found[name]
                 times.append((clock, moments))
                 numbers.append(values[field])
-                found[name] = times, numbers, units.get(field.split('[')[0], '')
-    for name, (times, _, _) in found.items():
+                places.append(columns.places)
+                found[name] = times, numbers, places, units.get(field.split('[')[0], '')
+    for name, (times, *_) in found.items():
         if not times:
             topic = name.partition('.')[0].rsplit('/', 1)[-1]
             raise BagError(f'{name}: no such field; ' + (f'{topic} has {", ".join(known[topic])}' if topic in known
                                                          else f'topics are {", ".join(known)}'))
-    return {name: (np.concatenate([(part - starts[clock]) * 1e-9 for clock, part in times]),
-                   np.concatenate(numbers), unit)
-            for name, (times, numbers, unit) in found.items()}
+    series = {}
+    for name, (times, numbers, places, unit) in found.items():
+        order = np.argsort(np.concatenate(places))          # messages of several layouts lie between each other
+        seconds = np.concatenate([(part - starts[clock]) * 1e-9 for clock, part in times])
+        series[name] = seconds[order], np.concatenate(numbers)[order], unit
+    return series
 
 
 def plot(path, names, out, progress=None):

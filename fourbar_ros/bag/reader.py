@@ -174,6 +174,9 @@ class Bag:
         """
         Yield lists of :class:`Columns`, each of about BLOCK messages that follow each other in the bag.
 
+        Within a list those of one topic may lie between each other, where its messages change to and fro
+        between layouts (lengths of texts and sequences): ``places`` tell the order.
+
         Parameters
         ----------
         topics : list of str, optional
@@ -217,7 +220,7 @@ class Bag:
             topic = self.channels[number].topic
             made += [Columns(topic, times[rows], places[rows], records, layout)
                      for layout, rows, records in self.decoder(topic).arrays(data)]
-        return made
+        return sorted(made, key=lambda columns: columns.places[0])
 
     def type_of(self, topic):
         """Return the type of a topic met so far."""
