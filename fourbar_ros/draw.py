@@ -27,6 +27,14 @@ class CannotDraw(FourBarError, ValueError):
     """The picture cannot be made or written; the message says why."""
 
 
+def need_matplotlib(what):
+    """Raise CannotDraw if matplotlib is missing."""
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        raise CannotDraw(f'{what} needs matplotlib: pip install matplotlib') from None
+
+
 def joints(mechanism, motion):
     """Return the places of the joints by name, in order along the chain, each of shape (2,) [m]."""
     def place(link, along):
@@ -236,6 +244,7 @@ def _ground(axes, at, half):
 
 def make_figure(mechanism, motion, loads=None, title=''):
     """Return a matplotlib Figure of three panels: mechanism, velocity and acceleration polygon."""
+    need_matplotlib('draw')
     import matplotlib
     from matplotlib.figure import Figure
     with matplotlib.rc_context(STYLE):

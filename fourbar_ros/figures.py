@@ -10,7 +10,7 @@ import numpy as np
 
 from . import published
 from .core import CROSSED, OPEN
-from .draw import STYLE, CannotDraw, make_figure
+from .draw import STYLE, CannotDraw, make_figure, need_matplotlib
 from .reproduce import COLUMNS, MISPRINT, cells, footnotes, summary
 
 CSS = """\
@@ -98,6 +98,7 @@ def svg(name):
 
 def page(sections):
     """Return the whole report as one self-contained HTML page."""
+    need_matplotlib('reproduce --html')
     body = '\n'.join(_section(section) for section in sections)
     return ('<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>The two source documents, recomputed'
             f'</title>\n<style>\n{CSS}</style></head>\n<body>\n<h1>The two source documents, recomputed</h1>\n'

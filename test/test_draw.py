@@ -112,3 +112,14 @@ def test_the_command(tmp_path):
         assert out.stat().st_size > 10_000
     done = draw('config/paper.yaml', '--at', '60', '-o', str(tmp_path / 'pose.xyz'))
     assert done.returncode == 1 and done.stderr.startswith('fourbar: ') and len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize('arguments', [('draw', 'config/paper.yaml', '--at', '60', '-o', 'pose.svg'),
+                                       ('reproduce', '--html', 'page.html')], ids=lambda arguments: arguments[0])
+def test_without_matplotlib_one_line_says_what_to_install(monkeypatch, capsys, arguments):
+    from fourbar_ros.cli import main
+    monkeypatch.chdir(ROOT)
+    monkeypatch.setitem(sys.modules, 'matplotlib', None)
+    assert main(list(arguments)) == 1
+    said = capsys.readouterr().err
+    assert said.endswith(' needs matplotlib: pip install matplotlib\n') and len(said.splitlines()) == 1
