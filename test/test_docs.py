@@ -1,6 +1,7 @@
 """What the documents promise is so."""
 import subprocess
 import sys
+from decimal import Decimal
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
@@ -44,8 +45,10 @@ def test_the_python_of_the_readme_prints_what_it_says():
     code = text.split('```python\n')[1].split('```')[0]
     said = text.split('prints `')[1].split('`')[0]
     done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, cwd=ROOT, check=True)
-    printed, expected = (list(map(float, line.split())) for line in (done.stdout, said))
-    assert all(abs(a - b) <= 1e-13 * abs(b) for a, b in zip(printed, expected)) and len(printed) == len(expected)
+    printed, expected = ([Decimal(number) for number in line.split()] for line in (done.stdout, said))
+    assert len(printed) == len(expected)
+    for ours, theirs in zip(printed, expected):
+        assert len(theirs.as_tuple().digits) == 12 and abs(ours - theirs) <= Decimal((0, (1,), theirs.as_tuple().exponent)), (ours, theirs)
 
 
 def test_every_page_that_is_linked_exists():
