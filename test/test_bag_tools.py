@@ -18,6 +18,7 @@ from fourbar_ros.bag.plot import plot, series
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recompute import compare, distance
 from fourbar_ros.bag.replay import play
+from fourbar_ros.bag.scan import MAGIC
 from fourbar_ros.bag.writer import BagWriter
 from fourbar_ros.cli import main
 from fourbar_ros.interfaces import OUTPUTS
@@ -378,6 +379,18 @@ def test_exit_codes_and_messages(bag, tmp_path, capsys):
     with pytest.raises(SystemExit) as stopped:
         main(['bag', 'diff', str(bag)])
     assert stopped.value.code == 2
+
+
+def test_a_file_that_is_no_bag_is_not_said_to_be_cut(tmp_path, capsys):
+    for content in (b'linkage: {a1: 0.4}\n' * 40, b'x', MAGIC[1:4]):
+        (tmp_path / 'no.yaml').write_bytes(content)
+        for action in (['info'], ['info', '--check'], ['export', '-o', str(tmp_path / 'out')]):
+            assert main(['bag', *action, str(tmp_path / 'no.yaml')]) == 1
+            assert capsys.readouterr().err == f'fourbar: {tmp_path}/no.yaml: not an MCAP file\n'
+    for length in range(len(MAGIC) + 1):
+        (tmp_path / 'short.mcap').write_bytes(MAGIC[:length])
+        assert main(['bag', 'info', str(tmp_path / 'short.mcap')]) == 3
+        assert 'it was cut' in capsys.readouterr().out
 
 
 def test_a_foreign_bag_is_not_recomputed_but_said_to_be_foreign(tmp_path):

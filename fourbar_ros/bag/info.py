@@ -109,6 +109,8 @@ def _count(bag, progress):
                 start = stamp if start is None or stamp < start else start
                 end = stamp if end is None or stamp > end else end
     except BagError as error:
+        if not bag.damage:          # nothing is wrong at any byte: it is no bag at all
+            raise
         damage = str(error)
     damage = '; '.join(bag.damage) or damage
     topics = [TopicInfo(channel.topic, _type_of(bag, channel.topic), counts[number], missing[number])

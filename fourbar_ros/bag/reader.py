@@ -21,7 +21,7 @@ from . import BagError, rosbag2
 from .cdr import Decoder
 from .rosbag2 import file_of
 from .mcap_records import HEAD, IS_MESSAGE, MESSAGE, WRONG_TIMES, Damaged, parse, split, tells_its_times, unpacked
-from .scan import Scan, ending, is_being_written
+from .scan import MAGIC, Scan, ending, is_being_written
 
 BLOCK = 20_000          # messages that are decoded together: large for numpy, small for the memory
 _LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
@@ -264,6 +264,9 @@ class Bag:
             time.sleep(POLL)
             return True
         with open(self.file, 'rb') as file:
+            begin = file.read(len(MAGIC))
+            if len(begin) < len(MAGIC) and not MAGIC.startswith(begin):     # longer ones are the scan's to judge
+                raise BagError(f'{self.file}: not an MCAP file')
             scan = Scan(file, wait if follow else None)
             self.damage, self.cut = scan.damage, scan.ending is None
             # The checksum at the end covers these; a topic that was hit is seen before its messages are read.
