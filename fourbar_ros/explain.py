@@ -5,9 +5,10 @@ from timeit import repeat
 
 from . import interfaces
 from . import scene as scenes
-from .core.status import evaluate
-from .parameters import REQUIRED, find
-from .show import make_console, plain_table, rate_unit
+from .core.errors import UNITS
+from .core.status import OUT_OF_RANGE, evaluate
+from .parameters import find
+from .show import class_name, make_console, plain_table, rate_unit
 
 STEPS, ROUNDS = 2000, 5        # of the measurement: some 50 ms
 
@@ -17,22 +18,35 @@ def explain(path, console=None):
     scene = scenes.load(path)
     console = console or make_console()
     linkage, drive = scene.linkage, scene.drive
-    console.print(f'{path}: good. {linkage.classification}, mode {linkage.mode}.')
+    console.print(f'{path}: good. {class_name(linkage)}, mode {linkage.mode}.')
     console.print(_drive_in_words(scene))
-    if not linkage.turns_fully and drive.source == 'timer':
-        console.print('note: this input does not turn fully: the timer will drive it out of its range '
-                      f'(drive.out_of_range: {drive.out_of_range})')
+    if drive.source == 'timer' and not linkage.turns_fully:
+        console.print(_leaves_the_range(linkage, drive))
     console.print()
     console.print(_outputs_table(scene))
     console.print()
     changed = {name: value for name, value in scene.values.items()
-               if find(name).default is not REQUIRED and value != find(name).default and value == value}
+               if value != find(name).default and value == value}
     table = plain_table('parameters that are not the default', ('parameter', 'value', 'unit'))
     for name, value in changed.items():
-        table.add_row(name, str(value), find(name).unit)
+        table.add_row(name, str(value), _unit(find(name), linkage))
     console.print(table)
     console.print()
     console.print(_cost_in_words(scene))
+
+
+def _unit(parameter, linkage):
+    """Return the unit of a parameter; of one "rad or m" that of what is driven."""
+    return parameter.unit.split(' or ')[-1 if linkage.is_driven_by_slide else 0]
+
+
+def _leaves_the_range(linkage, drive):
+    unit = UNITS[linkage.input_coordinate.position]
+    allowed = f'{" or ".join(f"[{low:.9g}, {high:.9g}]" for low, high in linkage.input_ranges)} {unit}'
+    policy = f'(drive.out_of_range: {drive.out_of_range})'
+    if evaluate(linkage, drive.start, 0.0, 0.0, False)[0] == OUT_OF_RANGE:
+        return f'note: drive.start = {drive.start:g} {unit} is outside {allowed} {policy}'
+    return f'note: this input does not turn fully: the clock will drive it out of {allowed} {policy}'
 
 
 def _drive_in_words(scene):

@@ -9,10 +9,11 @@ from rich.text import Text
 
 from . import scene as scenes
 from .core import FourBar
-from .core.errors import UNITS
+from .core.errors import UNITS, OutOfRange
 from .core.extrema import find_extrema
+from .core.inverted_slider import InvertedSlider
 from .core.quantities import select
-from .core.status import STATUS_NAMES, evaluate
+from .core.status import INVALID_INPUT, OUT_OF_RANGE, STATUS_NAMES, evaluate
 
 PIPE_WIDTH = 120
 SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the range is approached
@@ -25,16 +26,27 @@ def show(path, mode=None, speed=None, at=None, console=None):
     linkage = scene.linkage.in_mode(mode or scene.linkage.mode)
     speed = scene.drive.speed if speed is None else speed
     console = console or make_console()
+    quantities = select((), linkage, scene.point_quantities)
+    # first, as it may raise
+    state = None if at is None else state_table(linkage, at if linkage.is_driven_by_slide else radians(at), speed,
+                                                quantities)
     console.print(what_it_is(linkage, path))
     console.print()
-    quantities = select((), linkage, scene.point_quantities)
     console.print(extremes_table(find_extrema(linkage, quantities, speed),
                                  f'extremes at {speed:g} {rate_unit(linkage)}, mode {mode_name(linkage)}'))
     if linkage.bodies is None:
         console.print('no masses given, so no loads: see bodies.* in docs/node.md')
-    if at is not None:
+    if state:
         console.print()
-        console.print(state_table(linkage, at if linkage.is_driven_by_slide else radians(at), speed, quantities))
+        console.print(state)
+
+
+def class_name(linkage):
+    """Return the class of a linkage as text; of sliders also the kind and what is driven."""
+    if isinstance(linkage, FourBar):
+        return linkage.classification
+    kind = 'inverted slider-crank' if isinstance(linkage, InvertedSlider) else 'slider-crank'
+    return f'{kind}, {linkage.classification}, driven at its {linkage.input}'
 
 
 def mode_name(linkage):
@@ -77,7 +89,7 @@ def what_it_is(linkage, title):
     table.show_header = False
     driven = linkage.input_coordinate.position
     rows = [('lengths', '  '.join(f'{name} {length:g}' for name, length in zip(linkage.LENGTHS, linkage.lengths)) + '  m'),
-            ('class', linkage.classification),
+            ('class', class_name(linkage)),
             ('assembly mode', mode_name(linkage)),
             ('input', f'{driven}: {_ranges(driven, linkage.input_ranges)}')]
     if hasattr(linkage, 'output_ranges'):
@@ -113,13 +125,18 @@ def extremes_table(extrema, title):
 
 
 def state_table(linkage, position, rate, quantities):
-    """Return the table of the pose and of some quantities at one input."""
+    """Return the table of the pose and of some quantities at one input; raises OutOfRange."""
     status, motion, loads = evaluate(linkage, position, rate, 0.0, linkage.bodies is not None)
     driven = linkage.input_coordinate.position
+    if status == OUT_OF_RANGE:
+        raise OutOfRange(driven, position, linkage.input_ranges)
+    if status == INVALID_INPUT:
+        linkage.motion(position, rate)       # raises where the input is not finite
     table = plain_table(f'at {driven} = {shown(driven, position)}: {STATUS_NAMES[status]}',
                         ('quantity', 'value>', 'unit', ''))
-    for name, text in (('theta1', 'crank'), ('theta4', 'output link'), ('beta', 'coupler'), ('slide', 'slider'),
-                       ('transmission_angle', '')):
+    bar = isinstance(linkage, InvertedSlider)
+    for name, text in (('theta1', 'crank'), ('theta4', 'bar' if bar else 'output link'), ('beta', 'coupler'),
+                       ('slide', 'block on the bar' if bar else 'slider'), ('transmission_angle', '')):
         if name in motion._fields:
             value, unit = shown(name, getattr(motion, name)).split()
             table.add_row(name, value, unit, text)
