@@ -250,7 +250,7 @@ def make_figure(mechanism, motion, loads=None, title=''):
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(12.6, 5.0))
         axes = figure.subplots(1, 3)
-        figure.subplots_adjust(left=0.01, right=0.99, bottom=0.24, top=0.93, wspace=0.06)
+        figure.subplots_adjust(left=0.01, right=0.99, bottom=0.24, top=0.93 - 0.04 * title.count('\n'), wspace=0.06)
         draw_mechanism(axes[0], mechanism, motion, loads, title)
         draw_polygon(axes[1], velocity_polygon(mechanism, motion), 'velocities', 'm/s')
         draw_polygon(axes[2], acceleration_polygon(mechanism, motion), 'accelerations', 'm/s$^2$')
@@ -263,5 +263,7 @@ def save(figure, path):
     try:
         with matplotlib.rc_context(STYLE):
             figure.savefig(path, dpi=200, **({'metadata': {'Date': None}} if str(path).endswith('.svg') else {}))
-    except (OSError, ValueError) as error:
+    except OSError as error:
+        raise CannotDraw(f'{path}: {error.strerror}') from None
+    except ValueError as error:
         raise CannotDraw(f'{path}: {error}') from None

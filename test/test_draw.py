@@ -112,6 +112,9 @@ def test_the_command(tmp_path):
         assert out.stat().st_size > 10_000
     done = draw('config/paper.yaml', '--at', '60', '-o', str(tmp_path / 'pose.xyz'))
     assert done.returncode == 1 and done.stderr.startswith('fourbar: ') and len(done.stderr.splitlines()) == 1
+    missing = tmp_path / 'missing' / 'pose.svg'
+    done = draw('config/paper.yaml', '--at', '60', '-o', str(missing))
+    assert done.returncode == 1 and done.stderr == f'fourbar: {missing}: No such file or directory\n'
 
 
 @pytest.mark.parametrize('arguments', [('draw', 'config/paper.yaml', '--at', '60', '-o', 'pose.svg'),

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import argparse
 
+TITLE_WIDTH = 48       # letters over one panel
 EPILOG = """\
 examples:
   fourbar draw config/paper.yaml --at 60 -o pose.pdf
@@ -29,16 +30,20 @@ def add(verbs):
 
 def _draw(arguments):
     from math import radians
+    from textwrap import fill
 
     from .. import scene as scenes
     from ..draw import make_figure, save
-    from ..show import rate_unit, shown
+    from ..show import class_name, rate_unit
     scene = scenes.load(arguments.scene)
     linkage = scene.linkage.in_mode(arguments.mode or scene.linkage.mode)
     speed = scene.drive.speed if arguments.speed is None else arguments.speed
     at = arguments.at if linkage.is_driven_by_slide else radians(arguments.at)
     given = (at, speed, arguments.acceleration)
     motion, loads = linkage.step(*given) if linkage.bodies else (linkage.motion(*given), None)
-    title = f'{linkage.classification}, {shown(linkage.input_coordinate.position, at)}, {speed:g} {rate_unit(linkage)}'
+    pose = f'{linkage.input_coordinate.position} {arguments.at:.8g} {"m" if linkage.is_driven_by_slide else "deg"}'
+    # no line ends inside of these
+    pose, rate = (text.replace(' ', '\N{NO-BREAK SPACE}') for text in (pose, f'{speed:g} {rate_unit(linkage)}'))
+    title = fill(f'{class_name(linkage)}, {pose}, {rate}', TITLE_WIDTH)
     save(make_figure(linkage, motion, loads, title), arguments.out)
     print(arguments.out)
