@@ -292,7 +292,15 @@ def test_a_plot_has_its_fields_with_units_and_names_what_is_not_there(bag, tmp_p
     assert unit == 'rad' and found['/fourbar/loads.f41'][2] == 'N' and len(times) == STEPS
     assert np.allclose(times, np.arange(STEPS) * 1e-3, rtol=0, atol=4 * np.spacing(STEPS * 1e-3))
     assert values.tolist() == [r.message.theta4 for r in records(bag, ['/fourbar/state'])]
-    for wrong, said in (('state.theta9', 'state has'), ('nothing.x', 'topics are'), ('state', 'state has')):
+    by_index = series(bag, ['joint_states.position[3]', 'joint_states.position[output]'])
+    assert by_index['joint_states.position[3]'][1].tolist() == by_index['joint_states.position[output]'][1].tolist()
+    assert by_index['joint_states.position[3]'][2] == by_index['joint_states.position[output]'][2]
+    for wrong, said in (('state.theta9', 'state has'), ('nothing.x', 'field; topics are'), ('state', 'state has'),
+                        ('f41', r'write TOPIC\.FIELD, as loads\.f41; topics are'),
+                        ('theta', r'write TOPIC\.FIELD, as state\.theta4; topics are'),
+                        *((f'joint_states.{field}', 'joint_states has') for field in
+                          ('position[4]', 'position[-1]', 'position[]', 'position[3', 'position', 'header.frame_id',
+                           'header.frame_id[0]', 'name[0]', 'header.stamp.sec[0]'))):
         with pytest.raises(BagError, match=said):
             series(bag, [wrong])
     plot(bag, ['state.theta4', 'loads.f41'], tmp_path / 'run.png')

@@ -1,6 +1,8 @@
 """Fields of a bag over time, as a picture. Needs matplotlib, imported when it is used."""
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 from . import BagError
@@ -8,6 +10,7 @@ from .export import table
 from .reader import Bag
 
 WIDTH, HEIGHT = 9.0, 2.4        # [in] a picture, and each of its axes
+_ELEMENT = re.compile(r'(.+)\[(\d+)\]')
 
 
 def series(path, names, progress=None):
@@ -22,7 +25,7 @@ def series(path, names, progress=None):
         Bag.
     names : list of str
         ``TOPIC.FIELD``; the topic in full or its last part: ``state.theta4``,
-        ``/joint_states.position[crank]``.
+        ``/joint_states.position[crank]`` or ``[0]``.
 
     """
     bag = Bag(path)
@@ -38,23 +41,42 @@ def series(path, names, progress=None):
         known[short] = list(values)
         for name in names:
             topic, _, field = name.partition('.')
-            if topic in (columns.topic, short) and field in values and values[field].dtype.kind in 'iufb':
+            drawn = _column(values, columns.records, field) if topic in (columns.topic, short) else None
+            if drawn is not None:
                 times, numbers, places, _ = found[name]
                 times.append((clock, moments))
-                numbers.append(values[field])
+                numbers.append(drawn)
                 places.append(columns.places)
                 found[name] = times, numbers, places, units.get(field.split('[')[0], '')
     for name, (times, *_) in found.items():
         if not times:
-            topic = name.partition('.')[0].rsplit('/', 1)[-1]
-            raise BagError(f'{name}: no such field; ' + (f'{topic} has {", ".join(known[topic])}' if topic in known
-                                                         else f'topics are {", ".join(known)}'))
-    series = {}
+            raise BagError(f'{name}: no such field; {_advice(name, known)}')
+    made = {}
     for name, (times, numbers, places, unit) in found.items():
         order = np.argsort(np.concatenate(places))          # messages of several layouts lie between each other
         seconds = np.concatenate([(part - starts[clock]) * 1e-9 for clock, part in times])
-        series[name] = seconds[order], np.concatenate(numbers)[order], unit
-    return series
+        made[name] = seconds[order], np.concatenate(numbers)[order], unit
+    return made
+
+
+def _column(values, records, field):
+    """Return the numbers of a field, an element by its joint or its index; None if there are none."""
+    element = _ELEMENT.fullmatch(field)
+    if field not in values and element and element[1] in records.dtype.names and records[element[1]].ndim == 2:
+        elements, index = records[element[1]].T, int(element[2])
+        return elements[index] if index < len(elements) else None
+    return values[field] if field in values and values[field].dtype.kind in 'iufb' else None
+
+
+def _advice(name, known):
+    """Return what there is instead of a field that is not there."""
+    topic, dot, _ = name.partition('.')
+    topic = topic.rsplit('/', 1)[-1]
+    if topic in known:
+        return f'{topic} has {", ".join(known[topic])}'
+    of = next((topic for topic, fields in known.items() if name in fields), None)
+    hint = '' if dot else f'write TOPIC.FIELD, as {f"{of}.{name}" if of else "state.theta4"}; '
+    return f'{hint}topics are {", ".join(known)}'
 
 
 def plot(path, names, out, progress=None):

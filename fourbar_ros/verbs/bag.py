@@ -63,7 +63,7 @@ def add(verbs):
     plot = action('plot', _plot, 'draw fields over time',
                   'Fields of one unit share an axis. Needs matplotlib.')
     plot.add_argument('fields', metavar='TOPIC.FIELD', nargs='+',
-                      help='as state.theta4 or /joint_states.position[crank]')
+                      help='as state.theta4, /joint_states.position[crank] or joint_states.position[0]')
     plot.add_argument('-o', '--out', metavar='FILE', required=True, help='picture: .png, .svg, .pdf')
 
     diff = action('diff', _diff, 'compare two bags message by message',
