@@ -14,6 +14,7 @@ from .core.kinds import KINDS
 from .core.mechanism import Mechanism
 from .core.points import LINKS, OUTPUT
 from .core.quantities import point_acceleration, point_speed
+from .core.status import evaluate
 from .interfaces import topics_of
 from .records import layout
 
@@ -121,19 +122,24 @@ def _linkage(values):
         if length in kind.LENGTHS and isnan(value):
             raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
         if length not in kind.LENGTHS and not isnan(value) and value != parameter.default:
-            raise InvalidParameter(parameter.name, value, f'a {name} has {", ".join(kind.LENGTHS)} only')
+            raise InvalidParameter(parameter.name, value, f'linkage.kind {name} has {", ".join(kind.LENGTHS)} only')
     arguments = {length: values[f'linkage.{length}'] for length in kind.LENGTHS}
     if len(kind.INPUTS) > 1:
         arguments['input'] = values['linkage.input']
     elif values['linkage.input'] not in kind.INPUTS:
-        raise InvalidParameter('linkage.input', values['linkage.input'], f'a {name} is driven at its crank')
+        raise InvalidParameter('linkage.input', values['linkage.input'], f'linkage.kind {name} is driven at its crank')
     try:
-        return kind(**arguments, mode=values['linkage.mode'], bodies=_bodies(values, kind),
-                    gravity=(values['gravity.x'], values['gravity.y']), external=_external(values))
+        linkage = kind(**arguments, mode=values['linkage.mode'], bodies=_bodies(values, kind),
+                       gravity=(values['gravity.x'], values['gravity.y']), external=_external(values))
+        evaluate(linkage, sum(linkage.input_ranges[0]) / 2.0, 0.0, 0.0, linkage.bodies is not None)
+        return linkage
     except InvalidParameter as error:
         if error.name in values:
             raise
         raise InvalidParameter(f'linkage.{error.name}', error.value, error.allowed) from None
+    except (ArithmeticError, ValueError):
+        raise InvalidParameter('linkage', list(arguments.values()), 'lengths and bodies are too large, too small or too '
+                               'far apart to be computed with') from None
 
 
 def _check_together(scene):

@@ -110,6 +110,12 @@ def test_a_point_at_rest_has_no_tangent():
     assert point.speed == 0.0 and np.isnan(point.tangential_acceleration) and np.isnan(point.curvature)
 
 
+def test_a_point_that_hardly_moves_has_no_curvature():
+    mechanism = SliderCrank(0.1, 0.3, 0.05)
+    point = point_motion(mechanism, mechanism.motion(0.5, 1e-170, 1.0), 'crank', 0.1)
+    assert point.speed > 0.0 and np.isnan(point.curvature)
+
+
 def test_images_of_links():
     """The polygon's figure of a link is the link, scaled and turned: any two points of any link."""
     for mechanism, given in cases(6):

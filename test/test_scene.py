@@ -104,3 +104,10 @@ def test_scene_check_explains_and_refuses(tmp_path, capsys):
     bad.write_text('/**: {ros__parameters: {linkage: {a1: 0.4, a2: x, a3: 1.0, a4: 1.0}}}')
     assert main(['scene', 'check', str(bad)]) == 1
     assert capsys.readouterr().err == "fourbar: linkage.a2 = 'x': must be a double\n"
+
+
+@pytest.mark.parametrize('values', [{'linkage.a1': 1e300}, {'bodies.rods.radius': 1e160}])
+def test_numbers_that_overflow_are_refused(values):
+    with pytest.raises(InvalidParameter, match='too far apart'):
+        scene.from_values({'linkage.kind': 'slider_crank', 'linkage.a1': 0.1, 'linkage.a2': 0.3, **RODS,
+                           'bodies.output.mass': 1.0, **values})

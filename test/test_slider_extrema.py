@@ -7,6 +7,7 @@ import pytest
 from fourbar_ros.core import Bodies, Body, InvalidParameter, InvertedSlider, SliderCrank
 from fourbar_ros.core.extrema import find_extrema
 from fourbar_ros.core.mechanism import CRANK, SLIDE
+from fourbar_ros.core.paths import TooNarrow
 from fourbar_ros.core.quantities import UnknownQuantity, known, point_acceleration, point_speed, select
 
 EPS = 2.0**-52
@@ -213,3 +214,19 @@ def test_what_is_given_is_no_quantity():
     with pytest.raises(InvalidParameter):
         find_extrema(SliderCrank(0.1, 0.3), ('slide_velocity',), nan)
     assert inf not in {abs(e.value) for e in find_extrema(SliderCrank(0.1, 0.3), (), 1.0)}
+
+
+def test_near_a_change_point_the_ends_of_an_inverted_slider_are_unbounded():
+    """Of short ranges beside long inputs: samples are placed from the nearer end."""
+    rng = np.random.default_rng(1)
+    for gap in (1e-3, 1e-5, 1e-7, 1e-9):
+        for h in 10.0**rng.uniform(-3.5, -2.0, 20):
+            found = find_extrema(InvertedSlider(0.5 + h - gap * h, 0.5, h), ('slide_velocity', 'alpha4'), 2.0, -60.0)
+            assert not any(isnan(e.value) or e.place == 'limit' and isfinite(e.value) for e in found)
+
+
+def test_what_floats_cannot_hold_is_refused():
+    with pytest.raises(InvalidParameter, match='overflow'):
+        find_extrema(InvertedSlider(0.2, 0.5, 0.04, input=SLIDE), (), 1.0, 1e300)
+    with pytest.raises(TooNarrow):
+        find_extrema(SliderCrank(1.0, 1e-10), (), 1.0)

@@ -242,7 +242,7 @@ class InvertedSlider(Mechanism):
         near, far = reach(*self.lengths)
         pole = complex(0.0, 2.0 * atanh(min(abs(a1 - a4) / (a1 + a4), 1.0 - EPS)))
         if near > 0.0:
-            return [complex(0.0, 2.0 * atanh(sqrt(near / far))), pole]
+            return [complex(0.0, 2.0 * atanh(min(sqrt(near / far), 1.0 - EPS))), pole]
         angle = 2.0 * atan2(sqrt(-near), sqrt(far))
         return [complex(angle), complex(-angle), pole]
 

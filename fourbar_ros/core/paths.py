@@ -19,11 +19,19 @@ import numpy as np
 
 from .elliptic import FLAT_POINTS, TOGGLE_POINTS, End, InputPath
 from .elliptic import input_paths as elliptic_paths
+from .errors import FourBarError
 from .linkage import FourBar
 
 # Samples of a kernel; widths of the kernels of a singular point; the least that is resolved.
 PER_KERNEL, WIDER, NARROWEST = 16, 4.0, 1e-12
 HALVINGS, POLISHINGS = 24, 6        # to solve t(phi) = t
+
+
+class TooNarrow(FourBarError, ValueError):
+    """The range of the input is so narrow beside the input itself that floats do not resolve it."""
+
+    def __init__(self):
+        super().__init__('the range of the input is too narrow, beside the input itself, to be searched')
 
 
 def input_paths(mechanism, points):
@@ -69,7 +77,9 @@ def _between(singular, low, high, points, is_periodic):
     toggles = {-0.5 * pi: End(low, False), 0.5 * pi: End(high, False)}
 
     def to_input(phi):
-        return middle + half * np.sin(phi)
+        # From the nearer end: that distance is what quantities near a toggle depend on.
+        return np.where(phi < 0.0, low + 2.0 * half * np.sin(0.5 * (phi + 0.5 * pi))**2,
+                        high - 2.0 * half * np.sin(0.5 * (0.5 * pi - phi))**2)
     return [_path(kernels, *pair, to_input, [toggles.get(end) or End(float(to_input(end)), True) for end in pair])
             for pair in zip(ends, ends[1:])]
 
@@ -81,6 +91,8 @@ def _path(kernels, first, last, to_input, ends):
     near = [np.abs(x - end.x) < 2.0**-40 * max(abs(end.x), 2.0**-12) for end in ends]
     before, after = before - near[0].sum(), after - near[1].sum()
     x = x[~(near[0] | near[1])]
+    if min(before, after) < 0:
+        raise TooNarrow
     return InputPath(x, *ends, int(before), int(x.size - 1 - after))
 
 

@@ -133,7 +133,7 @@ def make_point(mechanism, link, along, across):
     def point(motion, mechanism=mechanism, link=link, along=along, across=across):
         x, y, v_x, v_y, a_x, a_y = point_of(link_motion(mechanism, motion, link), along, across)
         speed = hypot(v_x, v_y)
-        moves = speed > 0.0
+        moves = speed * speed > 0.0     # the square of less underflows
         tangential = where(moves, (a_x * v_x + a_y * v_y) / speed, nan)
         normal = where(moves, (a_y * v_x - a_x * v_y) / speed, nan)
         return (x, y, v_x, v_y, a_x, a_y, speed, tangential, normal, where(moves, normal / (speed * speed), nan))

@@ -5,7 +5,7 @@ Zero counts as positive. Angles are given in order; a smaller one after a larger
 """
 from __future__ import annotations
 
-from math import nan, pi
+from math import isfinite, nan, pi
 
 import numpy as np
 
@@ -232,6 +232,7 @@ def newton_roots(function, row, xa, xb, fa, x):
         better = np.where(is_newton, better, 0.5 * (xa + xb))
         tolerance = EPS * np.maximum(np.abs(better), SMALL)
         done = np.where(is_newton, SAFETY * step * step <= tolerance * width, xb - xa <= 2.0 * tolerance)
+        done |= ~np.isfinite(f)              # overflow: no root to be found
         last, x = np.abs(better - x), better
         root[todo] = x
         if done.any():
@@ -256,6 +257,7 @@ def newton_root(function, xa, xb, fa, x):
         if not is_newton:
             better = 0.5 * (xa + xb)
         tolerance = EPS * max(abs(better), SMALL)
-        if SAFETY * step * step <= tolerance * width if is_newton else xb - xa <= 2.0 * tolerance:
+        if not isfinite(f) or (SAFETY * step * step <= tolerance * width if is_newton
+                               else xb - xa <= 2.0 * tolerance):
             return better, state
         last, x = abs(better - x), better

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .errors import InvalidParameter
 from .roots import EPS, find_brackets, fold, newton_roots, rises
 from .sampling import DifferenceSampler
 from .sensitivity import sampled_conditions
@@ -49,7 +50,10 @@ class Found(NamedTuple):
 
 def search_path(sampler, path, with_conditions=True):
     """Return the list of :class:`Found` of all quantities along one :class:`.elliptic.InputPath`."""
-    values, slopes = sampler.sample(path.x)
+    with np.errstate(over='ignore', invalid='ignore'):
+        values, slopes = sampler.sample(path.x)
+    if np.isinf(values).any() or np.isinf(slopes).any():
+        raise InvalidParameter('rate, acceleration', sampler.rates, 'too large: quantities overflow')
     middle = np.median(values, axis=1)
     state = sampler.state(path.x)
     noise = np.maximum(sampler.noise(state), 64.0 * EPS * np.abs(middle)[:, None])
