@@ -29,6 +29,7 @@ PATIENCE = 20.0        # [s] for the node to be found and to answer
 SWING = 0.95           # share of a rocker's range that is swung through
 REFRESH = 8            # live tables a second
 KINDS = {Extremum.KIND_MINIMUM: 'minimum', Extremum.KIND_MAXIMUM: 'maximum', Extremum.KIND_CONSTANT: 'constant'}
+SHORT = {'minimum': 'min', 'maximum': 'max', 'constant': 'const'}
 
 
 class DemoError(FourBarError):
@@ -148,6 +149,8 @@ def watch(client, node, seconds, console):
             client.drive(time.monotonic() - first)
             client.spin(0.01 if client.input else 1.0 / REFRESH)
             live.update(live_table(client, time.monotonic() - first))
+    if not console.is_terminal:
+        console.print()                                  # rich ends the last table of a terminal only
 
 
 def published_for(path):
@@ -165,13 +168,14 @@ def compare_extremes(client, published, console):
         return
     table = plain_table(f'global extremes at {speed:g} {rate_unit(client.scene.linkage)}, mode {mode_name(client.scene.linkage)}, '
                         f'asked over {NODE}/find_extrema',
-                        ('quantity', '', 'value>', 'unit', f'{client.scene.linkage.input_coordinate.position}>', 'published>', 'at>'))
+                        ('quantity', '', 'value>', 'unit', f'{client.scene.linkage.input_coordinate.position}>',
+                         *(('published>', 'at>') if published else ())))
     notes = []
     for extremum in answer.extrema:
         if not extremum.is_global:
             continue
         kind = KINDS[extremum.kind]
-        row = [extremum.quantity, kind[:3], f'{extremum.value:.9g}', extremum.unit, f'{extremum.theta1 if isnan(extremum.slide) else extremum.slide:.7f}']
+        row = [extremum.quantity, SHORT[kind], f'{extremum.value:.9g}', extremum.unit, f'{extremum.theta1 if isnan(extremum.slide) else extremum.slide:.7f}']
         for entry in published:
             if (entry['quantity'], entry['kind']) == (extremum.quantity, kind):
                 mark = ''
