@@ -12,14 +12,15 @@ env := . scripts/env.sh
 .PHONY: help setup run test test-all soak bench clean
 
 help:
-	@echo 'fourbar_ros: exact motion, loads and extrema of planar four-bar linkages, as a ROS 2 node'
+	@echo 'fourbar_ros: exact motion, loads and extremes of four-bars, slider-cranks, inverted slider-cranks;'
+	@echo 'a ROS 2 node and a Python library'
 	@echo
 	@echo '  make run        a linkage through the node: live table, extremes, bag, bag checked'
 	@echo '                    SCENE=$(SCENE)  SECONDS=$(SECONDS)'
 	@echo '  make test       the tests but the slow ones      ARGS="-k loads" goes to pytest'
 	@echo '  make test-all   all tests'
 	@echo '  make soak       an hour of floods, garbage, restarts    MINUTES=60'
-	@echo '  make bench      what a step, an extremum search, a message costs here   ARGS=...'
+	@echo '  make bench      what a step, a search for extremes, a message costs here   ARGS=...'
 	@echo '  make setup      only what the others do first: .venv, ROS 2, build'
 	@echo '  make clean      removes .venv build install log'
 	@echo

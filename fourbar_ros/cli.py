@@ -10,8 +10,8 @@ from .verbs import bag, draw, record, replay, reproduce, scene, show
 
 VERBS = (show, scene, bag, record, replay, draw, reproduce)
 DESCRIPTION = """\
-Planar four-bar linkages: motion, loads and extremes of a scene; recorded runs. Needs no ROS, but for
-record and replay, which talk to a node.
+Planar four-bars, slider-cranks and inverted slider-cranks: motion, loads and extremes of a scene;
+recorded runs. Needs no ROS, but for record and replay, which talk to a node.
 
 A scene is a ROS 2 parameter file (see config/): the same file runs the node,
   fourbar_node --ros-args --params-file SCENE
@@ -21,6 +21,7 @@ examples:
   fourbar show config/paper.yaml               class, limits, extremes, loads
   fourbar show config/paper.yaml --mode 1      of the other assembly mode
   fourbar show config/slides_7_7.yaml --speed 10 --at 24.6475
+  fourbar show config/cylinder.yaml --at 1.5   a boom and its cylinder, 1.5 m long
   fourbar scene check config/paper.yaml        what a node with this scene does, and its cost
   fourbar bag info bags/run                    what is in a bag
   fourbar bag recompute bags/run               every recorded value computed again
