@@ -311,7 +311,7 @@ def test_a_plot_has_its_fields_with_units_and_names_what_is_not_there(bag, tmp_p
 
 # --- diff -----------------------------------------------------------------------------------------
 
-def test_diff_matches_by_stamp_and_counts_what_is_in_one_bag_only(bag, tmp_path):
+def test_diff_matches_by_stamp_and_counts_what_is_in_one_bag_only(bag, tmp_path, capsys):
     part = bags.run(tmp_path, 'part', FULL, TURNS[:300])
     other = bags.run(tmp_path, 'other', {**FULL, 'linkage.a1': 0.39}, TURNS)
     by_topic = {topic.topic: topic for topic in diff(bag, part)}
@@ -320,6 +320,13 @@ def test_diff_matches_by_stamp_and_counts_what_is_in_one_bag_only(bag, tmp_path)
     changed = {topic.topic: topic for topic in diff(bag, other)}
     assert changed['/fourbar/driven'].is_same() and changed['/fourbar/state'].largest['theta4'] > 1e-3
     assert changed['/fourbar/state'].is_same(tolerance=1e4)
+    assert list(changed['/fourbar/scene'].largest) == ['linkage.a1'] and not changed['/fourbar/scene'].is_same()
+    assert changed['/fourbar/scene'].largest['linkage.a1'] == pytest.approx(0.01)
+    assert main(['bag', 'diff', str(bag), str(other), '--topics', '/fourbar/scene']) == 3
+    assert 'linkage.a1' in capsys.readouterr().out
+    unlike = bags.run(tmp_path, 'unlike', {**FULL, 'outputs': ['state'], 'linkage.mode': 1}, TURNS[:9])
+    found = diff(bag, unlike, ['/fourbar/scene'])[0]
+    assert found.largest['outputs'] == math.inf and 'linkage.a1' not in found.largest
     with pytest.raises(BagError, match='in neither bag'):
         diff(bag, part, ['/nothing'])
 

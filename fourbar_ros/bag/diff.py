@@ -1,6 +1,7 @@
 """Compare two bags message by message: the same stamp on the same topic is the same message."""
 from __future__ import annotations
 
+import json
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +15,8 @@ class TopicDiff(NamedTuple):
     """
     One topic in both bags.
 
-    ``largest`` is {field: largest difference}; of fields that only one of two messages has, infinite.
+    ``largest`` is {field: largest difference}; of fields that only one of two messages has, and of texts,
+    infinite. Of unlike scenes the parameters stand for the field.
     """
 
     topic: str
@@ -112,8 +114,31 @@ class _Topic:
         self.messages += len(a)
         for field in dict.fromkeys((*a.dtype.names, *b.dtype.names)):
             is_in_both = field in a.dtype.names and field in b.dtype.names
-            found = _apart(a[field], b[field]) if is_in_both else np.inf
-            self.largest[field] = max(self.largest.get(field, 0.0), found)
+            apart = {field: _apart(a[field], b[field]) if is_in_both else np.inf}
+            if is_in_both and a[field].dtype.kind == 'S' and apart[field]:
+                parameters = _by_parameter(a[field], b[field])
+                apart = apart if parameters is None else parameters
+            for name, found in apart.items():
+                self.largest[name] = max(self.largest.get(name, 0.0), found)
+
+
+def _by_parameter(here, there):
+    """Return {parameter: difference} of scenes, texts that hold a JSON object; None of others."""
+    found = {}
+    for pair in zip(here.tolist(), there.tolist()):
+        try:
+            a, b = map(json.loads, pair)
+            for name in a.keys() | b.keys():
+                found[name] = max(found.get(name, 0.0), _between(a.get(name), b.get(name)))
+        except (ValueError, AttributeError):
+            return None
+    return {name: value for name, value in sorted(found.items()) if value}
+
+
+def _between(a, b):
+    """Return the difference of two parameters; infinite if they are unlike and not both numbers."""
+    numbers = all(isinstance(value, (int, float)) for value in (a, b))
+    return distance(np.array([a], float), np.array([b], float)) if numbers else 0.0 if a == b else np.inf
 
 
 def _apart(here, there):
