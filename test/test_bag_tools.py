@@ -273,6 +273,14 @@ def test_messages_of_several_layouts_meet_in_a_diff(mixed, tmp_path):
     assert [name for name, topic in found.items() if not topic.is_same()] == ['/text']
 
 
+def test_messages_that_nobody_stamped_are_compared_by_their_place(tmp_path):
+    writer = BagWriter(tmp_path, 'unstamped', [bags.MOTION], {})
+    for _ in range(50):
+        writer.write(0, bags.motion(0))
+    path = writer.close()
+    assert [topic[1:4] for topic in diff(path, path)] == [(50, 0, 0)]
+
+
 def test_parquet_says_what_is_missing_or_writes(bag, tmp_path):
     try:
         import pyarrow.parquet

@@ -39,7 +39,7 @@ def diff(first, second, topics=None, progress=None):
     """
     Return a list of :class:`TopicDiff`, one for every topic in either bag.
 
-    Messages with a header are matched by its stamp, others by their place among those of their topic.
+    Messages are matched by the stamp of their header, those without or with stamp 0 by their place among those of their topic.
     Memory does not grow with the bags, as long as their stamps go forward. ``progress`` is called with the
     bytes read of the first bag, once more for every topic.
     """
@@ -153,4 +153,9 @@ def _apart(here, there):
 def _keyed(bag, topic, progress):
     """Yield lists of (keys, records), one a layout in a block; the key is the stamp [ns], or the place in the topic."""
     for block in bag.blocks([topic], progress=progress):
-        yield [(found.places if found.stamps is None else found.stamps, found.records) for found in block]
+        yield [(_keys(found), found.records) for found in block]
+
+
+def _keys(columns):
+    stamps = columns.stamps                  # 0: nobody stamped it, as a simple source of inputs
+    return columns.places if stamps is None else np.where(stamps == 0, columns.places, stamps)
