@@ -41,7 +41,7 @@ class Parameter(NamedTuple):
         if kind is list and isinstance(value, tuple):
             value = list(value)
         if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
-            raise InvalidParameter(self.name, value, f'must be a {self.type}')
+            raise InvalidParameter(self.name, value, f'must be {"an" if self.type == "integer" else "a"} {self.type}')
         if kind is list:
             for item in value:
                 if not isinstance(item, str) or (self.choices and item not in self.choices):

@@ -145,7 +145,8 @@ def _linkage(values):
 def _check_together(scene):
     """Check what no parameter shows alone."""
     def refuse(name, why):
-        raise InvalidParameter(name, scene.values[name], why)
+        value = scene.values[name]
+        raise InvalidParameter(name, value if value == value else None, why)         # NaN: not given
 
     if scene.needs_loads and scene.linkage.bodies is None:
         loads = [name for name, topic in scene.topics.items() if topic.needs_loads]
@@ -177,7 +178,7 @@ def _bodies(values, kind):
         return None
     for name in ('bodies.rods.density', 'bodies.rods.radius'):
         if has_rods and not given(name):
-            raise InvalidParameter(name, values[name], 'must be given: rods have density and radius')
+            raise InvalidParameter(name, None, 'must be given: rods have density and radius')
     return Bodies(*(_rod(values, link, kind, given) if has_rods and link in kind.LINK_LENGTHS
                     else _body(values, link, kind, given) for link in LINKS))
 
@@ -196,7 +197,7 @@ def _body(values, link, kind, given):
     turns = not (kind is SliderCrank and link == OUTPUT)
     for field in ('mass', 'inertia') if turns else ('mass',):
         if not given(name + field):
-            raise InvalidParameter(name + field, values[name + field],
+            raise InvalidParameter(name + field, None,
                                    f'must be given: loads need mass{" and inertia" * turns} of the {link}')
     length = kind.LINK_LENGTHS.get(link)
     along = values[name + 'cg_along'] if given(name + 'cg_along') else 0.5 * values[f'linkage.{length}'] if length else 0.0

@@ -106,6 +106,39 @@ def test_scene_check_explains_and_refuses(tmp_path, capsys):
     assert capsys.readouterr().err == "fourbar: linkage.a2 = 'x': must be a double\n"
 
 
+def test_scene_check_lists_what_was_given_in_units_of_what_is_driven(tmp_path, capsys):
+    from fourbar_ros.cli import main
+    file = tmp_path / 'scene.yaml'
+    file.write_text((CONFIG / 'cylinder.yaml').read_text().replace('source: motion ', 'source: timer '))
+    assert main(['scene', 'check', str(file)]) == 0
+    said = capsys.readouterr().out
+    assert 'inverted slider-crank, Grashof crank-rocker, driven at its slide, mode 2' in ' '.join(said.split())
+    assert 'drive.start = 0 m is outside [-2.8, -0.4] or [0.4, 2.8] m' in said
+    rows = dict(line.split(maxsplit=1) for line in said.splitlines() if line.startswith(('linkage.', 'drive.speed')))
+    assert rows['linkage.a1'].split() == ['1.2', 'm'] and rows['drive.speed'].split() == ['0.2', 'm/s']
+
+
+@pytest.mark.parametrize('file, at, said', [
+    ('cylinder', '9', 'slide = 9.0 m is outside the input range [-2.8, -0.4] or [0.4, 2.8] m'),
+    ('slides_7_6', '170', 'rad is outside the input range ['), ('paper', 'nan', 'theta1 = nan: must be a finite number')])
+def test_show_refuses_an_input_out_of_range_in_one_line(capsys, file, at, said):
+    from fourbar_ros.cli import main
+    assert main(['show', str(CONFIG / f'{file}.yaml'), '--at', at]) == 1
+    out, err = capsys.readouterr()
+    assert out == '' and said in err and len(err.splitlines()) == 1
+
+
+@pytest.mark.parametrize('values, said', [
+    ({'bodies.rods.density': 7000.0}, 'bodies.rods.radius: must be given: rods have density and radius'),
+    ({'bodies.crank.mass': 1.0}, 'bodies.crank.inertia: must be given: loads need mass and inertia of the crank'),
+    ({'outputs': ['loads']}, 'bodies.crank.mass: must be given (or bodies.rods): output loads needs masses'),
+    ({'linkage.mode': 'x'}, "linkage.mode = 'x': must be an integer")])
+def test_what_is_missing_is_named_without_a_value(values, said):
+    with pytest.raises(InvalidParameter) as caught:
+        scene.from_values({**PAPER, **values})
+    assert str(caught.value) == said
+
+
 @pytest.mark.parametrize('values', [{'linkage.a1': 1e300}, {'bodies.rods.radius': 1e160}])
 def test_numbers_that_overflow_are_refused(values):
     with pytest.raises(InvalidParameter, match='too far apart'):
