@@ -39,8 +39,8 @@ def diff(first, second, topics=None, progress=None):
     """
     Return a list of :class:`TopicDiff`, one for every topic in either bag.
 
-    Messages are matched by the stamp of their header, those without or with stamp 0 by their place among those of their topic.
-    Memory does not grow with the bags, as long as their stamps go forward. ``progress`` is called with the
+    Messages are matched by the stamp of their header, those without or with stamp 0 by their place among
+    those of their topic. Memory does not grow with the bags, as long as their stamps go forward. ``progress`` is called with the
     bytes read of the first bag, once more for every topic.
     """
     bags = [Bag(first), Bag(second)]
