@@ -1,10 +1,11 @@
 """Extremes of slider-cranks and inverted slider-cranks, driven at crank or slide, against scans; limits, change points."""
+from dataclasses import replace
 from math import inf, isfinite, isnan, nan, pi
 
 import numpy as np
 import pytest
 
-from fourbar_ros.core import Bodies, Body, InvalidParameter, InvertedSlider, SliderCrank
+from fourbar_ros.core import Bodies, Body, FourBar, InvalidParameter, InvertedSlider, SliderCrank
 from fourbar_ros.core.extrema import find_extrema
 from fourbar_ros.core.mechanism import CRANK, SLIDE
 from fourbar_ros.core.paths import TooNarrow
@@ -230,3 +231,13 @@ def test_what_floats_cannot_hold_is_refused():
         find_extrema(InvertedSlider(0.2, 0.5, 0.04, input=SLIDE), (), 1.0, 1e300)
     with pytest.raises(TooNarrow):
         find_extrema(SliderCrank(1.0, 1e-10), (), 1.0)
+
+
+@pytest.mark.parametrize('mechanism, rate, count', [
+    (SliderCrank(0.9, 2.1, 0.2, mode=1, input=SLIDE), 4.5e-4, 6), (SliderCrank(0.1, 0.3, 0.25), 1e-4, 3),
+    (FourBar(4.0, 3.0, 2.0, 8.0), 10.0**-4.4, 3), (FourBar(4.0, 3.0, 2.0, 8.0), 1e-5, 3)])
+def test_pairs_next_to_a_toggle_are_found(mechanism, rate, count):
+    """Where velocity and acceleration terms of a reaction cancel; the counts are proved by certify=True."""
+    bodies = Bodies(Body(1.0, 0.05, 0.0, 0.01), Body(1.0, 0.15, 0.0, 0.01), Body(1.0, 0.0, 0.0, 0.01))
+    found = find_extrema(replace(mechanism, bodies=bodies), ('f41',), rate, 1.3 if count == 6 else 1.0)
+    assert sum(e.place == 'interior' for e in found) == count

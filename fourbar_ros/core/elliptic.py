@@ -24,10 +24,10 @@ from .factors import difference_of_squares
 # At a change point itself the period of u is infinite. There the branches are smooth in x, so the
 # points of a linkage that clears the flat position by this much (of 4 a1 a4) serve.
 CLEARANCE = 2.0**-6
-# Points added towards a toggle and towards a flat position, each four times closer than the one
+# Points added towards a toggle and towards a flat position, each twice as close as the one
 # before. The last are 1e-6 in u from a toggle, 1e-12 in x, where x itself has four digits left, and
 # 1e-4 from a flat position, where quantities are quotients of vanishing numbers.
-TOGGLE_POINTS, FLAT_POINTS = 7, 3
+TOGGLE_POINTS, FLAT_POINTS = 14, 6
 # Samples for each unit of u; counts.
 POINTS_PER_FEATURE = 4
 
@@ -183,7 +183,7 @@ def input_paths(linkage, points):
 def _closer(end, count):
     """Return the parameters t of the points added at an end at t = 0, outwards."""
     number = 0 if end is None else FLAT_POINTS if end.is_flat else TOGGLE_POINTS
-    return 0.5 / count * 4.0**-np.arange(1.0, 1 + number)
+    return 0.5 / count * 2.0**-np.arange(1.0, 1 + number)
 
 
 def _mirror(end):

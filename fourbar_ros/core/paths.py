@@ -125,7 +125,7 @@ def _spread(kernels, first, last, ends):
     """Return the phi of equal steps between two ends, half a step from them, and how many were added at each."""
     begin, end = (_samples(kernels, np.array([v]))[0][0] for v in (first, last))
     count = int(np.ceil(end - begin))
-    closer = [0.5 / count * 4.0**-np.arange(1.0, 1 + (FLAT_POINTS if e.is_flat else TOGGLE_POINTS)) for e in ends]
+    closer = [0.5 / count * 2.0**-np.arange(1.0, 1 + (FLAT_POINTS if e.is_flat else TOGGLE_POINTS)) for e in ends]
     before, after = closer if ends else (np.zeros(0), np.zeros(0))
     t = np.concatenate((before[::-1], (np.arange(count) + 0.5) / count, 1.0 - after))
     t = begin + (end - begin) * t

@@ -109,7 +109,7 @@ def _end(sampler, x, end, side, inward, first, values, slopes, noise, rows):
     step away. Quantities are meromorphic in u: one that grows twofold each time the distance falls to a
     quarter has a pole. The others go on smoothly into the other assembly mode.
     """
-    size = np.abs(values[:, inward[:3]])
+    size = np.abs(values[:, inward[:5:2]])
     has_pole = (size[:, 0] > 2.0 * size[:, 1]) & (size[:, 1] > 2.0 * size[:, 2])
     limits = np.where(values[:, inward[0]] > 0.0, inf, -inf)
     if not has_pole[rows].all():

@@ -9,7 +9,7 @@ from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 
 from .. import interfaces
-from ..core.errors import UNITS
+from ..core.errors import UNITS, OutOfRange
 from ..core.status import INPUT_TIMEOUT, OK, OUT_OF_RANGE, STATUS_NAMES
 from ..stepper import Stepper
 from .outputs import Output
@@ -113,6 +113,5 @@ class Stream:
             say.info('input good again')
         else:
             name, ranges = self.scene.linkage.input_coordinate.position, self.scene.linkage.input_ranges
-            unit = UNITS[name]
-            allowed = f', input range {ranges} {unit}' if status == OUT_OF_RANGE else ''
-            say.warning(f'{name} = {position!r} {unit}: {STATUS_NAMES[status]}{allowed}')
+            say.warning(str(OutOfRange(name, position, ranges)) if status == OUT_OF_RANGE
+                        else f'{name} = {position!r} {UNITS[name]}: {STATUS_NAMES[status]}')
