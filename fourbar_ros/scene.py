@@ -14,7 +14,6 @@ from .core.kinds import KINDS
 from .core.mechanism import Mechanism
 from .core.points import LINKS, OUTPUT
 from .core.quantities import point_acceleration, point_speed
-from .core.status import evaluate
 from .interfaces import topics_of
 from .records import layout
 
@@ -131,7 +130,7 @@ def _linkage(values):
     try:
         linkage = kind(**arguments, mode=values['linkage.mode'], bodies=_bodies(values, kind),
                        gravity=(values['gravity.x'], values['gravity.y']), external=_external(values))
-        evaluate(linkage, sum(linkage.input_ranges[0]) / 2.0, 0.0, 0.0, linkage.bodies is not None)
+        linkage.prepare()
         return linkage
     except InvalidParameter as error:
         if error.name in values:

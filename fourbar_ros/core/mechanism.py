@@ -69,6 +69,10 @@ class Mechanism:
     def _loads(self):
         return ByDialect(self._make_loads)
 
+    def prepare(self):
+        """Make the functions of one sample, as the first would; ArithmeticError or ValueError where numbers overflow."""
+        return self._motion[0], self.bodies and self._loads[0]
+
     def _check(self, lengths, signed=()):
         """Refuse what no mechanism can have: lengths by name positive, signed ones finite."""
         for name in lengths:

@@ -89,6 +89,19 @@ def test_a_live_node_driven_by_the_bag_answers_exactly_what_was_recorded(run_nod
     assert len(lines) == len(ALL_OUTPUTS) and all(line[1:4] == [str(STEPS), '0', '0'] for line in lines), said
 
 
+def test_the_scene_of_a_bag_runs_a_node(client, bag, tmp_path):
+    code, text = finished(fourbar('bag', 'scene', bag), client)
+    assert code == 0
+    (tmp_path / 'again.yaml').write_text(text)
+    node = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node', '--ros-args', '--params-file',
+                             str(tmp_path / 'again.yaml'), '-r', '__node:=again'], env=os.environ, cwd=tmp_path)
+    try:
+        client.until(lambda: node.poll() is not None or 'again' in client.node.get_node_names(), 'the node')
+    finally:
+        node.send_signal(signal.SIGTERM)
+        assert node.wait(PATIENCE) == 0
+
+
 def test_a_live_node_of_another_linkage_is_found_out(run_node, client, bag):
     run_node({**FULL, 'linkage.a2': 1.2000001}, name='other')
     code, said = finished(fourbar('replay', bag, '--inputs-only', '--node', '/other', '--rate', '2'), client)
