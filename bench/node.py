@@ -244,6 +244,36 @@ def scenes():
     print()
 
 
+def requests():
+    """Print what a request for all extremes with proof, in both modes, does to a stream of 200 Hz."""
+    from fourbar_msgs.srv import FindExtrema
+    print('| stream of 200 Hz | answered in [s] | rate got [Hz] | largest gap [ms] | gap p99 [ms] |')
+    print('| --- | --- | --- | --- | --- |')
+    child = node({'drive.rate': 200.0, 'outputs': KINEMATICS})
+    listener = Listener('fourbar')
+    client = listener.node.create_client(FindExtrema, '/fourbar/find_extrema')
+
+    def ask_all():
+        future = client.call_async(FindExtrema.Request(velocity=25.0, mode=FindExtrema.Request.MODE_BOTH, certify=True))
+        while not future.done():
+            time.sleep(0.002)
+
+    try:
+        listener.wait()
+        client.wait_for_service(20.0)
+        time.sleep(1.0)
+        for what, ask in (('nothing asked', lambda: time.sleep(SECONDS)), ('everything asked, with proof', ask_all)):
+            count, began = len(listener.arrived), time.monotonic()
+            ask()
+            took, arrived = time.monotonic() - began, [moment for moment, _ in listener.arrived[count:]]
+            gaps = [(b - a) * 1e-6 for a, b in zip(arrived, arrived[1:])]
+            print(f'| {what} | {took:.1f} | {len(arrived) / took:.1f} | {max(gaps):.1f} | {percentile(gaps, 0.99):.1f} |')
+    finally:
+        child.stop()
+        listener.close()
+    print()
+
+
 def imports():
     """Print how long imports take in a fresh Python."""
     print('| import, in a fresh Python | wall time [ms] | over that of rclpy |')
@@ -271,6 +301,7 @@ def main():
         highest()
         echoes()
         scenes()
+        requests()
         imports()
     finally:
         rclpy.try_shutdown()

@@ -5,7 +5,7 @@ from timeit import repeat
 
 from . import interfaces
 from . import scene as scenes
-from .core.errors import UNITS
+from .core.errors import UNITS, in_words
 from .core.status import OUT_OF_RANGE, evaluate
 from .parameters import find
 from .show import class_name, make_console, plain_table, rate_unit
@@ -41,11 +41,11 @@ def _unit(parameter, linkage):
 
 
 def _leaves_the_range(linkage, drive):
-    unit = UNITS[linkage.input_coordinate.position]
-    allowed = f'{" or ".join(f"[{low:.9g}, {high:.9g}]" for low, high in linkage.input_ranges)} {unit}'
+    name = linkage.input_coordinate.position
+    allowed = in_words(name, linkage.input_ranges)
     policy = f'(drive.out_of_range: {drive.out_of_range})'
     if evaluate(linkage, drive.start, 0.0, 0.0, False)[0] == OUT_OF_RANGE:
-        return f'note: drive.start = {drive.start:g} {unit} is outside {allowed} {policy}'
+        return f'note: drive.start = {drive.start:g} {UNITS[name]} is outside {allowed} {policy}'
     return f'note: this input does not turn fully: the clock will drive it out of {allowed} {policy}'
 
 
@@ -63,8 +63,9 @@ def _outputs_table(scene):
     table = plain_table('outputs', ('name', 'topic', 'type', ''))
     for topic in scene.topics.values():
         table.add_row(topic.name, topic.topic, topic.type, 'loads' if topic.needs_loads else '')
-    for name in interfaces.OUTPUTS.keys() - set(scene.outputs):
-        table.add_row(f'({name})', '', '', 'not named: not created')
+    for name in interfaces.OUTPUTS:
+        if name not in scene.outputs:
+            table.add_row(f'({name})', '', '', 'not named: not created')
     return table
 
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from functools import cache
 from math import nan
-from operator import attrgetter
 from typing import NamedTuple
 
 from .core import Loads, Motion
@@ -37,7 +36,7 @@ class Layout(NamedTuple):
     place: dict
 
     def expected(self, output, values):
-        """Return {field: number or tuple of numbers} of one output message."""
+        """Return {field: number or tuple of numbers} of one output message, or of many: values are then arrays."""
         def pick(source):
             if isinstance(source, tuple):
                 return tuple(map(pick, source))
@@ -45,14 +44,6 @@ class Layout(NamedTuple):
 
         return {**{field: pick(source) for field, source in self.fields[output].items()},
                 **dict.fromkeys(self.absent.get(output, ()), nan)}
-
-    def found(self, output, message):
-        """Return the same fields as :meth:`expected`, read from a message."""
-        def plain(value):
-            return tuple(value) if hasattr(value, '__len__') else value
-
-        return {field: plain(attrgetter(field)(message))
-                for field in (*self.fields[output], *self.absent.get(output, ()))}
 
 
 @cache

@@ -30,7 +30,7 @@ class Stepper:
         self._good = None
         self._limits = None
 
-    def step(self, position, rate, acceleration, with_loads, with_points=True):
+    def step(self, position, rate, acceleration, with_loads, with_points):
         """Return (status, values): values are (*motion, *loads, *the motion of each point)."""
         status, motion, loads = evaluate(self.linkage, position, rate, acceleration, with_loads)
         values = (*motion, *loads, *self._of_points(motion, with_points))

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from fourbar_ros import interfaces, records
+from fourbar_ros import interfaces
 from fourbar_ros import scene as scenes
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.writer import BagWriter, Channel
@@ -132,7 +132,7 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
         if k in changes:
             scene = scenes.from_values({**scene.values, **changes[k]})
             stepper = say_scene()
-        status, found = stepper.step(*crank, scene.needs_loads)
+        status, found = stepper.step(*crank, scene.needs_loads, 'points' in scene.outputs)
         writer.write(number['driven'], output_message('driven', (k + 1) * step_ns, 0, scene.linkage.unknown(*crank), scene))
         for output in scene.topics:
             writer.write(number[output], output_message(output, (k + 1) * step_ns, status, found, scene))

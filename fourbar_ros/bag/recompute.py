@@ -6,14 +6,14 @@ Both are in the bag: the motion as messages, the scene as its first message and 
 from __future__ import annotations
 
 import json
-from math import inf, nan
+from math import inf
 from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
 
 from .. import scene as scenes
-from ..records import PASSIVE_EFFORT, driven_of
+from ..records import driven_of
 from ..stepper import Stepper
 from . import BagError
 from .reader import Bag, Record
@@ -87,7 +87,7 @@ class _Comparison:
     def change(self, scene):
         """Take another scene; it holds from the next input on."""
         self._stepper, self._layout = Stepper(scene), scene.layout
-        self._with_loads = scene.needs_loads
+        self._wanted = scene.needs_loads, 'points' in scene.outputs
         self._constant = {'mode': scene.linkage.mode, 'change_point_margin': scene.linkage.change_point_margin}
         self._outputs = scene.topics.keys()
         self._last = None
@@ -115,7 +115,7 @@ class _Comparison:
         """Return places, stamps, statuses and values; one by one, as the node does: not one bit differs."""
         order = np.argsort(places)
         self.inputs += len(order)
-        found = [self._stepper.step(*motion, self._with_loads) for motion in motions[order].tolist()]
+        found = [self._stepper.step(*motion, *self._wanted) for motion in motions[order].tolist()]
         return (places[order], stamps[order], np.array([status for status, _ in found], float),
                 np.array([values for _, values in found]).T)
 
@@ -129,24 +129,19 @@ class _Comparison:
         source = source[good]
         self.counts[name] = self.counts.get(name, 0) + len(source)
         there = columns.records.dtype.names                  # a bag of an older version may have less
-        pairs = [(field, self._expected(values_of, source, values), attrgetter(field)(tree))
-                 for field, values_of in self._layout.fields[name].items() if field in there]
-        if 'status' in there:
-            pairs.append(('status', status[source], tree.status))
-        constant = self._constant | dict.fromkeys(self._layout.absent.get(name, ()), nan)
-        pairs += [(field, np.full(len(source), float(value)), columns.records[field])
-                  for field, value in constant.items() if field in there]
-        for field, want, have in pairs:
+        expected = self._layout.expected(name, values[:, source]) | {'status': status[source]} | self._constant
+        for field in (field for field in expected if field in there):
+            want, have = _rows(expected[field], len(source)), attrgetter(field)(tree)
             same = want.shape[:-1] == have.shape[:-1]        # as many joints
             found = distance(want, have[..., good]) if same else inf
             key = (name, field)
             self.largest[key] = max(self.largest.get(key, 0.0), found)
 
-    def _expected(self, source_field, rows, values):
-        if isinstance(source_field, str):
-            return values[self._layout.place[source_field]][rows]
-        return np.stack([np.full(len(rows), PASSIVE_EFFORT) if part is None
-                         else values[self._layout.place[part]][rows] for part in source_field])
+
+def _rows(value, count):
+    """Return a value of ``count`` messages, or a tuple of them, as an array (..., count)."""
+    parts = [np.broadcast_to(part, count) for part in (value if isinstance(value, tuple) else (value,))]
+    return np.stack(parts) if isinstance(value, tuple) else parts[0]
 
 
 def distance(a, b):

@@ -15,10 +15,9 @@ from __future__ import annotations
 import ast
 import inspect
 import textwrap
-from functools import cache
+from functools import cache, cached_property
 from math import fsum
 from types import FunctionType
-from typing import Callable, NamedTuple
 
 import numpy as np
 
@@ -63,10 +62,37 @@ class _Unfold(ast.NodeTransformer):
         return node.value if node.attr == 'real' else node
 
 
-class Dialects(NamedTuple):
-    scalar: Callable
-    array: Callable
-    analytic: Callable
+class Dialects:
+    """A function, or a factory, in its three dialects, by name or index; each is made when it is used first."""
+
+    _NAMES = ('scalar', 'array', 'analytic')
+
+    def __init__(self, function):
+        self._function = function
+
+    def __getitem__(self, dialect):
+        return getattr(self, self._NAMES[dialect])
+
+    @cached_property
+    def scalar(self):
+        """Return it for floats."""
+        function = self._function
+        tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
+        tree.body[0].decorator_list = []
+        ast.fix_missing_locations(_Unfold().visit(tree))
+        namespace = dict(function.__globals__)
+        exec(compile(tree, inspect.getsourcefile(function), 'exec'), namespace)
+        return namespace[function.__name__]
+
+    @cached_property
+    def array(self):
+        """Return it for real arrays."""
+        return rebound(self._function, **_ARRAY)
+
+    @cached_property
+    def analytic(self):
+        """Return it for complex arrays."""
+        return rebound(self._function, **_ANALYTIC)
 
 
 def rebound(function, **names):
@@ -98,9 +124,4 @@ def for_columns(factory):
 
 def dialects(function):
     """Return the :class:`Dialects` of a function (or of a factory of inner functions)."""
-    tree = ast.parse(textwrap.dedent(inspect.getsource(function)))
-    tree.body[0].decorator_list = []
-    ast.fix_missing_locations(_Unfold().visit(tree))
-    namespace = dict(function.__globals__)
-    exec(compile(tree, inspect.getsourcefile(function), 'exec'), namespace)
-    return Dialects(namespace[function.__name__], rebound(function, **_ARRAY), rebound(function, **_ANALYTIC))
+    return Dialects(function)

@@ -16,13 +16,17 @@ class InvalidParameter(FourBarError, ValueError):
 UNITS = {'theta1': 'rad', 'slide': 'm'}     # of what a mechanism can be driven by
 
 
+def in_words(name, ranges):
+    """Return the ranges of an input as text."""
+    return f'{" or ".join(f"[{low:.9g}, {high:.9g}]" for low, high in ranges)} {UNITS[name]}'
+
+
 class OutOfRange(FourBarError, ValueError):
     """The mechanism cannot be assembled at the given input; its ``name``, ``value``, ``ranges`` are kept."""
 
     def __init__(self, name, value, ranges):
         self.name, self.value, self.ranges = name, value, ranges
-        allowed = ' or '.join(f'[{low:.9g}, {high:.9g}]' for low, high in ranges)
-        super().__init__(f'{name} = {value!r} {UNITS[name]} is outside the input range {allowed} {UNITS[name]}')
+        super().__init__(f'{name} = {value!r} {UNITS[name]} is outside the input range {in_words(name, ranges)}')
 
 
 class Toggle(FourBarError, ArithmeticError):

@@ -12,8 +12,6 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 from .dialects import rebound, where
-from .kinematics import Motion, make_motion
-from .loads import Loads, make_loads
 from .sampling import NoLoads
 
 PRECISION = 80        # [bit]

@@ -11,9 +11,7 @@ from .errors import InvalidParameter
 from .factors import difference_of_squares
 from .kinematics import Motion, make_motion
 from .loads import Loads, make_loads
-from .mechanism import CRANK, CROSSED, OPEN, THETA1, THETA2, THETA3, THETA4, Mechanism
-
-__all__ = ['CROSSED', 'OPEN', 'DeadPoint', 'FourBar']
+from .mechanism import CRANK, OPEN, THETA1, THETA2, THETA3, THETA4, Mechanism
 
 # Signs of (a4 - a1 + a3 - a2, a4 - a1 - a3 + a2, a2 + a3 - a4 - a1) for the eight basic planar 4R
 # linkages: McCarthy and Soh, Geometric Design of Linkages, whose first two are exchanged here. Of a

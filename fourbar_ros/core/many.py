@@ -10,7 +10,8 @@ from .dialects import rebound
 from .elliptic import POINTS_PER_FEATURE, half_turn, phases
 from .errors import InvalidParameter
 from .extrema import CONSTANT, MAXIMUM, RATES, find_extrema
-from .linkage import CROSSED, OPEN, FourBar
+from .linkage import FourBar
+from .mechanism import CROSSED, OPEN
 from .rates import SAMPLES, sine_constants, sines
 from .roots import EPS, find_brackets, first_guess, fold, newton_roots, turn_after
 

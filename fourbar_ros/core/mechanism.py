@@ -52,13 +52,18 @@ class Mechanism:
     """
     Base of a frozen dataclass with ``mode``, ``input``, ``bodies``, ``gravity``.
 
-    A subclass has ``LENGTHS`` (names of its lengths and offsets, in the order of ``lengths``), ``LINK_LENGTHS``
-    (which of them is the length of a link, for the links that have one), ``INPUTS`` (the :class:`Coordinate` of each kind of input), ``OUTPUTS`` (for each kind
-    of input the coordinate it is used for, and the field that is d output / d input), ``JOINTS`` (the
-    coordinates of all joints, from O1 on), ``MOTION`` and ``LOADS`` (types of the results),
-    ``input_ranges``, ``singular_inputs``, ``MARGIN_SIGNS`` (how the lengths enter each of ``_margins``), and
-    ``_make_motion(dialect, change)`` and ``_make_loads(dialect, change)``, which return the functions that
-    compute them, from factories that ``change`` may have rebound.
+    A subclass has
+
+    * ``LENGTHS``: names of its lengths and offsets, in the order of ``lengths``;
+    * ``LINK_LENGTHS``: which of them is the length of a link, for the links that have one;
+    * ``INPUTS``: the :class:`Coordinate` of each kind of input;
+    * ``OUTPUTS``: for each kind of input the coordinate it is used for, and the field d output / d input;
+    * ``JOINTS``: the coordinates of all joints, from O1 on;
+    * ``MOTION`` and ``LOADS``: types of the results;
+    * ``input_ranges``, and but for the 4R ``singular_inputs``;
+    * ``MARGIN_SIGNS``: how the lengths enter each of ``_margins``;
+    * ``_make_motion(dialect, change)`` and ``_make_loads(dialect, change)``: they return the functions that
+      compute them, from factories that ``change`` may have rebound.
     """
 
     @cached_property

@@ -1,13 +1,12 @@
 """
 Sample points of the input that resolve any mechanism: for the 4R by :mod:`.elliptic`, for sliders here.
 
-With t the parameter of which the samples are equal steps, the input is x = t-parametrised twice: x = phi
-for a crank that turns fully, x = middle + half sin(phi) for a range between two toggles, where phi goes
-through them into the other assembly mode without a root; and phi from
+The input is x = phi for a crank that turns fully, x = middle + half sin(phi) for a range between two toggles,
+where phi goes through them into the other assembly mode without a root. The samples are equal steps of
 
     t(phi) = phi + sum over singular points of some kernels 2 atan(tan((phi - c)/2) / tanh(w/2)),
 
-each of which crowds a constant number of samples within w of c. A quantity is analytic but for points z of
+each of which crowds a constant number of them within w of c. A quantity is analytic but for points z of
 the complex plane where the dyad is in line, or a pole; there c = Re z, w = |Im z|, and 4 w, 16 w, ... make
 the samples thin out with the distance.
 """
@@ -56,7 +55,7 @@ def _closed(singular, points):
     flat = np.unique(singular.real[singular.imag == 0.0])
     kernels = _kernels(singular[singular.imag != 0.0], points)
     if not flat.size:
-        return [InputPath(np.sort(_wrapped(_spread(kernels, -pi, pi, ())[0])), None, None, 0, -1)]
+        return [InputPath(_spread(kernels, -pi, pi, ())[0], None, None, 0, -1)]
     ends = [*flat, flat[0] + 2.0 * pi]
     return [_path(kernels, *pair, lambda phi: phi, [End(float(end), True) for end in pair]) for pair in zip(ends, ends[1:])]
 
@@ -138,7 +137,3 @@ def _spread(kernels, first, last, ends):
         value, slope = _samples(kernels, phi)
         phi = np.clip(phi - (value - t) / slope, low, high)
     return phi, before.size, after.size
-
-
-def _wrapped(phi):
-    return (phi + pi) % (2.0 * pi) - pi

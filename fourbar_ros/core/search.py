@@ -1,7 +1,7 @@
 """
 Extremes of arbitrary quantities along one input path: interior ones, ends, ranges where they are constant.
 
-Quantities are sampled with their derivatives on the points of :mod:`.elliptic`. Sign changes of the
+Quantities are sampled with their derivatives on the points of :mod:`.paths`. Sign changes of the
 derivative, hidden pairs of them too, are bracketed, and all brackets of all quantities solved at once.
 """
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .errors import InvalidParameter
-from .roots import EPS, find_brackets, fold, newton_roots, rises
+from .roots import EPS, find_brackets, newton_roots, rises
 from .sampling import DifferenceSampler
 from .sensitivity import sampled_conditions
 

@@ -20,7 +20,7 @@ from .. import scene as scenes
 from ..bag.recompute import recompute
 from ..core import FourBarError
 from ..core.status import STATUS_NAMES
-from ..show import MODE_NAMES, make_console, mode_name, rate_unit, plain_table, what_it_is
+from ..show import MODE_NAMES, make_console, mode_name, plain_table, rate_unit, what_it_is
 from .drives import to_stamp
 from .messages import resolve
 

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+from operator import attrgetter
 
 import rclpy
 from rclpy.experimental import EventsExecutor
@@ -18,6 +19,14 @@ from fourbar_ros.ros.messages import resolve
 HARMLESS = {'find_extrema': {'quantities': ['?']}, 'evaluate': {}, 'start_recording': {'name': '..'}}
 PATIENCE = 30.0       # [s] discovery takes 0.3 s mostly and 4 s sometimes; a slow machine more
 ALL_OUTPUTS = [name for name in interfaces.OUTPUTS if name != 'points']      # these need points in the scene
+
+
+def fields_of(layout, output, message):
+    """Return the fields of a message as Layout.expected does."""
+    def plain(value):
+        return tuple(value) if hasattr(value, '__len__') else value
+
+    return {field: plain(attrgetter(field)(message)) for field in layout.expected(output, [0.0] * len(layout.place))}
 
 
 class NodeProcess:

@@ -11,7 +11,7 @@ from fourbar_ros.core.extrema import find_extrema
 from fourbar_ros.core.quantities import known, select
 from fourbar_ros.interfaces import OUTPUTS
 from fourbar_ros.stepper import Stepper
-from harness import ALL_OUTPUTS
+from harness import ALL_OUTPUTS, fields_of
 from scenes import PAPER, RODS, TIP
 from test_inputs import set_parameters
 
@@ -59,9 +59,9 @@ def test_the_same_outputs_services_and_bag(name, run_node, client, tmp_path):
     assert set(client.received) == {*ALL_OUTPUTS, 'points/tip', 'points/pin'}
     for topic, messages in client.received.items():
         for sent, message in zip(inputs, messages):
-            status, expected = stepper.step(sent.position, sent.velocity, sent.acceleration, True)
+            status, expected = stepper.step(sent.position, sent.velocity, sent.acceleration, True, True)
             assert status == LinkageState.STATUS_OK and message.header.stamp == sent.header.stamp
-            assert repr(layout.found(topic, message)) == repr(layout.expected(topic, expected))     # NaN is NaN here
+            assert repr(fields_of(layout, topic, message)) == repr(layout.expected(topic, expected))     # NaN is NaN here
     state = client.received['state'][-1]
     for field in ('slide', 'theta4', 'theta3', 'beta'):
         assert math.isnan(getattr(state, field)) == (field not in linkage.MOTION._fields)
@@ -93,7 +93,7 @@ def check_services(client, its):
         assert answer.result == answer.RESULT_OK and answer.has_loads
         values = sum(linkage.in_mode(mode).step(middle, 2.0, -3.0), ())
         for output in ('state', 'loads'):
-            assert repr(its.layout.found(output, getattr(answer, output))) == repr(its.layout.expected(output, values))
+            assert repr(fields_of(its.layout, output, getattr(answer, output))) == repr(its.layout.expected(output, values))
     if not linkage.turns_fully:
         outside = linkage.input_ranges[-1][1] + 0.1 * abs(linkage.input_ranges[-1][1])
         answer = client.call('evaluate', position=outside)

@@ -11,7 +11,7 @@ from sensor_msgs.msg import JointState
 from fourbar_ros import scene
 from fourbar_ros.core import status as codes
 from fourbar_ros.core.extrema import find_extrema
-from harness import ALL_OUTPUTS
+from harness import ALL_OUTPUTS, fields_of
 from scenes import PAPER, RODS, ROCKER, SLIDES_7_6, SLIDES_7_7
 
 DRIVEN = {**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ALL_OUTPUTS, 'frame_id': 'machine'}
@@ -45,7 +45,7 @@ def test_every_topic_carries_the_values_of_the_core_to_the_last_bit(run_node, cl
         assert len(messages) == len(inputs)
         for sent, message in zip(inputs, messages):
             values = sum(linkage.step(sent.position, sent.velocity, sent.acceleration), ())
-            assert repr(layout.found(name, message)) == repr(layout.expected(name, values))     # NaN is NaN here
+            assert repr(fields_of(layout, name, message)) == repr(layout.expected(name, values))     # NaN is NaN here
             assert message.header.stamp == sent.header.stamp
             assert message.header.frame_id == 'machine'
             if hasattr(message, 'status'):
@@ -197,7 +197,7 @@ def test_evaluate_answers_the_values_of_the_core(run_node, client):
         assert (answer.result, answer.has_loads) == (answer.RESULT_OK, True)
         values = sum(linkage.in_mode(mode or 2).step(0.7, 25.0, -3.0), ())
         for name in ('state', 'loads'):
-            assert repr(layout.found(name, getattr(answer, name))) == repr(layout.expected(name, values))
+            assert repr(fields_of(layout, name, getattr(answer, name))) == repr(layout.expected(name, values))
         assert answer.state.mode == (mode or 2) and answer.state.header.frame_id == 'machine'
     bad = client.call('evaluate', position=math.nan)
     assert bad.result == bad.RESULT_INVALID_REQUEST and 'finite' in bad.message
