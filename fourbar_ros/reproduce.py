@@ -113,7 +113,7 @@ COLUMNS = ('', 'printed>', 'ours>', 'difference>', 'unit', 'verdict', '')
 def cells(row):
     """Return the text of a Row but for its reason."""
     return (row.what, row.printed, '' if isnan(row.ours) else f'{row.ours:.10g}',
-            '' if isnan(row.difference) else f'{row.difference:.2g}', row.unit, row.verdict)
+            '' if isnan(row.difference) else f'{row.difference:.3g}', row.unit, row.verdict)
 
 
 def footnotes(section):

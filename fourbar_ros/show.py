@@ -3,10 +3,6 @@ from __future__ import annotations
 
 from math import degrees, radians, tau
 
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
-
 from . import scene as scenes
 from .core import FourBar
 from .core.errors import UNITS, OutOfRange
@@ -14,8 +10,8 @@ from .core.extrema import find_extrema
 from .core.inverted_slider import InvertedSlider
 from .core.quantities import select
 from .core.status import INVALID_INPUT, OUT_OF_RANGE, STATUS_NAMES, evaluate
+from .tables import make_console, plain_table
 
-PIPE_WIDTH = 120
 SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the range is approached
 MODE_NAMES = {1: '1 (crossed)', 2: '2 (open)'}
 
@@ -62,20 +58,6 @@ def rate_unit(linkage):
 def shown(name, value):
     """Return a position as text: angles in degrees."""
     return f'{value:.6g} m' if name == 'slide' else f'{degrees(value):.4f} deg'
-
-
-def make_console():
-    """Return the console all verbs print to: as wide as the terminal, or enough for any table in a pipe."""
-    console = Console(highlight=False)
-    return console if console.is_terminal else Console(highlight=False, width=PIPE_WIDTH)
-
-
-def plain_table(title, columns):
-    """Return an empty table with these column heads; a head ending in ``>`` is right-aligned."""
-    table = Table(title=Text(title), title_justify='left', box=None, padding=(0, 2, 0, 0), title_style='bold')
-    for column in columns:
-        table.add_column(Text(column.rstrip('>')), justify='right' if column.endswith('>') else 'left', no_wrap=True)
-    return table
 
 
 def _ranges(name, ranges):

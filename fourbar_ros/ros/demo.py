@@ -182,7 +182,7 @@ def compare_extremes(client, published, console):
                 if 'note' in entry:
                     notes.append(f'({len(notes) + 1}) {entry["source"]}: {entry["note"]}')
                     mark = f'({len(notes)}) '
-                row += [f'{mark}{entry["value"]:.8g}', f'{entry["theta1"]:.6f}']
+                row += [f'{mark}{entry["value"]!r}', f'{entry["theta1"]!r}']
         table.add_row(*row)
     console.print(table)
     for note in notes:
@@ -200,7 +200,7 @@ def compare_poses(client, published, console):
                             ('', 'ours>', 'published>'))
         for name, value in entry['values'].items():
             ours = getattr(answer.state, name.removesuffix('_deg'))
-            table.add_row(name, f'{degrees(ours) if name.endswith("_deg") else ours:.6f}', f'{value:g}')
+            table.add_row(name, f'{degrees(ours) if name.endswith("_deg") else ours:.6f}', f'{value!r}')
         console.print(table)
         console.print()
 

@@ -1,0 +1,131 @@
+"""Tables for terminals and pipes in which no number is ever cropped: they wrap text, or stack rows."""
+from __future__ import annotations
+
+from textwrap import wrap
+from typing import Iterator
+
+from rich.cells import cell_len
+from rich.console import Console, ConsoleOptions
+from rich.measure import Measurement
+from rich.segment import Segment
+from rich.table import Table
+from rich.text import Text
+
+PIPE_WIDTH = 10_000     # of what is no terminal: nothing is wrapped there
+GAP = 2                 # blanks between two columns
+WHOLE_WORDS = {'break_long_words': False, 'break_on_hyphens': False}
+
+
+def make_console() -> Console:
+    """Return the console all verbs print to: as wide as the terminal; in a pipe nothing is wrapped."""
+    console = Console(highlight=False)
+    return console if console.is_terminal else Console(highlight=False, width=PIPE_WIDTH)
+
+
+class PlainTable:
+    """
+    A table without lines. Right-aligned columns are never wrapped; the others wrap between words.
+
+    Where even that is too wide, each row becomes a block of its own: the first cell, and below it the
+    others with their heads. Print it with a rich console.
+
+    Parameters
+    ----------
+    title : str
+    columns : sequence of str
+        Heads; one ending in ``>`` is of a right-aligned column.
+
+    """
+
+    def __init__(self, title, columns):
+        self.title = title
+        self.heads = [column.rstrip('>') for column in columns]
+        self.is_right = [column.endswith('>') for column in columns]
+        self.show_header = True
+        self._rows: list[tuple[list[str], bool]] = []
+
+    def add_row(self, *cells: str) -> None:
+        """Add a row; missing cells are empty."""
+        self._rows.append(([*cells, *[''] * (len(self.heads) - len(cells))], False))
+
+    def add_section(self) -> None:
+        """Leave an empty line after the rows so far."""
+        if self._rows:
+            self._rows[-1] = (self._rows[-1][0], True)
+
+    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
+        return Measurement(1, options.max_width)
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator:
+        if self.title:
+            yield from (Text(line, style='bold') for line in wrap(self.title, options.max_width, **WHOLE_WORDS))
+        self._drop_empty_columns()
+        if sum(self._least_widths()) + GAP * (len(self.heads) - 1) > options.max_width:
+            yield from self._stacked(options.max_width)
+            return
+        wide = options.update(width=options.max_width + GAP, height=None)      # no gap after the last column
+        for line in console.render_lines(self._as_rich(), wide, pad=False):
+            yield from _without_blanks_at_end(line)
+            yield Segment.line()
+
+    def _drop_empty_columns(self) -> None:
+        kept = [i for i, head in enumerate(self.heads) if head or any(cells[i] for cells, _ in self._rows)]
+        self.heads, self.is_right = ([part[i] for i in kept] for part in (self.heads, self.is_right))
+        self._rows = [([cells[i] for i in kept], ends) for cells, ends in self._rows]
+
+    def _cells(self, column: int) -> Iterator[str]:
+        yield from (cells[column] for cells, _ in self._rows)
+        if self.show_header:
+            yield self.heads[column]
+
+    def _least_widths(self) -> list[int]:
+        """Return the least width of each column: of its longest cell, or longest word if it may wrap."""
+        return [max((cell_len(part) for cell in self._cells(i) for part in ([cell] if right else cell.split())),
+                    default=0) for i, right in enumerate(self.is_right)]
+
+    def _as_rich(self) -> Table:
+        table = Table(box=None, padding=(0, GAP, 0, 0), show_header=self.show_header)
+        for head, right, least in zip(self.heads, self.is_right, self._least_widths()):
+            table.add_column(Text(head), justify='right' if right else 'left', no_wrap=right,
+                             overflow='fold', min_width=least)
+        for cells, ends_section in self._rows:
+            table.add_row(*map(Text, cells))
+            if ends_section:
+                table.add_row(*map(Text, [''] * len(self.heads)))
+        return table
+
+    def _stacked(self, width: int) -> Iterator[Text]:
+        for cells, ends_section in self._rows:
+            yield from map(Text, _filled(cells[:1], width))
+            items = [f'{head.strip()} {cell}' if head.strip() not in ('', 'unit') else cell
+                     for head, cell in zip(self.heads[1:], cells[1:]) if cell]
+            yield from (Text('  ' + line) for line in _filled(items, width - 2))
+            if ends_section:
+                yield Text('')
+
+
+def _filled(items: list[str], width: int) -> Iterator[str]:
+    """Return lines of items with gaps between them; an item is broken only where a line cannot hold it."""
+    line = ''
+    for item in (part for item in items for part in wrap(item, width, **WHOLE_WORDS)):
+        if line and cell_len(line) + GAP + cell_len(item) > width:
+            yield line
+            line = ''
+        line += ' ' * GAP * bool(line) + item
+    if line:
+        yield line
+
+
+def _without_blanks_at_end(line: list[Segment]) -> list[Segment]:
+    """Return the segments of a line without blanks at its end."""
+    line = list(line)
+    while line:
+        last = line.pop()
+        if text := last.text.rstrip(' '):
+            return [*line, Segment(text, last.style, last.control)]
+    return line
+
+
+def plain_table(title: str, columns) -> PlainTable:
+    """Return an empty :class:`PlainTable`."""
+    return PlainTable(title, columns)
