@@ -58,7 +58,7 @@ def paper_figure_3():
 
 
 def paper_figure_4():
-    theta1, force, moment = published.paper_figure_4()
+    theta1, force, moment, _ = published.wrong_curves()
     loads = published.THIN.loads(theta1, published.PAPER_SPEED)
     return (_curves([[(theta1, loads.shaking_force, 'm a', '-', 'k'), (theta1, force, 'm v, as printed', '--', 'C3')],
                      [(theta1, np.abs(loads.shaking_moment), 'm a, arm a4', '-', 'k'),

@@ -16,7 +16,7 @@ from .core.factors import bilinear_factors
 from .core.frames import acceleration_terms
 from .core.inverted_slider import InvertedSlider
 from .core.io_equations import io_equation, to_half_angle
-from .core.points import acceleration_image, point_motion
+from .core.points import acceleration_image, link_motion, point_motion
 from .core.slider_crank import SliderCrank
 
 INCH, FOOT = 0.0254, 0.3048
@@ -42,7 +42,7 @@ THIN = FourBar(*PAPER_LENGTHS, bodies=Bodies(*(Body(rod.mass, rod.cg_along, 0.0,
 def example_7_2():
     m, a2 = EXAMPLE_7_2.motion(*GIVEN_7_2), EXAMPLE_7_2.a2
     b = point_motion(EXAMPLE_7_2, m, 'coupler', 0.0)
-    return {'omega2': -m.omega1, 'v_b': float(b.speed) / FOOT, 'a_b': hypot(*b.acceleration) / FOOT,
+    return {'angle': degrees(m.theta1), 'omega2': -m.omega1, 'v_b': float(b.speed) / FOOT, 'a_b': hypot(*b.acceleration) / FOOT,
             'v_c': m.slide_velocity / FOOT, 'omega3': m.omega_beta, 'normal': m.omega_beta**2 * a2 / FOOT,
             'alpha3': m.alpha_beta, 'tangential': m.alpha_beta * a2 / FOOT, 'a_c': -m.slide_acceleration / FOOT,
             'delta': degrees(acceleration_image(m.omega_beta, m.alpha_beta)[1])}
@@ -52,7 +52,10 @@ def example_7_3():
     m = EXAMPLE_7_3.motion(*GIVEN_7_3)
     points = {f'a_{name.lower()}': hypot(*point_motion(EXAMPLE_7_3, m, *point).acceleration) / FOOT
               for name, point in POINTS_7_3.items()}
-    return {'omega2': m.omega1, 'a_b': m.omega1**2 * EXAMPLE_7_3.a1 / FOOT, 'omega3': m.omega_beta, 'omega4': m.omega4,
+    places = {f'{name.lower()}_{field}': sign * value / INCH for name, (_, along, across) in POINTS_7_3.items()
+              for field, sign, value in (('along', 1.0, along), ('across', -1.0, across))}
+    return places | {
+            'angle': degrees(m.theta1), 'ground': EXAMPLE_7_3.a4 / INCH, 'omega2': m.omega1, 'a_b': m.omega1**2 * EXAMPLE_7_3.a1 / FOOT, 'omega3': m.omega_beta, 'omega4': m.omega4,
             'normal_cb': m.omega_beta**2 * EXAMPLE_7_3.a2 / FOOT, 'normal_cd': m.omega4**2 * EXAMPLE_7_3.a3 / FOOT,
             'tangential_cb': abs(m.alpha_beta) * EXAMPLE_7_3.a2 / FOOT,
             'tangential_cd': abs(m.alpha4) * EXAMPLE_7_3.a3 / FOOT,
@@ -70,7 +73,7 @@ def example_7_4():
 
 def example_7_5():
     m, a1 = EXAMPLE_7_5.motion(*GIVEN_7_5), EXAMPLE_7_5.a1
-    return {'v_a': -m.omega1 * a1 / FOOT, 'v_q': m.omega4 * m.slide / FOOT, 'v_rel': -m.slide_velocity / FOOT,
+    return {'angle': degrees(m.theta1), 'offset': EXAMPLE_7_5.offset / INCH, 'v_a': -m.omega1 * a1 / FOOT, 'v_q': m.omega4 * m.slide / FOOT, 'v_rel': -m.slide_velocity / FOOT,
             'omega4': m.omega4, 'qd': m.slide / INCH, 'a_a': m.omega1**2 * a1 / FOOT,
             'normal': m.omega4**2 * m.slide / FOOT, 'coriolis': -2.0 * m.omega4 * m.slide_velocity / FOOT,
             'tangential': m.alpha4 * m.slide / FOOT, 'alpha4': m.alpha4}
@@ -121,29 +124,38 @@ def paper_table_2():
 
 
 def paper_table_3():
-    force, moment = (max((e for e in find_extrema(THIN, (name,), PAPER_SPEED)), key=lambda e: abs(e.value))
-                     for name in ('shaking_force', 'shaking_moment'))
-    theta1, wrong_force, wrong_moment = paper_figure_4()
-    values = {'force': force.value, 'force_at': force.theta1, 'moment': abs(moment.value), 'moment_at': moment.theta1}
-    for name, curve in (('force', wrong_force), ('moment', wrong_moment)):
-        values |= {f'wrong_{name}': curve.max(), f'wrong_{name}_at': theta1[curve.argmax()]}
+    values = {}
+    for name, linkage, quantity in (('force', THIN, 'shaking_force'), ('moment', THIN, 'shaking_moment'),
+                                    ('solid_moment', PAPER, 'shaking_moment'), ('literal_moment', THIN, literal_moment)):
+        largest = max(find_extrema(linkage, (quantity,), PAPER_SPEED), key=lambda extremum: abs(extremum.value))
+        values |= {name: abs(largest.value), f'{name}_at': largest.theta1}
+    theta1, *curves = wrong_curves()
+    for name, curve in zip(('wrong_force', 'wrong_moment', 'literal_wrong_moment'), curves):
+        values |= {name: curve.max(), f'{name}_at': theta1[curve.argmax()]}
     table_2 = paper_table_2()
-    rate_at = table_2['mode2_omega4_min_at']
-    apart = values['force_at'] + 2.0 * pi - rate_at
-    return values | {'rate': table_2['mode2_omega4_min'], 'rate_at': rate_at, 'percent': 100.0 * apart / rate_at}
+    return values | {'rate': table_2['mode2_omega4_min'], 'rate_at': table_2['mode2_omega4_min_at']}
 
 
-def paper_figure_4():
+def literal_moment(motion, loads):
+    """Return T14 + r34 x F34 [N m] with r34 as Fig. 2 defines it: from the centre of gravity of link 3 to joint 4."""
+    along = THIN.bodies.output.cg_along
+    return along * (motion.cos_y * loads.f43_y - motion.sin_y * loads.f43_x) - loads.driving_torque
+
+
+def wrong_curves():
     """
-    Return theta1 [rad] and the magnitudes of "shaking force" and "moment" that the paper prints.
+    Return theta1 [rad] and three magnitudes from Eq. (9) with m v in place of m a, thin rods, every 0.1 deg.
 
-    Eq. (9) as printed, solved on a grid of 0.1 deg with what must have been put in: the velocities of
-    the centres of gravity for their accelerations, thin rods, and 0.01 m (the rod radius) for the arm.
+    "Shaking force" and "moment" as the paper prints them, to the last digit: the moment with an arm of
+    0.01 m along x. Then the moment with r34 of Fig. 2, which is not what it prints.
     """
     theta1 = np.radians(np.arange(3600) / 10.0)
-    unknowns = solve_eq_9(THIN, THIN.motion(theta1, PAPER_SPEED), with_velocities=True)
-    f41, f43 = unknowns[:, 0:2], unknowns[:, 6:8]
-    return theta1, np.hypot(*(f41 + f43).T), np.abs(-unknowns[:, 8] - 0.01 * f43[:, 1])
+    motion = THIN.motion(theta1, PAPER_SPEED)
+    unknowns = solve_eq_9(THIN, motion, with_velocities=True)
+    f41, f43, torque = unknowns[:, 0:2], unknowns[:, 6:8], unknowns[:, 8]
+    along = THIN.bodies.output.cg_along
+    literal = along * (motion.cos_y * f43[:, 1] - motion.sin_y * f43[:, 0]) - torque
+    return theta1, np.hypot(*(f41 + f43).T), np.abs(-torque - 0.01 * f43[:, 1]), np.abs(literal)
 
 
 def solve_eq_9(linkage, motion, with_velocities=False):
@@ -164,6 +176,40 @@ def solve_eq_9(linkage, motion, with_velocities=False):
         right[:, 3 * i + 2] = body.inertia * (motion.alpha1, motion.alpha_beta, motion.alpha4)[i]
     a[:, 2, 8] = 1.0
     return np.linalg.solve(a, right[..., None])[..., 0]
+
+
+def eq_9():
+    """Return the largest difference of Eq. (10) from our closed forms, over the largest force of a turn."""
+    motion, loads = PAPER.step(np.linspace(0.0, 2.0 * pi, 361), PAPER_SPEED)
+    names = ('f41_x', 'f41_y', 'f21_x', 'f21_y', 'f32_x', 'f32_y', 'f43_x', 'f43_y', 'driving_torque')
+    ours = np.stack([getattr(loads, name) for name in names], axis=1)
+    return {'difference': np.abs(solve_eq_9(PAPER, motion) - ours).max() / np.abs(ours).max()}
+
+
+def vectors():
+    """
+    Return the symbols of the slides' vector equations: (6), of B and C of Example 7.3; (7) and what
+    follows, of Example 7.2 with theta2, theta3 of its crank and coupler; (9)-(11), of A and the bar of
+    Example 7.5. The points on both sides are reached over different links.
+    """
+    m, four_bar = EXAMPLE_7_3.motion(*GIVEN_7_3), EXAMPLE_7_3
+    b, c = point_motion(four_bar, m, 'crank', four_bar.a1), point_motion(four_bar, m, 'output', four_bar.a3)
+    found = {'omega': m.omega_beta, 'alpha': m.alpha_beta}
+    found |= _components(p=c.acceleration, q=b.acceleration, r=c.place - b.place)
+    m, slider = EXAMPLE_7_2.motion(*GIVEN_7_2), EXAMPLE_7_2
+    found |= {'r2': slider.a1, 'r3': slider.a2, 's2': m.sin_x, 'c2': m.cos_x, 's3': m.sin_b, 'c3': m.cos_b,
+              'w2': m.omega1, 'al2': m.alpha1, 'w3': m.omega_beta, 'al3': m.alpha_beta, 'v4': m.slide_velocity,
+              'acc4': m.slide_acceleration}
+    m, inverted = EXAMPLE_7_5.motion(*GIVEN_7_5), EXAMPLE_7_5
+    a, q = point_motion(inverted, m, 'crank', inverted.a1), point_motion(inverted, m, 'output', m.slide)
+    bar = link_motion(inverted, m, 'output')
+    found |= {'bar_omega': m.omega4, 'bar_alpha': m.alpha4}
+    return found | _components(a=a.acceleration, bar=q.acceleration, arm=a.place - (inverted.a4, 0.0),
+                               v=m.slide_velocity * bar.direction, rel=m.slide_acceleration * bar.direction)
+
+
+def _components(**vectors):
+    return {f'{name}_{axis}': float(part) for name, vector in vectors.items() for axis, part in zip('xy', vector)}
 
 
 def symbols():

@@ -8,11 +8,11 @@ from typing import NamedTuple
 import yaml
 
 from . import published
-from .show import make_console, plain_table
+from .tables import make_console, plain_table
+from .verdicts import (AGREES, ASSUMED, DIFFERS, DRAWN, GARBLED, MISPRINT, MISSING, ROUNDED, VERDICTS,
+                       WRONG)
 
 DOCUMENTS = Path(__file__).with_name('published.yaml')
-AGREES, DRAWN, ROUNDED, MISPRINT, NOT_GIVEN, DIFFERS = VERDICTS = (
-    'agrees', 'read off a drawing', 'rounded on the way', 'misprint', 'not given', 'DIFFERS')
 EXACT = 1e-12      # of the sum of the terms: more than rounding, less than any slip
 
 
@@ -50,23 +50,47 @@ def _section(entry):
 
 def _number(row, values):
     """Return the Row of a printed number: how far, and whether that is what was to be expected."""
-    printed, reason = float(row['printed']), row.get('misprint', row.get('why', ''))
-    if 'key' not in row:
-        return Row(row['what'], row.get('unit', ''), row['printed'], nan, nan, NOT_GIVEN, reason)
-    ours = float(values[row['key']])
-    difference = ours - printed
-    scale = abs(float(row.get('scale', ours)))
+    printed = row.get('printed', '')
+    own = _evaluate(row['own'], {}) if 'own' in row else nan
+    ours = float(values[row['key']]) if 'key' in row else own
+    verdict = _verdict(row, ours)
+    if not isnan(own) and not agrees(own, printed):
+        verdict = DIFFERS
+    reason = '' if verdict == AGREES and 'rounded' in row else _reason(row)
+    return Row(row['what'], row.get('unit', ''), printed, ours, ours - float(printed or nan), verdict, reason)
+
+
+def _verdict(row, ours):
+    """Return the verdict on a number; DIFFERS too for a reason that explains nothing."""
+    for name, verdict in (('missing', MISSING), ('assumed', ASSUMED)):
+        if name in row:
+            return verdict
+    difference = abs(ours - float(row['printed']))
     if agrees(ours, row['printed']):
-        verdict = DIFFERS if 'misprint' in row else AGREES
-    elif 'misprint' in row:
-        verdict = MISPRINT
-    elif abs(difference) <= row.get('drawn', 0.0) * scale:
+        verdict = AGREES
+    elif difference <= row.get('drawn', 0.0) * abs(float(row.get('scale', ours))):
         verdict = DRAWN
     else:
-        verdict = ROUNDED if abs(difference) <= row.get('rounded', 0.0) * scale else DIFFERS
-    if verdict == AGREES and 'rounded' in row:
-        reason = ''
-    return Row(row['what'], row.get('unit', ''), row['printed'], ours, difference, verdict, reason)
+        verdict = ROUNDED if difference <= row.get('rounded', 0.0) * abs(ours) else DIFFERS
+    if 'copies' in row:
+        return GARBLED if verdict in (AGREES, ROUNDED) and is_reading(row['printed'], row['copies']) else DIFFERS
+    for name, wrong in (('garbled', GARBLED), ('misprint', MISPRINT), ('wrong', WRONG)):
+        if name in row:
+            return wrong if verdict == DIFFERS else DIFFERS
+    return verdict
+
+
+def _reason(row):
+    """Return the text below the table that a row refers to."""
+    if 'copies' in row:
+        return f'the copy has {" and ".join(repr(text.strip()) for text in row["copies"])}'
+    return next((row[name] for name in ('missing', 'assumed', 'garbled', 'misprint', 'wrong', 'why') if name in row), '')
+
+
+def is_reading(text, copies):
+    """Return whether each character of a text is at its place in one of its garbled copies."""
+    return all(len(copy) == len(text) for copy in copies) and all(
+        any(copy[i] == character for copy in copies) for i, character in enumerate(text))
 
 
 def agrees(value, text):
@@ -97,7 +121,7 @@ def _equation(row, symbols):
     if 'misprint' in row and not is_right and abs(of(row['correct']) - must) <= EXACT * scale:
         verdict = MISPRINT      # and the correction is one
     return Row(row['what'], '', f'{printed:.6g}' if not is_right or 'value' in row else '0', must,
-               must - printed, verdict, row.get('misprint', row.get('why', '')))
+               must - printed, verdict, _reason(row))
 
 
 def _evaluate(expression, symbols):
