@@ -50,7 +50,7 @@ OUTPUTS = {topic.name: topic for topic in (
     Topic('output', '~/output', 'fourbar_msgs/msg/Motion',
           'motion of the output: the input of a next node'),
     Topic('joint_states', 'joint_states', 'sensor_msgs/msg/JointState',
-          'the four joints for robot_state_publisher, RViz, Foxglove; effort of the driven one: torque or force'),
+          'the four joints for robot_state_publisher, RViz, Foxglove; with loads also the effort of the driven one: torque or force'),
     Topic('loads', '~/loads', 'fourbar_msgs/msg/LinkageLoads',
           'joint reactions, driving torque or force, shaking force and moment', True),
     Topic('shaking_wrench', '~/shaking_wrench', 'geometry_msgs/msg/WrenchStamped',

@@ -6,6 +6,7 @@ This table feeds the declaration in the node, the check of scene files, the manu
 from __future__ import annotations
 
 import re
+from array import array
 from math import inf, isfinite, isnan, nan
 from typing import Any, NamedTuple
 
@@ -16,7 +17,7 @@ from .core.points import COUPLER, LINKS
 from .interfaces import INPUTS, OUTPUTS
 
 REQUIRED = object()        # as a default: the scene must give the value
-TYPES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings': list}
+TYPES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings': list, 'doubles': list}
 
 
 class Parameter(NamedTuple):
@@ -36,21 +37,30 @@ class Parameter(NamedTuple):
     def check(self, value):
         """Return the value in its own type, or raise InvalidParameter saying what is allowed."""
         kind = TYPES[self.type]
-        if kind is float and isinstance(value, int) and not isinstance(value, bool):
-            value = float(value)
-        if kind is list and isinstance(value, tuple):
+        if kind is float:
+            value = _as_float(value)
+        if kind is list and isinstance(value, (tuple, array)):      # an array of doubles comes so from rclpy
             value = list(value)
         if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
-            raise InvalidParameter(self.name, value, f'must be {"an" if self.type == "integer" else "a"} {self.type}')
-        if kind is list:
+            raise InvalidParameter(self.name, value, f'must be {self._article} {self.type}')
+        if self.type == 'strings':
             for item in value:
                 if not isinstance(item, str) or (self.choices and item not in self.choices):
                     raise InvalidParameter(self.name, item, f'must be some of {", ".join(self.choices)}')
+        elif self.type == 'doubles':
+            value = [_as_float(item) for item in value]
+            for item in value:
+                if not isinstance(item, float) or not isfinite(item):
+                    raise InvalidParameter(self.name, item, 'must hold finite numbers')
         elif self.choices and value not in self.choices:
             raise InvalidParameter(self.name, value, f'must be one of {", ".join(self.choices)}')
         if kind in (float, int):
             self._check_number(value)
         return value
+
+    @property
+    def _article(self):
+        return 'an' if self.type == 'integer' else 'some' if TYPES[self.type] is list else 'a'
 
     def _check_number(self, value):
         if isnan(value) and isinstance(self.default, float) and isnan(self.default):
@@ -72,6 +82,11 @@ class Parameter(NamedTuple):
         if self.low > -inf:
             return f'>= {self.low:g}' if self.high == inf else f'[{self.low:g}, {self.high:g}]'
         return ''
+
+
+def _as_float(value):
+    """Return an integer as a float, anything else as it is."""
+    return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
 def _body(link, first_joint):
@@ -131,6 +146,10 @@ PARAMETERS = {parameter.name: parameter for parameter in (
     Parameter('drive.rate', 'double', 100.0, 'Hz', 'timer: samples a second', high=5000.0, positive=True),
     Parameter('drive.joint', 'string', '', '', 'joint_state: name of the joint that is the input',
               live=False),
+    Parameter('drive.joint_ratio', 'double', 1.0, '',
+              'joint_state: joint = ratio * input + offset; negative where they turn in opposite senses', live=False),
+    Parameter('drive.joint_offset', 'double', 0.0, 'rad or m', 'joint_state: position of the joint where the input is 0',
+              live=False),
     Parameter('drive.window', 'integer', 5, '',
               'missing rates: number of newest samples the estimate is fitted to', 3, 50),
     Parameter('drive.jump', 'double', 1.0, 'rad or m',
@@ -147,6 +166,13 @@ PARAMETERS = {parameter.name: parameter for parameter in (
     Parameter('joint_names', 'strings', ['crank', 'coupler', 'coupler_output', 'output'], '',
               'names in joint_states of the joints at O1, A, B, O4 (slider_crank: O1, A, B, guide; inverted_slider: '
               'O1, A, slide, O4)', live=False),
+    Parameter('joint_states.prefix', 'string', '', '', 'put before each of joint_names', live=False),
+    Parameter('joint_states.ratios', 'doubles', [1.0] * 4, '',
+              'for each joint: position sent = ratio * angle or slide + offset; negative: opposite sense', live=False),
+    Parameter('joint_states.offsets', 'doubles', [0.0] * 4, 'rad or m', 'for each joint: the offset', live=False),
+    Parameter('joint_states.when_unknown', 'string', 'skip', '',
+              'where a position is not known: skip (no message: robot_state_publisher keeps the last pose), hold (the '
+              'last known positions, rates NaN), send_nan', choices=('skip', 'hold', 'send_nan')),
     Parameter('recording.start', 'bool', False, '', 'record from the first sample on', live=False),
     Parameter('recording.directory', 'string', 'bags', '', 'where bags go', live=False),
     Parameter('recording.name', 'string', '', '', 'name of the first bag; empty: a fresh one',

@@ -9,6 +9,7 @@ from functools import cache
 from math import nan
 from typing import NamedTuple
 
+from . import joints
 from .core import Loads, Motion
 from .core.mechanism import THETA1, TRAVEL
 from .core.points import PointMotion
@@ -28,12 +29,14 @@ class Layout(NamedTuple):
 
     ``fields``: {output: {field of the message: name of the value, or a tuple of names}}, a None standing for
     the effort of a passive joint; ``absent``: {output: fields that are always NaN}; ``place``: where a
-    value stands in the tuple (*motion, *loads, *motion of the first point, ...).
+    value stands in the tuple (*motion, *loads, *motion of the first point, ..., *joints); ``joints``: a
+    coordinate and the name of its drive, None if it has none, for each joint.
     """
 
     fields: dict
     absent: dict
     place: dict
+    joints: tuple
 
     def expected(self, output, values):
         """Return {field: number or tuple of numbers} of one output message, or of many: values are then arrays."""
@@ -47,8 +50,13 @@ class Layout(NamedTuple):
 
 
 @cache
-def layout(kind, driven, points=()):
-    """Return the :class:`Layout` of a kind of mechanism, driven at its crank or slide, with named points."""
+def layout(kind, driven, points=(), with_effort=True, own_joints=False):
+    """
+    Return the :class:`Layout` of a kind of mechanism, driven at its crank or slide, with named points.
+
+    ``with_effort``: joint_states have it; ``own_joints``: what they show are values of :mod:`.joints`, not
+    those of the motion.
+    """
     names = kind.MOTION._fields + kind.LOADS._fields
     output, ratio = kind.OUTPUTS[driven]
     motion = ('position', 'velocity', 'acceleration')
@@ -59,15 +67,27 @@ def layout(kind, driven, points=()):
         'loads': {name: name for name in LOADS_FIELDS if name in names},
         'shaking_wrench': {'wrench.force.x': 'shaking_force_x', 'wrench.force.y': 'shaking_force_y',
                            'wrench.torque.z': 'shaking_moment'},
-        'joint_states': {'position': tuple(joint.position for joint in kind.JOINTS),
-                         'velocity': tuple(joint.rate for joint in kind.JOINTS),
-                         'effort': tuple(_EFFORTS.get(joint) for joint in kind.JOINTS)},
+        'joint_states': _joint_states(kind, with_effort, own_joints),
         **{f'points/{point}': {name: f'{point}.{name}' for name in PointMotion._fields} for point in points},
     }
     absent = {'state': tuple(name for name in STATE_FIELDS if name not in fields['state']),
               'loads': tuple(name for name in LOADS_FIELDS if name not in names)}
     names += tuple(f'{point}.{name}' for point in points for name in PointMotion._fields)
-    return Layout(fields, absent, {name: i for i, name in enumerate(names)})
+    names += joints.NAMES if own_joints else ()
+    return Layout(fields, absent, {name: i for i, name in enumerate(names)},
+                  tuple((joint, _EFFORTS.get(joint)) for joint in kind.JOINTS))
+
+
+def _joint_states(kind, with_effort, own):
+    if own:
+        fields = {what: joints.NAMES[4 * i:4 * i + 4] for i, what in enumerate(('position', 'velocity', 'effort'))}
+    else:
+        fields = {'position': tuple(joint.position for joint in kind.JOINTS),
+                  'velocity': tuple(joint.rate for joint in kind.JOINTS),
+                  'effort': tuple(_EFFORTS.get(joint) for joint in kind.JOINTS)}
+    if not with_effort:
+        del fields['effort']                             # empty in the message: not known
+    return fields
 
 
 def driven_of(message, joint=''):

@@ -30,6 +30,8 @@ class Drive(NamedTuple):
     start: float
     rate: float
     joint: str
+    joint_ratio: float
+    joint_offset: float
     window: int
     jump: float
     timeout: float
@@ -52,6 +54,20 @@ class Point(NamedTuple):
     across: float
 
 
+class JointStates(NamedTuple):
+    """How joint_states shows the joints; see the parameter table."""
+
+    prefix: str
+    ratios: list[float]
+    offsets: list[float]
+    when_unknown: str
+
+    @property
+    def are_plain(self):
+        """Return whether positions, rates and efforts go out as they are."""
+        return set(self.ratios) == {1.0} and set(self.offsets) == {0.0} and self.when_unknown != 'hold'
+
+
 class Scene(NamedTuple):
     """Everything a node needs to know, checked; ``points`` by their names."""
 
@@ -60,7 +76,8 @@ class Scene(NamedTuple):
     drive: Drive
     outputs: tuple[str, ...]
     frame_id: str
-    joint_names: tuple[str, ...]
+    joint_names: tuple[str, ...]      # with their prefix
+    joint_states: JointStates
     recording: Recording
     values: dict       # every parameter by name
 
@@ -77,7 +94,8 @@ class Scene(NamedTuple):
     @property
     def layout(self):
         """Return the :class:`~.records.Layout` of its values."""
-        return layout(type(self.linkage), self.linkage.input, tuple(self.points))
+        return layout(type(self.linkage), self.linkage.input, tuple(self.points), self.needs_loads,
+                      not self.joint_states.are_plain)
 
     @property
     def needs_loads(self):
@@ -104,11 +122,16 @@ def from_values(values):
     values = parameters.check(values)
     points = {name: Point(*(values[f'points.{name}.{field}'] for field in Point._fields))
               for name in parameters.points_in(values)}
-    scene = Scene(_linkage(values), points, Drive(*(values[f'drive.{field}'] for field in Drive._fields)),
-                  tuple(values['outputs']), values['frame_id'], tuple(values['joint_names']),
-                  Recording(*(values[f'recording.{field}'] for field in Recording._fields)), values)
+    shown = _group(JointStates, 'joint_states', values)
+    scene = Scene(_linkage(values), points, _group(Drive, 'drive', values), tuple(values['outputs']),
+                  values['frame_id'], tuple(shown.prefix + name for name in values['joint_names']), shown,
+                  _group(Recording, 'recording', values), values)
     _check_together(scene)
     return scene
+
+
+def _group(kind, name, values):
+    return kind(*(values[f'{name}.{field}'] for field in kind._fields))
 
 
 def _linkage(values):
@@ -152,8 +175,16 @@ def _check_together(scene):
         refuse('bodies.crank.mass', f'must be given (or bodies.rods): output {loads[0]} needs masses')
     if not scene.frame_id:
         refuse('frame_id', 'must not be empty')
-    if len(scene.joint_names) != 4 or len(set(scene.joint_names)) != 4 or '' in scene.joint_names:
+    names = scene.values['joint_names']
+    if len(names) != 4 or len(set(names)) != 4 or '' in names:
         refuse('joint_names', 'must be four different names, one for each joint')
+    for name in ('ratios', 'offsets'):
+        if len(getattr(scene.joint_states, name)) != 4:
+            refuse(f'joint_states.{name}', 'must be four numbers, one for each joint')
+    if 0.0 in scene.joint_states.ratios:
+        refuse('joint_states.ratios', 'must not be zero')
+    if scene.drive.joint_ratio == 0.0:
+        refuse('drive.joint_ratio', 'must not be zero')
     if len(set(scene.outputs)) != len(scene.outputs):
         refuse('outputs', 'names an output twice')
     if 'points' in scene.outputs and not scene.points:

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from math import nan, nextafter
 
+from . import joints
 from .core.points import PointMotion, make_point
 from .core.status import INVALID_INPUT, OK, OUT_OF_RANGE, evaluate
 
@@ -29,11 +30,13 @@ class Stepper:
         self._points = [make_point.scalar(scene.linkage, *point) for point in scene.points.values()]
         self._good = None
         self._limits = None
+        self._joints = None if scene.joint_states.are_plain else joints.Joints(scene.layout, scene.joint_states)
+        self._nothing = (nan,) * len(scene.layout.place)
 
     def step(self, position, rate, acceleration, with_loads, with_points):
-        """Return (status, values): values are (*motion, *loads, *the motion of each point)."""
+        """Return (status, values): values are (*motion, *loads, *the motion of each point, *joints if not plain)."""
         status, motion, loads = evaluate(self.linkage, position, rate, acceleration, with_loads)
-        values = (*motion, *loads, *self._of_points(motion, with_points))
+        values = self._completed((*motion, *loads, *self._of_points(motion, with_points)))
         if self._policy == 'hold':
             if status == OK:
                 self._good = values
@@ -42,6 +45,13 @@ class Stepper:
         elif self._policy == 'clamp' and status == OUT_OF_RANGE:
             values = self._at_limit(position)
         return status, values
+
+    def silence(self):
+        """Return values of which nothing is known but what is held."""
+        return self._completed(self._nothing[:len(self._nothing) - len(joints.NAMES)]) if self._joints else self._nothing
+
+    def _completed(self, values):
+        return values + self._joints.of(values) if self._joints else values
 
     def _of_points(self, motion, wanted):
         return [value for point in self._points for value in (point(motion) if wanted else _NO_POINT)]
@@ -54,7 +64,7 @@ class Stepper:
         _, motion, loads = evaluate(self.linkage, nearest, nan, nan, False)
         motion = motion._replace(**{name: nan for name in motion._fields
                                     if name.startswith(('omega', 'alpha')) or name.endswith(_UNBOUNDED)})
-        return (*motion, *loads, *self._of_points(motion, True))
+        return self._completed((*motion, *loads, *self._of_points(motion, True)))
 
 
 def _inside(linkage, end, toward):

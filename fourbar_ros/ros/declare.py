@@ -14,7 +14,7 @@ BUILT_IN = ('use_sim_time', 'start_type_description_service', 'qos_overrides.')
 
 _ROS_TYPES = {'double': ParameterType.PARAMETER_DOUBLE, 'integer': ParameterType.PARAMETER_INTEGER,
               'string': ParameterType.PARAMETER_STRING, 'bool': ParameterType.PARAMETER_BOOL,
-              'strings': ParameterType.PARAMETER_STRING_ARRAY}
+              'strings': ParameterType.PARAMETER_STRING_ARRAY, 'doubles': ParameterType.PARAMETER_DOUBLE_ARRAY}
 
 
 def scene(node):

@@ -10,7 +10,7 @@ from builtin_interfaces.msg import Time
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
-from .. import interfaces, records
+from .. import interfaces, joints, records
 from ..estimator import RateEstimator
 from .messages import resolve
 
@@ -174,6 +174,7 @@ class TopicDrive(Drive):
     def apply(self, settings):
         """Take over settings; the estimate starts afresh."""
         super().apply(settings)
+        self._scale = joints.Scale(settings.joint_ratio, settings.joint_offset)
         turn = inf if self._stream.scene.linkage.is_driven_by_slide else tau
         self.estimator = RateEstimator(settings.window, settings.timeout or 1.0, settings.jump, turn)
 
@@ -207,6 +208,8 @@ class TopicDrive(Drive):
             stamp = to_stamp(time_of)
         elif time_of > self._horizon:                    # reached about once in FUTURE seconds
             self._look_ahead(time_of)
+        if self.settings.source == 'joint_state':
+            given = self._scale.to_input(*given)
         position, velocity, acceleration = given
         if isnan(velocity) or isnan(acceleration):
             velocity, estimate = self.estimator.update(time_of * 1e-9, position, velocity)

@@ -27,7 +27,7 @@ def set_constants(output, message, scene):
     if hasattr(message, 'change_point_margin'):
         message.change_point_margin = float(scene.linkage.change_point_margin)
     if hasattr(message, 'effort'):
-        message.name = list(scene.joint_names)
+        message.name, message.effort = list(scene.joint_names), []     # filled in where it is known
 
 
 def filler(output, message, layout):

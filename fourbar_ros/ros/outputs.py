@@ -1,6 +1,8 @@
 """Publishers: a message is filled once and serialised once, for the wire and for the bag."""
 from __future__ import annotations
 
+from math import isnan
+
 from rclpy.serialization import serialize_message
 
 from .. import interfaces
@@ -21,6 +23,7 @@ class Output:
     def apply(self, scene):
         """Take over a scene."""
         set_constants(self.name, self._message, scene)
+        self._positions = _needed(self.name, scene)
         self._fill = filler(self.name, self._message, scene.layout)
         self.needs_loads = self._topic.needs_loads or (self.name == 'joint_states' and scene.needs_loads)
 
@@ -28,6 +31,10 @@ class Output:
     def is_heard(self):
         """Return whether anybody listens."""
         return self._publisher.get_subscription_count() > 0
+
+    def has_something(self, values):
+        """Return whether there is anything to send: joint_states may be silent where a position is not known."""
+        return not any(isnan(values[place]) for place in self._positions)
 
     def send(self, stamp, status, mode, values, recording):
         """Fill and publish; when a bag is open, serialise once for both."""
@@ -42,3 +49,10 @@ class Output:
     def destroy(self):
         """Leave the graph."""
         self._node.destroy_publisher(self._publisher)
+
+
+def _needed(name, scene):
+    """Return the places of values without which a message is not sent."""
+    if name != 'joint_states' or scene.joint_states.when_unknown != 'skip':
+        return ()
+    return [scene.layout.place[position] for position in scene.layout.fields[name]['position']]

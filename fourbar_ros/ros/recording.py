@@ -5,6 +5,7 @@ import contextlib
 import json
 import platform
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import NamedTuple
 
 from .. import __version__, interfaces
@@ -64,7 +65,7 @@ class Recording:
                  'node': self._node.get_fully_qualified_name(),
                  'units': 'SI: m, kg, s, rad, N, N m', 'software': json.dumps(software())}
         log = self._node.get_logger()
-        writer = BagWriter(scene.recording.directory, name,
+        writer = BagWriter(Path(scene.recording.directory).absolute(), name,
                            [channel(topic, resolved[topic.name]) for topic in topics], about, tell=log.error)
         self._channels = {topic.name: number for number, topic in enumerate(topics)}
         self._writer = writer

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from functools import partial
-from math import isfinite
+from math import isfinite, nan
 from traceback import format_exc
 
 from .. import interfaces
@@ -94,17 +94,13 @@ def evaluate_one(node, request, response):
     if request.mode not in (0, 1, 2):
         response.result = response.RESULT_INVALID_REQUEST
         response.message = f'mode = {request.mode}: must be 0 (of the scene), 1 or 2'
-        return response
+        return _with_values(node, response, request.mode, INVALID_INPUT, (nan,) * len(node.stream.scene.layout.place))
     scene = node.stream.scene
     linkage = scene.linkage.in_mode(request.mode or scene.linkage.mode)
     response.has_loads = linkage.bodies is not None
     status, motion, loads = evaluate(linkage, request.position, request.velocity, request.acceleration,
                                      response.has_loads)
-    stamp = node.get_clock().now().to_msg()
-    for output in ('state', 'loads'):
-        message = getattr(response, output)
-        set_constants(output, message, scene)
-        filler(output, message, scene.layout)(stamp, status, linkage.mode, (*motion, *loads))
+    _with_values(node, response, linkage.mode, status, (*motion, *loads))
     response.result = {OK: response.RESULT_OK, OUT_OF_RANGE: response.RESULT_OUT_OF_RANGE,
                        INVALID_INPUT: response.RESULT_INVALID_REQUEST, RATES_UNKNOWN: response.RESULT_INVALID_REQUEST,
                        TOGGLE: response.RESULT_TOGGLE}[status]
@@ -114,6 +110,16 @@ def evaluate_one(node, request, response):
         response.message = 'position, velocity, acceleration must be finite, and so must the result'
     elif status == TOGGLE:
         response.message = 'toggle position: rates and loads are unbounded'
+    return response
+
+
+def _with_values(node, response, mode, status, values):
+    """Fill state and loads of an answer."""
+    stamp, scene = node.get_clock().now().to_msg(), node.stream.scene
+    for output in ('state', 'loads'):
+        message = getattr(response, output)
+        set_constants(output, message, scene)
+        filler(output, message, scene.layout)(stamp, status, mode, values)
     return response
 
 

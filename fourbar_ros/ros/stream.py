@@ -56,6 +56,7 @@ class Stream:
         """Start a bag whose first message is the scene; returns its path; raises BagError."""
         with self._lock:
             path = self._recording.start(self.scene, name)
+            self._stepper = Stepper(self.scene)          # nothing is held from before: the bag computes again alone
             self._recording.write(interfaces.SCENE.name, self._scene_bytes())
             return path
 
@@ -85,7 +86,8 @@ class Stream:
             with_points = any(output.is_point for output in wanted)
             status, self._values = self._stepper.step(position, rate, acceleration, with_loads, with_points)
             for output in wanted:
-                output.send(stamp, status, self.scene.linkage.mode, self._values, self._recording)
+                if status == OK or output.has_something(self._values):
+                    output.send(stamp, status, self.scene.linkage.mode, self._values, self._recording)
         if status != OK:
             self.bad_steps += 1
         if status != self.status:                        # once per change, not per sample
@@ -101,9 +103,10 @@ class Stream:
     def timeout(self, stamp, seconds):
         """Say once on every output that the input has stopped."""
         with self._lock:
-            self.status, self._values = INPUT_TIMEOUT, self._unknown
+            self.status, self._values = INPUT_TIMEOUT, self._stepper.silence()
             for output in self._outputs:
-                output.send(stamp, INPUT_TIMEOUT, self.scene.linkage.mode, self._unknown, self._recording)
+                if output.has_something(self._values):
+                    output.send(stamp, INPUT_TIMEOUT, self.scene.linkage.mode, self._values, self._recording)
         self._node.get_logger().warning(f'no input for {seconds:g} s')
 
     def _log(self, status, position):

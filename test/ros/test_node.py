@@ -109,7 +109,7 @@ def test_the_timer_turns_the_crank_at_constant_speed_on_its_grid(run_node, clien
 @pytest.mark.parametrize('bad', [(math.nan, 1.0, 0.0), (0.1, math.inf, 0.0), (0.1, 1.0, -math.inf),
                                  (0.1, 1e300, 0.0)])
 def test_bad_numbers_are_reported_and_the_next_good_message_works(run_node, client, bad):
-    run_node(DRIVEN)
+    run_node({**DRIVEN, 'joint_states.when_unknown': 'send_nan'})
     client.listen()
     received = send_all(client, client.publisher(), [motion(*bad, stamp=5), motion(0.2, 1.0)])
     state, good = received['state']
@@ -121,7 +121,8 @@ def test_bad_numbers_are_reported_and_the_next_good_message_works(run_node, clie
 
 
 def test_input_out_of_range_is_reported_and_the_next_good_message_works(run_node, client):
-    run_node({**ROCKER, 'drive.source': 'motion', 'outputs': ['state', 'output', 'joint_states']})
+    run_node({**ROCKER, 'drive.source': 'motion', 'outputs': ['state', 'output', 'joint_states'],
+              'joint_states.when_unknown': 'send_nan'})
     client.listen(['state', 'output', 'joint_states'])
     received = send_all(client, client.publisher(), [motion(1.0, 1.0), motion(0.2, 1.0)])
     out, good = received['state']

@@ -1,0 +1,59 @@
+"""
+The joints as a JointState has them: joint = ratio * coordinate + offset, in and out.
+
+So for the rates and accelerations, joint' = ratio * coordinate'; and as power is the same on both sides,
+the effort of the joint is that of the coordinate over the ratio.
+"""
+from __future__ import annotations
+
+from math import isnan, nan
+from typing import NamedTuple
+
+NAMES = tuple(f'joint {i} {what}' for what in ('position', 'velocity', 'effort') for i in (1, 2, 3, 4))
+
+
+class Scale(NamedTuple):
+    """joint = ratio * coordinate + offset; ``ratio`` is not zero, ``offset`` in [rad] or [m]."""
+
+    ratio: float
+    offset: float
+
+    def to_input(self, position: float, velocity: float, acceleration: float) -> tuple[float, float, float]:
+        """Return the coordinate's motion from that of the joint; NaN stays NaN."""
+        return (position - self.offset) / self.ratio, velocity / self.ratio, acceleration / self.ratio
+
+
+class Joints:
+    """
+    The four joints of a scene, one sample after the other.
+
+    Parameters
+    ----------
+    layout : Layout
+        Tells where angles, rates and drive stand among the values.
+    shown : JointStates
+        Ratios, offsets, and whether the last known positions are held.
+
+    """
+
+    def __init__(self, layout, shown):
+        place = layout.place
+        joints = layout.joints
+        self._scales = [Scale(*pair) for pair in zip(shown.ratios, shown.offsets)]
+        self._positions = [place[joint.position] for joint, _ in joints]
+        self._rates = [place[joint.rate] for joint, _ in joints]
+        self._efforts = [place.get(effort) for _, effort in joints]
+        self._holds = shown.when_unknown == 'hold'
+        self._last = (nan,) * len(joints)
+
+    def of(self, values) -> tuple[float, ...]:
+        """Return four positions, rates and efforts of the values of one sample, as :data:`NAMES` has them."""
+        scales = self._scales
+        positions = tuple(s.ratio * values[i] + s.offset for s, i in zip(scales, self._positions))
+        if self._holds:
+            if any(map(isnan, positions)):
+                positions = self._last
+            else:
+                self._last = positions
+        return (*positions, *(s.ratio * values[i] for s, i in zip(scales, self._rates)),
+                *(0.0 if i is None else values[i] / s.ratio for s, i in zip(scales, self._efforts)))
