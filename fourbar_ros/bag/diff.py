@@ -44,21 +44,20 @@ def diff(first, second, topics=None, progress=None):
     bytes read of the first bag, once more for every topic.
     """
     bags = [Bag(first), Bag(second)]
-    types = [_types(bag) for bag in bags]
-    names = sorted(types[0].keys() | types[1].keys())
+    names = sorted(set.union(*map(_topics, bags)))
     for topic in topics or ():
         if topic not in names:
             raise BagError(f'{topic}: in neither bag; they have {", ".join(names)}')
     return [_Topic(topic).run(*bags, progress) for topic in topics or names]
 
 
-def _types(bag):
-    summary = bag.summary()
-    if not summary:
+def _topics(bag):
+    summaries = [part.summary() for part in bag.parts]
+    if None in summaries:
         for _ in bag.chunks():
             pass
-    channels = summary.channels if summary else bag.channels
-    return {channel.topic: channel for channel in channels.values()}
+        return {channel.topic for channel in bag.channels.values()}
+    return {channel.topic for summary in summaries for channel in summary.channels.values()}
 
 
 class _Topic:

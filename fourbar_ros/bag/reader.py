@@ -7,7 +7,9 @@ Read a bag without ROS: a directory or a single .mcap file; finished, cut, or st
 from __future__ import annotations
 
 import contextlib
+import json
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,9 +21,8 @@ from mcap.records import Channel, MetadataIndex, Schema, Statistics
 
 from . import BagError, rosbag2
 from .cdr import Decoder
-from .rosbag2 import file_of
 from .mcap_records import HEAD, IS_MESSAGE, MESSAGE, WRONG_TIMES, Damaged, parse, split, tells_its_times, unpacked
-from .scan import MAGIC, Scan, ending, is_being_written
+from .scan import MAGIC, Scan, chunk_index, ending, is_being_written
 
 BLOCK = 20_000          # messages that are decoded together: large for numpy, small for the memory
 _LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
@@ -75,12 +76,12 @@ class Bag:
     Parameters
     ----------
     path : str or Path
-        Folder of a bag or its .mcap file.
+        Folder of a bag, split or not, or an .mcap file.
 
     Attributes
     ----------
-    file : Path
-        The .mcap file.
+    files : list of Path
+        The .mcap files, of a split bag one a part.
     cut : bool or None
         Whether the last reading met the end of the data without the end of the file: a crash, or a bag
         still being written. None before.
@@ -91,8 +92,10 @@ class Bag:
     """
 
     def __init__(self, path):
-        self.path, self.file = Path(path), file_of(path)
+        self.path, self.files = Path(path), rosbag2.files_of(path)
         self.channels, self._schemas, self._decoders = {}, {}, {}
+        # definitions of the file that is read by their numbers there, and {(kind, number there): number here}
+        self._here, self._numbers, self._is_first, self._read = {}, {}, True, 0
         self.cut, self.damage = None, []
 
     # --- about it -------------------------------------------------------------------------------
@@ -100,40 +103,47 @@ class Bag:
     @property
     def is_being_written(self):
         """Return whether a recorder is at work on it."""
-        return is_being_written(self.file)
+        return any(is_being_written(file) for file in rosbag2.files_of(self.path))
+
+    @property
+    def file(self):
+        """Return the first .mcap file."""
+        return self.files[0]
+
+    @property
+    def parts(self):
+        """Return a Bag for every file."""
+        return [Bag(file) for file in self.files]
+
+    @property
+    def size(self):
+        """Return the size of all files [bytes]."""
+        return sum(file.stat().st_size for file in self.files)
 
     def summary(self):
-        """Return the mcap library's Summary of a finished bag, None for any other."""
-        with open(self.file, 'rb') as file, contextlib.suppress(Exception):    # it raises what it likes
+        """Return the mcap library's Summary of a finished bag of one file, None for any other."""
+        if len(self.files) > 1:
+            return None
+        with open(self.files[0], 'rb') as file, contextlib.suppress(Exception):    # it raises what it likes
             end = ending(file)
             file.seek(0)
             return None if end is None or end.damage else make_reader(file).get_summary()
         return None
 
     def metadata(self):
-        """Return the rosbag2 metadata kept in the file itself; the last undamaged record wins."""
-        found = None
-        for record in self._metadata_records():
-            if record.name == rosbag2.RECORD and rosbag2.KEY in record.metadata:
-                with contextlib.suppress(yaml.YAMLError):
-                    found = yaml.load(record.metadata[rosbag2.KEY], Loader=_LOADER)
-        if not isinstance(found, dict):
-            raise BagError(f'{self.path}: has no rosbag2 metadata')
-        return found
+        """
+        Return the rosbag2 metadata kept in the file itself; the last undamaged record wins.
 
-    def _metadata_records(self):
-        """Yield every undamaged metadata record, by the index if there is one."""
-        with open(self.file, 'rb') as file:
-            end = ending(file)
-            places = end.of(MetadataIndex) if end else ()
-            is_told = places or end and any(not told.metadata_count for told in end.of(Statistics))
-            for place in places:
-                file.seek(place.offset)
-                with contextlib.suppress(Damaged):
-                    yield parse(Opcode.METADATA, file.read(place.length)[HEAD.size:])
-            for _, opcode, body in () if is_told else Scan(file):
-                if opcode == Opcode.METADATA:
-                    yield parse(opcode, body)
+        Of a split bag that of the first part, with what the last one adds to its custom_data.
+        """
+        told = [found for found in (_metadata_in(file) for file in (self.files[0], *self.files[1:][-1:])) if found]
+        if not told:
+            raise BagError(f'{self.path}: has no rosbag2 metadata')
+        if len(told) > 1:
+            custom = [part.get('custom_data') or {} for part in reversed(told)]
+            if all(isinstance(part, dict) for part in custom):
+                told[0]['custom_data'] = {key: value for part in custom for key, value in part.items()}
+        return told[0]
 
     # --- messages -------------------------------------------------------------------------------
 
@@ -255,39 +265,85 @@ class Bag:
     # --- the file -------------------------------------------------------------------------------
 
     def chunks(self, topics=None, start=None, follow=False, progress=None):
-        """Yield lists of (channel, sequence, log time, bytes), one a chunk."""
-        wanted = None if topics is None else set(topics)
+        """
+        Yield lists of (channel, sequence, log time, bytes), one a chunk.
 
-        def wait():
-            if not is_being_written(self.file):
-                return False
-            time.sleep(POLL)
-            return True
-        with open(self.file, 'rb') as file:
+        Of a finished file with an index only the chunks are read that can hold what is asked for.
+        """
+        wanted = None if topics is None else set(topics)
+        self.damage, self.cut, self._read = [], False, 0
+        for place, path in enumerate(self._each_file(follow)):
+            with contextlib.suppress(FileNotFoundError):       # its recorder keeps only the newest parts
+                for found in self._chunks_of(path, place, wanted, start, follow, progress):
+                    chosen = self._chosen(found, wanted, start)
+                    if chosen:
+                        yield chosen
+
+    def _each_file(self, follow):
+        """Yield the files of the bag, of one being written also those to come."""
+        done = set()
+        while True:
+            new = [file for file in rosbag2.files_of(self.path) if file not in done]
+            if new:
+                done.add(new[0])
+                yield new[0]
+            elif not follow or not self._wait():
+                return
+
+    def _wait(self):
+        """Wait a moment if the bag is being written; return whether it is."""
+        if not self.is_being_written:
+            return False
+        time.sleep(POLL)
+        return True
+
+    def _chunks_of(self, path, place, wanted, start, follow, progress):
+        """Yield the messages of one file, chunk by chunk."""
+        with open(path, 'rb') as file:
             begin = file.read(len(MAGIC))
             if len(begin) < len(MAGIC) and not MAGIC.startswith(begin):     # longer ones are the scan's to judge
-                raise BagError(f'{self.file}: not an MCAP file')
-            scan = Scan(file, wait if follow else None)
-            self.damage, self.cut = scan.damage, scan.ending is None
+                raise BagError(f'{path}: not an MCAP file')
+            scan = Scan(file, self._wait if follow else None, self.damage)
+            was_cut, self.cut = self.cut, True
+            self._here, self._numbers, self._is_first = {}, {}, place == 0
             # The checksum at the end covers these; a topic that was hit is seen before its messages are read.
             for record in scan.ending.of((Schema, Channel)) if scan.ending else ():
                 self._learn(record)
-            for offset, opcode, body in scan:
+            repeats = {} if self._is_first else _repeats(path)
+            for offset, opcode, body in self._walk(file, scan, wanted, start):
                 try:
-                    item = self._item(scan, offset, opcode, body)
+                    found = self._item(scan, offset, opcode, body)
                 except Damaged as error:
                     if scan.is_followed_by_zeros():
                         break                       # a power cut in the middle of this record
                     if opcode:
                         scan.spoil(offset, error)
-                    raise BagError(f'{self.path}: at byte {offset}: {error}; '
+                    raise BagError(f'{self.path if len(self.files) == 1 else path}: at byte {offset}: {error}; '
                                    'fourbar bag recover keeps the rest') from None
-                chosen = item and self._chosen(item, wanted, start)
-                if chosen:
-                    yield chosen
+                if found:
+                    yield self._without(found, repeats) if repeats else found
                 if progress:
-                    progress(scan.end)
-            self.cut = not scan.complete
+                    progress(self._read + scan.end)
+            self.cut = was_cut or not scan.complete
+            self._read += scan.end
+
+    def _walk(self, file, scan, wanted, start):
+        """Return an iterator over the records of a file, only those that matter if it has an index."""
+        index = None if wanted is start is None else chunk_index(file, scan.ending)
+        if not index or not self._here:
+            return scan
+        numbers = {number for (kind, number), record in self._here.items()
+                   if kind is Channel and (wanted is None or record.topic in wanted)}
+        return scan.only([offset for offset, _, last, channels in index
+                          if (start is None or last >= start) and (not channels or channels & numbers)])
+
+    def _without(self, found, repeats):
+        """Return messages without those that a part repeats at its beginning; then ``repeats`` is emptied."""
+        begins = {number: repeats.get(channel.topic, 0) for number, channel in self.channels.items()}
+        kept = [item for item in found if item[1] >= begins[item[0]]]
+        if len(kept) == len(found):
+            repeats.clear()
+        return kept
 
     def _item(self, scan, offset, opcode, body):
         """Return the messages of a record."""
@@ -320,14 +376,73 @@ class Bag:
                 found.append((channel, sequence, stamp, content[begin + 22:end]))
             elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 self._learn(parse(opcode, content[begin:end]))
-        if not {item[0] for item in found} <= self.channels.keys():
-            raise Damaged('message of an unknown channel')
+        try:
+            numbers = {number: self._numbers[Channel, number] for number in {item[0] for item in found}}
+        except KeyError:
+            raise Damaged('message of an unknown channel') from None
+        if any(number != here for here, number in numbers.items()):
+            found = [(numbers[item[0]], *item[1:]) for item in found]
         return found
 
     def _learn(self, record):
-        known = self.channels if isinstance(record, Channel) else self._schemas
-        if known.setdefault(record.id, record) != record:
-            raise Damaged(f'{type(record).__name__.lower()} {record.id} is another one than before')
+        """Keep a definition; in the later files of a split bag it may have another number."""
+        kind = type(record)
+        if self._here.setdefault((kind, record.id), record) != record:
+            raise Damaged(f'{kind.__name__.lower()} {record.id} is another one than before')
+        if (kind, record.id) in self._numbers:
+            return
+        known = self.channels if kind is Channel else self._schemas
+        if kind is Channel:
+            record = replace(record, schema_id=self._numbers.get((Schema, record.schema_id), record.schema_id))
+        number = record.id
+        if number in known and not _is_same(known[number], record):
+            if self._is_first:
+                raise Damaged(f'{kind.__name__.lower()} {record.id} is another one than before')
+            number = next((n for n, other in known.items() if _is_same(other, record)), max(known) + 1)
+        known.setdefault(number, replace(record, id=number))
+        self._numbers[kind, record.id] = number
+
+
+def _is_same(a, b):
+    """Return whether two definitions are the same, whatever their numbers; QoS may differ between parts."""
+    if isinstance(a, Channel):
+        return (a.topic, a.message_encoding, a.schema_id) == (b.topic, b.message_encoding, b.schema_id)
+    return (a.name, a.encoding, a.data) == (b.name, b.encoding, b.data)
+
+
+def _metadata_in(path):
+    """Return the rosbag2 metadata of a file, None if it has none."""
+    found = None
+    with open(path, 'rb') as file:
+        for record in _metadata_records(file):
+            if record.name == rosbag2.RECORD and rosbag2.KEY in record.metadata:
+                with contextlib.suppress(yaml.YAMLError):
+                    found = yaml.load(record.metadata[rosbag2.KEY], Loader=_LOADER)
+    return found if isinstance(found, dict) else None
+
+
+def _metadata_records(file):
+    """Yield every undamaged metadata record, by the index if there is one."""
+    end = ending(file)
+    places = end.of(MetadataIndex) if end else ()
+    is_told = places or end and any(not told.metadata_count for told in end.of(Statistics))
+    for place in places:
+        file.seek(place.offset)
+        with contextlib.suppress(Damaged):
+            yield parse(Opcode.METADATA, file.read(place.length)[HEAD.size:])
+    for _, opcode, body in () if is_told else Scan(file):
+        if opcode == Opcode.METADATA:
+            yield parse(opcode, body)
+
+
+def _repeats(path):
+    """Return {topic: number of its first new message} of a later part of a split bag of ours."""
+    try:
+        about = (_metadata_in(path) or {})['custom_data']
+        numbers = json.loads(about[rosbag2.NUMBERS])
+        return {topic: int(numbers[topic][0]) for topic in json.loads(about[rosbag2.REPEATS])}
+    except (KeyError, TypeError, ValueError, IndexError):
+        return {}
 
 
 def records(path, topics=None, start=None, follow=False):

@@ -15,6 +15,9 @@ VERSION = 9
 NOT_STARTED = 2**63 - 1     # rosbag2's starting time of a bag without messages
 RECORD = 'rosbag2'          # name of the metadata record in the file; its one key:
 KEY = 'serialized_metadata'
+# Keys of custom_data, JSON: by topic the sequence numbers that were given, [first, next] (next is null until the
+# end); topics of which a later part of a split bag repeats one message, of a number before the first.
+NUMBERS, REPEATS = 'numbers', 'repeats'
 QOS, HASH = 'offered_qos_profiles', 'topic_type_hash'      # keys of the metadata of a channel
 _ENDLESS = {'sec': 9223372036, 'nsec': 854775807}
 
@@ -142,13 +145,45 @@ def check_name(name):
 
 
 def file_of(path):
-    """Return the .mcap file of a bag given as directory or file."""
+    """Return the .mcap file of a bag given as directory or file; raises BagError if there are several."""
+    files = files_of(path)
+    if len(files) > 1:
+        raise BagError(f'{path}: holds {len(files)} .mcap files, name one')
+    return files[0]
+
+
+def files_of(path):
+    """
+    Return the .mcap files of a bag in order: of a split bag its parts NAME_0.mcap, NAME_1.mcap, ...
+
+    The folder is asked, not metadata.yaml alone: after a crash it may not know the newest part.
+    """
     path = Path(path)
     if not path.exists():
         raise BagError(f'{path}: no such bag')
     if path.is_file():
-        return path
-    files = sorted(path.glob('*.mcap'))
-    if len(files) != 1:
-        raise BagError(f'{path}: holds {len(files) or "no"} .mcap files' + (', name one' if files else ''))
-    return files[0]
+        return [path]
+    files = sorted(path.glob('*.mcap'), key=_part)
+    if not files:
+        raise BagError(f'{path}: holds no .mcap files')
+    if len(files) > 1 and len({_part(file)[0] for file in files}) > 1:
+        told = _told_files(path)
+        if not {file.name for file in files} <= told.keys():
+            raise BagError(f'{path}: holds {len(files)} .mcap files of different bags, name one')
+        files.sort(key=lambda file: told[file.name])
+    return files
+
+
+def _part(file):
+    """Return (name of the bag, number of the part) of a file NAME_N.mcap."""
+    stem, _, number = file.stem.rpartition('_')
+    return (stem, int(number)) if number.isdecimal() else (file.stem, 0)
+
+
+def _told_files(path):
+    """Return {name: place} of the files that metadata.yaml names."""
+    try:
+        told = yaml.safe_load((path / 'metadata.yaml').read_text())['rosbag2_bagfile_information']
+        return {Path(name).name: place for place, name in enumerate(told['relative_file_paths'])}
+    except (OSError, ValueError, yaml.YAMLError, KeyError, TypeError):
+        return {}

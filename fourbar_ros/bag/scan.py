@@ -24,6 +24,7 @@ from .mcap_records import HEAD, IS_MESSAGE, SHAPES, TYPES, Damaged, filled, pars
 MAGIC = b'\x89MCAP0\r\n'
 _LOOSE = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})      # what can be in a chunk as well
 _END = Struct('<BQQQI8s')           # the footer and the magic behind it
+_CHUNK_INDEX, _ENTRY = Struct('<QQQQI'), Struct('<HQ')     # head of a chunk's index; of a channel in it
 _WINDOW = 1 << 22                   # [bytes] what is searched at once
 
 
@@ -72,6 +73,28 @@ def ending(file):
         return Ending(0, (), f'at byte {start}: {error}')
 
 
+def chunk_index(file, end):
+    """
+    Return [(offset, first log time, last log time, channels)] of the chunks of a file with a sound Ending.
+
+    None if there is no index of all chunks, or messages lie outside of them.
+    """
+    told = end.of(Statistics) if end and not end.damage else []
+    if not told or not told[0].chunk_count:
+        return None
+    file.seek(end.start)
+    summary = file.read(os.fstat(file.fileno()).st_size - _END.size - end.start)
+    found = [_place(summary, begin) for _, opcode, begin, _ in split(summary) if opcode == Opcode.CHUNK_INDEX]
+    good = len(found) == told[0].chunk_count and all(place[0] < end.start for place in found)
+    return sorted(found, key=lambda place: place[0]) if good else None
+
+
+def _place(summary, begin):
+    first, last, offset, _, size = _CHUNK_INDEX.unpack_from(summary, begin)
+    begin += _CHUNK_INDEX.size
+    return offset, first, last, {number for number, _ in _ENTRY.iter_unpack(summary[begin:begin + size])}
+
+
 class Scan:
     """
     Iterate over (offset, opcode, body) of the data section of an open file.
@@ -83,6 +106,8 @@ class Scan:
     file : binary file
     wait : callable, optional
         Called when the file ends early, returns whether to look again: for a bag being written.
+    damage : list, optional
+        Where to add what is wrong.
 
     Attributes
     ----------
@@ -98,9 +123,11 @@ class Scan:
 
     """
 
-    def __init__(self, file, wait=None):
+    def __init__(self, file, wait=None, damage=None):
         self._file, self._wait = file, wait
-        self.end, self.complete, self.damage, self.lost = 0, False, [], 0
+        self.end, self.complete, self.lost = 0, False, 0
+        self.damage = [] if damage is None else damage
+        self._known = len(self.damage)
         self.ending = ending(file)
         if self.ending and self.ending.damage:
             self.damage.append(self.ending.damage)
@@ -136,6 +163,17 @@ class Scan:
                 yield offset, opcode, body
         self.complete = True                   # without the mark for the end of the data, which is damage
 
+    def only(self, offsets):
+        """Yield the records at these offsets, which the index tells; the rest is not looked at."""
+        for offset in offsets:
+            found = self._record_at(offset)
+            self.end = offset + HEAD.size + len(found[2]) if found else offset + HEAD.size
+            if found is None:
+                yield offset, None, self.spoil(offset, 'the index leads to no record')
+            else:
+                yield offset, *found[1:]
+        self.complete = True
+
     def spoil(self, offset, why):
         """Note that the bytes from an offset up to ``end`` are damaged; returns why."""
         self.damage.append(f'at byte {offset}: {why}')
@@ -160,7 +198,7 @@ class Scan:
         """Compare the checksum of the data; what changed is in no chunk if nothing was found before."""
         self.ending = ending(self._file)       # it may be new
         self.complete = self.ending is not None
-        if not self.damage and told not in (0, crc):
+        if len(self.damage) == self._known and told not in (0, crc):
             self.damage.append(f'from byte 0 to {offset}: the data have a wrong checksum, but no chunk has: '
                                'a message index, the header or the checksum itself has changed')
 

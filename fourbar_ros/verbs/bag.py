@@ -199,8 +199,8 @@ def _progress(path, text):
     from rich.console import Console
     from rich.progress import Progress
 
-    from ..bag.rosbag2 import file_of
+    from ..bag.rosbag2 import files_of
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(text, total=file_of(path).stat().st_size)
+        task = bar.add_task(text, total=sum(file.stat().st_size for file in files_of(path)))
         yield lambda read: bar.update(task, completed=read)
