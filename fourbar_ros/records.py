@@ -48,6 +48,11 @@ class Layout(NamedTuple):
         return {**{field: pick(source) for field, source in self.fields[output].items()},
                 **dict.fromkeys(self.absent.get(output, ()), nan)}
 
+    def in_use(self, output):
+        """Return the places of all values that an output has."""
+        return {self.place[name] for source in self.fields[output].values()
+                for name in (source if isinstance(source, tuple) else (source,)) if name is not None}
+
 
 @cache
 def layout(kind, driven, points=(), with_effort=True, own_joints=False):

@@ -21,8 +21,7 @@ from ..bag.recompute import recompute
 from ..core import FourBarError
 from ..core.status import STATUS_NAMES
 from ..show import MODE_NAMES, make_console, mode_name, plain_table, rate_unit, what_it_is
-from .drives import to_stamp
-from .messages import resolve
+from .messages import resolve, to_stamp
 
 NODE = '/fourbar'
 PATIENCE = 20.0        # [s] for the node to be found and to answer

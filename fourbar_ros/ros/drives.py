@@ -6,24 +6,18 @@ import time
 from math import inf, isnan, tau
 from traceback import format_exc
 
-from builtin_interfaces.msg import Time
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
 from .. import interfaces, joints, records
 from ..estimator import RateEstimator
-from .messages import resolve
+from .messages import resolve, sec_nanosec
 
 SLEEP = 0.1            # [s] longest sleep: how soon a thread sees that it shall stop
 CATCH_UP = 1.0         # [s] a thread later than this skips the samples it missed
 CLOCK_STEP = 0.05      # [s] the wall clock was set if it is this far from the monotonic one
 CHECK_CLOCK = 1.0      # [s] how often that is looked at
 FUTURE = 1.0           # [s] a stamp further ahead of our clock is counted as of the future
-
-
-def to_stamp(nanoseconds):
-    """Return the Time message of a time [ns]."""
-    return Time(sec=nanoseconds // 10**9, nanosec=nanoseconds % 10**9)
 
 
 class Drive:
@@ -91,7 +85,7 @@ class TimerDrive(Drive):
             if moment - checked > CHECK_CLOCK:
                 offset, checked = self._follow_clock(offset), moment
             now = angle + settings.speed * elapsed
-            self._stream.step(to_stamp(round(moment * 1e9) + offset), now, settings.speed, 0.0)
+            self._stream.step(sec_nanosec(round(moment * 1e9) + offset), now, settings.speed, 0.0)
             sample += 1
             if self.settings is not settings:            # go on from here at the new speed and rate
                 settings, angle, began, sample = self.settings, now, moment, 1
@@ -147,7 +141,7 @@ class SimulatedTimerDrive(Drive):
             self._began = now
         self._last = now
         angle = self._angle + self.settings.speed * (now - self._began) * 1e-9
-        self._stream.step(to_stamp(now), angle, self.settings.speed, 0.0)
+        self._stream.step(sec_nanosec(now), angle, self.settings.speed, 0.0)
 
 
 class TopicDrive(Drive):
@@ -201,11 +195,11 @@ class TopicDrive(Drive):
         if given is None:
             self._once('without_joint', f'joint {self.settings.joint!r} is not in the input message')
             return
-        stamp = message.header.stamp
-        time_of = stamp.sec * 10**9 + stamp.nanosec
+        stamp = message.header.stamp.sec, message.header.stamp.nanosec
+        time_of = stamp[0] * 10**9 + stamp[1]
         if time_of == 0:                                 # unstamped: it belongs to the time it comes
             time_of = self._node.get_clock().now().nanoseconds
-            stamp = to_stamp(time_of)
+            stamp = sec_nanosec(time_of)
         elif time_of > self._horizon:                    # reached about once in FUTURE seconds
             self._look_ahead(time_of)
         if self.settings.source == 'joint_state':
@@ -234,4 +228,4 @@ class TopicDrive(Drive):
             self._waiting = False
             self.counts['timeouts'] += 1
             self.estimator.reset()
-            self._stream.timeout(self._node.get_clock().now().to_msg(), limit)
+            self._stream.timeout(sec_nanosec(self._node.get_clock().now().nanoseconds), limit)

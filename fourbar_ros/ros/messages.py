@@ -4,7 +4,22 @@ from __future__ import annotations
 from importlib import import_module
 from math import nan
 
+from builtin_interfaces.msg import Time
+
 from ..records import PASSIVE_EFFORT
+
+Stamp = tuple[int, int]         # as in a message, without making one: seconds, nanoseconds
+
+
+def sec_nanosec(nanoseconds: int) -> Stamp:
+    """Return the stamp of a time [ns]."""
+    return divmod(nanoseconds, 10**9)
+
+
+def to_stamp(nanoseconds: int) -> Time:
+    """Return the Time message of a time [ns]."""
+    sec, nanosec = sec_nanosec(nanoseconds)
+    return Time(sec=sec, nanosec=nanosec)
 
 
 def resolve(type_name):
@@ -49,7 +64,7 @@ def filler(output, message, layout):
     has_status = hasattr(message, 'status')
 
     def fill(stamp, status, mode, values):
-        message.header.stamp = stamp
+        message.header.stamp.sec, message.header.stamp.nanosec = stamp
         if has_status:
             message.status, message.mode = status, mode
         for target, attribute, place in plan:

@@ -1,50 +1,68 @@
-"""Publishers: a message is filled once and serialised once, for the wire and for the bag."""
+"""Publishers: a message becomes bytes once, for the wire and for the bag."""
 from __future__ import annotations
 
 from math import isnan
 
-from rclpy.serialization import serialize_message
+from rclpy.event_handler import PublisherEventCallbacks, UnsupportedEventTypeError
 
 from .. import interfaces
-from .messages import filler, resolve, set_constants
+from . import packed
+from .messages import resolve, set_constants
 
 
 class Output:
-    """One published topic."""
+    """
+    One published topic.
 
-    def __init__(self, node, topic):
-        self.name, self._topic = topic.name, topic
+    Parameters
+    ----------
+    node : rclpy.node.Node
+    topic : fourbar_ros.interfaces.Topic
+    changed : function ()
+        Called when the first reader has come or the last one has left.
+
+    Attributes
+    ----------
+    is_heard : bool
+        Whether anybody listens.
+
+    """
+
+    def __init__(self, node, topic, changed):
+        self.name, self._topic, self._node = topic.name, topic, node
         self.is_point = topic.type == interfaces.OUTPUTS['points'].type
-        self._node = node
-        message_type = resolve(topic.type)
-        self._message = message_type()
-        self._publisher = node.create_publisher(message_type, topic.topic, interfaces.QUEUE_DEPTH)
+        self.is_heard, self._changed = False, changed
+        self._message = resolve(topic.type)()
+        try:
+            self._publisher = self._create(PublisherEventCallbacks(matched=self._matched))
+        except UnsupportedEventTypeError:                # of this middleware: always send, then
+            self.is_heard = True
+            self._publisher = self._create(None)
+
+    def _create(self, callbacks):
+        return self._node.create_publisher(type(self._message), self._topic.topic, interfaces.QUEUE_DEPTH,
+                                           event_callbacks=callbacks)
+
+    def _matched(self, info):
+        heard = info.current_count > 0
+        if heard != self.is_heard:
+            self.is_heard = heard
+            self._changed()
 
     def apply(self, scene):
         """Take over a scene."""
         set_constants(self.name, self._message, scene)
         self._positions = _needed(self.name, scene)
-        self._fill = filler(self.name, self._message, scene.layout)
+        self.pack, is_packed = packed.writer(self.name, self._message, scene.layout)
+        if not is_packed:
+            self._node.get_logger().info(f'{self._topic.topic}: {self._topic.type} cannot be packed here, '
+                                         'ROS serialises every message', once=True)
         self.needs_loads = self._topic.needs_loads or (self.name == 'joint_states' and scene.needs_loads)
-
-    @property
-    def is_heard(self):
-        """Return whether anybody listens."""
-        return self._publisher.get_subscription_count() > 0
+        self.publish = self._publisher.publish
 
     def has_something(self, values):
         """Return whether there is anything to send: joint_states may be silent where a position is not known."""
         return not any(isnan(values[place]) for place in self._positions)
-
-    def send(self, stamp, status, mode, values, recording):
-        """Fill and publish; when a bag is open, serialise once for both."""
-        self._fill(stamp, status, mode, values)
-        if recording.active:
-            data = serialize_message(self._message)
-            self._publisher.publish(data)
-            recording.write(self.name, data)
-        else:
-            self._publisher.publish(self._message)
 
     def destroy(self):
         """Leave the graph."""

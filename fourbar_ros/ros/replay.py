@@ -13,8 +13,7 @@ from rosgraph_msgs.msg import Clock
 from ..bag import BagError
 from ..bag.reader import Bag
 from ..bag.replay import TICK, play
-from .drives import to_stamp
-from .messages import resolve
+from .messages import resolve, to_stamp
 from .schemas import type_hash
 
 DEPTH = 1000                # of volatile publishers: a late replay sends bursts that the original did not

@@ -9,7 +9,7 @@ from .. import interfaces
 from ..core import FourBarError, InvalidParameter, OutOfRange
 from ..core.quantities import UnknownQuantity, select
 from ..core.status import INVALID_INPUT, OK, OUT_OF_RANGE, RATES_UNKNOWN, TOGGLE, evaluate
-from .messages import filler, resolve, set_constants
+from .messages import filler, resolve, sec_nanosec, set_constants
 
 
 def create(node):
@@ -115,7 +115,7 @@ def evaluate_one(node, request, response):
 
 def _with_values(node, response, mode, status, values):
     """Fill state and loads of an answer."""
-    stamp, scene = node.get_clock().now().to_msg(), node.stream.scene
+    stamp, scene = sec_nanosec(node.get_clock().now().nanoseconds), node.stream.scene
     for output in ('state', 'loads'):
         message = getattr(response, output)
         set_constants(output, message, scene)

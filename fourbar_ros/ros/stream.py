@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import threading
 from math import nan, sin
+from typing import NamedTuple
 
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
@@ -13,6 +14,15 @@ from ..core.errors import UNITS, OutOfRange
 from ..core.status import INPUT_TIMEOUT, OK, OUT_OF_RANGE, STATUS_NAMES
 from ..stepper import Stepper
 from .outputs import Output
+
+
+class Wanted(NamedTuple):
+    """What a step is for: outputs, and what has to be computed for them."""
+
+    driven: bool
+    outputs: list
+    with_loads: bool
+    with_points: bool
 
 
 class Stream:
@@ -32,7 +42,7 @@ class Stream:
         self._lock = threading.Lock()                    # a change happens between two steps
         recording.between_steps = self._lock
         self.steps, self.bad_steps, self.status = 0, 0, OK
-        self._driven, self._outputs = Output(node, interfaces.DRIVEN), []
+        self._driven, self._outputs = self._output(interfaces.DRIVEN), []
         self._scene_publisher = node.create_publisher(
             String, interfaces.SCENE.topic, QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
         self.apply(scene)
@@ -41,16 +51,30 @@ class Stream:
         """Take over a scene: linkage, outputs; publish and record it."""
         with self._lock:
             self.scene, self._layout = scene, scene.layout
-            self._stepper = Stepper(scene)
+            self._stepper, self._mode = Stepper(scene), scene.linkage.mode
             self._values = self._unknown = (nan,) * len(self._layout.place)
             self._given = [self._layout.place[name] for name in scene.linkage.input_coordinate]
             there = {output.name: output for output in self._outputs}
             for name in there.keys() - scene.topics.keys():
                 there[name].destroy()
-            self._outputs = [there.get(name) or Output(self._node, topic) for name, topic in scene.topics.items()]
+            self._outputs = [there.get(name) or self._output(topic) for name, topic in scene.topics.items()]
             for output in (self._driven, *self._outputs):
                 output.apply(scene)
+            self._look_who_listens()
             self._send_scene()
+
+    def _output(self, topic):
+        return Output(self._node, topic, self._look_who_listens)
+
+    def _look_who_listens(self):
+        """Note what a step is for: asked when a reader comes or leaves, not in every step."""
+        def wanted(those):
+            outputs = [output for output in self._outputs if output in those]
+            return Wanted(self._driven in those, outputs, any(output.needs_loads for output in outputs),
+                          any(output.is_point for output in outputs))
+
+        every = [self._driven, *self._outputs]
+        self._all, self._heard = wanted(every), wanted([output for output in every if output.is_heard])
 
     def start_recording(self, name=''):
         """Start a bag whose first message is the scene; returns its path; raises BagError."""
@@ -73,25 +97,33 @@ class Stream:
         return abs(sin(self._values[self._layout.place['transmission_angle']]))
 
     def step(self, stamp, position, rate, acceleration):
-        """Evaluate one input and send what is heard or recorded."""
+        """Evaluate one input and send what is heard or recorded; ``stamp``: (seconds, nanoseconds)."""
         with self._lock:
             self.steps += 1
-            recorded = self._recording.active
-            if recorded or self._driven.is_heard:
-                self._driven.send(stamp, OK, 0, self._as_it_came(position, rate, acceleration), self._recording)
-            wanted = [output for output in self._outputs if recorded or output.is_heard]
-            if not wanted:
+            wanted = self._all if self._recording.active else self._heard
+            if wanted.driven:
+                self._send([self._driven], stamp, OK, self._as_it_came(position, rate, acceleration))
+            if not wanted.outputs:
                 return
-            with_loads = any(output.needs_loads for output in wanted)
-            with_points = any(output.is_point for output in wanted)
-            status, self._values = self._stepper.step(position, rate, acceleration, with_loads, with_points)
-            for output in wanted:
-                if status == OK or output.has_something(self._values):
-                    output.send(stamp, status, self.scene.linkage.mode, self._values, self._recording)
+            status, self._values = self._stepper.step(position, rate, acceleration,
+                                                      wanted.with_loads, wanted.with_points)
+            self._send(wanted.outputs, stamp, status, self._values)
         if status != OK:
             self.bad_steps += 1
         if status != self.status:                        # once per change, not per sample
             self._log(status, position)
+
+    def _send(self, outputs, stamp, status, values):
+        """Send and record; first all is packed, then sent at one go: so the middleware wakes up less often."""
+        mode, recording = self._mode, self._recording
+        if status != OK:
+            outputs = [output for output in outputs if output.has_something(values)]
+        packed = [(output, output.pack(stamp, status, mode, values)) for output in outputs]
+        for output, data in packed:
+            output.publish(data)
+        if recording.active:
+            for output, data in packed:
+                recording.write(output.name, data)
 
     def _as_it_came(self, *given):
         """Return values of which only the input is known: those of a step may be held or clamped."""
@@ -104,9 +136,7 @@ class Stream:
         """Say once on every output that the input has stopped."""
         with self._lock:
             self.status, self._values = INPUT_TIMEOUT, self._stepper.silence()
-            for output in self._outputs:
-                if output.has_something(self._values):
-                    output.send(stamp, INPUT_TIMEOUT, self.scene.linkage.mode, self._values, self._recording)
+            self._send(self._outputs, stamp, INPUT_TIMEOUT, self._values)
         self._node.get_logger().warning(f'no input for {seconds:g} s')
 
     def _log(self, status, position):

@@ -11,7 +11,7 @@ import rclpy
 from rclpy.parameter import Parameter
 import fourbar_ros.core.linkage as linkage
 from fourbar_ros.ros.node import FourBarNode
-from fourbar_ros.ros.drives import to_stamp
+from fourbar_ros.ros.messages import sec_nanosec
 
 calls = []
 original = linkage.FourBar.loads, linkage.FourBar.step
@@ -24,12 +24,19 @@ rclpy.init()
 node = FourBarNode(parameter_overrides=[Parameter(k, value=v) for k, v in json.loads(sys.argv[1]).items()])
 listener = rclpy.create_node('listener')
 from fourbar_msgs.msg import LinkageState
-if sys.argv[2] == 'heard':
-    listener.create_subscription(LinkageState, '/fourbar/state', lambda message: None, 10)
-    while not node.stream._outputs[0].is_heard:
-        rclpy.spin_once(listener, timeout_sec=0.05)
+def until(heard):
+    while node.stream._outputs[0].is_heard != heard:
+        rclpy.spin_once(listener, timeout_sec=0.02)
+        rclpy.spin_once(node, timeout_sec=0.02)
+
+if sys.argv[2] != 'not heard':
+    subscription = listener.create_subscription(LinkageState, '/fourbar/state', lambda message: None, 10)
+    until(True)
+if sys.argv[2] == 'left':
+    listener.destroy_subscription(subscription)
+    until(False)
 for k in range(5):
-    node.stream.step(to_stamp(k), 0.1 * k, 1.0, 0.0)
+    node.stream.step(sec_nanosec(k), 0.1 * k, 1.0, 0.0)
 topics = sorted(name for name, _ in node.get_publisher_names_and_types_by_node('fourbar', '/'))
 print(json.dumps({'calls': calls, 'topics': topics,
                   'imported': [m for m in ('scipy', 'mcap', 'matplotlib', 'rich', 'fourbar_ros.core.extrema')
@@ -59,3 +66,4 @@ def test_outputs_that_nobody_hears_are_not_computed():
     everything = {**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ['state', 'loads']}
     assert set(run(everything)['calls']) == {'motion'}          # only state is heard
     assert run(everything, heard='not heard')['calls'] == []
+    assert run(everything, heard='left')['calls'] == []         # the reader has gone again

@@ -1,0 +1,127 @@
+"""Messages as packed bytes: those that ROS makes, for every output of every mechanism, in every status."""
+import itertools
+import math
+import zlib
+
+import pytest
+from fourbar_msgs.msg import LinkageState
+from rclpy.serialization import deserialize_message, serialize_message
+
+from fourbar_ros import interfaces, scene
+from fourbar_ros.bag.cdr import Definition, Layout
+from fourbar_ros.core.status import STATUS_NAMES
+from fourbar_ros.interfaces import OUTPUTS
+from fourbar_ros.ros import packed
+from fourbar_ros.ros.messages import filler, resolve, set_constants
+from fourbar_ros.ros.schemas import definition
+from fourbar_ros.stepper import Stepper
+from scenes import TIP
+from test_mechanisms import MECHANISMS
+
+STAMPS = (0, 0), (1, 999_999_999), (2**31 - 1, 0), (-1, 5)
+FRAMES = 'a', 'abcdefg', 'x' * 61, 'Größe', '\x00'.join('ab'), ''
+
+
+def scene_of(name, **changes):
+    values, joints = MECHANISMS[name]
+    return scene.from_values({**values, **TIP, 'joint_names': joints, 'drive.source': 'motion',
+                              'outputs': list(OUTPUTS), **changes})
+
+
+def topics_of(its):
+    return [interfaces.DRIVEN, *its.topics.values()]
+
+
+def message_of(topic, its):
+    message = resolve(topic.type)()
+    set_constants(topic.name, message, its)
+    return message
+
+
+def steps_of(its):
+    """Yield (status, values) of good and bad inputs, then what no mechanism would give."""
+    stepper = Stepper(its)
+    for given in ((0.31, 2.0, -3.0), (0.31, math.nan, math.nan), (math.inf, 0.0, 0.0), (99.0, 1e300, 1.0)):
+        yield stepper.step(*given, True, True)
+    count = len(its.layout.place)
+    for status, hard in itertools.product(range(len(STATUS_NAMES)), (math.nan, math.inf, -0.0, 5e-324)):
+        yield status, tuple(hard if k % 2 else -k * math.pi for k in range(count))
+
+
+@pytest.mark.parametrize('name', MECHANISMS)
+def test_packed_bytes_are_what_ros_serialises(name):
+    its = scene_of(name)
+    for topic in topics_of(its):
+        filled = message_of(topic, its)
+        fill = filler(topic.name, filled, its.layout)
+        pack, is_packed = packed.writer(topic.name, message_of(topic, its), its.layout)
+        assert is_packed, topic.type
+        for stamp, (status, values) in zip(itertools.cycle(STAMPS), steps_of(its)):
+            fill(stamp, status, its.linkage.mode, values)
+            data = pack(stamp, status, its.linkage.mode, values)
+            assert type(data) is bytes
+            same_but_for_padding(topic.type, data, serialize_message(filled))
+            assert repr(deserialize_message(data, type(filled))) == repr(filled)       # NaN is NaN here
+
+
+def same_but_for_padding(type_name, data, expected):
+    """Padding holds whatever the memory held: not even two messages that ROS serialises agree in it."""
+    layout = Layout(Definition(type_name, definition(type_name)), expected)
+    assert layout.matches(data)
+    for leaf in layout.leaves:
+        size = int(leaf.format[-1]) if leaf.format[-1] in '48' else int(leaf.format[1:]) if leaf.format[0] == 'S' else 1
+        end = leaf.offset + size * (leaf.shape[0] if leaf.shape else 1)
+        assert data[leaf.offset:end] == expected[leaf.offset:end], leaf.name
+
+
+@pytest.mark.parametrize('frame', FRAMES)
+def test_any_frame_and_joint_names(frame):
+    """Texts move the numbers; no text is taken for one."""
+    its = scene_of('four-bar')._replace(frame_id=frame, joint_names=tuple(frame + str(k) for k in range(4)))
+    for topic in topics_of(its):
+        message = message_of(topic, its)
+        pack, is_packed = packed.writer(topic.name, message, its.layout)
+        assert is_packed
+        status, values = Stepper(its).step(0.7, 25.0, 1.0, True, True)
+        found = deserialize_message(pack((7, 8), status, 2, values), type(message))
+        filler(topic.name, message, its.layout)((7, 8), status, 2, values)
+        assert repr(found) == repr(deserialize_message(serialize_message(message), type(message)))
+
+
+def swapped():
+    """Return a middleware with another order of bytes."""
+    return (lambda message: serialize_message(message)[::-1],
+            lambda data, kind: deserialize_message(data[::-1], kind))
+
+
+def sealed():
+    """Return a middleware whose bytes are not only numbers: a checksum follows, and reading insists on it."""
+    def read(data, kind):
+        if zlib.crc32(data[:-4]) != int.from_bytes(data[-4:], 'little'):
+            raise ValueError('checksum')
+        return deserialize_message(data[:-4], kind)
+
+    def write(message):
+        data = serialize_message(message)
+        return data + zlib.crc32(data).to_bytes(4, 'little')
+    return write, read
+
+
+def compressed():
+    """Return a middleware that compresses."""
+    return (lambda message: zlib.compress(serialize_message(message)),
+            lambda data, kind: deserialize_message(zlib.decompress(data), kind))
+
+
+@pytest.mark.parametrize('middleware', [swapped, sealed, compressed], ids=lambda made: made.__name__)
+def test_where_bytes_do_not_read_back_ros_serialises_every_message(middleware, monkeypatch):
+    write, read = middleware()
+    monkeypatch.setattr(packed, 'serialize_message', write)
+    monkeypatch.setattr(packed, 'deserialize_message', read)
+    its = scene_of('four-bar')
+    message = message_of(OUTPUTS['state'], its)
+    put, is_packed = packed.writer('state', message, its.layout)
+    assert not is_packed
+    status, values = Stepper(its).step(0.7, 25.0, 1.0, True, True)
+    assert repr(read(put((7, 8), status, 2, values), LinkageState)) == repr(message)
+    assert message.theta4 == its.linkage.motion(0.7, 25.0, 1.0).theta4 and message.header.stamp.nanosec == 8
