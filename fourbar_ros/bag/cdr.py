@@ -111,7 +111,7 @@ class Layout:
         if self.size < HEADER or data[0] != 0 or data[1] > 1:
             raise BagError(f'{definition.name}: not a CDR message')
         self._order = '<' if data[1] else '>'
-        self.leaves, self.texts, self._fixed = [], {}, []
+        self.leaves, self.texts, self._fixed = [], {}, [(0, 2, data[:2])]        # of one order of bytes
         try:
             self._tree = self._walk(definition.name, ())
         except (IndexError, ValueError):
@@ -122,7 +122,12 @@ class Layout:
 
     def matches(self, data):
         """Return whether a message has this layout."""
-        return len(data) == self.size and all(data[a:b] == value for a, b, value in self._fixed)
+        if len(data) != self.size:
+            return False
+        for a, b, value in self._fixed:                  # for every input of a node: all() costs four times as much
+            if data[a:b] != value:
+                return False
+        return True
 
     def matching(self, block):
         """Return which rows of a block of messages, uint8 of shape (n, size), have this layout."""

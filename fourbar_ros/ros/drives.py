@@ -7,10 +7,10 @@ from math import inf, isnan, tau
 from traceback import format_exc
 
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rclpy.serialization import deserialize_message
 
-from .. import interfaces, joints, records
+from .. import interfaces, joints
 from ..estimator import RateEstimator
+from .inputs import Reader
 from .messages import resolve, sec_nanosec
 
 SLEEP = 0.1            # [s] longest sleep: how soon a thread sees that it shall stop
@@ -152,12 +152,11 @@ class TopicDrive(Drive):
     def start(self):
         """Subscribe. Raw bytes: they are what is recorded."""
         self._topic = interfaces.INPUTS[self.settings.source]
-        self._type = resolve(self._topic.type)
         self._heard, self._waiting, self._horizon = time.monotonic(), False, 0
         self.apply(self.settings)
         qos = QoSProfile(depth=interfaces.INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         self._subscription = self._node.create_subscription(
-            self._type, self._topic.topic, self._receive, qos, raw=True)
+            resolve(self._topic.type), self._topic.topic, self._receive, qos, raw=True)
         self._timer = self._node.create_timer(SLEEP, self._watch)
 
     def stop(self):
@@ -169,6 +168,7 @@ class TopicDrive(Drive):
         """Take over settings; the estimate starts afresh."""
         super().apply(settings)
         self._scale = joints.Scale(settings.joint_ratio, settings.joint_offset)
+        self._read = Reader(self._topic.type, settings.joint)
         turn = inf if self._stream.scene.linkage.is_driven_by_slide else tau
         self.estimator = RateEstimator(settings.window, settings.timeout or 1.0, settings.jump, turn)
 
@@ -187,15 +187,13 @@ class TopicDrive(Drive):
         self._heard, self._waiting = time.monotonic(), True
         self._recording.write(self._topic.name, data)
         try:
-            message = deserialize_message(data, self._type)
+            stamp, given = self._read(data)
         except Exception:                                # whatever a foreign writer sends, the node goes on
             self._once('malformed', f'{self._topic.topic}: a message that is no {self._topic.type}')
             return
-        given = records.driven_of(message, self.settings.joint)
         if given is None:
             self._once('without_joint', f'joint {self.settings.joint!r} is not in the input message')
             return
-        stamp = message.header.stamp.sec, message.header.stamp.nanosec
         time_of = stamp[0] * 10**9 + stamp[1]
         if time_of == 0:                                 # unstamped: it belongs to the time it comes
             time_of = self._node.get_clock().now().nanoseconds

@@ -8,7 +8,7 @@ from pathlib import Path
 from ament_index_python.packages import get_package_share_directory
 
 from .. import interfaces
-from ..bag.writer import Channel
+from ..bag.rosbag2 import Channel
 
 _BUILT_IN = {'bool', 'byte', 'char', 'float32', 'float64', 'int8', 'uint8', 'int16', 'uint16', 'int32',
              'uint32', 'int64', 'uint64', 'string', 'wstring'}
