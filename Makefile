@@ -12,15 +12,15 @@ env := . scripts/env.sh
 .PHONY: help setup run test test-all soak bench clean
 
 help:
-	@echo 'fourbar_ros: exact motion, loads and extremes of four-bars, slider-cranks, inverted slider-cranks;'
+	@echo 'fourbar_ros: exact motion, loads and extrema of four-bars, slider-cranks, inverted slider-cranks;'
 	@echo 'a ROS 2 node and a Python library'
 	@echo
-	@echo '  make run        a linkage through the node: live table, extremes, bag, bag checked'
+	@echo '  make run        a linkage through the node: live table, extrema, bag, bag checked'
 	@echo '                    SCENE=$(SCENE)  SECONDS=$(SECONDS)'
 	@echo '  make test       the tests but the slow ones      ARGS="-k loads" goes to pytest'
 	@echo '  make test-all   all tests'
 	@echo '  make soak       an hour of floods, garbage, restarts    MINUTES=60'
-	@echo '  make bench      what a step, a search for extremes, a message costs here   ARGS=...'
+	@echo '  make bench      what a step, a search for extrema, a message costs here   ARGS=...'
 	@echo '  make setup      only what the others do first: .venv, ROS 2, build'
 	@echo '  make clean      removes .venv build install log'
 	@echo
@@ -34,8 +34,9 @@ setup:
 	@echo 'ready:  . scripts/env.sh'
 
 run:
+	@scripts/check_run.sh '$(SCENE)' '$(SECONDS)'
 	@scripts/setup.sh
-	@$(env) && fourbar_demo '$(SCENE)' --seconds $(SECONDS)
+	@$(env) && fourbar_demo '$(SCENE)' --seconds '$(SECONDS)'
 
 test:
 	@scripts/setup.sh test

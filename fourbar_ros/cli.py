@@ -5,24 +5,26 @@ import argparse
 import sys
 
 from . import __version__
+from .arguments import Parser
 from .core import FourBarError
 from .verbs import bag, draw, record, replay, reproduce, scene, show
 
 VERBS = (show, scene, bag, record, replay, draw, reproduce)
 DESCRIPTION = """\
-Planar four-bars, slider-cranks and inverted slider-cranks: motion, loads and extremes of a scene;
+Planar four-bars, slider-cranks and inverted slider-cranks: motion, loads and extrema of a scene;
 recorded runs. Needs no ROS, but for record and replay, which talk to a node.
 
-A scene is a ROS 2 parameter file (see config/): the same file runs the node,
+A scene is a ROS 2 parameter file, or the name of one of config/; the same file runs the node,
   fourbar_node --ros-args --params-file SCENE
 """
 EPILOG = """\
 examples:
-  fourbar show config/paper.yaml               class, limits, extremes, loads
-  fourbar show config/paper.yaml --mode 1      of the other assembly mode
-  fourbar show config/slides_7_7.yaml --speed 10 --at 24.6475
-  fourbar show config/cylinder.yaml --at 1.5   a boom and its cylinder, 1.5 m long
-  fourbar scene check config/paper.yaml        what a node with this scene does, and its cost
+  fourbar show paper                           class, limits, extrema, loads of a scene that comes with it
+  fourbar show paper --mode 1                  of the other assembly mode
+  fourbar show my.yaml --at 60                 your own scene, and its state at 60 degrees
+  fourbar show slides_7_6 --at 60 --acceleration 100
+  fourbar show cylinder --at 1.5               a boom and its cylinder, 1.5 m long
+  fourbar scene check paper                    what a node with this scene does, and its cost
   fourbar bag info bags/run                    what is in a bag
   fourbar bag recompute bags/run               every recorded value computed again
   fourbar replay bags/run --rate 2             published once more, twice as fast
@@ -34,8 +36,8 @@ different (see the help of the verb)
 
 def parser():
     """Return the argument parser; every verb sets ``run``, which returns an exit code or None."""
-    top = argparse.ArgumentParser(prog='fourbar', description=DESCRIPTION, epilog=EPILOG,
-                                  formatter_class=argparse.RawDescriptionHelpFormatter)
+    top = Parser(prog='fourbar', description=DESCRIPTION, epilog=EPILOG,
+                 formatter_class=argparse.RawDescriptionHelpFormatter)
     top.add_argument('--version', action='version', version=f'fourbar {__version__}')
     verbs = top.add_subparsers(dest='verb', required=True, metavar='VERB')
     for verb in VERBS:

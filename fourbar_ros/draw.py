@@ -6,6 +6,7 @@ What a teacher draws on the board. Only the functions that draw import matplotli
 from __future__ import annotations
 
 from math import floor, hypot, log10
+from pathlib import Path
 
 import numpy as np
 
@@ -258,12 +259,16 @@ def make_figure(mechanism, motion, loads=None, title=''):
 
 
 def save(figure, path):
-    """Write a figure as .svg, .pdf, .png, ...; the same bytes for the same figure."""
+    """Write a figure as .svg, .pdf, .png, ... and return the path; the same bytes for the same figure."""
     import matplotlib
+    path = Path(path)
+    if not path.suffix:
+        path = path.with_name(path.name + '.png')
     try:
         with matplotlib.rc_context(STYLE):
-            figure.savefig(path, dpi=200, **({'metadata': {'Date': None}} if str(path).endswith('.svg') else {}))
+            figure.savefig(path, dpi=200, **({'metadata': {'Date': None}} if path.suffix == '.svg' else {}))
     except OSError as error:
         raise CannotDraw(f'{path}: {error.strerror}') from None
     except ValueError as error:
         raise CannotDraw(f'{path}: {error}') from None
+    return path

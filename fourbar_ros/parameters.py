@@ -11,6 +11,7 @@ from math import inf, isfinite, isnan, nan
 from typing import Any, NamedTuple
 
 from .core import InvalidParameter
+from .core.errors import nearest
 from .core.kinds import KINDS
 from .core.mechanism import CRANK, SLIDE
 from .core.points import COUPLER, LINKS
@@ -201,6 +202,13 @@ def points_in(values):
     return list(dict.fromkeys(match[1] for match in map(_POINT_NAME.fullmatch, values) if match))
 
 
+def _why_unknown(name):
+    parts = name.split('.')
+    if parts[0] == 'points' and len(parts) == 3 and not _POINT_NAME.fullmatch(name):
+        return f'{parts[1]!r} is no name of a point: letters, digits and _, the first a letter'
+    return f'unknown parameter{nearest(name, [*PARAMETERS, *POINT], 0.75)}'
+
+
 def check(values):
     """
     Return all parameters with defaults filled in, each in its own type.
@@ -213,17 +221,10 @@ def check(values):
     """
     for name in values:
         if find(name) is None:
-            raise InvalidParameter(name, values[name], f'unknown parameter{_nearest(name)}')
+            raise InvalidParameter(name, values[name], _why_unknown(name))
     for parameter in PARAMETERS.values():
         if parameter.default is REQUIRED and parameter.name not in values:
             raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
     of_points = [find(name.replace('NAME', point)) for point in points_in(values) for name in POINT]
     return {parameter.name: parameter.check(values.get(parameter.name, parameter.default))
             for parameter in (*PARAMETERS.values(), *of_points)}
-
-
-def _nearest(name):
-    from difflib import get_close_matches
-    known = [*PARAMETERS, *POINT]
-    close = get_close_matches(name, known, 1, 0.75)
-    return f'; did you mean {close[0]}?' if close else f'; known: {", ".join(known)}'

@@ -3,23 +3,17 @@ from __future__ import annotations
 
 import json
 from math import isnan
-from pathlib import Path
 from typing import NamedTuple
 
-import yaml
-
 from . import parameters
-from .core import Applied, Bodies, Body, External, FourBarError, InvalidParameter, SliderCrank, round_rod
+from .core import Applied, Bodies, Body, External, InvalidParameter, SliderCrank, round_rod
 from .core.kinds import KINDS
 from .core.mechanism import Mechanism
 from .core.points import LINKS, OUTPUT
 from .core.quantities import point_acceleration, point_speed
 from .interfaces import topics_of
 from .records import layout
-
-
-class SceneError(FourBarError, ValueError):
-    """A scene file cannot be read; the message names the file and the reason."""
+from .scene_file import SceneError, flatten, read_values  # noqa: F401
 
 
 class Drive(NamedTuple):
@@ -237,7 +231,7 @@ def _body(values, link, kind, given):
 
 def load(path):
     """
-    Return the Scene of a ROS 2 parameter file (``/**: ros__parameters: ...``).
+    Return the Scene of a ROS 2 parameter file (``/**: ros__parameters: ...``), or of one by name (``paper``).
 
     Raises
     ------
@@ -248,30 +242,3 @@ def load(path):
 
     """
     return from_values(read_values(path))
-
-
-def read_values(path):
-    """Return the flat dict of parameters in a ROS 2 parameter file, unchecked."""
-    try:
-        document = yaml.safe_load(Path(path).read_text())
-    except OSError as error:
-        raise SceneError(f'{path}: {error.strerror}') from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise SceneError(f'{path}: not YAML: {" ".join(str(error).split())}') from None
-    nodes = document if isinstance(document, dict) else {}
-    found = [node['ros__parameters'] for node in nodes.values()
-             if isinstance(node, dict) and isinstance(node.get('ros__parameters'), dict)]
-    if len(found) != 1:
-        raise SceneError(f'{path}: not a scene: expected "/**:" with "ros__parameters:" below it')
-    return flatten(found[0])
-
-
-def flatten(tree, prefix=''):
-    """Return a nested dict with its keys joined by dots, as ROS does."""
-    flat = {}
-    for key, value in tree.items():
-        if isinstance(value, dict):
-            flat.update(flatten(value, f'{prefix}{key}.'))
-        else:
-            flat[f'{prefix}{key}'] = value
-    return flat

@@ -1,40 +1,48 @@
 """What ``fourbar show`` prints."""
 from __future__ import annotations
 
-from math import degrees, radians, tau
+from math import degrees, tau
+
+import numpy as np
 
 from . import scene as scenes
 from .core import FourBar
-from .core.errors import UNITS, OutOfRange
+from .core.errors import UNITS
 from .core.extrema import find_extrema
 from .core.inverted_slider import InvertedSlider
 from .core.quantities import select
-from .core.status import INVALID_INPUT, OUT_OF_RANGE, STATUS_NAMES, evaluate
+from .poses import evaluate_at, loads_table, motion_table, number, points_table, shown
+from .scene_file import find
 from .tables import make_console, plain_table
 
+SAMPLES, END, FULL_TURN = 721, 1e-14, tau * (1.0 - 1e-9)
 SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the range is approached
 MODE_NAMES = {1: '1 (crossed)', 2: '2 (open)'}
 
 
-def show(path, mode=None, speed=None, at=None, console=None):
+def show(path, mode=None, speed=None, at=None, acceleration=0.0, console=None):
     """Print the tables of a scene; ``at``: an input to evaluate [degrees], or [m] of a driven slide."""
+    path = find(path)
     scene = scenes.load(path)
     linkage = scene.linkage.in_mode(mode or scene.linkage.mode)
     speed = scene.drive.speed if speed is None else speed
     console = console or make_console()
-    quantities = select((), linkage, scene.point_quantities)
-    # first, as it may raise
-    state = None if at is None else state_table(linkage, at if linkage.is_driven_by_slide else radians(at), speed,
-                                                quantities)
+    pose = None if at is None else evaluate_at(linkage, at, speed, acceleration)      # first, as it may raise
     console.print(what_it_is(linkage, path))
     console.print()
-    console.print(extremes_table(find_extrema(linkage, quantities, speed),
-                                 f'extremes at {speed:g} {rate_unit(linkage)}, mode {mode_name(linkage)}'))
+    quantities = select((), linkage, scene.point_quantities)
+    driven = f'{speed:g} {rate_unit(linkage)}' + (f' and {acceleration:g} {rate_unit(linkage)}^2' if acceleration else '')
+    console.print(extremes_table(find_extrema(linkage, quantities, speed, acceleration),
+                                 f'extrema at {driven}, mode {mode_name(linkage)}'))
     if linkage.bodies is None:
         console.print('no masses given, so no loads: see bodies.* in docs/node.md')
-    if state:
-        console.print()
-        console.print(state)
+    if pose is None:
+        return
+    for table in (motion_table(linkage, pose), loads_table(pose) if pose.loads else None,
+                  points_table(linkage, pose.motion, scene.points) if scene.points else None):
+        if table:
+            console.print()
+            console.print(table)
 
 
 def class_name(linkage):
@@ -55,14 +63,29 @@ def rate_unit(linkage):
     return f'{UNITS[linkage.input_coordinate.position]}/s'
 
 
-def shown(name, value):
-    """Return a position as text: angles in degrees."""
-    return f'{value:.6g} m' if name == 'slide' else f'{degrees(value):.4f} deg'
-
-
 def _ranges(name, ranges):
-    return ', '.join('full turns' if name != 'slide' and high - low >= tau else f'{shown(name, low)} to {shown(name, high)}'
-                     for low, high in ranges)
+    if name != 'slide' and any(high - low >= FULL_TURN for low, high in ranges):
+        return f'{name}: full turns'
+    ends = [[shown(name, end).split()[0] for end in bounds] for bounds in ranges]
+    return f'{name}: {", ".join(map(" to ".join, ends))} {"m" if name == "slide" else "deg"}'
+
+
+def output_ranges(linkage):
+    """
+    Return the ranges of theta4 in the mode of a 4R linkage, one for each range of the input.
+
+    theta4 turns back at dead points only, so these and the ends of the input are where it is extreme.
+    """
+    found = []
+    for low, high in linkage.input_ranges:
+        turns = [point.theta1 + turn for point in linkage.dead_points for turn in (-tau, 0.0, tau)]
+        theta1 = np.sort([*np.linspace(low, high, SAMPLES), *(x for x in turns if low < x < high)])
+        theta1[0] += END                        # of a range that ends in a toggle, the end itself may be NaN
+        theta1[-1] -= END
+        theta4 = np.unwrap(linkage.motion(theta1).theta4)
+        turn = tau * round(0.5 * (theta4.min() + theta4.max()) / tau)
+        found.append((theta4.min() - turn, theta4.max() - turn))
+    return sorted(found)
 
 
 def what_it_is(linkage, title):
@@ -73,9 +96,12 @@ def what_it_is(linkage, title):
     rows = [('lengths', '  '.join(f'{name} {length:g}' for name, length in zip(linkage.LENGTHS, linkage.lengths)) + '  m'),
             ('class', class_name(linkage)),
             ('assembly mode', mode_name(linkage)),
-            ('input', f'{driven}: {_ranges(driven, linkage.input_ranges)}')]
-    if hasattr(linkage, 'output_ranges'):
-        rows.append(('output', f'theta4: {_ranges("theta4", linkage.output_ranges)}'))
+            ('input', _ranges(driven, linkage.input_ranges))]
+    if isinstance(linkage, FourBar):
+        if linkage.change_point_margin > 0.0:
+            rows.append(('output', _ranges('theta4', output_ranges(linkage)) + ', in this mode'))
+        else:
+            rows.append(('output', _ranges('theta4', linkage.output_ranges) + ', in both modes: they meet'))
     rows += [('dead point' + (f', {"stretched" if point.stretched else "folded"}' if hasattr(point, 'stretched') else ''),
               ', '.join(f'{name} {shown(name, value)}' for name, value in zip(point._fields, point[:2])))
              for point in linkage.dead_points]
@@ -99,29 +125,8 @@ def extremes_table(extrema, title):
         if last not in (None, extremum.quantity):
             table.add_section()
         table.add_row('' if extremum.quantity == last else extremum.quantity, str(extremum.kind),
-                      'global' if extremum.is_global else '', f'{extremum.value:.10g}', extremum.unit,
+                      'global' if extremum.is_global else '', number(extremum.value), extremum.unit,
                       *((f'{extremum.slide:.8f}',) if slides else ()),
                       f'{extremum.theta1:.8f}', f'{degrees(extremum.theta1):.4f}', SIDES[extremum.side])
         last = extremum.quantity
-    return table
-
-
-def state_table(linkage, position, rate, quantities):
-    """Return the table of the pose and of some quantities at one input; raises OutOfRange."""
-    status, motion, loads = evaluate(linkage, position, rate, 0.0, linkage.bodies is not None)
-    driven = linkage.input_coordinate.position
-    if status == OUT_OF_RANGE:
-        raise OutOfRange(driven, position, linkage.input_ranges)
-    if status == INVALID_INPUT:
-        linkage.motion(position, rate)       # raises where the input is not finite
-    table = plain_table(f'at {driven} = {shown(driven, position)}: {STATUS_NAMES[status]}',
-                        ('quantity', 'value>', 'unit', ''))
-    bar = isinstance(linkage, InvertedSlider)
-    for name, text in (('theta1', 'crank'), ('theta4', 'bar' if bar else 'output link'), ('beta', 'coupler'),
-                       ('slide', 'block on the bar' if bar else 'slider'), ('transmission_angle', '')):
-        if name in motion._fields:
-            value, unit = shown(name, getattr(motion, name)).split()
-            table.add_row(name, value, unit, text)
-    for quantity in quantities:
-        table.add_row(quantity.name, f'{quantity.of(motion, loads):.10g}', quantity.unit, quantity.text)
     return table

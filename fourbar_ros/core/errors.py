@@ -1,4 +1,16 @@
 """Errors of the core: one base class, one class per reason, the values kept as attributes."""
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str:
+    """Return what to add to a message about an unknown name: the nearest known one, or all of them."""
+    from difflib import get_close_matches
+
+    known = list(known)
+    close = get_close_matches(name, known, 1, cutoff)
+    return f'; did you mean {close[0]}?' if close else f'; known: {", ".join(known)}'
 
 
 class FourBarError(Exception):

@@ -6,17 +6,17 @@ from typing import Callable, NamedTuple
 
 import numpy as np
 
-from .errors import FourBarError
+from .errors import FourBarError, nearest
 from .mechanism import CRANK, SLIDE
 from .points import link_motion, point_of
 
 
 class UnknownQuantity(FourBarError, KeyError):
-    """A mechanism has no quantity of this name; the message lists those that it has."""
+    """A mechanism has no quantity of this name; the message names the nearest or lists all."""
 
     def __init__(self, name, known):
         self.name = name
-        super().__init__(f'unknown quantity {name!r}; known: {", ".join(known)}')
+        super().__init__(f'unknown quantity {name!r}{nearest(name, known)}')
 
     def __str__(self):
         return self.args[0]

@@ -1,7 +1,6 @@
 """fourbar_demo: a scene through a real node: live table, extremes by service, bag, bag recomputed."""
 from __future__ import annotations
 
-import argparse
 import signal
 import subprocess
 import sys
@@ -15,8 +14,9 @@ from fourbar_msgs.msg import Extremum
 from rclpy.experimental import EventsExecutor
 from rich.live import Live
 
-from .. import interfaces
+from .. import interfaces, scene_file
 from .. import scene as scenes
+from ..arguments import Parser, positive
 from ..bag.recompute import recompute
 from ..core import FourBarError
 from ..core.status import STATUS_NAMES
@@ -216,6 +216,7 @@ def check_bag(path, console):
 
 def run(path, seconds, directory, console):
     """Run the whole demonstration; returns whether all of it was right."""
+    path = scene_file.find(path)
     scene = scenes.load(path)
     published = published_for(path)
     console.print(what_it_is(scene.linkage, path))
@@ -241,9 +242,9 @@ def run(path, seconds, directory, console):
 
 def main(args=None):
     """Parse arguments and run; exit code 0 only if the node and its bag were right."""
-    parser = argparse.ArgumentParser(prog='fourbar_demo', description=__doc__)
-    parser.add_argument('scene', help='parameter file of the scene (YAML)')
-    parser.add_argument('--seconds', type=float, default=5.0, help='how long to stream (default 5)')
+    parser = Parser(prog='fourbar_demo', description=__doc__)
+    parser.add_argument('scene', help='parameter file (YAML), or name of a shipped scene, as paper')
+    parser.add_argument('--seconds', type=positive, default=5.0, help='how long to stream (default 5)')
     parser.add_argument('--directory', default='bags', help='where the bag goes (default bags)')
     arguments = parser.parse_args(args)
     try:

@@ -11,6 +11,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from ..arguments import NODE_HELP, check_node_arguments
 from ..core import FourBarError
 from . import declare, services
 from .diagnostics import Diagnostics
@@ -73,10 +74,15 @@ class FourBarNode(Node):
 
 def main(args=None):
     """Run the node until SIGINT, SIGTERM or SIGHUP; exit code 0, or 2 for a scene that cannot be."""
+    given = sys.argv[1:] if args is None else args[1:]
+    if given in (['-h'], ['--help']):
+        print(NODE_HELP, end='')
+        return 0
     stop = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda *_: stop.set())
     try:
+        check_node_arguments(given)
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         node = FourBarNode()
     except (FourBarError, RCLError) as error:

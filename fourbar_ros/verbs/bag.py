@@ -4,6 +4,8 @@ from __future__ import annotations
 import argparse
 from contextlib import contextmanager
 
+from ..arguments import not_negative
+
 BAD = 3         # exit code: done, but what was asked about is not as it should be
 DESCRIPTION = """\
 Recorded runs. BAG is the folder of a bag or its .mcap file: finished, cut by a crash, or still being
@@ -79,7 +81,7 @@ def add(verbs):
 
 
 def _tolerance(parser):
-    parser.add_argument('--tolerance', type=float, default=0.0, metavar='X',
+    parser.add_argument('--tolerance', type=not_negative, default=0.0, metavar='X',
                         help='largest absolute difference that is none, default 0')
 
 

@@ -18,7 +18,7 @@ def add(verbs):
     record = verbs.add_parser('record', help='start and stop the bag of a running node', epilog=EPILOG,
                               description='Ask a running node to record.',
                               formatter_class=argparse.RawDescriptionHelpFormatter)
-    record.add_argument('what', choices=('start', 'stop'))
+    record.add_argument('what', metavar='start|stop', choices=('start', 'stop'), help='what to do')
     record.add_argument('name', metavar='NAME', nargs='?', default='',
                         help='start: name of the bag; default: a fresh one')
     record.add_argument('--node', default='/fourbar', help='the node, default /fourbar')

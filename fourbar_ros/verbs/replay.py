@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import argparse
 
+from ..arguments import not_negative, positive
 from .bag import BAD
 
 DESCRIPTION = """\
@@ -32,36 +33,22 @@ def add(verbs):
                               description=DESCRIPTION, epilog=EPILOG,
                               formatter_class=argparse.RawDescriptionHelpFormatter)
     replay.add_argument('bag', metavar='BAG', help='folder of a bag or .mcap file')
-    replay.add_argument('--rate', type=_positive, default=1.0, metavar='X', help='times as fast, default 1')
-    replay.add_argument('--start', type=_not_negative, default=0.0, metavar='S', help='leave out the first seconds')
+    replay.add_argument('--rate', type=positive, default=1.0, metavar='X', help='times as fast, default 1')
+    replay.add_argument('--start', type=not_negative, default=0.0, metavar='S', help='leave out the first seconds')
     replay.add_argument('--loop', action='store_true', help='again and again')
     replay.add_argument('--follow', action='store_true', help='of a bag being written: go on until it is finished')
-    replay.add_argument('--clock', nargs='?', type=_positive, const=100.0, metavar='HZ',
+    replay.add_argument('--clock', nargs='?', type=positive, const=100.0, metavar='HZ',
                         help='publish the time of the bag on /clock, at this rate (default 100)')
-    replay.add_argument('--delay', type=_not_negative, default=1.0, metavar='S',
+    replay.add_argument('--delay', type=not_negative, default=1.0, metavar='S',
                         help='wait for readers to find the topics before the first message, default 1')
     replay.add_argument('--topics', nargs='+', metavar='TOPIC', help='only these')
     replay.add_argument('--inputs-only', action='store_true',
                         help='send only the motion of the input to a live node, compare what it answers')
     replay.add_argument('--node', metavar='NAME', help='that node; default: the one that was recorded')
-    replay.add_argument('--tolerance', type=float, default=0.0, metavar='X',
+    replay.add_argument('--tolerance', type=not_negative, default=0.0, metavar='X',
                         help='with --inputs-only: largest difference that is none, default 0')
     replay.add_argument('--ros-args', nargs=argparse.REMAINDER, default=[], help='for ROS, as remappings')
     replay.set_defaults(run=_replay)
-
-
-def _positive(text):
-    value = float(text)
-    if not 0.0 < value < float('inf'):
-        raise argparse.ArgumentTypeError(f'{text}: must be positive')
-    return value
-
-
-def _not_negative(text):
-    value = float(text)
-    if not 0.0 <= value < float('inf'):
-        raise argparse.ArgumentTypeError(f'{text}: must not be negative')
-    return value
 
 
 def _replay(arguments):

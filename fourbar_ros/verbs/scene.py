@@ -11,7 +11,7 @@ def add(verbs):
         'check', help='explain a scene, or say in one line what is wrong with it',
         description='Say what a node with this scene receives, publishes, computes and what a step of it costs '
                     'on this machine. A bad scene: one line that names the parameter, exit code 1.')
-    check.add_argument('scene', metavar='SCENE', help='parameter file of the scene (YAML)')
+    check.add_argument('scene', metavar='SCENE', help='parameter file (YAML), or name of a shipped scene, as paper')
     check.set_defaults(run=_check)
 
 

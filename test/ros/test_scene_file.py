@@ -1,0 +1,45 @@
+"""Scene files are read as rcl itself reads them: scalars, sections, wildcards."""
+import pytest
+import rclpy
+from rclpy.node import Node
+
+from fourbar_ros.scene_file import SceneError, read_values
+
+SCALARS = """4e-1 1 0x10 010 08 0b11 0o17 1_000 1. .5 +1 -2 +1.5 1e5 1E+5 .nan nan .inf -.inf inf Infinity yes y Y on On
+True TRUE tRue n No off OFF null ~ 1:30 2020-01-01 1e400 99999999999999999999 "4e-1" '1' 1e-400 1.e3 NaN -inf .Inf .INF
+-.nan 1e 4e1x 1f 0x -0 1__0 text [a,b] [yes,no] 9223372036854775807 9223372036854775808 -9223372036854775808 = <<""".split()
+
+
+def asked(file, name='fourbar', namespace=''):
+    """Return what a node reads from a parameter file."""
+    rclpy.init(args=['--ros-args', '--params-file', str(file)])
+    try:
+        node = Node(name, namespace=namespace, automatically_declare_parameters_from_overrides=True,
+                    start_parameter_services=False)
+        values = {key: parameter.value for key, parameter in node.get_parameters_by_prefix('').items()
+                  if key not in ('use_sim_time', 'start_type_description_service')}
+        node.destroy_node()
+        return values
+    finally:
+        rclpy.try_shutdown()
+
+
+def test_scalars(tmp_path):
+    file = tmp_path / 'scene.yaml'
+    file.write_text('/**:\n  ros__parameters:\n' + ''.join(f'    x{i}: {text}\n' for i, text in enumerate(SCALARS)))
+    ros, ours = asked(file), read_values(file)
+    for i, text in enumerate(SCALARS):
+        assert repr(ros[f'x{i}']) == repr(ours[f'x{i}']), text
+
+
+@pytest.mark.parametrize('key', ['/**', '/*', 'fourbar', '/fourbar', 'other', '/**/fourbar', '/cell/fourbar', '/*/fourbar',
+                                 '/cell/*', '/cell/**'])
+@pytest.mark.parametrize('namespace', ['', '/cell', '/hall/cell'])
+def test_sections(key, namespace, tmp_path):
+    file = tmp_path / 'scene.yaml'
+    file.write_text(f'"{key}":\n  ros__parameters:\n    x: 1\nnobody:\n  ros__parameters:\n    x: 2\n')
+    try:
+        ours = read_values(file, f'{namespace}/fourbar')
+    except SceneError:
+        ours = {}
+    assert ours == asked(file, namespace=namespace)
