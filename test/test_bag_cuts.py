@@ -5,6 +5,7 @@ from collections import Counter
 
 import pytest
 from mcap.opcode import Opcode
+from mcap.records import Channel, Schema
 from mcap.writer import CompressionType, Writer
 
 import bags
@@ -14,8 +15,7 @@ from fourbar_ros.bag.container import Container
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recover import recover
-from fourbar_ros.bag.rosbag2 import Channel
-from fourbar_ros.bag.mcap_records import HEAD
+from fourbar_ros.bag.mcap_records import HEAD, encoded
 from fourbar_ros.bag.scan import MAGIC
 from fourbar_ros.bag.writer import BagWriter
 from test_bag_writer import assert_every_reader_takes, numbers
@@ -28,13 +28,15 @@ def whole(tmp_path_factory):
     """Return the path of a bag of many small chunks."""
     path = tmp_path_factory.mktemp('whole')
     writer = BagWriter(path, 'run', [MOTION, bags.channel('/text', 'std_msgs/msg/String')], {'who': 'test'})
+    writer._stop.set()
+    for thread in writer._threads:                        # what they do is done here
+        thread.join()
     for k in range(COUNT):
         writer.write(0, motion(k))
         if k % 10 == 0:
             writer.write(1, bags.encode('std_msgs/msg/String', data=f'number {k}'))
-            with writer._lock:                            # a flush here and now
-                writer._drain()
-                writer._container.flush()
+            writer._drain()
+            writer._container.flush()
     return writer.close()
 
 
@@ -244,7 +246,9 @@ def test_larger_damage_costs_what_it_hits(whole, tmp_path):
         assert not info(file, check=True).is_sound
         recovered = recover(file, tmp_path / 'out')
         kept = raws(recovered.path)
-        assert is_part(kept, everything) and recovered.damaged and info(recovered.path).is_sound
+        assert is_part(kept, everything) and recovered.damaged
+        again, missing = info(recovered.path), len(everything) - len(kept)
+        assert again.missing == sum(recovered.missing.values()) == missing and again.is_sound == (not missing)
         cost = 22 + 11 * size / 300 if place < end else 0       # chunks of 11 messages have more than 300 bytes
         assert len(kept) >= len(everything) - cost, (i, size, place, len(everything) - len(kept))
         shutil.rmtree(recovered.path)
@@ -286,9 +290,137 @@ def test_bags_of_other_writers_are_read_and_recovered(tmp_path):
 
 
 def test_a_channel_of_unknown_schema_says_so(tmp_path):
-    writer = BagWriter(tmp_path, 'run', [Channel('/odd', 'odd/msg/Odd', 'other/Missing field\n', '', 10)], {})
+    writer = BagWriter(tmp_path, 'run', [rosbag2.Channel('/odd', 'odd/msg/Odd', 'other/Missing field\n', '', 10)], {})
     writer.write(0, motion(0))
     path = writer.close()
     assert len(raws(path)) == 1
     with pytest.raises(BagError, match='does not define other/Missing'):
         list(Bag(path).records())
+
+
+# --- gaps and order --------------------------------------------------------------------------------
+
+CRC = 33            # [bytes] place of the checksum in a chunk
+
+
+def chunk_places(data):
+    """Return [(begin, end)] of every chunk of a file with the message index behind it."""
+    places, at = [], len(MAGIC)
+    while at + HEAD.size <= len(data) - len(MAGIC):
+        opcode, length = HEAD.unpack_from(data, at)
+        end = at + HEAD.size + length
+        if opcode == Opcode.CHUNK:
+            places.append([at, end])
+        elif opcode == Opcode.MESSAGE_INDEX:
+            places[-1][1] = end
+        at = end
+    return places
+
+
+@pytest.mark.parametrize('state', ['finished', 'cut'])
+@pytest.mark.parametrize('which', [0, 1, 35, -1])
+def test_a_lost_chunk_at_either_end_or_between_is_in_the_recovered_bag_and_in_its_verdict(whole, tmp_path, which, state):
+    data, everything = bytearray((whole / 'run_0.mcap').read_bytes()), raws(whole)
+    places = chunk_places(data)
+    if state == 'cut':
+        del data[places[-1][1]:]
+    data[places[which][0] + CRC] ^= 4
+    (tmp_path / 'hit_0.mcap').write_bytes(data)
+    recovered = recover(tmp_path / 'hit_0.mcap')
+    lost = Counter(raw[0] for raw in everything) - Counter(raw[0] for raw in raws(recovered.path))
+    if (which, state) == (-1, 'cut'):           # how many came after the last whole one nobody knows
+        assert sum(lost.values()) and not recovered.missing and recovered.damaged
+        assert 'wrong checksum' in info(recovered.path).lost
+        return
+    assert sum(lost.values()) >= 1 and recovered.missing == lost
+    for check in (False, True):
+        found = info(recovered.path, check)
+        assert {t.topic: t.missing for t in found.topics if t.missing} == lost and not found.is_sound
+        assert found.ended.startswith('stopped' if state == 'finished' else 'without an end')
+        assert not found.damage and 'wrong checksum' in found.lost
+
+
+def test_a_recovered_bag_of_a_cut_one_knows_what_it_lacks_when_it_is_recovered_again(whole, tmp_path):
+    data = bytearray((whole / 'run_0.mcap').read_bytes())
+    places = chunk_places(data)
+    data[places[3][0] + CRC] ^= 1
+    (tmp_path / 'cut_0.mcap').write_bytes(data[:places[40][1]])
+    first = recover(tmp_path / 'cut_0.mcap', tmp_path / 'first')
+    again = recover(first.path, tmp_path / 'again')
+    assert first.missing == again.missing == {MOTION.topic: 10, '/text': 1} and not again.damaged
+    assert not info(again.path).is_sound and info(again.path).lost == info(first.path).lost
+
+
+@pytest.mark.parametrize('state', ['finished', 'cut'])
+def test_chunks_that_stand_twice_or_are_swapped_are_named(whole, tmp_path, state):
+    data, everything = (whole / 'run_0.mcap').read_bytes(), raws(whole)
+    places = chunk_places(data)
+    end = len(data) if state == 'finished' else places[-1][1]
+    (a, b), (c, d) = places[10], places[20]
+    file = tmp_path / 'twice_0.mcap'
+    file.write_bytes(data[:b] + data[a:b] + data[b:end])
+    with pytest.raises(BagError, match=f'at byte {b}: a copy of the chunk at byte {a}'):
+        raws(file)
+    assert f'at byte {b}: a copy of the chunk at byte {a}' in info(file, check=True).damage
+    recovered = recover(file)
+    assert raws(recovered.path) == everything and not recovered.missing and info(recovered.path, check=True).is_sound
+    file = tmp_path / 'swapped_0.mcap'
+    file.write_bytes(data[:a] + data[c:d] + data[b:c] + data[a:b] + data[d:end])
+    found = info(file, check=True)
+    assert 'out of order' in found.damage and 'no chunk has' not in found.damage and not found.missing
+    recovered = recover(file)
+    assert sorted(raws(recovered.path)) == sorted(everything) and 'out of order' in recovered.damaged[0]
+
+
+# --- definitions -----------------------------------------------------------------------------------
+
+def loose_bag(path, count=6):
+    """Write a bag whose definitions stand outside of its chunks and, as of a recorder, in its first two."""
+    data, _ = small_bag(path)
+    first = chunk_places(data)[0][0]
+    loose = b''.join(encoded(record) for record in (Schema(1, b'string data', 'ros2msg', 'std_msgs/msg/String'),
+                                                   Channel(1, '/a', 'cdr', {'a': 'b'}, 1),
+                                                   Channel(2, '/b', 'cdr', {'a': 'b'}, 1)))
+    return data[:first], loose, data[first:chunk_places(data)[-1][1]]
+
+
+def test_definitions_outside_of_chunks_cost_no_chunk_and_no_name(tmp_path):
+    file = tmp_path / 'loose_0.mcap'
+    head, loose, rest = loose_bag(file)
+    everything = [raw[:2] for raw in raws(file)]
+    for place in range(len(loose)):
+        spoiled = bytearray(loose)
+        spoiled[place] ^= 1
+        file.write_bytes(head + spoiled + rest)
+        recovered = recover(file, tmp_path / 'out')
+        assert [raw[:2] for raw in raws(recovered.path)] == everything, place
+        shutil.rmtree(recovered.path)
+
+
+@pytest.mark.parametrize('hit', [0, 1])
+def test_what_recover_makes_keeps_its_definitions_under_the_checksums_of_two_chunks(tmp_path, hit):
+    """Cut a bag, hit the first of the two chunks that define everything, recover, cut and flip every byte again."""
+    file = tmp_path / 'one_0.mcap'
+    data, end = small_bag(file)
+    everything = raws(file)
+    place = chunk_places(data)[hit][0] + CRC
+    file.write_bytes(data[:place] + bytes([data[place] ^ 1]) + data[place + 1:end])
+    once = recover(file, tmp_path / 'once')
+    kept = raws(once.path)
+    assert len(kept) == len(everything) - 4 and is_part(kept, everything)
+    data = next(once.path.glob('*.mcap')).read_bytes()
+    places = chunk_places(data)
+    at = len(MAGIC)
+    while at < places[-1][1]:                       # no definition outside of a chunk
+        opcode, length = HEAD.unpack_from(data, at)
+        assert opcode not in (Opcode.SCHEMA, Opcode.CHANNEL)
+        at += HEAD.size + length
+    cut = data[:places[-1][1]]
+    for place in range(len(cut)):
+        spoiled = bytearray(cut)
+        spoiled[place] ^= 1 << place % 8
+        file.write_bytes(spoiled)
+        again = recover(file, tmp_path / 'again')
+        found = raws(again.path)
+        shutil.rmtree(again.path)
+        assert is_part(found, kept) and len(found) >= len(kept) - 4, place

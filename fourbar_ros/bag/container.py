@@ -21,7 +21,7 @@ from .mcap_records import (HEAD, IS_MESSAGE, MESSAGE, SEAL, Damaged, encoded, pa
 from .scan import MAGIC
 
 CHUNK_SIZE = 1 << 20          # [bytes] a chunk is closed at this size, flush or not
-# So many chunks begin with all schemas and channels: under their checksum, and if one is hit, in the other.
+# So many chunks hold a schema or channel: under their checksum, and if one is hit, in the other.
 TOLD = 2
 _MESSAGE = struct.Struct('<BQHIQQ')
 _INDEX = struct.Struct('<BQHI')
@@ -45,7 +45,9 @@ class Container:
         self._chunk_indices, self._chunks = bytearray(), 0
         self._metadata_indices = []
         self._compressor = zstandard.ZstdCompressor()
-        self._definitions, self._told = b'', 0         # schemas and channels, chunks that hold them all
+        self.last = {}                                 # newest sequence number, by channel
+        self._pending = {}                             # {encoded definition: chunks that hold it}, up to TOLD
+        self._unchecked = set()                        # encoded definitions that no checksum covered
         self._clear()
         self._append(MAGIC + encoded(Header(profile, library)))
 
@@ -61,16 +63,35 @@ class Container:
         self._define(self.channels, channel)
         return channel.id
 
-    def copy(self, record):
-        """Write a Schema or Channel under the number it has; again is no error, another raises Damaged."""
+    def copy(self, record, checked=True):
+        """
+        Take a Schema or Channel of another file under the number it has; again is no error.
+
+        One that a checksum covers (``checked``) takes the place of one that none did, as long as no message
+        was written under it; returns whether it did. Any other difference raises Damaged.
+        """
         known = self.schemas if isinstance(record, Schema) else self.channels
-        if getattr(record, 'schema_id', 0) not in (0, *self.schemas):
+        if isinstance(record, Channel) and record.schema_id not in (0, *self.schemas):
             raise Damaged(f'the schema of {record.topic} is missing')
-        if record.id not in known:
-            self._append(encoded(record))
-            known[record.id] = record
-        elif known[record.id] != record:
+        other, data = known.get(record.id), encoded(record)
+        if other == record:
+            if checked:
+                self._unchecked.discard(data)
+            return False
+        replaces = other is not None and checked and self._forget(encoded(other))
+        if other is not None and not replaces:
             raise Damaged(f'{type(record).__name__.lower()} {record.id} is another one than before')
+        if not checked:
+            self._unchecked.add(data)
+        self._define(known, record)
+        return replaces
+
+    def _forget(self, data):
+        """Forget an encoded definition that no checksum covered and no chunk holds; return whether it is one."""
+        is_free = data in self._unchecked and self._pending.get(data) == 0 and not self._index
+        if is_free:
+            del self._pending[data]
+        return is_free
 
     def add_metadata(self, name, values):
         """Write a metadata record behind all messages so far."""
@@ -84,6 +105,7 @@ class Container:
     def add_message(self, channel, sequence, time, data, published=None):
         """Take a message; arguments are trusted. It is in the file after the next :meth:`flush`."""
         self._index[channel] += (time, self._length)
+        self.last[channel] = sequence
         self._parts += (_MESSAGE.pack(Opcode.MESSAGE, 22 + len(data), channel, sequence, time,
                                       time if published is None else published), data)
         self._length += 31 + len(data)
@@ -96,43 +118,47 @@ class Container:
             return
         content, index = b''.join(self._parts), self._index
         try:
-            self._append_chunk(Chunk('zstd', self._compressor.compress(content), 0, 0, zlib.crc32(content),
-                                     len(content)), index)
-            self._told += 1
+            self._append_chunk(self._chunk(content), index)
         finally:
             self._clear()
 
-    def copy_chunk(self, body):
+    def copy_chunk(self, body, admit):
         """
         Write a chunk of another file, its index and times made anew.
 
-        Returns whether it told its times rightly; raises Damaged before anything is written.
+        ``admit(chunk, log times)`` is called before anything is written. Returns the definitions in it that
+        took the place of damaged ones; raises Damaged before anything is written.
         """
         chunk = parse(Opcode.CHUNK, body)
         content, index = unpacked(chunk), defaultdict(list)
-        records = []
+        records, last = [], {}
         for offset, opcode, start, end in split(content):
             if opcode == IS_MESSAGE:
-                channel, _, time, _ = MESSAGE.unpack_from(content, start)
+                channel, last[channel], time, _ = MESSAGE.unpack_from(content, start)
                 index[channel] += (time, offset)
             elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 records.append(parse(opcode, content[start:end]))
         known = self.channels.keys() | {r.id for r in records if isinstance(r, Channel)}
         if not index.keys() <= known:
             raise Damaged('chunk has messages of an unknown channel')
-        for record in records:
-            self.copy(record)
-        told = tells_its_times(chunk, times_of(index))
+        admit(chunk, times_of(index))
+        replaced = [record for record in records if self.copy(record)]
+        front = self._front({encoded(record) for record in records})
+        if front and index:
+            chunk = self._chunk(front + content)
+            for entries in index.values():
+                entries[1::2] = [offset + len(front) for offset in entries[1::2]]
         if index:
             self._append_chunk(chunk, index)
-        return told
+            self.last.update(last)
+            self._clear()
+        return replaced
 
     def finish(self):
         """Write the end: statistics and indices. On OSError the file is as before, without an end."""
         self.flush()
-        if not self._told:
-            self._append(self._definitions)            # no message, but a reader may ask for the topics
-            self._told = 1
+        if not self._chunks:
+            self._append(self._front())                # no message, but a reader may ask for the topics
         end = encoded(DataEnd(self._crc))
         start = self.size + len(end)
         parts, offsets = bytearray(), []
@@ -157,14 +183,23 @@ class Container:
     # --------------------------------------------------------------------------------------------
 
     def _clear(self):
-        front = self._definitions if self._told < TOLD else b''
+        front = self._front()
         self._parts, self._length, self._index = [front], len(front), defaultdict(list)
+
+    def _front(self, without=()):
+        """Return the definitions that the next chunk has to hold, but for those that are in it already."""
+        return b''.join(data for data in self._pending if data not in without)
+
+    def _chunk(self, content):
+        return Chunk('zstd', self._compressor.compress(content), 0, 0, zlib.crc32(content), len(content))
 
     def _define(self, known, record):
         self.flush()
         known[record.id] = record
-        self._definitions += encoded(record)
-        self._told = 0
+        if isinstance(record, Channel) and record.schema_id:
+            self._pending[encoded(self.schemas[record.schema_id])] = 0
+        self._pending.pop(encoded(record), None)       # behind its schema
+        self._pending[encoded(record)] = 0
         self._clear()
 
     def _append_chunk(self, chunk, index):
@@ -182,6 +217,7 @@ class Container:
         offset = self.size
         self._append(b''.join(parts))
         self._chunks += 1
+        self._pending = {data: told + 1 for data, told in self._pending.items() if told + 1 < TOLD}
         self._chunk_indices += encoded(ChunkIndex(
             len(record), offset, chunk.compression, len(chunk.data), chunk.message_end_time,
             at - offset - len(record), offsets, chunk.message_start_time, chunk.uncompressed_size))

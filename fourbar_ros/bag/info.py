@@ -6,13 +6,18 @@ from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
 
-from . import BagError
+from . import BagError, rosbag2
 from .reader import Bag
 from .recompute import scene_of
 
 
 class TopicInfo(NamedTuple):
-    """One topic: messages in the bag, and messages that are missing between them by their numbers."""
+    """
+    One topic: messages in the bag, and messages that are missing by their numbers.
+
+    Bags of our recorder tell which numbers were given, so that gaps at both ends count; of others only those
+    in between are seen, if all messages are read. None: not known.
+    """
 
     topic: str
     type: str
@@ -36,6 +41,12 @@ class Info(NamedTuple):
     topics : list of TopicInfo
     about : dict
         What the recorder noted: scene, software, units, ...
+    ended : str
+        Why the recording ended, if the bag says so.
+    dropped : int
+        How many of the missing messages the recorder had to drop.
+    lost : str
+        What ``recover`` found damaged when it made this bag.
     damage : str
         Empty, or what is wrong with the file and where; a finished bag that was not read is only asked for
         its end.
@@ -49,12 +60,22 @@ class Info(NamedTuple):
     end: int | None
     topics: list
     about: dict
+    ended: str
+    dropped: int
+    lost: str
     damage: str
+
+    @property
+    def missing(self):
+        """Return how many messages are known to be missing."""
+        return sum(topic.missing or 0 for topic in self.topics)
 
     @property
     def is_sound(self):
         """Return whether the bag is finished, undamaged and has no gap that is known of."""
-        return self.state == 'finished' and not self.damage and not any(topic.missing for topic in self.topics)
+        has_numbers = all(topic.missing is not None for topic in self.topics) and rosbag2.NUMBERS in self.about
+        return (self.state == 'finished' and not self.damage and not self.missing
+                and (has_numbers or not self.lost))
 
 
 def info(path, check=False, progress=None):
@@ -64,26 +85,56 @@ def info(path, check=False, progress=None):
     A finished bag is only asked for its summary; with ``check``, or if it has none, every message is read.
     """
     bag = Bag(path)
-    try:
-        about = bag.metadata().get('custom_data') or {}
-    except BagError:
-        about = {}
+    about = bag.about()
+    numbers = rosbag2.of_topics(about, rosbag2.NUMBERS)
     being_written = bag.is_being_written
     summary = None if check else bag.summary()
     if summary and summary.statistics:
-        topics, start, end, damage = *_told(summary), ''
+        topics, start, end, damage = *_told(summary, numbers), ''
     else:
-        topics, start, end, damage = _count(bag, progress)
+        topics, start, end, damage = _count(bag, numbers, progress)
     state = 'being written' if being_written else 'cut' if bag.cut else 'finished'
-    return Info(bag.file, state, bag.file.stat().st_size, start, end, topics, about, damage)
+    return Info(bag.file, state, bag.file.stat().st_size, start, end, topics, about,
+                about.get(rosbag2.ENDED, ''), _dropped(about), about.get(rosbag2.LOST, ''), damage)
 
 
-def _told(summary):
+def _dropped(about):
+    told = about.get(rosbag2.DROPPED, '')           # of version 0.1.0 one number
+    return int(told) if told.isdecimal() else sum(
+        count for count in rosbag2.of_topics(about, rosbag2.DROPPED).values() if isinstance(count, int))
+
+
+def missing_of(numbers, count, last=None):
+    """
+    Return how many messages of a topic are missing, None if that is not known.
+
+    Parameters
+    ----------
+    numbers : sequence or None
+        What the recorder says that it gave: (first, next), next is None in a bag without an end.
+    count : int
+        Messages in the bag.
+    last : int, optional
+        Sequence number of the newest of them; in a bag without an end nobody knows what came after it.
+
+    """
+    try:
+        first, end = numbers
+        if end is None:
+            end = first if last is None and not count else last + 1
+        return max(end - first - count, 0)
+    except (TypeError, ValueError):
+        return None
+
+
+def _told(summary, numbers):
     """Return (topics, start, end) as the summary of a bag tells them."""
     statistics, names = summary.statistics, {number: schema.name for number, schema in summary.schemas.items()}
-    topics = [TopicInfo(channel.topic, names.get(channel.schema_id, ''),
-                        statistics.channel_message_counts.get(channel.id, 0), None)
-              for channel in summary.channels.values()]
+    topics = []
+    for channel in summary.channels.values():
+        count = statistics.channel_message_counts.get(channel.id, 0)
+        topics.append(TopicInfo(channel.topic, names.get(channel.schema_id, ''), count,
+                                missing_of(numbers.get(channel.topic), count)))
     begun = statistics.message_count > 0
     return topics, statistics.message_start_time if begun else None, statistics.message_end_time if begun else None
 
@@ -95,16 +146,16 @@ def _type_of(bag, topic):
         return ''
 
 
-def _count(bag, progress):
+def _count(bag, numbers, progress):
     """Read everything; return (topics, start, end, damage)."""
-    counts, last, missing = Counter(), {}, Counter()
+    counts, last, gaps = Counter(), {}, Counter()
     start = end = None
     damage = ''
     try:
         for chunk in bag.chunks(progress=progress):
             for number, sequence, stamp, _ in chunk:
                 counts[number] += 1
-                missing[number] += max(sequence - last.get(number, sequence) - 1, 0)
+                gaps[number] += max(sequence - last.get(number, sequence) - 1, 0)
                 last[number] = sequence
                 start = stamp if start is None or stamp < start else start
                 end = stamp if end is None or stamp > end else end
@@ -113,8 +164,11 @@ def _count(bag, progress):
             raise
         damage = str(error)
     damage = '; '.join(bag.damage) or damage
-    topics = [TopicInfo(channel.topic, _type_of(bag, channel.topic), counts[number], missing[number])
-              for number, channel in bag.channels.items()]
+    topics = []
+    for number, channel in bag.channels.items():
+        known = missing_of(numbers.get(channel.topic), counts[number], last.get(number))
+        topics.append(TopicInfo(channel.topic, _type_of(bag, channel.topic), counts[number],
+                                gaps[number] if known is None else known))
     return topics, start, end, damage
 
 

@@ -17,6 +17,7 @@ HEAD = Struct('<BQ')                # opcode and length of every record
 IS_MESSAGE = int(Opcode.MESSAGE)     # compares in a tenth of the time
 MESSAGE = Struct('<HIQQ')           # channel, sequence, log time, publish time: what a message starts with
 WRONG_TIMES = 'chunk tells other times than its messages'
+OURS = 'fourbar_ros '               # what the library of a header begins with in a bag of our recorder
 SEAL = 'crc32'                      # key of a metadata record: the checksum of all others
 TYPES = {Opcode.HEADER: Header, Opcode.SCHEMA: Schema, Opcode.CHANNEL: Channel, Opcode.METADATA: Metadata,
          Opcode.CHUNK: Chunk, Opcode.DATA_END: DataEnd, Opcode.STATISTICS: Statistics,

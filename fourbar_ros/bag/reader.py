@@ -21,7 +21,7 @@ from mcap.records import Channel, MetadataIndex, Schema, Statistics
 
 from . import BagError, rosbag2
 from .cdr import Decoder
-from .mcap_records import HEAD, IS_MESSAGE, MESSAGE, WRONG_TIMES, Damaged, parse, split, tells_its_times, unpacked
+from .mcap_records import HEAD, IS_MESSAGE, MESSAGE, Damaged, parse, split, unpacked
 from .scan import MAGIC, Scan, chunk_index, ending, is_being_written
 
 BLOCK = 20_000          # messages that are decoded together: large for numpy, small for the memory
@@ -140,10 +140,18 @@ class Bag:
         if not told:
             raise BagError(f'{self.path}: has no rosbag2 metadata')
         if len(told) > 1:
-            custom = [part.get('custom_data') or {} for part in reversed(told)]
+            custom = [part.get('custom_data') or {} for part in told]
             if all(isinstance(part, dict) for part in custom):
-                told[0]['custom_data'] = {key: value for part in custom for key, value in part.items()}
+                told[0]['custom_data'] = rosbag2.joined(*custom)
         return told[0]
+
+    def about(self):
+        """Return the custom_data of a bag as {str: str}; empty if it has none."""
+        try:
+            found = self.metadata().get('custom_data')
+        except BagError:
+            found = None
+        return {str(key): str(value) for key, value in found.items()} if isinstance(found, dict) else {}
 
     # --- messages -------------------------------------------------------------------------------
 
@@ -352,8 +360,7 @@ class Bag:
         if opcode == Opcode.CHUNK:
             chunk = parse(opcode, body)
             found = self._messages(unpacked(chunk))
-            if not tells_its_times(chunk, [item[2] for item in found]):
-                scan.damage.append(f'at byte {offset}: {WRONG_TIMES}')
+            scan.admit(offset, chunk, [item[2] for item in found])
             return found
         if opcode == Opcode.MESSAGE:
             return self._messages(HEAD.pack(opcode, len(body)) + body)

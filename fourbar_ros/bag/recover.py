@@ -1,7 +1,9 @@
 """Make a whole bag of what a crash, a full disk or a bad copy left."""
 from __future__ import annotations
 
+import json
 import shutil
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,8 +15,12 @@ from mcap.records import Channel, Schema
 from .. import __version__
 from . import BagError, rosbag2
 from .container import Container
-from .mcap_records import MESSAGE, SEAL, WRONG_TIMES, Damaged, parse
+from .info import missing_of
+from .mcap_records import MESSAGE, OURS, SEAL, Damaged, parse
 from .scan import Scan, is_being_written
+
+PROFILE = 'ros2'        # of a file whose header is damaged
+NO_END = 'without an end: a crash, a kill, a power cut or a full disk'
 
 
 class Recovered(NamedTuple):
@@ -30,6 +36,9 @@ class Recovered(NamedTuple):
         Bytes of the old file that are not in the new one: its unfinished last record, damaged records.
     damaged : list of str
         Everything wrong with the old file: where and why.
+    missing : dict
+        {topic: messages that are not in the new bag}, by the numbers that our recorder gave; what it dropped
+        itself is among them.
     was_whole : bool
         The old bag was finished and nothing of it is lost.
 
@@ -39,6 +48,7 @@ class Recovered(NamedTuple):
     messages: int
     lost: int
     damaged: list
+    missing: dict
     was_whole: bool
 
 
@@ -76,7 +86,7 @@ def recover(path, out=None, progress=None):
                 raise BagError(f'{path}: nothing to recover: it ends before its first record')
             copy.finish(folder)
             lost = scan.lost + (0 if scan.complete else source.stat().st_size - scan.end)
-        return Recovered(folder, sum(copy.container.counts.values()), lost, scan.damage,
+        return Recovered(folder, sum(copy.container.counts.values()), lost, scan.damage, copy.missing,
                          scan.complete and not scan.damage)
     except BaseException:
         shutil.rmtree(folder)
@@ -93,38 +103,40 @@ class _Copy:
     """The records of a Scan in a new Container."""
 
     def __init__(self, scan, file, progress):
-        self.container, self._metadata = None, None
+        self.container, self.missing = None, {}
+        self._scan, self._metadata = scan, None
         for offset, opcode, body in scan:
             try:
                 if self.container is None:
-                    self._begin(scan, file, opcode, body)
+                    self._begin(file, opcode, body)
                 if opcode is not None:
-                    self._record(scan, offset, opcode, body)
+                    self._record(offset, opcode, body)
             except Damaged as error:
                 scan.spoil(offset, error)
             if progress:
                 progress(scan.end)
 
-    def _begin(self, scan, file, opcode, body):
+    def _begin(self, file, opcode, body):
         """Start the new file with what the header and the end of the old one tell."""
-        by = f'recovered by fourbar_ros {__version__}, mcap {mcap_version}'
-        old = f'{parse(opcode, body).library}; ' if opcode == Opcode.HEADER else ''
-        self.container = Container(file, 'ros2', old + by)
-        for kind in (Schema, Channel) if scan.ending else ():
-            for record in scan.ending.of(kind):
-                self.container.copy(record)    # the chunk that has it may be damaged
+        header = parse(opcode, body) if opcode == Opcode.HEADER else None
+        by = f'recovered by {OURS}{__version__}, mcap {mcap_version}'
+        self.container = Container(file, header.profile if header else PROFILE,
+                                   f'{header.library}; {by}' if header else by)
+        ending = self._scan.ending
+        for kind in (Schema, Channel) if ending else ():
+            for record in ending.of(kind):
+                self.container.copy(record)            # the chunk that has it may be damaged
 
-    def _record(self, scan, offset, opcode, body):
+    def _record(self, offset, opcode, body):
         container = self.container
         if opcode == Opcode.CHUNK:
             container.flush()
-            if not container.copy_chunk(body):
-                scan.damage.append(f'at byte {offset}: {WRONG_TIMES}')
+            for record in container.copy_chunk(body, partial(self._scan.admit, offset)):
+                self._scan.damage.append(f'before byte {offset}: {type(record).__name__.lower()} {record.id} '
+                                         'is another one than in the chunk there')
         elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
-            container.copy(parse(opcode, body))
+            container.copy(parse(opcode, body), checked=False)
         elif opcode == Opcode.MESSAGE:                 # an unchunked file
-            if len(body) < MESSAGE.size:
-                raise Damaged('message is too short')
             channel, sequence, time, published = MESSAGE.unpack_from(body)
             if channel not in container.channels:
                 raise Damaged('message of an unknown channel')
@@ -146,8 +158,27 @@ class _Copy:
         except yaml.YAMLError:
             old = None
         old = old if isinstance(old, dict) else {}
-        about = {**(old.get('custom_data') or {}), 'recovered_by': f'fourbar_ros {__version__}'}
+        about = {**(old.get('custom_data') or {}), 'recovered_by': f'{OURS}{__version__}'}
+        about.update(self._told(about))
         metadata = rosbag2.describe(f'{folder.name}_0.mcap', self.container, about, old.get('ros_distro'))
         self.container.add_metadata(rosbag2.RECORD, {rosbag2.KEY: rosbag2.dumped(metadata)})
         self.container.finish()
         rosbag2.write_metadata_file(folder, metadata)
+
+    def _told(self, about):
+        """Return what custom_data say of the numbers, the end and the losses; of the rest nobody knows."""
+        container, numbers = self.container, rosbag2.of_topics(about, rosbag2.NUMBERS)
+        told = {} if self._scan.complete or rosbag2.ENDED in about else {rosbag2.ENDED: NO_END}
+        for number, channel in container.channels.items():
+            count, last = container.counts.get(number, 0), container.last.get(number)
+            missing = missing_of(numbers.get(channel.topic), count, last)
+            if missing is not None:
+                first, end = numbers[channel.topic]
+                numbers[channel.topic] = first, first + count + missing if end is None else end
+            if missing:
+                self.missing[channel.topic] = missing
+        if numbers:
+            told[rosbag2.NUMBERS] = json.dumps(numbers)
+        if self._scan.lost:
+            told[rosbag2.LOST] = '; '.join((*filter(None, [about.get(rosbag2.LOST)]), *self._scan.damage))
+        return told

@@ -1,6 +1,7 @@
 """What rosbag2 of Jazzy keeps around the messages: folder, file names, QoS, metadata version 9."""
 from __future__ import annotations
 
+import json
 import os
 import re
 import time
@@ -15,10 +16,11 @@ VERSION = 9
 NOT_STARTED = 2**63 - 1     # rosbag2's starting time of a bag without messages
 RECORD = 'rosbag2'          # name of the metadata record in the file; its one key:
 KEY = 'serialized_metadata'
-# Keys of custom_data, JSON: by topic the sequence numbers that were given, [first, next] (next is null until the
-# end); topics of which a later part of a split bag repeats one message, of a number before the first.
-NUMBERS, REPEATS = 'numbers', 'repeats'
 QOS, HASH = 'offered_qos_profiles', 'topic_type_hash'      # keys of the metadata of a channel
+# Keys of custom_data: why recording ended; what recover found damaged; as JSON by topic the sequence numbers that
+# were given, [first, next] (next is null until the end), and how many of these messages the recorder had to drop;
+# topics of which a later part of a split bag repeats one message, of a number before the first.
+ENDED, LOST, NUMBERS, DROPPED, REPEATS = 'ended', 'lost', 'numbers', 'dropped', 'repeats'
 _ENDLESS = {'sec': 9223372036, 'nsec': 854775807}
 
 
@@ -60,7 +62,7 @@ def describe(file_name, container, about, distro=None):
     names = {number: schema.name for number, schema in container.schemas.items()}
     topics = [{'topic_metadata': {
         'name': channel.topic, 'type': names.get(channel.schema_id, ''),
-        'serialization_format': 'cdr', 'offered_qos_profiles': yaml.safe_load(channel.metadata.get(QOS) or '[]'),
+        'serialization_format': channel.message_encoding, 'offered_qos_profiles': yaml.safe_load(channel.metadata.get(QOS) or '[]'),
         'type_description_hash': channel.metadata.get(HASH, '')},
         'message_count': container.counts.get(channel.id, 0)} for channel in container.channels.values()]
     return {
@@ -70,6 +72,24 @@ def describe(file_name, container, about, distro=None):
         'files': [{'path': file_name, 'starting_time': begin, 'duration': duration, 'message_count': total}],
         'custom_data': about, 'ros_distro': distro or os.environ.get('ROS_DISTRO', 'jazzy'),
     }
+
+
+def of_topics(about, key):
+    """Return {topic: value} that custom_data keep as JSON under a key; empty if there is nothing of the kind."""
+    try:
+        found = json.loads(about.get(key, '{}'))
+    except (TypeError, ValueError, RecursionError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def joined(first, last):
+    """Return the custom_data of a split bag from those of its first and its last part."""
+    ends, numbers = of_topics(last, NUMBERS), of_topics(first, NUMBERS)
+    pairs = {topic: (numbers[topic][0], ends[topic][1]) for topic in numbers.keys() & ends.keys()
+             if all(isinstance(pair, list) and len(pair) == 2 for pair in (numbers[topic], ends[topic]))}
+    told = {key: last[key] for key in (ENDED, DROPPED, LOST) if key in last}
+    return {**last, **first, **told, **({NUMBERS: json.dumps(pairs)} if pairs else {})}
 
 
 def dumped(value):

@@ -19,7 +19,8 @@ from mcap.opcode import Opcode
 from mcap.records import MetadataIndex, Statistics
 
 from . import BagError
-from .mcap_records import HEAD, IS_MESSAGE, SHAPES, TYPES, Damaged, filled, parse, split
+from .mcap_records import (HEAD, IS_MESSAGE, OURS, SHAPES, TYPES, WRONG_TIMES, Damaged, filled, parse, split,
+                           tells_its_times)
 
 MAGIC = b'\x89MCAP0\r\n'
 _LOOSE = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})      # what can be in a chunk as well
@@ -133,6 +134,7 @@ class Scan:
             self.damage.append(self.ending.damage)
         self._limit = self.ending.start if self.ending else 0      # of the data section; 0: not known
         self._chunked = bool(self._limit) and self.ending.is_chunked
+        self._chunks, self._until, self._is_ours = {}, 0, False
 
     def __iter__(self):
         if not self._there(len(MAGIC), wait=True):
@@ -180,6 +182,24 @@ class Scan:
         self.lost += self.end - offset
         return why
 
+    def admit(self, offset, chunk, times):
+        """
+        Note what is wrong with the place of a sound Chunk and with the times it tells, given its log times.
+
+        Raises Damaged for a copy of an earlier one. Our recorder's log times never go back.
+        """
+        if not tells_its_times(chunk, times):
+            self.damage.append(f'at byte {offset}: {WRONG_TIMES}')
+        first, last = (min(times), max(times)) if times else (0, 0)
+        key = first, last, chunk.uncompressed_size, chunk.uncompressed_crc or zlib.crc32(chunk.data)
+        other = self._chunks.setdefault(key, offset)
+        if times and other != offset and (self._is_ours or first < last):
+            raise Damaged(f'a copy of the chunk at byte {other}')
+        if self._is_ours and first < self._until and times:
+            self.damage.append(f'at byte {offset}: chunk is out of order: its messages are older than '
+                               'those before it')
+        self._until = max(self._until, last)
+
     def is_followed_by_zeros(self):
         """Return whether the file was not finished and only zeros follow, as a power cut leaves them."""
         self._file.seek(self.end)
@@ -189,7 +209,9 @@ class Scan:
     def _is_sound(self, offset, opcode, body):
         """Return whether a header can be read and metadata, whose checksum is its own, is as it was written."""
         try:
-            return opcode not in (Opcode.HEADER, Opcode.METADATA) or bool(parse(opcode, body))
+            if opcode == Opcode.HEADER:
+                self._is_ours = parse(opcode, body).library.startswith(OURS)
+            return opcode != Opcode.METADATA or bool(parse(opcode, body))
         except Damaged as error:
             self.spoil(offset, error)
             return False
@@ -199,8 +221,8 @@ class Scan:
         self.ending = ending(self._file)       # it may be new
         self.complete = self.ending is not None
         if len(self.damage) == self._known and told not in (0, crc):
-            self.damage.append(f'from byte 0 to {offset}: the data have a wrong checksum, but no chunk has: '
-                               'a message index, the header or the checksum itself has changed')
+            self.damage.append(f'from byte 0 to {offset}: the data have a wrong checksum, but no chunk has: a '
+                               'message index, the header or the checksum itself has changed, or a chunk is missing')
 
     def _there(self, end, wait=False):
         """Return whether the file reaches up to this offset."""

@@ -8,6 +8,8 @@ process the file holds everything older than that, after a power cut everything 
 """
 from __future__ import annotations
 
+import contextlib
+import json
 import os
 import shutil
 import threading
@@ -19,6 +21,7 @@ from mcap import __version__ as mcap_version
 from .. import __version__
 from . import BagError, rosbag2
 from .container import Container
+from .mcap_records import OURS
 from .rosbag2 import Channel
 from .scan import mark_as_being_written
 
@@ -72,8 +75,9 @@ class BagWriter:
     path : Path
         The folder of the bag.
     accepted, dropped : int
-        Messages that are or will be in the bag, and those that found the queue full. Each dropped one
-        leaves a gap in the sequence numbers of its channel.
+        Messages that are or will be in the bag, and those that found the queue full or the disk refused.
+        Each dropped one leaves a gap in the sequence numbers of its channel; the bag tells how many numbers
+        were given, so that a gap at its end is seen too.
     error : str or None
         Why recording has stopped by itself; later messages are not accepted.
 
@@ -94,16 +98,19 @@ class BagWriter:
         self.accepted, self.dropped, self.error = 0, 0, None
         self.flush_period, self.sync_period, self._tell = flush_period, sync_period, tell or (lambda text: None)
         self._about = {str(key): str(value) for key, value in about.items()}
+        self._topics = [channel.topic for channel in channels]
         self._sequences = [0] * len(channels)          # next number of every channel
+        self._ended = ''
         self._queue, self._lock = deque(), threading.Lock()
         self._bytes_in = self._bytes_out = 0           # each changed by one side of the queue only
         self._closed, self._sync_error, self._stop = False, None, threading.Event()
         self.path, self._file = rosbag2.create(directory, name)
+        self._file_path = self.path / f'{self.path.name}_0.mcap'
         try:
             if shutil.disk_usage(self.path).free < SPACE_LEFT:
                 raise BagError(f'less than {SPACE_LEFT >> 20} MiB free')
             mark_as_being_written(self._file)
-            self._container = Container(self._file, 'ros2', f'fourbar_ros {__version__}, mcap {mcap_version}')
+            self._container = Container(self._file, 'ros2', f'{OURS}{__version__}, mcap {mcap_version}')
             for channel in channels:
                 self._register(channel)
             self._describe()
@@ -146,7 +153,7 @@ class BagWriter:
             if self._closed or self.error:
                 return False
             sequence = self._sequences[channel]
-            self._sequences[channel] = (sequence + 1) & 0xFFFFFFFF
+            self._sequences[channel] = sequence + 1
             full = (len(self._queue) >= QUEUE_MESSAGES
                     or self._bytes_in - self._bytes_out + size > QUEUE_BYTES)
             if full:
@@ -154,7 +161,7 @@ class BagWriter:
             else:
                 self._bytes_in += size
                 self.accepted += 1
-                self._queue.append((channel, sequence, self.clock.now(), data))
+                self._queue.append((channel, sequence & 0xFFFFFFFF, self.clock.now(), data))
         if full and self.dropped == 1:
             self._tell(f'{self.path}: the disk is too slow, messages are dropped')
         return not full
@@ -164,16 +171,15 @@ class BagWriter:
         """Return how many messages wait for the disk."""
         return len(self._queue)
 
-    def close(self):
-        """Write what waits, finish the file and its metadata; returns the path of the bag."""
+    def close(self, why='stopped'):
+        """Write what waits, finish the file and its metadata, which say why; returns the path of the bag."""
         with self._lock:
             first, self._closed = not self._closed, True
         self._stop.set()
         for thread in self._threads:
             thread.join()
         if first:
-            if not self.error:
-                self._guard(self._finish)
+            self._guard(lambda: self._finish(why))
             self._file.close()
         if self.error:
             raise BagError(f'{self.path}: {self.error}')
@@ -200,17 +206,32 @@ class BagWriter:
         try:
             action()
         except Exception as error:      # of any kind: the stream must go on
-            self._give_up(str(error))
+            self._give_up(getattr(error, 'strerror', None) or str(error))
 
     def _give_up(self, why):
-        self.error = f'recording stopped: {why}'
+        with self._lock:                # a write that is under way still counts; later ones see the error
+            self.error, self._ended = f'recording stopped: {why}', why
         self._queue.clear()
         try:
+            with contextlib.suppress(OSError):         # what it does not take is gone
+                self._container.flush()
+            self._count()
             self._end()
-            self.error += f'; the bag is whole, {sum(self._container.counts.values())} messages'
+            self.error += f'; the bag is whole, {self.accepted} messages' if self._has_a_name() else ''
         except Exception:               # the disk takes nothing more
-            self.error += '; what was flushed is in the file: fourbar bag recover'
+            self._count()
+            self.error += '; what was flushed is in the file: fourbar bag recover' if self._has_a_name() else ''
+            with contextlib.suppress(OSError):         # there may be room for the reason
+                rosbag2.write_metadata_file(self.path, self._metadata())
         self._tell(f'{self.path}: {self.error}')
+
+    def _has_a_name(self):
+        return os.fstat(self._file.fileno()).st_nlink > 0
+
+    def _count(self):
+        """Take for recorded what is in the file, for dropped all others."""
+        self.accepted = sum(self._container.counts.values())
+        self.dropped = sum(self._sequences) - self.accepted
 
     def _drain(self):
         queue, add = self._queue, self._container.add_message
@@ -228,19 +249,27 @@ class BagWriter:
     def _look_at_the_disk(self):
         if self._sync_error:
             raise self._sync_error
+        self._look_for_the_file()
         if shutil.disk_usage(self.path).free < SPACE_LEFT:
             self._container.flush()
             raise BagError(f'less than {SPACE_LEFT >> 20} MiB free')
 
-    def _finish(self):
+    def _look_for_the_file(self):
+        try:
+            is_there = os.path.samestat(os.stat(self._file_path), os.fstat(self._file.fileno()))
+        except OSError:
+            is_there = False
+        if not is_there:
+            raise BagError(f'{self._file_path.name} was moved, replaced or removed')
+
+    def _finish(self, why):
         self._drain()
         self._container.flush()
+        self._ended = why
         self._end()
 
     def _end(self):
         """Write the last metadata, the end of the file, metadata.yaml."""
-        if self.dropped:
-            self._about['dropped'] = str(self.dropped)
         self._describe()
         self._container.finish()
         if self.sync_period > 0.0:
@@ -259,7 +288,19 @@ class BagWriter:
             self._sync_error = error                   # the other thread acts on it
 
     def _metadata(self):
-        return rosbag2.describe(f'{self.path.name}_0.mcap', self._container, self._about)
+        return rosbag2.describe(self._file_path.name, self._container, {**self._about, **self._numbers()})
+
+    def _numbers(self):
+        """Return what custom_data say of the sequence numbers and of the end, once there is one."""
+        if not self._ended:
+            return {rosbag2.NUMBERS: json.dumps({topic: (0, None) for topic in self._topics})}
+        given, counts = dict(zip(self._topics, self._sequences)), self._container.counts
+        dropped = {topic: given[topic] - counts.get(i, 0) for i, topic in enumerate(self._topics, 1)}
+        told = {rosbag2.ENDED: self._ended,
+                rosbag2.NUMBERS: json.dumps({topic: (0, number) for topic, number in given.items()})}
+        if any(dropped.values()):
+            told[rosbag2.DROPPED] = json.dumps({topic: count for topic, count in dropped.items() if count})
+        return told
 
     def _describe(self):
         self._container.add_metadata(rosbag2.RECORD, {rosbag2.KEY: rosbag2.dumped(self._metadata())})

@@ -100,13 +100,15 @@ def _info(arguments):
     about = plain_table(str(found.file), ('', ''))
     about.show_header = False
     seconds = (found.end - found.start) * 1e-9 if found.start is not None else 0.0
-    about.add_row('state', found.state + (', every message read' if arguments.check else ''))
+    read = 'read up to the damage' if found.damage else 'every message read'
+    about.add_row('state', found.state + (f', {read}' if arguments.check else ''))
     about.add_row('size', f'{found.size / 1e6:.3f} MB')
     if found.start is not None:
         about.add_row('start', datetime.fromtimestamp(found.start * 1e-9).astimezone().isoformat(' ', 'milliseconds'))
     about.add_row('duration', f'{seconds:.3f} s')
     for label, text in (('made by', software_of(found.about)), ('node', found.about.get('node')),
-                        ('dropped', found.about.get('dropped')), ('damage', found.damage)):
+                        ('ended', found.ended), ('dropped', found.dropped and f'{found.dropped} messages'),
+                        ('recovered without', found.lost), ('damage', found.damage)):
         if text:
             about.add_row(label, text)
     console.print(about)
@@ -131,7 +133,9 @@ def _recover(arguments):
           + (f'{found.lost} bytes lost' if found.lost else 'nothing lost'))
     for damage in found.damaged:
         print(f'damaged: {damage}')
-    return BAD if found.lost or found.damaged else 0
+    for topic, count in found.missing.items():
+        print(f'missing: {count} messages of {topic}')
+    return BAD if found.lost or found.damaged or found.missing else 0
 
 
 def _recompute(arguments):
