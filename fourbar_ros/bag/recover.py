@@ -10,7 +10,7 @@ from typing import NamedTuple
 import yaml
 from mcap import __version__ as mcap_version
 from mcap.opcode import Opcode
-from mcap.records import Channel, Schema
+from mcap.records import Channel, Schema, Statistics
 
 from .. import __version__
 from . import BagError, rosbag2
@@ -37,8 +37,8 @@ class Recovered(NamedTuple):
     damaged : list of str
         Everything wrong with the old file: where and why.
     missing : dict
-        {topic: messages that are not in the new bag}, by the numbers that our recorder gave; what it dropped
-        itself is among them.
+        {topic: messages that are not in the new bag}, by the numbers that our recorder gave, what it dropped
+        itself among them, and by the old bag's statistics.
     was_whole : bool
         The old bag was finished and nothing of it is lost.
 
@@ -168,11 +168,14 @@ class _Copy:
     def _told(self, about):
         """Return what custom_data say of the numbers, the end and the losses; of the rest nobody knows."""
         container, numbers = self.container, rosbag2.of_topics(about, rosbag2.NUMBERS)
+        statistics = self._scan.ending.of(Statistics) if self._scan.ending else []
+        had = statistics[0].channel_message_counts if statistics else {}
         told = {} if self._scan.complete or rosbag2.ENDED in about else {rosbag2.ENDED: NO_END}
         for number, channel in container.channels.items():
             count, last = container.counts.get(number, 0), container.last.get(number)
             missing = missing_of(numbers.get(channel.topic), count, last)
-            if missing is not None:
+            is_numbered, missing = missing is not None, max(missing or 0, had.get(number, 0) - count)
+            if is_numbered:
                 first, end = numbers[channel.topic]
                 numbers[channel.topic] = first, first + count + missing if end is None else end
             if missing:
