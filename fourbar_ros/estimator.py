@@ -17,6 +17,8 @@ from __future__ import annotations
 from collections import deque
 from math import isfinite, nan, remainder, tau
 
+KEY, VERSION = 'estimator', 2      # bags keep which version their rates were estimated by
+
 
 class RateEstimator:
     """

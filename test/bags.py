@@ -89,7 +89,7 @@ def copy(bag, directory, name, change):
     """Write a bag again, the data of every message as ``change(raw)`` returns them; return the new bag's path."""
     metadata = Bag(bag).metadata()
     topics = [told['topic_metadata'] for told in metadata['topics_with_message_count']]
-    writer = BagWriter(directory, name, [channel(t['name'], t['type']) for t in topics], metadata['custom_data'])
+    writer = BagWriter(directory, name, [channel(t['name'], t['type']) for t in topics], metadata['custom_data'], sync_period=0.0)
     numbers = {topic['name']: i for i, topic in enumerate(topics)}
     for raw in Bag(bag).raw():
         writer.write(numbers[raw.topic], bytes(change(raw)))

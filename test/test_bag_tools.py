@@ -419,7 +419,7 @@ def test_a_file_that_is_no_bag_is_not_said_to_be_cut(tmp_path, capsys):
 def test_a_foreign_bag_is_not_recomputed_but_said_to_be_foreign(tmp_path):
     writer = BagWriter(tmp_path, 'foreign', [bags.MOTION], {})
     writer.write(0, bags.motion(1))
-    with pytest.raises(BagError, match='not recorded by fourbar_ros'):
+    with pytest.raises(BagError, match='holds no run of a fourbar_node'):
         compare(writer.close())
 
 

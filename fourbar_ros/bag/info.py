@@ -172,10 +172,10 @@ def _count(bag, numbers, progress):
     return topics, start, end, damage
 
 
-def parameter_file(path, source):
+def parameter_file(path, source, node=None):
     """Return the scene of a bag as the text of a ROS 2 parameter file, driven by ``source``."""
     import yaml
-    scene, _ = scene_of(path)
+    scene, _ = scene_of(path, node)
     values = {name: value for name, value in scene.values.items() if value == value and value not in ('', [])}
     values.update({'drive.source': source, 'recording.start': False})
     tree = {}

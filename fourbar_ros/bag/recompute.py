@@ -2,6 +2,7 @@
 Compute every recorded output again from the recorded motion of the driven joint and the scene; compare.
 
 Both are in the bag: the motion as messages, the scene as its first message and again after every change.
+Where the input as it came is in the bag, the motion of the driven joint is computed again from it too.
 """
 from __future__ import annotations
 
@@ -12,15 +13,27 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .. import estimator
 from .. import scene as scenes
+from ..core.status import INPUT_TIMEOUT, OK
+from ..interfaces import DRIVEN, INPUTS
 from ..records import driven_of
 from ..stepper import Stepper
-from . import BagError
+from . import BagError, rosbag2
+from .driven import Driven, inputs_of
+from .matching import Tally, Window, in_order
+from .origin import origin_of, scene_of
 from .reader import Bag, Record
+
+__all__ = ['Difference', 'Recomputed', 'compare', 'distance', 'recompute', 'scene_of']
+
+WINDOW = 1000           # inputs whose outputs may still come; bags of rosbag2 have them in any order
+UNSETTLED = 200_000_000  # [ns] around a change of the scene, in which a bag of rosbag2 does not tell the order
+PLANAR = ('wrench.force.z', 'wrench.torque.x', 'wrench.torque.y')      # what a planar linkage does not have
 
 
 class Difference(NamedTuple):
-    """Largest difference of one field of one topic over all its messages."""
+    """Largest difference of one field of one topic over all its messages; of texts infinite."""
 
     topic: str
     field: str
@@ -32,22 +45,49 @@ class Recomputed(NamedTuple):
     """
     What became of a bag.
 
-    ``unmatched`` outputs belong to no motion of the driven joint in the bag: it was dropped, or the input had
-    stopped and the output says so; ``cut``: the bag ends without an end.
+    Attributes
+    ----------
+    differences : list of Difference
+    inputs, compared : int
+        Motions of the driven joint, and outputs that were computed again from them.
+    unmatched : int
+        Outputs whose motion is not in the bag.
+    missing, doubled : int
+        Outputs that a motion should have and has not, or has once more.
+    silent, uncertain : int
+        Outputs that say that the input had stopped; outputs that depend on what the bag cannot tell: values held
+        from before a part of a split bag, the order around a change of the scene in a bag of rosbag2.
+    driven : str
+        How the motion of the driven joint itself was checked.
+    cut : bool
+        The bag ends without an end.
+
     """
 
     differences: list
     inputs: int
+    compared: int
     unmatched: int
+    missing: int
+    doubled: int
+    silent: int
+    uncertain: int
+    driven: str
     cut: bool
 
+    @property
+    def largest(self):
+        """Return the largest of all differences."""
+        return max((difference.largest for difference in self.differences), default=0.0)
 
-def scene_of(path):
-    """Return (Scene, topics) of a bag: what was run at its start, and {output name: topic}."""
-    about = Bag(path).metadata().get('custom_data') or {}
-    if 'scene' not in about or 'driven' not in (topics := json.loads(about.get('topics', '{}'))):
-        raise BagError(f'{path}: was not recorded by fourbar_ros: its metadata hold no scene')
-    return scenes.from_values(json.loads(about['scene'])), topics
+    def problems(self, tolerance=0.0):
+        """Return what is not as it should be, as a list of texts; empty for a good bag."""
+        counts = ((self.unmatched, 'outputs without their motion'), (self.missing, 'outputs missing'),
+                  (self.doubled, 'outputs more than once'))
+        found = [f'{count} {text}' for count, text in counts if count]
+        if self.largest > tolerance:
+            found.insert(0, f'differences up to {self.largest:g}')
+        return found if self.compared else ['nothing could be compared', *found]
 
 
 def recompute(path):
@@ -55,87 +95,240 @@ def recompute(path):
     return compare(path).differences
 
 
-def compare(path, progress=None):
+def compare(path, progress=None, node=None):
     """
     Return the :class:`Recomputed` of a bag.
 
-    Each output is compared with what the driven joint's motion gives, the last one before it in the file; both
-    carry the same stamp. Differences are absolute; NaN against NaN is none, NaN against a number infinite.
-    ``progress`` is called with the number of bytes read.
+    Each output is compared, with all its fields, with what the driven joint's motion of the same stamp gives: the
+    last one before it in the bag, in bags of rosbag2 also one that comes later. Differences are absolute; NaN
+    against NaN is none, NaN against a number infinite. Memory does not grow with the bag.
+
+    Parameters
+    ----------
+    path : str or Path
+    progress : callable, optional
+        Called with the number of bytes read.
+    node : str, optional
+        Which node, if a bag of rosbag2 has several.
+
     """
     bag = Bag(path)
-    scene, topics = scene_of(path)
-    work = _Comparison(scene, topics)
-    for block in bag.blocks(apart=topics.get('scene'), progress=progress):
+    origin = origin_of(bag, node)
+    work = _Comparison(origin, bag.about())
+    waiting = None                                       # a change of the scene has a say in what came before it
+    for block in bag.blocks(topics=list(origin.topics.values()), apart=origin.topics.get('scene'), progress=progress):
+        scene = None
         if isinstance(block, Record):
-            work.change(scenes.from_values(json.loads(block.message.data)))
-        else:
-            work.block(block)
-    differences = [Difference(work.topics[name], field, work.counts[name], value)
-                   for (name, field), value in work.largest.items()]
-    return Recomputed(differences, work.inputs, work.unmatched, bag.cut)
+            scene = scenes.from_values(json.loads(block.message.data))
+            is_new = work.is_new(scene)
+        if waiting:
+            work.block(waiting, block.time - UNSETTLED if scene and is_new and not origin.in_order else inf)
+        waiting = None if scene else block
+        if scene and is_new:
+            work.change(scene, block.time)
+    if waiting:
+        work.block(waiting)
+    return work.finished(bag.cut)
 
 
 class _Comparison:
     """Goes through a bag block by block."""
 
-    def __init__(self, scene, topics):
-        self.counts, self.largest, self.inputs, self.unmatched = {}, {}, 0, 0
-        self.topics, self._name_of = topics, {topic: name for name, topic in topics.items()}
-        self.change(scene)
+    def __init__(self, origin, about):
+        self.counts, self.largest = {}, {}
+        self.inputs = self.compared = self.unmatched = self.missing = self.doubled = self.silent = self.uncertain = 0
+        self.topics, self._name_of = origin.topics, {topic: name for name, topic in origin.topics.items()}
+        self._in_order, self._settled = origin.in_order, -inf
+        self._is_cold = rosbag2.REPEATS in about         # what it holds may be of the part before
+        self._source = next((name for name in INPUTS if name in origin.topics), None)
+        self._scene, self._driven = None, Driven(origin.scene, about.get(estimator.KEY) == str(estimator.VERSION))
+        self._tallies = {}
+        self.change(origin.scene, None)
 
-    def change(self, scene):
+    def is_new(self, scene):
+        """Return whether a scene counts as a change: rosbag2 repeats the latched one."""
+        return self._in_order or scene.as_json != self._scene.as_json
+
+    def change(self, scene, time):
         """Take another scene; it holds from the next input on."""
-        self._stepper, self._layout = Stepper(scene), scene.layout
+        self._retire(0)
+        self._scene, self._stepper, self._layout = scene, Stepper(scene), scene.layout
+        self._driven.change(scene)
         self._wanted = scene.needs_loads, 'points' in scene.outputs
-        self._constant = {'mode': scene.linkage.mode, 'change_point_margin': scene.linkage.change_point_margin}
-        self._outputs = scene.topics.keys()
-        self._last = None
+        self._constant = {'mode': scene.linkage.mode, 'change_point_margin': scene.linkage.change_point_margin,
+                          **dict.fromkeys(PLANAR, 0.0)}
+        self._texts = {'header.frame_id': scene.frame_id, 'name': list(scene.joint_names)}
+        self._holds = scene.drive.out_of_range == 'hold' or scene.joint_states.when_unknown == 'hold'
+        self._may_skip = scene.joint_states.when_unknown == 'skip'
+        self._outputs, self._window, self._early = scene.topics.keys(), None, []
+        if time is not None and not self._in_order:
+            self._settled = time + UNSETTLED
 
-    def block(self, columns):
-        """Compare all messages of a block."""
-        inputs = [self._input(c) for c in columns if self._name_of.get(c.topic) == 'driven']
-        outputs = [c for c in columns if self._name_of.get(c.topic) in self._outputs]
-        if not inputs and self._last is None:
-            self.unmatched += sum(len(c.places) for c in outputs)
+    # --- one block ------------------------------------------------------------------------------
+
+    def block(self, columns, until=inf):
+        """Compare all messages of a block; those logged after ``until`` are near a change of the scene."""
+        by_name = {}
+        for found in columns:
+            by_name.setdefault(self._name_of.get(found.topic), []).append(found)
+        self._take_inputs(by_name, until)
+        late, self._early = self._early, []
+        for found in late:
+            self._output(found, until, is_late=True)
+        for name in self._outputs & by_name.keys():
+            for found in by_name[name]:
+                self._output(found, until)
+        self._retire(WINDOW)
+
+    def _take_inputs(self, by_name, until):
+        raw = [inputs_of(found, self._scene) for found in by_name.get(self._source, ())]
+        if raw and self._in_order:
+            self._driven.take(*in_order(raw))
+        if DRIVEN.name not in by_name:
             return
-        results = [self._last] if self._last is not None else []
-        if inputs:
-            results.append(self._evaluated(*(np.concatenate(parts) for parts in zip(*inputs))))
-        everything = [np.concatenate(parts, axis=-1) for parts in zip(*results)]
-        self._last = [part[..., -1:] for part in everything]
-        for found in outputs:
-            self._output(found, *everything)
+        self._check_text(by_name[DRIVEN.name])
+        places, stamps, motions, times = in_order([(found.places, found.stamps, np.stack(driven_of(found.tree), axis=1),
+                                                   found.times) for found in by_name[DRIVEN.name]])
+        if self._source and self._in_order:
+            self._driven.compare(places, stamps, motions)
+        self.inputs += len(places)
+        status, values = self._evaluated(places, motions)
+        known = (times <= until) & (times >= self._settled) & ~self._held(status)
+        new = Window(places, stamps, status, known, values,
+                      {name: np.zeros(len(places), np.int64) for name in self._outputs})
+        self._window = new if self._window is None else self._window.followed_by(new)
 
-    @staticmethod
-    def _input(columns):
-        return columns.places, columns.stamps, np.stack(driven_of(columns.tree), axis=1)
+    def _evaluated(self, places, motions):
+        """Return statuses and values of motions; one by one, as the node does: not one bit differs."""
+        found = [self._stepper.step(*motion, *self._wanted) for motion in motions.tolist()]
+        return np.array([status for status, _ in found], float), np.array([values for _, values in found]).T
 
-    def _evaluated(self, places, stamps, motions):
-        """Return places, stamps, statuses and values; one by one, as the node does: not one bit differs."""
-        order = np.argsort(places)
-        self.inputs += len(order)
-        found = [self._stepper.step(*motion, *self._wanted) for motion in motions[order].tolist()]
-        return (places[order], stamps[order], np.array([status for status, _ in found], float),
-                np.array([values for _, values in found]).T)
+    def _held(self, status):
+        """Return of which inputs the outputs may show what was held from before this part of a bag."""
+        if not (self._is_cold and self._holds):
+            return np.zeros(len(status), bool)
+        good = np.flatnonzero(status == OK)
+        self._is_cold = not len(good)
+        return np.arange(len(status)) < (good[0] if len(good) else len(status))
 
-    def _output(self, columns, places, stamps, status, values):
-        name, tree = self._name_of[columns.topic], columns.tree
-        source = np.searchsorted(places, columns.places, side='right') - 1
-        good = (source >= 0) & (stamps[source] == columns.stamps)
-        self.unmatched += np.count_nonzero(~good)
-        if not good.any():
+    def _output(self, columns, until, is_late=False):
+        """Compare the messages of one topic and layout with the motions they belong to."""
+        name, stamps = self._name_of[columns.topic], columns.stamps
+        source = self._window.source_of(columns.places, stamps) if self._window else np.full(len(stamps), -1)
+        found = source >= 0
+        if not found.all():
+            self._without_motion(name, columns._replace(
+                times=columns.times[~found], places=columns.places[~found], records=columns.records[~found]), until,
+                is_late)
+        if not found.any():
             return
-        source = source[good]
-        self.counts[name] = self.counts.get(name, 0) + len(source)
-        there = columns.records.dtype.names                  # a bag of an older version may have less
-        expected = self._layout.expected(name, values[:, source]) | {'status': status[source]} | self._constant
-        for field in (field for field in expected if field in there):
-            want, have = _rows(expected[field], len(source)), attrgetter(field)(tree)
-            same = want.shape[:-1] == have.shape[:-1]        # as many joints
-            found = distance(want, have[..., good]) if same else inf
-            key = (name, field)
-            self.largest[key] = max(self.largest.get(key, 0.0), found)
+        np.add.at(self._window.seen[name], source[found], 1)
+        known = self._window.known[source[found]]
+        self.uncertain += np.count_nonzero(~known)
+        if known.any():
+            rows = np.flatnonzero(found)[known]
+            self._compare(name, columns._replace(
+                times=columns.times[rows], places=columns.places[rows], records=columns.records[rows]), source[rows])
+
+    def _without_motion(self, name, columns, until, is_late):
+        """Count outputs that no motion so far has the stamp of."""
+        if not self._in_order and not is_late:
+            self._early.append(columns)                  # it may come in the next block
+            return
+        silent = self._says_silence(name, columns)
+        unsettled = ~silent & ((columns.times > until) | (columns.times < self._settled))
+        self.silent += np.count_nonzero(silent)
+        self.uncertain += np.count_nonzero(unsettled)
+        self.unmatched += np.count_nonzero(~silent & ~unsettled)
+
+    def _says_silence(self, name, columns):
+        """Return which messages say that the input has stopped; joint_states may hold positions meanwhile."""
+        if 'status' in columns.records.dtype.names:
+            return columns.records['status'] == INPUT_TIMEOUT
+        fields = ('velocity',) if name == 'joint_states' else self._layout.fields[name]
+        silent = np.ones(len(columns.times), bool)
+        for field in fields:
+            values = np.isnan(attrgetter(field)(columns.tree))
+            silent &= values.all(axis=0) if values.ndim == 2 else values
+        return silent
+
+    def _compare(self, name, columns, source):
+        window, count = self._window, len(source)
+        self.counts[name] = self.counts.get(name, 0) + count
+        self.compared += count
+        there, tree = columns.records.dtype.names, columns.tree      # a bag of an older version may have less
+        expected = self._layout.expected(name, window.values[:, source]) | {'status': window.status[source]}
+        for field, value in (expected | self._constant).items():
+            if field in there:
+                want, have = _rows(value, count), attrgetter(field)(tree)
+                same = want.shape[:-1] == have.shape[:-1]            # as many joints
+                self._note(name, field, distance(want, have) if same else inf)
+        self._check_text([columns])
+
+    def _check_text(self, blocks):
+        """Compare the texts of messages: frame and names of joints."""
+        for columns in blocks:
+            for field, want in self._texts.items():
+                if field in columns.records.dtype.names:
+                    good = (columns.records[field] == want.encode()).all()
+                elif field in columns.layout.texts:
+                    good = columns.layout.texts[field] == want
+                else:
+                    continue
+                self._note(self._name_of[columns.topic], field, 0.0 if good else inf)
+
+    def _note(self, name, field, value):
+        self.largest[name, field] = max(self.largest.get((name, field), 0.0), value)
+
+    # --- what a motion should have --------------------------------------------------------------
+
+    def _retire(self, keep):
+        """Count what all but the newest inputs have too much or too little, and forget them."""
+        window = self._window if self._scene else None
+        if window is None or len(window.places) <= keep:
+            return
+        old = slice(0, len(window.places) - keep)
+        for name, seen in window.seen.items():
+            if name in self.counts or self._in_order:
+                due = self._is_due(name, window.values[:, old]) & window.known[old]
+                tally = self._tallies.setdefault(name, Tally(self._in_order))
+                tally.add(seen[old], due)
+        self._window = window.from_(len(window.places) - keep) if keep else None
+
+    def _is_due(self, name, values):
+        """Return of which inputs there must be an output: joint_states may be left out if they are not known."""
+        if name != 'joint_states' or not self._may_skip:
+            return np.ones(values.shape[1], bool)
+        places = [self._layout.place[position] for position in self._layout.fields[name]['position']]
+        return ~np.isnan(values[places]).any(axis=0)
+
+    def finished(self, cut):
+        """Return the Recomputed."""
+        late, self._early = self._early, []
+        for found in late:
+            self._output(found, inf, is_late=True)
+        self._retire(0)
+        tallies = self._tallies.values()
+        self.missing = sum(tally.missing + (tally.open if self._in_order and not cut else 0) for tally in tallies)
+        self.doubled = sum(tally.doubled for tally in tallies)
+        for field, value in self._driven.largest.items() if self._driven.compared else ():
+            self._note(DRIVEN.name, field, value)
+        self.counts[DRIVEN.name] = self.inputs
+        differences = [Difference(self.topics[name], field, self.counts[name], value)
+                       for (name, field), value in self.largest.items() if name in self.counts]
+        return Recomputed(differences, self.inputs, self.compared, self.unmatched, self.missing, self.doubled,
+                          self.silent, self.uncertain, self._how_driven(), cut)
+
+    def _how_driven(self):
+        driven = self._driven
+        if not self._in_order and self._source:
+            return 'not computed again: the order of input and motion is not in the bag'
+        if self._source is None:
+            return f'not computed again: driven by the {self._scene.drive.source}, no input in the bag'
+        text = f'{driven.compared} computed again from {self.topics[self._source]}'
+        if driven.unknown:
+            text += f', {driven.unknown} with rates estimated from samples before it or by another version'
+        return text + (f'; {driven.without} without an input' if driven.without else '')
 
 
 def _rows(value, count):

@@ -8,7 +8,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import NamedTuple
 
-from .. import __version__, interfaces
+from .. import __version__, estimator, interfaces
 
 SOFTWARE = ('numpy', 'mcap', 'rclpy')       # beside our own, whose versions a bag keeps
 
@@ -63,7 +63,8 @@ class Recording:
         resolved = {topic.name: self._node.resolve_topic_name(topic.topic) for topic in topics}
         about = {'scene': scene.as_json, 'topics': json.dumps(resolved),
                  'node': self._node.get_fully_qualified_name(),
-                 'units': 'SI: m, kg, s, rad, N, N m', 'software': json.dumps(software())}
+                 'units': 'SI: m, kg, s, rad, N, N m', 'software': json.dumps(software()),
+                 estimator.KEY: str(estimator.VERSION)}
         log = self._node.get_logger()
         writer = BagWriter(Path(scene.recording.directory).absolute(), name,
                            [channel(topic, resolved[topic.name]) for topic in topics], about, tell=log.error)

@@ -54,6 +54,7 @@ def add(verbs):
                        'The motion of the input and the scene are in the bag. A bag of this version of the '
                        'software differs by exactly 0.')
     _tolerance(recompute)
+    _node(recompute)
 
     export = action('export', _export, 'write the numbers of a bag as tables')
     export.add_argument('-o', '--out', metavar='PATH', required=True,
@@ -78,6 +79,11 @@ def add(verbs):
                    '--inputs-only.')
     scene.add_argument('--drive', choices=('motion', 'timer'), default='motion',
                        help='what moves the input of that node (default motion)')
+    _node(scene)
+
+
+def _node(parser):
+    parser.add_argument('--node', metavar='NAME', help='which node, of a bag of ros2 bag record with several')
 
 
 def _tolerance(parser):
@@ -142,7 +148,7 @@ def _recompute(arguments):
     from ..bag.recompute import compare
     from ..show import make_console, plain_table
     with _progress(arguments.bag, 'recomputing') as step:
-        found = compare(arguments.bag, step)
+        found = compare(arguments.bag, step, arguments.node)
     console = make_console()
     table = plain_table('', ('topic', 'field', 'messages>', 'largest difference>'))
     for topic in dict.fromkeys(difference.topic for difference in found.differences):
@@ -155,11 +161,17 @@ def _recompute(arguments):
                           f'{max(d.largest for d in of_topic):g}')
     if found.differences:
         console.print(table)
-    worst = max((d.largest for d in found.differences), default=0.0)
-    print(f'{found.inputs} motions of the input; largest difference {worst:g}'
-          + (f'; {found.unmatched} outputs without their motion, not compared' if found.unmatched else '')
-          + ('; the bag is cut' if found.cut else ''))
-    return 0 if worst <= arguments.tolerance else BAD
+    print(f'{found.inputs} motions of the input, {found.compared} outputs compared; largest difference '
+          f'{found.largest:g}' + ('; the bag is cut' if found.cut else ''))
+    print(f'motion of the input: {found.driven}')
+    for count, text in ((found.silent, 'outputs say that the input had stopped'),
+                        (found.uncertain, 'outputs not compared: the bag does not tell what they follow from')):
+        if count:
+            print(f'{count} {text}')
+    problems = found.problems(arguments.tolerance)
+    for problem in problems:
+        print(f'bad: {problem}')
+    return BAD if problems else 0
 
 
 def _export(arguments):
@@ -196,7 +208,7 @@ def _diff(arguments):
 
 def _scene(arguments):
     from ..bag.info import parameter_file
-    print(parameter_file(arguments.bag, arguments.drive), end='')
+    print(parameter_file(arguments.bag, arguments.drive, arguments.node), end='')
 
 
 @contextmanager

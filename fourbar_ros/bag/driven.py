@@ -1,0 +1,119 @@
+"""Is what a node says of its driven joint what its input says? The input as it came is in the bag too."""
+from __future__ import annotations
+
+from math import inf, isnan, nan, tau
+
+import numpy as np
+
+from .. import joints
+from ..estimator import RateEstimator
+from ..records import driven_of
+
+FIELDS = ('position', 'velocity', 'acceleration')
+
+
+class Driven:
+    """
+    Goes through inputs and the driven motions that follow from them, as the node does.
+
+    Rates that the input does not carry are estimated from the samples before. Those that may come from samples
+    before the bag, or from an estimator that computed otherwise, are counted in ``unknown``, not compared.
+
+    Parameters
+    ----------
+    scene : Scene
+    has_our_estimator : bool
+        The bag was made with the estimator of this version of the software.
+
+    Attributes
+    ----------
+    largest : dict
+        {field: largest difference}.
+    compared, unknown, without : int
+        Motions that were compared; rates that were not; motions that belong to no input.
+
+    """
+
+    def __init__(self, scene, has_our_estimator):
+        self._has_our_estimator = has_our_estimator
+        self.largest = dict.fromkeys((*FIELDS, 'header.stamp'), 0.0)
+        self.compared = self.unknown = self.without = 0
+        self._inputs = []                              # (place, stamp [ns], motion) not yet taken
+        self._drive, self._newest = None, 0
+        self.change(scene)
+
+    def change(self, scene):
+        """Take over another scene: with other settings of the drive the estimate starts afresh."""
+        drive = scene.drive
+        if drive == self._drive:
+            return
+        turn = inf if scene.linkage.is_driven_by_slide else tau
+        self._estimator = RateEstimator(drive.window, drive.timeout or 1.0, drive.jump, turn)
+        self._scale = joints.Scale(drive.joint_ratio, drive.joint_offset)
+        # how many samples there are still to come until all are from the bag
+        self._cold = 0 if self._drive else drive.window
+        self._drive = drive
+
+    def take(self, places, stamps, motions):
+        """Take messages of the input, in order: places in the bag, stamps [ns], (position, velocity, acceleration)."""
+        self._inputs += zip(places.tolist(), stamps.tolist(), motions.tolist())
+
+    def compare(self, places, stamps, motions):
+        """Compare driven motions, in order, with the inputs taken before them."""
+        waiting, at = self._inputs, 0
+        for place, stamp, motion in zip(places.tolist(), stamps.tolist(), motions.tolist()):
+            source = None
+            while at < len(waiting) and waiting[at][0] < place:
+                source, at = waiting[at], at + 1
+            if source is None:
+                self.without += 1
+            else:
+                self._one(stamp, motion, *source[1:])
+        self._inputs = waiting[at:]
+
+    def _one(self, stamp, driven, told, given):
+        self.compared += 1
+        if told and told != stamp:
+            self.largest['header.stamp'] = inf
+        velocity, acceleration = given[1:]
+        is_known = True
+        if isnan(velocity) or isnan(acceleration):
+            velocity, estimate, is_known = self._estimated(stamp, given, driven)
+            acceleration = estimate if isnan(acceleration) else acceleration
+        for field, there, expected in zip(FIELDS, driven, (given[0], velocity, acceleration)):
+            if is_known or not isnan(given[FIELDS.index(field)]):
+                self.largest[field] = max(self.largest[field], _apart(there, expected))
+        self.unknown += not is_known
+
+    def _estimated(self, stamp, given, driven):
+        restarts = self._estimator.restarts
+        velocity, acceleration = self._estimator.update(stamp, given[0], given[1])
+        is_first = isnan(driven[2]) and (isnan(driven[1]) or not isnan(given[1]))
+        if self._estimator.restarts != restarts or is_first:
+            self._cold = 0                             # nothing from before the bag is in it
+        is_known = self._cold == 0 and self._has_our_estimator
+        if stamp > self._newest:
+            self._newest, self._cold = stamp, max(self._cold - 1, 0)
+        return velocity, acceleration, is_known
+
+
+def inputs_of(columns, scene):
+    """Return (places, stamps, motions) of messages of the input, those without the joint left out."""
+    if scene.drive.source != 'joint_state':
+        return columns.places, columns.stamps, np.stack(driven_of(columns.tree), axis=1)
+    names = columns.layout.texts.get('name', [])
+    if scene.drive.joint not in names:
+        return columns.places[:0], columns.stamps[:0], np.zeros((0, 3))
+    i, count = names.index(scene.drive.joint), len(columns.places)
+    tree, unknown = columns.tree, np.full(count, nan)
+    if i >= len(tree.position):
+        return columns.places[:0], columns.stamps[:0], np.zeros((0, 3))
+    velocity = tree.velocity[i] if i < len(tree.velocity) else unknown
+    scale = joints.Scale(scene.drive.joint_ratio, scene.drive.joint_offset)
+    return columns.places, columns.stamps, np.stack(scale.to_input(tree.position[i], velocity, unknown), axis=1)
+
+
+def _apart(a, b):
+    if a == b or (isnan(a) and isnan(b)):
+        return 0.0
+    return inf if isnan(a - b) else abs(a - b)
