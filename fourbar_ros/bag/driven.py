@@ -5,7 +5,7 @@ from math import inf, isnan, nan, tau
 
 import numpy as np
 
-from .. import joints
+from .. import estimator, joints
 from ..estimator import RateEstimator
 from ..records import driven_of
 
@@ -87,7 +87,8 @@ class Driven:
 
     def _estimated(self, stamp, given, driven):
         restarts = self._estimator.restarts
-        velocity, acceleration = self._estimator.update(stamp, given[0], given[1])
+        time = stamp if hasattr(estimator, 'NANOSECOND') else stamp * 1e-9
+        velocity, acceleration = self._estimator.update(time, given[0], given[1])
         is_first = isnan(driven[2]) and (isnan(driven[1]) or not isnan(given[1]))
         if self._estimator.restarts != restarts or is_first:
             self._cold = 0                             # nothing from before the bag is in it
