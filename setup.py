@@ -33,7 +33,7 @@ setup(
     entry_points={
         'console_scripts': [
             'fourbar = fourbar_ros.cli:main',
-            'fourbar_node = fourbar_ros.ros.node:main',
+            'fourbar_node = fourbar_ros.ros.start:main',
             'fourbar_demo = fourbar_ros.ros.demo:main',
         ],
     },

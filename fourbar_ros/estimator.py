@@ -2,27 +2,86 @@
 Rates of the input from a stream that does not carry them all: causal, on the stamps as they come.
 
 The newest ``window`` samples are fitted by a parabola (least squares in time, any spacing), and its slope
-and curvature at the newest sample are the estimate: exact for constant acceleration. If the stream
-carries the velocity, a straight line through the newest velocities gives the acceleration.
+and curvature at the newest sample are the estimate: those of the parabola, if the samples lie on one. If the
+stream carries the velocity, a straight line through the newest velocities gives the acceleration.
 
-For equal steps h, window n, a position noise of standard deviation s and a third derivative j (jerk)
+Stamps are whole nanoseconds and only their differences, and those of the positions, are used: no digit is
+lost to the age of the clock or to the turns that a crank has made. What is left is what the samples
+hold: with steps h a stamp that is good to dt and a position that is good to dx are a position noise s of
+hypot(dx, velocity dt), and a third derivative j (jerk) is seen late. For equal steps and window n
 
 * window 3: velocity wrong by j h^2/3 with noise 2.5 s/h; acceleration late by h (wrong by j h), noise 2.4 s/h^2,
 * window 5: velocity wrong by 1.43 j h^2 (noise 1.1 s/h), acceleration late by 2 h, noise 0.53 s/h^2.
 
 In general the acceleration is late by half the window, (n - 1) h/2. A test measures these figures.
+
+How noisy an acceleration is, the stream itself says: each new sample is compared with what the fit before it
+foretells. :attr:`RateEstimator.noise` is the standard deviation of the acceleration from that.
 """
 from __future__ import annotations
 
 from collections import deque
-from math import isfinite, nan, remainder, tau
+from math import hypot, isfinite, isinf, isnan, nan, remainder, sqrt, tau, ulp
+
+NANOSECOND = 1e-9        # [s]
+MEMORY = 100             # samples over which noise and size of the acceleration are averaged
+ENOUGH = 10              # of them before anything is said
+ROUNDED = sqrt(1 / 12)   # standard deviation of rounding to whole units
+TOO_NOISY = 0.1          # noise over size of the acceleration from which it is worth a warning
+
+
+class Estimate:
+    """
+    Least-squares polynomial of degree 1 or 2 through points (t, y), on polynomials orthogonal on the points.
+
+    No normal equations, so no loss of digits. Degree 2 needs three points, degree 1 two; t must differ.
+
+    Attributes
+    ----------
+    degree : int
+    slope, curvature : float
+        At t = 0; the curvature of a line is NaN.
+    lag : float
+        How much older than t = 0 the derivative of the highest order is: the mean age of the points.
+
+    """
+
+    def __init__(self, points, degree):
+        n = len(points)
+        mean = sum(t for t, _ in points) / n
+        line = [t - mean for t, _ in points]                              # p1(t) = t - mean
+        norm = sum(p * p for p in line)
+        slope = sum(p * y for p, (_, y) in zip(line, points)) / norm
+        self._start, self._mean, self._norm, self._slope = sum(y for _, y in points) / n, mean, norm, slope
+        self.lag, self.degree, self._n = -mean, degree, n
+        self.slope, self.curvature = slope, nan
+        if degree == 2:
+            shift = sum(p**3 for p in line) / norm                        # p2 = p1^2 - shift p1 - norm/n
+            curve = [p * p - shift * p - norm / n for p in line]
+            self._shift, self._curve_norm = shift, sum(p * p for p in curve)
+            self._bend = sum(p * y for p, (_, y) in zip(curve, points)) / self._curve_norm
+            self.slope, self.curvature = slope + self._bend * (-2.0 * mean - shift), 2.0 * self._bend
+
+    @property
+    def gain(self):
+        """Return the standard deviation of slope (line) or curvature (parabola) over that of one y."""
+        return 2.0 / sqrt(self._curve_norm) if self.degree == 2 else 1.0 / sqrt(self._norm)
+
+    def surprise(self, t, y):
+        """Return by how much (t, y) differs from the polynomial, over what noise of size 1 in each y makes of it."""
+        p = t - self._mean
+        foretold, variance = self._start + self._slope * p, 1.0 + 1.0 / self._n + p * p / self._norm
+        if self.degree == 2:
+            q = p * p - self._shift * p - self._norm / self._n
+            foretold, variance = foretold + self._bend * q, variance + q * q / self._curve_norm
+        return (y - foretold) / sqrt(variance)
 
 KEY, VERSION = 'estimator', 2      # bags keep which version their rates were estimated by
 
 
 class RateEstimator:
     """
-    Fills in missing velocity and acceleration of an angle.
+    Fills in missing velocity and acceleration of the input.
 
     Parameters
     ----------
@@ -34,18 +93,46 @@ class RateEstimator:
         A larger step between two samples [rad, m], after taking off whole turns, starts afresh.
     period : float
         A turn of the input; infinite for one that slides.
+    length : float
+        Of the input [rad, m]: velocity^2/length is the size of an acceleration that matters, whatever its own.
+
+    Attributes
+    ----------
+    restarts, late : int
+        How often it started afresh, and samples older than the newest.
 
     """
 
-    def __init__(self, window=5, gap=1.0, jump=1.0, period=tau):
-        self._gap, self._jump, self._period = gap, jump, period
-        self._samples = deque(maxlen=window)     # (time, unwrapped angle, velocity), newest last
-        self.restarts = 0                        # after a jump, a gap, a clock set back
-        self.late = 0                            # samples older than the newest
+    def __init__(self, window=5, gap=1.0, jump=1.0, period=tau, length=1.0):
+        self._gap, self._jump, self._period, self._length = gap / NANOSECOND, jump, period, length
+        self._samples = deque(maxlen=window)     # (time [ns], position, step from the one before, velocity)
+        self.restarts = self.late = 0
+        self._scatter, self._size = _MeanSquare(), _MeanSquare()       # what surprises, and what matters
+        self._from_rates = False                           # whether the acceleration comes from velocities
+        self.reset()
 
     def reset(self):
         """Forget all samples."""
         self._samples.clear()
+        self._overtaken = None                   # a late sample, if it was the last one
+        self._fit, self._known = None, (nan, nan)
+
+    @property
+    def noise(self):
+        """Return the standard deviation of the estimated acceleration, NaN if there is none (yet)."""
+        if self._fit is None or isnan(self._known[1]) or self._scatter.number < ENOUGH:
+            return nan
+        return self._fit.gain * sqrt(max(self._scatter.value, self._resolution**2))
+
+    @property
+    def lag(self):
+        """Return by how much the estimated acceleration is late [s], NaN if there is none."""
+        return nan if self._fit is None or isnan(self._known[1]) else self._fit.lag
+
+    @property
+    def is_noise(self):
+        """Return whether noise is a good part of the estimated acceleration, or of velocity^2/length if that is more."""
+        return self.noise > TOO_NOISY * sqrt(self._size.value)
 
     def update(self, time, position, velocity=nan):
         """
@@ -53,65 +140,86 @@ class RateEstimator:
 
         Parameters
         ----------
-        time : float
-            Stamp [s]. One that stands still or goes back leaves the memory as it is, unless it goes back by
-            more than ``gap``: then the clock was set and the estimate starts afresh.
+        time : int
+            Stamp [ns]. One that stands still or goes back leaves the memory as it is. If it goes back by more
+            than ``gap``, or the next one follows it there, the clock was set and the estimate starts afresh.
         position, velocity : float
             Angle [rad], wrapped or not, or slide [m], and its rate, NaN if the stream has none.
 
         """
-        samples = self._samples
-        if not isfinite(position):
+        if not isfinite(position) or isinf(velocity):
             return velocity, nan                 # nothing to remember
-        if samples:
-            last_time, last_angle, _ = samples[-1]
-            if time == last_time:
-                return self._estimate(velocity)
-            if last_time - self._gap < time < last_time:
-                self.late += 1
+        sample = time, position, velocity
+        if self._samples and time <= (newest := self._samples[-1][0]):
+            if time == newest:
+                return velocity if isfinite(velocity) else self._known[0], self._known[1]
+            if newest - time < self._gap and not self._is_set_back(sample):
                 return velocity, nan
-            step = position - last_angle
+        self._overtaken = None
+        self._append(*sample)
+        self._known = self._estimate(velocity)
+        return self._known
+
+    def _is_set_back(self, sample):
+        """Return whether this is the second sample in a row that is older than the newest, and follows the first."""
+        before, self._overtaken = self._overtaken, sample
+        if before is None or sample[0] <= before[0]:
+            self.late += 1
+            return False
+        self._restart()
+        self._append(*before)
+        return True
+
+    def _restart(self):
+        self.reset()
+        self.restarts += 1
+
+    def _append(self, time, position, velocity):
+        step = 0.0
+        if self._samples:
+            last_time, last_position, *_ = self._samples[-1]
+            step = position - last_position
             step = remainder(step, self._period) if isfinite(step) else step      # two of 1e308 can overflow
-            if abs(time - last_time) > self._gap or abs(step) > self._jump:
-                samples.clear()
-                self.restarts += 1
+            if not 0 < time - last_time <= self._gap or abs(step) > self._jump:
+                self._restart()
             else:
-                position = last_angle + step
-        samples.append((time, position, velocity))
-        return self._estimate(velocity)
+                self._compare((time - last_time) * NANOSECOND, step, velocity)
+        self._samples.append((time, position, step, velocity))
+
+    def _compare(self, t, step, velocity):
+        """Learn from a new sample how far the fit before it was off."""
+        from_rates = isfinite(velocity)
+        if from_rates is not self._from_rates:
+            self._from_rates, self._scatter = from_rates, _MeanSquare()
+        elif self._fit and (from_rates or self._fit.degree == 2):
+            self._scatter.add(self._fit.surprise(t, velocity - self._samples[-1][3] if from_rates else step))
 
     def _estimate(self, velocity):
-        now = self._samples[-1][0]
+        now, position, *_ = self._samples[-1]
         if isfinite(velocity):
-            known = [(t - now, v) for t, _, v in self._samples if isfinite(v)]
-            return velocity, _slope(known) if len(known) > 1 else nan
-        newest = self._samples[-1][1]
-        return _parabola([(t - now, x - newest) for t, x, _ in self._samples])
+            points = [((t - now) * NANOSECOND, v - velocity) for t, _, _, v in self._samples if isfinite(v)]
+        else:
+            points, x = [], 0.0
+            for t, _, step, _ in reversed(self._samples):
+                points.append(((t - now) * NANOSECOND, x))
+                x -= step
+        degree = min(1 if isfinite(velocity) else 2, len(points) - 1)
+        self._fit = fit = Estimate(points, degree) if degree else None
+        if not fit:
+            return velocity, nan
+        self._resolution = ROUNDED * hypot(ulp(velocity if isfinite(velocity) else position), fit.slope * NANOSECOND)
+        velocity, acceleration = (velocity, fit.slope) if isfinite(velocity) else (fit.slope, fit.curvature)
+        self._size.add(hypot(acceleration, velocity * velocity / self._length))
+        return velocity, acceleration
 
 
-def _slope(points):
-    """Return the slope of the least-squares line through points (t, y)."""
-    mean_t = sum(t for t, _ in points) / len(points)
-    return (sum((t - mean_t) * y for t, y in points) / sum((t - mean_t)**2 for t, _ in points))
+class _MeanSquare:
+    """The mean square of the newest numbers, about MEMORY of them; what is not finite is left out."""
 
+    def __init__(self):
+        self.value, self.number = 0.0, 0
 
-def _parabola(points):
-    """
-    Return slope and curvature at t = 0 of the least-squares parabola through points (t, y).
-
-    By polynomials orthogonal on the points: no normal equations, so no loss of digits. Two points give
-    a slope only, one nothing.
-    """
-    n = len(points)
-    if n < 2:
-        return nan, nan
-    mean = sum(t for t, _ in points) / n
-    line = [t - mean for t, _ in points]                              # p1(t) = t - mean
-    norm1 = sum(p * p for p in line)
-    slope = sum(p * y for p, (_, y) in zip(line, points)) / norm1
-    if n < 3:
-        return slope, nan
-    shift = sum(p**3 for p in line) / norm1                           # p2 = p1^2 - shift p1 - norm1/n
-    curve = [p * p - shift * p - norm1 / n for p in line]
-    bend = sum(p * y for p, (_, y) in zip(curve, points)) / sum(p * p for p in curve)
-    return slope + bend * (-2.0 * mean - shift), 2.0 * bend
+    def add(self, x):
+        if isfinite(square := x * x):
+            self.number = min(self.number + 1, MEMORY)
+            self.value += (square - self.value) / self.number

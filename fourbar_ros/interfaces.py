@@ -22,13 +22,13 @@ class Topic(NamedTuple):
 
 
 class Service(NamedTuple):
-    """A service of the node; ``is_long``: may take longer than a step, so it has a thread of its own."""
+    """A service of the node; ``worker``: the thread that answers if that may take longer than a step."""
 
     name: str
     service: str
     type: str
     text: str
-    is_long: bool = False
+    worker: str = ''
 
 
 INPUTS = {topic.name: topic for topic in (
@@ -75,11 +75,11 @@ def topics_of(outputs, points):
 
 SERVICES = {service.name: service for service in (
     Service('find_extrema', '~/find_extrema', 'fourbar_msgs/srv/FindExtrema',
-            'all extremes of motion and loads over the input', True),
+            'all extremes of motion and loads over the input', 'search'),
     Service('evaluate', '~/evaluate', 'fourbar_msgs/srv/Evaluate',
             'state and loads for one input'),
     Service('start_recording', '~/start_recording', 'fourbar_msgs/srv/StartRecording',
-            'start a bag of the input and of everything published'),
+            'start a bag of the input and of everything published', 'bag'),
     Service('stop_recording', '~/stop_recording', 'std_srvs/srv/Trigger',
-            'close the bag; the message is its path'),
+            'close the bag; the message is its path', 'bag'),
 )}

@@ -11,13 +11,14 @@ from .sampling import Sampler
 EXACT_COUNT, INTERVALS, NOT_PROVED = 'exact count', 'interval bounds', 'not proved'
 
 
-def prove_counts(linkage, quantities, omega1, alpha1, samples, found):
+def prove_counts(linkage, quantities, omega1, alpha1, samples, found, check):
     """
     Return how many extremes each quantity has inside the input range, and how that is known.
 
     The rate of the output, and its acceleration at constant input rate, are counted exactly
     (:mod:`.sturm`); the others by interval bounds (:mod:`.intervals`), which need python-flint and, at
-    ends of the range, stop at the last sample. ``found``: what the search found of each quantity.
+    ends of the range, stop at the last sample. ``found``: what the search found of each quantity. ``check``
+    is called between the pieces of the work and may end it by raising.
 
     Returns
     -------
@@ -39,16 +40,16 @@ def prove_counts(linkage, quantities, omega1, alpha1, samples, found):
         if proofs[row] is None and any(part.sense == 0 for part in found[row]):
             proofs[row] = None, f'{NOT_PROVED}: constant in a range'
         elif proofs[row] is None:
-            proofs[row] = _by_intervals(linkage, quantity, omega1, alpha1, samples)
+            proofs[row] = _by_intervals(linkage, quantity, omega1, alpha1, samples, check)
     return proofs
 
 
-def _by_intervals(linkage, quantity, omega1, alpha1, samples):
+def _by_intervals(linkage, quantity, omega1, alpha1, samples, check):
     """Return (number, text) of one quantity."""
     sampler = Sampler(linkage, (quantity,), omega1, alpha1, not is_published(quantity))
     paths = input_paths(linkage, samples)
     try:
-        counts = [intervals.count_extrema(sampler, path)[0] for path in paths]
+        counts = [intervals.count_extrema(sampler, path, check)[0] for path in paths]
     except ImportError:
         return None, f'{NOT_PROVED}: needs the package python-flint'
     except (TypeError, AttributeError) as error:

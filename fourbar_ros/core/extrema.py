@@ -78,7 +78,8 @@ class Extremum(NamedTuple):
     slide: float = nan
 
 
-def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False, conditions=True):
+def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False, conditions=True,
+                 check=lambda: None):
     """
     Return all extreme values over the input angle, in the mode of the linkage.
 
@@ -97,6 +98,9 @@ def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False, 
         second or more for each other quantity.
     conditions : bool
         Also compute condition numbers, which takes a quarter of the time; else they are NaN.
+    check : callable
+        Called without arguments between the pieces of the work, of a proof every few milliseconds; what it
+        raises ends the search.
 
     Returns
     -------
@@ -108,12 +112,13 @@ def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False, 
         if not isfinite(value):
             raise InvalidParameter(name, value, 'must be a finite number')
     quantities = _resolve(quantities, linkage)
+    check()
     found = _search(linkage, quantities, omega1, alpha1, 1, conditions)
     proofs = [''] * len(quantities)
     if certify:
         from .certify import NOT_PROVED, prove_counts
 
-        counts, proofs = zip(*prove_counts(linkage, quantities, omega1, alpha1, SAMPLES, found))
+        counts, proofs = zip(*prove_counts(linkage, quantities, omega1, alpha1, SAMPLES, found, check))
         if any(count not in (None, _interior_count(part)) for count, part in zip(counts, found)):
             found = _search(linkage, quantities, omega1, alpha1, 8, conditions)
         proofs = [proof if count in (None, _interior_count(part))

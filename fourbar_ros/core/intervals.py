@@ -103,7 +103,7 @@ def _exact(record, arb):
     return SimpleNamespace(**{name: _exact(value, arb) for name, value in fields.items()})
 
 
-def count_extrema(sampler, path):
+def count_extrema(sampler, path, check=lambda: None):
     """
     Return how many extremes each quantity of a sampler certainly has between the samples of a path.
 
@@ -111,6 +111,8 @@ def count_extrema(sampler, path):
     ----------
     sampler : .sampling.Sampler
     path : .elliptic.InputPath
+    check : callable
+        Called before every piece; what it raises ends the count.
 
     Returns
     -------
@@ -130,7 +132,8 @@ def count_extrema(sampler, path):
     precision, cap = flint.ctx.prec, flint.ctx.cap
     flint.ctx.prec, flint.ctx.cap = PRECISION, ORDER + 1
     try:
-        return _count(_evaluator(sampler, flint), _pieces(path, flint.arb), len(sampler.quantities))
+        return _count(_evaluator(sampler, flint), _pieces(path, flint.arb), len(sampler.quantities),
+                      check)
     finally:
         flint.ctx.prec, flint.ctx.cap = precision, cap
 
@@ -180,10 +183,11 @@ def _slopes(at_middle, over_piece, offset):
     return slope, curvature
 
 
-def _count(coefficients, pieces, size):
+def _count(coefficients, pieces, size, check):
     """Return the number of sign changes of dQ/dtheta1 in all pieces, for each row; None if not decided."""
     counts, work, done = [0] * size, [(*piece, tuple(range(size))) for piece in reversed(pieces)], 0
     while work:
+        check()
         low, high, rows = work.pop()
         whole = low.union(high)
         middle = whole.mid()

@@ -221,7 +221,7 @@ def run(path, seconds, directory, console):
     published = published_for(path)
     console.print(what_it_is(scene.linkage, path))
     name = f'{Path(path).stem}_{time.strftime("%Y_%m_%d-%H_%M_%S")}'
-    node = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node', '--ros-args',
+    node = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.start', '--ros-args',
                              '--params-file', str(path), '-p', 'recording.start:=true',
                              '-p', f'recording.directory:={directory}', '-p', f'recording.name:={name}'])
     client = Client(scene)

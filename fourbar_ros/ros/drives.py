@@ -3,21 +3,29 @@ from __future__ import annotations
 
 import threading
 import time
-from math import inf, isnan, tau
+from math import inf, isnan, nan, tau
 from traceback import format_exc
 
+from rclpy.clock import Clock, ClockType
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from .. import interfaces, joints
 from ..estimator import RateEstimator
 from .inputs import Reader
 from .messages import resolve, sec_nanosec
+from .sequence import Sequence, WithInfo
 
 SLEEP = 0.1            # [s] longest sleep: how soon a thread sees that it shall stop
 CATCH_UP = 1.0         # [s] a thread later than this skips the samples it missed
 CLOCK_STEP = 0.05      # [s] the wall clock was set if it is this far from the monotonic one
 CHECK_CLOCK = 1.0      # [s] how often that is looked at
 FUTURE = 1.0           # [s] a stamp further ahead of our clock is counted as of the future
+
+
+def steady_timer(node, period, callback):
+    """Return a timer that goes on when the clock of the system is set, or a simulation stands still."""
+    return node.create_timer(period, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
 
 class Drive:
@@ -34,7 +42,11 @@ class Drive:
 
     def age(self):
         """Return the time since the newest input [s], NaN if there is none to wait for."""
-        return float('nan')
+        return nan
+
+    def state(self):
+        """Return (values, problems) for the diagnostics, beside the counters."""
+        return {}, []
 
 
 class TimerDrive(Drive):
@@ -147,17 +159,23 @@ class SimulatedTimerDrive(Drive):
 class TopicDrive(Drive):
     """Every input message makes one step, stamped as the message; missing rates are estimated."""
 
-    COUNTED = ('received', 'malformed', 'without_joint', 'future', 'timeouts', 'faults')
+    COUNTED = ('received', 'lost', 'malformed', 'without_joint', 'bad_stamps', 'future', 'late', 'restarts',
+               'timeouts', 'faults')
 
     def start(self):
         """Subscribe. Raw bytes: they are what is recorded."""
         self._topic = interfaces.INPUTS[self.settings.source]
-        self._heard, self._waiting, self._horizon = time.monotonic(), False, 0
+        self._simulated = self._node.get_parameter('use_sim_time').value
+        self._heard, self._waiting, self._horizon = self._now(), False, 0
+        self._estimated = False
+        self.estimator = None
         self.apply(self.settings)
         qos = QoSProfile(depth=interfaces.INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
+        self._sequence = Sequence(lambda: self._subscription.get_publisher_count())
         self._subscription = self._node.create_subscription(
-            resolve(self._topic.type), self._topic.topic, self._receive, qos, raw=True)
-        self._timer = self._node.create_timer(SLEEP, self._watch)
+            resolve(self._topic.type), self._topic.topic, WithInfo(self._receive), qos, raw=True,
+            event_callbacks=SubscriptionEventCallbacks(matched=lambda _: self._sequence.forget()))
+        self._timer = steady_timer(self._node, SLEEP, self._watch)
 
     def stop(self):
         """Unsubscribe."""
@@ -169,58 +187,86 @@ class TopicDrive(Drive):
         super().apply(settings)
         self._scale = joints.Scale(settings.joint_ratio, settings.joint_offset)
         self._read = Reader(self._topic.type, settings.joint)
-        turn = inf if self._stream.scene.linkage.is_driven_by_slide else tau
-        self.estimator = RateEstimator(settings.window, settings.timeout or 1.0, settings.jump, turn)
+        linkage, before = self._stream.scene.linkage, self.estimator
+        turn, length = (inf, max(linkage.lengths)) if linkage.is_driven_by_slide else (tau, 1.0)
+        self.estimator = RateEstimator(settings.window, settings.timeout or 1.0, settings.jump, turn, length)
+        if before:
+            self.estimator.late, self.estimator.restarts = before.late, before.restarts
 
     def age(self):
-        """Return the time since the newest input [s]."""
-        return time.monotonic() - self._heard
+        """Return the time since the newest input [s]: steady, or simulated where time is."""
+        return self._now() - self._heard
 
-    def _receive(self, data):
+    def _now(self):
+        return self._node.get_clock().now().nanoseconds * 1e-9 if self._simulated else time.monotonic()
+
+    def state(self):
+        """Return (values, problems): how good an estimated acceleration is."""
+        self.counts.update(lost=self._sequence.lost, late=self.estimator.late, restarts=self.estimator.restarts)
+        if isnan(self.estimator.lag) or not self._estimated:
+            return {}, []
+        unit = 'm/s^2' if self._stream.scene.linkage.is_driven_by_slide else 'rad/s^2'
+        noise = self.estimator.noise
+        return ({f'noise of the estimated acceleration [{unit}]': 'unknown' if isnan(noise) else f'{noise:.3g}',
+                 'lag of the estimated acceleration [s]': f'{self.estimator.lag:.3g}'},
+                ['the estimated acceleration is noise'] if self.estimator.is_noise else [])
+
+    def _receive(self, data, info):
         try:
+            self._sequence.take(info['publication_sequence_number'])
             self._take(data)
         except Exception:                                # a fault of ours: told, and the next message is taken
-            self._once('faults', f'a fault in taking an input: {format_exc()}')
+            self._note('faults', f'a fault in taking an input: {format_exc()}')
 
     def _take(self, data):
         self.counts['received'] += 1
-        self._heard, self._waiting = time.monotonic(), True
+        self._heard, self._waiting = self._now(), True
         self._recording.write(self._topic.name, data)
         try:
             stamp, given = self._read(data)
         except Exception:                                # whatever a foreign writer sends, the node goes on
-            self._once('malformed', f'{self._topic.topic}: a message that is no {self._topic.type}')
+            self._note('malformed', f'{self._topic.topic}: a message that is no {self._topic.type}')
             return
         if given is None:
-            self._once('without_joint', f'joint {self.settings.joint!r} is not in the input message')
+            self._note('without_joint', f'joint {self.settings.joint!r} is not in the input message')
             return
-        time_of = stamp[0] * 10**9 + stamp[1]
-        if time_of == 0:                                 # unstamped: it belongs to the time it comes
-            time_of = self._node.get_clock().now().nanoseconds
-            stamp = sec_nanosec(time_of)
-        elif time_of > self._horizon:                    # reached about once in FUTURE seconds
-            self._look_ahead(time_of)
+        stamp, time_of = self._stamp(*stamp)
         if self.settings.source == 'joint_state':
             given = self._scale.to_input(*given)
         position, velocity, acceleration = given
-        if isnan(velocity) or isnan(acceleration):
-            velocity, estimate = self.estimator.update(time_of * 1e-9, position, velocity)
+        self._estimated = isnan(velocity) or isnan(acceleration)
+        if self._estimated:
+            velocity, estimate = self.estimator.update(time_of, position, velocity)
             acceleration = estimate if isnan(acceleration) else acceleration
         self._stream.step(stamp, position, velocity, acceleration)
+
+    def _stamp(self, sec, nanosec):
+        """Return the stamp of an input, (sec, nanosec), and in ns: the time of now for one without, or with a bad one."""
+        time_of = sec * 10**9 + nanosec
+        is_good = sec >= 0 and nanosec < 10**9
+        if time_of and is_good:
+            if time_of > self._horizon:
+                self._look_ahead(time_of)
+            return (sec, nanosec), time_of
+        if not is_good:
+            self._note('bad_stamps', f'input stamped {sec} s, {nanosec} ns, which is no time: stamped on arrival')
+        time_of = self._node.get_clock().now().nanoseconds
+        return sec_nanosec(time_of), time_of
 
     def _look_ahead(self, time_of):
         now = self._node.get_clock().now().nanoseconds
         self._horizon = now + round(FUTURE * 1e9)
         if time_of > self._horizon:
-            self._once('future', f'input stamped {(time_of - now) * 1e-9:.3f} s ahead of the clock')
+            self._note('future', f'input stamped {(time_of - now) * 1e-9:.3f} s ahead of the clock')
 
-    def _once(self, what, text):
-        """Count, and say it the first time."""
+    def _note(self, what, text):
         self.counts[what] += 1
-        if self.counts[what] == 1:
-            self._node.get_logger().warning(text + ' (said once; counted in the diagnostics)')
+        self._node.log.warning(what, text)
 
     def _watch(self):
+        self._horizon = 0                                # the clock may have been set
+        if self.age() < 0.0:                             # so was that of a simulation
+            self._heard = self._now()
         limit = self.settings.timeout
         if limit and self._waiting and self.age() > limit:
             self._waiting = False

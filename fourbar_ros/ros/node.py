@@ -1,9 +1,7 @@
 """fourbar_node: one linkage, driven by the clock or by messages; publishes, answers, records."""
 from __future__ import annotations
 
-import signal
 import sys
-import threading
 
 import rclpy
 from rclpy.experimental import EventsExecutor
@@ -11,16 +9,21 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from .. import interfaces
 from ..arguments import NODE_HELP, check_node_arguments
 from ..core import FourBarError
 from . import declare, services
 from .diagnostics import Diagnostics
 from .drives import SimulatedTimerDrive, TimerDrive, TopicDrive
+from .quiet import QuietLog
 from .recording import Recording
+from .stop import Stop
 from .stream import Stream
+from .worker import Worker
 
 RCLError = rclpy_implementation.RCLError     # a scene file that rcl cannot parse, among others
 SWITCH = 0.001  # [s] how long a busy service may keep the interpreter from the stream (default 0.005)
+PATIENCE = 0.5  # [s] for a search to see that it is abandoned: it looks every few milliseconds
 SPIN = 0.2      # [s] the events executor must be given a finite time: endless, it can hang (see docs/node.md)
 
 
@@ -31,13 +34,13 @@ class FourBarNode(Node):
         super().__init__('fourbar', automatically_declare_parameters_from_overrides=True, **kwargs)
         scene = declare.scene(self)
         self.failure = None                  # a fault in any thread, raised by main
+        self.log = QuietLog(self.get_logger())
         self.recording = Recording(self)
         self.stream = Stream(self, scene, self.recording)
         self.drive = self._drive_of(scene.drive.source)(self, self.stream, self.recording)
         declare.watch(self, lambda: self.stream.scene, self.apply)
-        # Long services must not hold up the inputs: a hidden node, spun by a thread of its own.
-        self.worker = rclpy.create_node(f'_{self.get_name()}_worker', namespace=self.get_namespace(),
-                                        start_parameter_services=False, enable_rosout=False)
+        self.workers = {name: Worker(name) for name in
+                        dict.fromkeys(service.worker for service in interfaces.SERVICES.values()) if name}
         services.create(self)
         self._diagnostics = Diagnostics(self)
         if scene.recording.start:
@@ -59,28 +62,26 @@ class FourBarNode(Node):
             self.drive.apply(scene.drive)
 
     def close(self):
-        """Stop the stream, close the bag, leave the graph."""
+        """Stop the stream, close the bag, abandon what is searched for, leave the graph."""
         self.drive.stop()
+        self.workers['bag'].stop()           # a bag in its hands is closed there
         try:
-            path = self.recording.stop()
-            if path:
-                self.get_logger().info(f'recorded {path}')
+            self.recording.stop()
         except FourBarError as error:
             self.get_logger().error(str(error))
         finally:
-            self.worker.destroy_node()
+            self.log.flush(0.0)
+            self.workers['search'].stop(PATIENCE)
             self.destroy_node()
 
 
-def main(args=None):
+def main(args=None, stop=None):
     """Run the node until SIGINT, SIGTERM or SIGHUP; exit code 0, or 2 for a scene that cannot be."""
     given = sys.argv[1:] if args is None else args[1:]
     if given in (['-h'], ['--help']):
         print(NODE_HELP, end='')
         return 0
-    stop = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, lambda *_: stop.set())
+    stop = stop or Stop().catch()
     try:
         check_node_arguments(given)
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
@@ -90,26 +91,23 @@ def main(args=None):
         rclpy.try_shutdown()
         return 2
     sys.setswitchinterval(SWITCH)
-    worker = threading.Thread(target=spin, args=(node.worker, node, stop), name='worker')
-    worker.start()
     try:
-        spin(node, node, stop)
+        spin(node, stop)
     finally:
-        stop.set()
-        worker.join()
         node.close()
         rclpy.try_shutdown()
+        stop.ignore()
     if node.failure:
         raise node.failure
     return 0
 
 
-def spin(spun, node, stop):
-    """Handle what comes to one node until ``stop`` is set or anything has failed."""
+def spin(node, stop):
+    """Handle what comes until it is asked to stop or anything has failed."""
     executor = EventsExecutor()
-    executor.add_node(spun)
+    executor.add_node(node)
     try:
-        while not stop.is_set() and not node.failure:
+        while not stop.requested and not node.failure:
             executor.spin_once(timeout_sec=SPIN)
     except Exception as error:
         node.failure = error

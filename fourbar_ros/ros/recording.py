@@ -20,6 +20,13 @@ class RecorderState(NamedTuple):
     problems: list
 
 
+class OpenBag(NamedTuple):
+    """A bag that waits for its first message; ``channels``: the number of each topic by its short name."""
+
+    writer: object
+    channels: dict
+
+
 class Recording:
     """
     Start and stop the bags of one node and hand them what is sent.
@@ -47,8 +54,12 @@ class Recording:
         writer = self._writer
         return writer is not None and writer.error is None
 
-    def start(self, scene, name=''):
-        """Start a bag of what a scene receives and publishes; return its path; raises BagError."""
+    def open(self, scene, name=''):
+        """
+        Return an :class:`OpenBag` of what a scene receives and publishes; raises BagError.
+
+        It waits for the disk, so not during a step; :meth:`attach` then is quick.
+        """
         from ..bag.writer import BagError, BagWriter     # only scenes that record need the mcap library
         from .schemas import channel
 
@@ -65,13 +76,17 @@ class Recording:
                  'node': self._node.get_fully_qualified_name(),
                  'units': 'SI: m, kg, s, rad, N, N m', 'software': json.dumps(software()),
                  estimator.KEY: str(estimator.VERSION)}
-        log = self._node.get_logger()
         writer = BagWriter(Path(scene.recording.directory).absolute(), name,
-                           [channel(topic, resolved[topic.name]) for topic in topics], about, tell=log.error)
-        self._channels = {topic.name: number for number, topic in enumerate(topics)}
-        self._writer = writer
-        log.info(f'recording to {writer.path}')
-        return writer.path
+                           [channel(topic, resolved[topic.name]) for topic in topics], about,
+                           tell=self._node.get_logger().error)
+        return OpenBag(writer, {topic.name: number for number, topic in enumerate(topics)})
+
+    def attach(self, bag):
+        """Record into an opened bag from now on; return its path."""
+        self._channels = bag.channels                    # first: an input may be written meanwhile
+        self._writer = bag.writer
+        self._node.get_logger().info(f'recording to {bag.writer.path}')
+        return bag.writer.path
 
     def state(self):
         """Return (values, problems) for the diagnostics."""
@@ -88,7 +103,11 @@ class Recording:
         """Close the bag and return its path, None if there was none; raises BagError."""
         with self.between_steps:
             writer, self._writer = self._writer, None
-        return writer.close() if writer else None
+        if not writer:
+            return None
+        path = writer.close()
+        self._node.get_logger().info(f'recorded {path}')
+        return path
 
     def write(self, topic, data):
         """Record the serialised message of a topic, by its short name, if a bag is open; never waits."""

@@ -13,14 +13,16 @@ from .messages import filler, resolve, sec_nanosec, set_constants
 
 
 def create(node):
-    """Create all services of a node, the long ones on its worker."""
+    """Create all services of a node, those that take long on its workers."""
     handlers = {'find_extrema': find_extrema, 'evaluate': evaluate_one,
                 'start_recording': start_recording, 'stop_recording': stop_recording}
 
     for service in interfaces.SERVICES.values():
-        owner = node.worker if service.is_long else node
-        owner.create_service(resolve(service.type), node.resolve_service_name(service.service),
-                             partial(_answered, handlers[service.name], node))
+        kind, answer = resolve(service.type), partial(_answered, handlers[service.name], node)
+        if service.worker:
+            node.workers[service.worker].serve(node, kind, service.service, answer)
+        else:
+            node.create_service(kind, service.service, answer)
 
 
 def _answered(handler, node, request, response):
@@ -53,7 +55,8 @@ def find_extrema(node, request, response):
             raise _BadRequest(f'{missing[0]}: the scene has no masses')
         names = [quantity.name for quantity in quantities]
         found = [extremum for mode in modes
-                 for extremum in search(linkage.in_mode(mode), quantities, velocity, request.acceleration, request.certify)]
+                 for extremum in search(linkage.in_mode(mode), quantities, velocity, request.acceleration,
+                                        request.certify, check=node.workers['search'].check)]
         found.sort(key=lambda extremum: (names.index(extremum.quantity), extremum.mode))
         response.extrema = [_extremum_message(extremum) for extremum in found]
         response.result = response.RESULT_OK

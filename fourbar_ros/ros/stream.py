@@ -10,7 +10,7 @@ from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 
 from .. import interfaces
-from ..core.errors import UNITS, OutOfRange
+from ..core.errors import UNITS, FourBarError, OutOfRange
 from ..core.status import INPUT_TIMEOUT, OK, OUT_OF_RANGE, STATUS_NAMES
 from ..stepper import Stepper
 from .outputs import Output
@@ -77,12 +77,17 @@ class Stream:
         self._all, self._heard = wanted(every), wanted([output for output in every if output.is_heard])
 
     def start_recording(self, name=''):
-        """Start a bag whose first message is the scene; returns its path; raises BagError."""
+        """Start a bag whose first message is the scene; returns its path; raises FourBarError."""
+        scene = self.scene
+        bag = self._recording.open(scene, name)          # outside of the lock: the disk may be slow
         with self._lock:
-            path = self._recording.start(self.scene, name)
-            self._stepper = Stepper(self.scene)          # nothing is held from before: the bag computes again alone
-            self._recording.write(interfaces.SCENE.name, self._scene_bytes())
-            return path
+            if self.scene.topics == scene.topics:
+                path = self._recording.attach(bag)
+                self._stepper = Stepper(self.scene)      # nothing is held from before: the bag computes again alone
+                self._recording.write(interfaces.SCENE.name, self._scene_bytes())
+                return path
+        bag.writer.close()
+        raise FourBarError('the outputs were changed meanwhile: ask again')
 
     def _scene_bytes(self):
         return serialize_message(String(data=self.scene.as_json))
@@ -137,14 +142,13 @@ class Stream:
         with self._lock:
             self.status, self._values = INPUT_TIMEOUT, self._stepper.silence()
             self._send(self._outputs, stamp, INPUT_TIMEOUT, self._values)
-        self._node.get_logger().warning(f'no input for {seconds:g} s')
+        self._node.log.warning('timeout', f'no input for {seconds:g} s')
 
     def _log(self, status, position):
         self.status = status
-        say = self._node.get_logger()
         if status == OK:
-            say.info('input good again')
+            self._node.log.info(status, 'input good again')
         else:
             name, ranges = self.scene.linkage.input_coordinate.position, self.scene.linkage.input_ranges
-            say.warning(str(OutOfRange(name, position, ranges)) if status == OUT_OF_RANGE
-                        else f'{name} = {position!r} {UNITS[name]}: {STATUS_NAMES[status]}')
+            self._node.log.warning(status, str(OutOfRange(name, position, ranges)) if status == OUT_OF_RANGE
+                                   else f'{name} = {position!r} {UNITS[name]}: {STATUS_NAMES[status]}')

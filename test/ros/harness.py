@@ -30,15 +30,17 @@ def fields_of(layout, output, message):
 
 
 class NodeProcess:
-    """fourbar_node with these parameters; what it says is kept in ``said``."""
+    """fourbar_node with these parameters, after the code ``first``; what it says is kept in ``said``."""
 
-    def __init__(self, parameters, tmp_path, name='fourbar', remaps=()):
+    def __init__(self, parameters, tmp_path, name='fourbar', remaps=(), first=''):
         self.name = name
         file = tmp_path / f'{name}.yaml'
         file.write_text(json.dumps({'/**': {'ros__parameters': parameters}}))    # JSON is YAML
         remap = [part for rule in (f'__node:={name}', *remaps) for part in ('-r', rule)]
+        run = ['-c', f'{first}\nimport sys; from fourbar_ros.ros.start import main; sys.exit(main())']
         self.process = subprocess.Popen(
-            [sys.executable, '-m', 'fourbar_ros.ros.node', '--ros-args', '--params-file', str(file), *remap],
+            [sys.executable, *(run if first else ['-m', 'fourbar_ros.ros.start']),
+             '--ros-args', '--params-file', str(file), *remap],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=tmp_path, env=os.environ)
         self.said = ''
         self._reader = threading.Thread(target=self._read, daemon=True)

@@ -93,7 +93,7 @@ def test_the_scene_of_a_bag_runs_a_node(client, bag, tmp_path):
     code, text = finished(fourbar('bag', 'scene', bag), client)
     assert code == 0
     (tmp_path / 'again.yaml').write_text(text)
-    node = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node', '--ros-args', '--params-file',
+    node = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.start', '--ros-args', '--params-file',
                              str(tmp_path / 'again.yaml'), '-r', '__node:=again'], env=os.environ, cwd=tmp_path)
     try:
         client.until(lambda: node.poll() is not None or 'again' in client.node.get_node_names(), 'the node')

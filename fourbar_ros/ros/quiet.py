@@ -1,0 +1,58 @@
+"""The log, kept readable: at most one line per cause and interval, with how many there were."""
+from __future__ import annotations
+
+import threading
+import time
+
+INTERVAL = 10.0      # [s]
+
+
+class QuietLog:
+    """
+    Says the first of a cause at once and counts the others until ``interval`` is over.
+
+    Parameters
+    ----------
+    logger : object
+        With methods ``info`` and ``warning``.
+    interval : float
+        [s]
+
+    """
+
+    def __init__(self, logger, interval=INTERVAL):
+        self._logger, self._interval, self._lock = logger, interval, threading.Lock()
+        self._causes = {}                # {cause: [when said, how many since, whether bad, newest text]}
+
+    def info(self, cause, text):
+        """Say what is good."""
+        self._note(cause, text, False)
+
+    def warning(self, cause, text):
+        """Say what is not."""
+        self._note(cause, text, True)
+
+    def flush(self, interval=None):
+        """Say what was held back for the interval, or for another one: to be called now and then, and at the end."""
+        interval = self._interval if interval is None else interval
+        with self._lock:
+            for cause, (said, waiting, *_) in list(self._causes.items()):
+                if waiting and time.monotonic() - said >= interval:
+                    self._say(cause)
+
+    def _note(self, cause, text, is_bad):
+        with self._lock:
+            said, waiting, *_ = self._causes.pop(cause, (-self._interval, 0))
+            self._causes[cause] = [said, waiting + 1, is_bad, text]          # the newest last: so they are flushed
+            if time.monotonic() - said >= self._interval:
+                self._say(cause)
+
+    def _say(self, cause):
+        said, number, is_bad, text = self._causes[cause]
+        now = time.monotonic()
+        self._causes[cause][:2] = now, 0
+        text += f' ({number} times in {now - said:.0f} s)' if number > 1 else ''
+        if is_bad:                       # two lines of code: to rclpy a line has one severity
+            self._logger.warning(text)
+        else:
+            self._logger.info(text)

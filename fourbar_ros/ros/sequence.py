@@ -1,0 +1,65 @@
+"""Messages that were sent but never taken, by the numbers that publishers give them."""
+from __future__ import annotations
+
+from inspect import Parameter, Signature
+
+
+class Sequence:
+    """
+    Counts what is missing in the numbers of the messages of one topic.
+
+    Every publisher numbers its messages one by one; a message does not say whose it is. So the next
+    number of every publisher is kept, and one that fits none leaves a gap behind the nearest. With
+    several publishers single gaps may be taken for another's, their sum is right.
+
+    Parameters
+    ----------
+    publishers : callable
+        Returns how many there are.
+
+    Attributes
+    ----------
+    lost : int
+
+    """
+
+    def __init__(self, publishers):
+        self._publishers, self._next, self.lost = publishers, [], 0
+
+    def forget(self):
+        """Start anew: publishers have come or gone."""
+        self._next = []
+
+    def take(self, number):
+        """Note the number of a message; None if the middleware gives none."""
+        if number is None:
+            return
+        expected = self._next
+        if number in expected:
+            expected[expected.index(number)] += 1
+        elif len(expected) < self._publishers():
+            expected.append(number + 1)                  # the first of this publisher
+        elif before := [other for other in expected if other < number]:
+            self.lost += number - max(before)
+            expected[expected.index(max(before))] = number + 1
+        else:
+            self._next = [number + 1]                    # a publisher that has started again
+
+
+class WithInfo:
+    """
+    A callback for a message and its info, whoever calls it.
+
+    rclpy looks at the signature to see that a callback wants the info. Its EventsExecutor then gives both
+    as one tuple (rclpy 7.1.5), other executors, and later ones, as two arguments.
+    """
+
+    __signature__ = Signature([Parameter(name, Parameter.POSITIONAL_ONLY) for name in ('message', 'info')])
+
+    def __init__(self, receive):
+        self._receive = receive
+
+    def __call__(self, *given):
+        """Call ``receive(message, info)``."""
+        message, info = given if len(given) == 2 else given[0]
+        self._receive(message, info)

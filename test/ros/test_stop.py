@@ -1,0 +1,138 @@
+"""Whatever signals come, and whenever: exit code 0, a whole bag, soon; nothing waits for a search or a disk."""
+import random
+import signal
+import time
+from pathlib import Path
+
+import pytest
+from builtin_interfaces.msg import Time
+from fourbar_msgs.msg import Motion
+
+from fourbar_ros import interfaces
+from fourbar_ros.bag.info import info
+from fourbar_ros.ros.messages import resolve
+from fourbar_ros.ros.stop import SIGNALS
+from harness import ALL_OUTPUTS, PATIENCE
+from scenes import PAPER, RODS
+
+RECORDING = {**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 200.0, 'outputs': ALL_OUTPUTS,
+             'recording.start': True, 'recording.name': 'run'}
+LAUNCH = 5.0         # [s] ros2 launch waits so long after Ctrl-C before it sends SIGTERM, and then SIGKILL
+FLOODS, MANY_FLOODS = 3, 25
+
+
+def catches(process, number):
+    """Return whether a process has a handler for a signal."""
+    status = Path(f'/proc/{process.pid}/status').read_text()
+    return int(status.split('SigCgt:')[1].split()[0], 16) >> (number - 1) & 1
+
+
+def flood(process, rng, period):
+    """Send signals until the process has ended; return its exit code."""
+    end = time.monotonic() + PATIENCE
+    while process.poll() is None:
+        assert time.monotonic() < end, 'still there'
+        process.send_signal(rng.choice(SIGNALS))
+        time.sleep(period)
+    return process.returncode
+
+
+def test_a_certified_search_is_abandoned_and_the_bag_closed(run_node, client, tmp_path):
+    """All quantities in both modes: some ten seconds of proofs, and nobody waits for them."""
+    node = run_node(RECORDING)
+    client.listen(['state'])
+    client.call('find_extrema', quantities=['?'])                       # so that the next request arrives
+    service = interfaces.SERVICES['find_extrema']
+    asked = client.services['fourbar', 'find_extrema'].call_async(
+        resolve(service.type).Request(mode=3, certify=True))
+    client.until(lambda: len(client.received['state']) > 200, 'the stream')
+    assert not asked.done()
+    began = time.monotonic()
+    assert node.stop(signal.SIGINT) == 0, node.said
+    assert time.monotonic() - began < LAUNCH
+    assert 'Traceback' not in node.said
+    assert info(tmp_path / 'bags/run', check=True).is_sound
+    client.until(asked.done, 'the answer', patience=1.0)
+    assert 'the node stops' in asked.result().message
+
+
+def flooded(run_node, client, tmp_path, seed):
+    rng = random.Random(seed)
+    node = run_node(RECORDING)
+    client.listen(['state'])
+    client.until(lambda: len(client.received['state']) > rng.randrange(20, 60), 'the stream')
+    assert flood(node.process, rng, rng.choice([0.0002, 0.001, 0.01, 0.05])) == 0, node.said
+    node.wait()
+    assert 'Traceback' not in node.said
+    assert info(tmp_path / 'bags/run', check=True).is_sound
+
+
+@pytest.mark.parametrize('seed', range(FLOODS))
+def test_a_flood_of_signals_ends_it_like_one(run_node, client, tmp_path, seed):
+    flooded(run_node, client, tmp_path, seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('seed', range(MANY_FLOODS))
+def test_many_floods_of_signals(run_node, client, tmp_path, seed):
+    flooded(run_node, client, tmp_path, 100 + seed)
+
+
+@pytest.mark.parametrize('wait', [0.0, 0.05, 0.1, 0.2, 0.3])
+def test_a_signal_while_it_starts_ends_it_without_a_traceback(run_node, wait):
+    """From the first line of ours on: before that, Python itself answers."""
+    node = run_node(RECORDING)
+    while node.process.poll() is None and not catches(node.process, signal.SIGTERM):
+        time.sleep(0.001)
+    time.sleep(wait)
+    assert flood(node.process, random.Random(wait), 0.02) == 0, node.said
+    node.wait()
+    assert 'Traceback' not in node.said and 'KeyboardInterrupt' not in node.said
+
+
+SLOW_DISK = '''
+import os, time
+fsync = os.fsync
+def slow(number):
+    time.sleep(3.0)
+    fsync(number)
+os.fsync = slow
+'''
+
+
+def test_a_slow_disk_at_the_end_of_a_bag_holds_up_no_input(run_node, client):
+    """What is sent after the request to stop is answered before that: in order of events, not by the clock."""
+    node = run_node({**PAPER, 'drive.source': 'motion', 'outputs': ['state']}, first=SLOW_DISK)
+    client.listen(['state'])
+    publisher = client.publisher()
+    client.handshake(lambda: publisher.publish(Motion(position=0.1)))
+    assert client.call('start_recording', name='slow').success
+    client.call('stop_recording')                                         # the two have seen each other
+    assert client.call('start_recording', name='slower').success
+    stopping = client.services['fourbar', 'stop_recording'].call_async(
+        resolve(interfaces.SERVICES['stop_recording'].type).Request())
+    for k in range(20):
+        message = Motion(position=0.01 * k)
+        message.header.stamp = Time(sec=k + 1)
+        publisher.publish(message)
+        client.until(lambda k=k: len(client.received['state']) > k, f'answer {k}')
+        assert not stopping.done()
+    client.until(stopping.done, 'the end of the bag')
+    path = Path(stopping.result().message)
+    assert path.is_absolute() and info(path, check=True).is_sound
+    assert f'recorded {path}' in node.said
+
+
+@pytest.mark.parametrize('name, remap', [('fourbar', ''), ('mine', ''), ('fourbar', '__ns:=/cell')])
+def test_every_node_is_there_once_and_has_all_its_services(run_node, client, name, remap):
+    run_node({**PAPER, 'outputs': ['state']}, name=name, remaps=[remap] if remap else [])
+    namespace = remap[6:] or '/'
+    full = f'{namespace.rstrip("/")}/{name}'
+
+    def services():
+        here = client.node.get_node_names_and_namespaces()
+        return dict(client.node.get_service_names_and_types_by_node(name, namespace)) if (name, namespace) in here else {}
+    expected = {service.service.replace('~', full) for service in interfaces.SERVICES.values()}
+    client.until(lambda: expected <= services().keys(), 'its services')
+    names = [n for n in client.node.get_node_names_and_namespaces() if n != ('tester', '/')]
+    assert names == [(name, namespace)]
