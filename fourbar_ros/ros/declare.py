@@ -8,9 +8,10 @@ from rcl_interfaces.msg import IntegerRange, ParameterDescriptor, ParameterType,
 from .. import scene as scenes
 from ..core import FourBarError
 from ..parameters import find
+from . import qos
 
 # Parameters that rclpy itself owns.
-BUILT_IN = ('use_sim_time', 'start_type_description_service', 'qos_overrides.')
+BUILT_IN = ('use_sim_time', 'start_type_description_service', qos.PREFIX)
 
 _ROS_TYPES = {'double': ParameterType.PARAMETER_DOUBLE, 'integer': ParameterType.PARAMETER_INTEGER,
               'string': ParameterType.PARAMETER_STRING, 'bool': ParameterType.PARAMETER_BOOL,
@@ -53,6 +54,10 @@ def watch(node, current, apply):
 
     def check(given):
         checked.clear()
+        for parameter in given:
+            if (parameter.name == 'use_sim_time' or parameter.name.startswith(qos.PREFIX)) \
+                    and parameter.value != node.get_parameter_or(parameter.name, parameter).value:
+                return SetParametersResult(successful=False, reason=f'{parameter.name}: only at start')
         try:
             if changes := changed(given):
                 scene = scenes.from_values({**current().values, **changes})

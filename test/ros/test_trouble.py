@@ -1,0 +1,258 @@
+"""Trouble around the node: lost and bad inputs, clocks that are set, a log and diagnostics that stay readable."""
+import math
+import re
+import shutil
+import subprocess
+import time
+
+import pytest
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from fourbar_msgs.msg import LinkageState, Motion
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+
+from fourbar_ros.ros.quiet import QuietLog
+from fourbar_ros.ros.sequence import Sequence
+from scenes import PAPER
+from test_inputs import NANOSECONDS, answers, set_parameters, stamped
+
+DRIVEN = {**PAPER, 'drive.source': 'motion', 'drive.timeout': 0.0, 'outputs': ['state']}
+
+
+@pytest.fixture
+def heard(client):
+    """Return the function that gives (status, values) of the newest diagnostics."""
+    messages = []
+    client.node.create_subscription(DiagnosticArray, '/diagnostics', messages.append, 10)
+
+    def newest():
+        status = messages[-1].status[0] if messages else DiagnosticStatus()
+        return status, {pair.key: pair.value for pair in status.values}
+    newest.messages = messages
+    return newest
+
+
+# --- lost inputs ------------------------------------------------------------------------------------
+
+SLOW = '''
+import time
+from fourbar_ros.ros.stream import Stream
+step = Stream.step
+Stream.step = lambda self, *given: (time.sleep(0.001), step(self, *given))
+'''
+
+
+@pytest.mark.parametrize('publishers', [1, 2])
+def test_what_is_lost_is_counted_to_the_last_message(run_node, client, heard, publishers):
+    """Inputs faster than a step, and more of them than are kept: received and lost are all that were sent."""
+    run_node(DRIVEN, first=SLOW)
+    client.listen(['state'])
+    sending = [client.publisher() for _ in range(publishers)]
+    for publisher in sending:
+        client.handshake(lambda publisher=publisher: publisher.publish(Motion(position=0.1)))
+
+    def counted():
+        _, values = heard()
+        return int(values.get('received', 0)) + int(values.get('lost', 0))
+    seen = -1
+    while seen != counted() or not seen:                             # the handshake is counted
+        seen, number = counted(), len(heard.messages)
+        client.until(lambda number=number: len(heard.messages) > number + 1, 'diagnostics')
+    for k in range(3000):
+        sending[k % publishers].publish(Motion(position=0.001 * k))
+    client.until(lambda: counted() == seen + 3000, 'all counted')
+    status, values = heard()
+    assert int(values['lost']) > 0
+    client.until(lambda: 'lost' not in heard()[0].message, 'the next second')
+    lost = [m.status[0] for m in heard.messages if ' lost' in m.status[0].message]
+    assert lost and all(s.level == DiagnosticStatus.WARN for s in lost)
+
+
+def test_gaps_in_the_numbers_of_several_publishers():
+    sequence = Sequence(lambda: 2)
+    for number in (1, 2, 901, 3, 902, 6, 903, 7, 905):               # 4, 5 and 904 are missing
+        sequence.take(number)
+    assert sequence.lost == 3
+    sequence.take(1)                                                 # one of them was started again
+    sequence.take(None)                                              # of a middleware without numbers
+    assert sequence.lost == 3
+    sequence.forget()
+    for number in (40, 10, 11, 41):
+        sequence.take(number)
+    assert sequence.lost == 3
+
+
+# --- the log ----------------------------------------------------------------------------------------
+
+class Lines(list):
+    def info(self, text):
+        self.append(text)
+    warning = info
+
+
+def test_one_line_per_cause_and_interval_with_the_number():
+    said = Lines()
+    log = QuietLog(said, interval=0.2)
+    for k in range(100):
+        log.warning('bad', f'bad {k}')
+        log.info('good', f'good {k}')
+    assert said == ['bad 0', 'good 0']
+    log.flush()
+    assert len(said) == 2                                            # not yet
+    time.sleep(0.2)
+    log.flush()
+    assert [re.sub(r' in \d+ s', '', line) for line in said[2:]] == ['bad 99 (99 times)', 'good 99 (99 times)']
+    log.flush(0.0)
+    assert len(said) == 4
+    log.warning('another', 'at once')
+    assert said[-1] == 'at once'
+
+
+@pytest.mark.parametrize('bad', [Motion(position=math.nan), Motion(position=9.0, velocity=math.inf)])
+def test_good_and_bad_inputs_in_turns_are_a_few_lines(run_node, client, heard, bad):
+    node = run_node(DRIVEN)
+    client.listen(['state'])
+    publisher = client.publisher()
+    client.handshake(lambda: publisher.publish(Motion(position=0.1)))
+    for _ in range(30):                                              # as many at once as are kept for certain
+        states = answers(client, publisher.publish, [Motion(position=0.2), bad] * 10)
+    assert [s.status for s in states[:2]] == [LinkageState.STATUS_OK, LinkageState.STATUS_INVALID_INPUT]
+    assert node.stop() == 0
+    lines = [line for line in node.said.splitlines() if 'theta1 =' in line or 'good again' in line]
+    assert 3 <= len(lines) <= 8                                      # both, once now and once at the end; a slow machine
+    assert sum(int(n) for n in re.findall(r'\((\d+) times', node.said)) > 400
+
+
+# --- clocks -----------------------------------------------------------------------------------------
+
+CLOCK = r'''
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <time.h>
+#include <unistd.h>
+/* The system clock, set back by 100 s as soon as the file $CLOCK_IS_SET exists; other clocks as they are. */
+int clock_gettime(clockid_t which, struct timespec *now) {
+    static int (*real)(clockid_t, struct timespec *);
+    if (!real) real = dlsym(RTLD_NEXT, "clock_gettime");
+    int done = real(which, now);
+    if (which == CLOCK_REALTIME && access(getenv("CLOCK_IS_SET"), F_OK) == 0) now->tv_sec -= 100;
+    return done;
+}
+'''
+
+
+@pytest.mark.skipif(not shutil.which('cc'), reason='needs a C compiler')
+def test_diagnostics_and_timeout_go_on_when_the_clock_is_set_back(run_node, client, heard, tmp_path, monkeypatch):
+    source, library, flag = tmp_path / 'clock.c', tmp_path / 'clock.so', tmp_path / 'is_set'
+    source.write_text(CLOCK)
+    subprocess.run(['cc', '-shared', '-fPIC', '-o', library, source, '-ldl'], check=True)
+    monkeypatch.setenv('CLOCK_IS_SET', str(flag))
+    monkeypatch.setenv('LD_PRELOAD', str(library))
+    run_node({**DRIVEN, 'drive.timeout': 1.0})
+    monkeypatch.delenv('LD_PRELOAD')
+    client.listen(['state'])
+    publisher = client.publisher()
+    client.handshake(lambda: publisher.publish(Motion(position=0.1)))
+    client.until(lambda: heard.messages, 'diagnostics')
+    publisher.publish(Motion(position=0.1))
+    before = heard.messages[-1].header.stamp.sec
+    client.received['state'].clear()
+    flag.touch()
+    client.until(lambda: any(s.status == LinkageState.STATUS_INPUT_TIMEOUT for s in client.received['state']),
+                 'the timeout', patience=20.0)
+    number = len(heard.messages)
+    client.until(lambda: len(heard.messages) >= number + 3, 'diagnostics', patience=20.0)
+    assert heard.messages[-1].header.stamp.sec < before - 50          # the clock of the node was set indeed
+
+
+class Simulation:
+    """Publishes /clock: runs until told to stand."""
+
+    def __init__(self, client):
+        self.now, self.stands = 100 * NANOSECONDS, False
+        self._publisher = client.node.create_publisher(Clock, '/clock', 10)
+        client.node.create_timer(0.02, self._tick)
+
+    def _tick(self):
+        self.now += 0 if self.stands else 20_000_000
+        self._publisher.publish(Clock(clock=Time(sec=self.now // NANOSECONDS, nanosec=self.now % NANOSECONDS)))
+
+
+def test_a_timeout_counts_simulated_time(run_node, client):
+    """While a simulation stands no input can come: that is no timeout."""
+    run_node({**DRIVEN, 'drive.timeout': 1.0, 'use_sim_time': True})
+    simulation = Simulation(client)
+    client.listen(['state'])
+    publisher = client.publisher()
+    client.handshake(lambda: publisher.publish(Motion(position=0.1)))
+    publisher.publish(Motion(position=0.1))
+    simulation.stands = True
+    client.until(lambda: client.received['state'], 'the answer')
+    client.received['state'].clear()
+    end = time.monotonic() + 2.5
+    while time.monotonic() < end:
+        client.executor.spin_once(timeout_sec=0.05)
+    assert not client.received['state']
+    simulation.stands = False
+    client.until(lambda: client.received['state'], 'the timeout')
+    assert client.received['state'][0].status == LinkageState.STATUS_INPUT_TIMEOUT
+
+
+def test_simulated_time_is_chosen_at_start(run_node, client):
+    run_node(DRIVEN)
+    refused, kept = (set_parameters(client, {'use_sim_time': value})[0] for value in (True, False))
+    assert not refused.successful and 'at start' in refused.reason
+    assert kept.successful
+
+
+# --- stamps and estimates ---------------------------------------------------------------------------
+
+@pytest.mark.parametrize('sec, nanosec', [(-1, 5), (5, 10**9), (-2**31, 2**32 - 1)])
+def test_a_stamp_that_is_no_time_is_replaced_and_counted(run_node, client, heard, sec, nanosec):
+    run_node(DRIVEN)
+    client.listen(['state'])
+    publisher = client.publisher()
+    client.handshake(lambda: publisher.publish(Motion(position=0.1)))
+    message = Motion(position=0.3)
+    message.header.stamp = Time(sec=sec, nanosec=nanosec)
+    before = client.node.get_clock().now().nanoseconds
+    state, = answers(client, publisher.publish, [message])
+    stamp = state.header.stamp.sec * NANOSECONDS + state.header.stamp.nanosec
+    assert before <= stamp <= client.node.get_clock().now().nanoseconds and state.status == LinkageState.STATUS_OK
+    client.until(lambda: heard()[1].get('bad stamps') == '1', 'the count')
+
+
+def test_an_estimated_acceleration_that_is_noise_is_said_so(run_node, client, heard):
+    """An encoder of 1000 counts at 500 Hz: its acceleration is 1e3 rad/s2 of nothing."""
+    run_node({**DRIVEN, 'drive.source': 'joint_state', 'drive.joint': 'motor'})
+    client.listen(['state'])
+    publisher = client.publisher('joint_state')
+    sent = [0]
+
+    def send(resolution):
+        sent[0] += 1
+        position = 3.0 * sent[0] * 0.002
+        if resolution:
+            position = round(position / resolution) * resolution
+        publisher.publish(stamped(JointState(name=['motor'], position=[position]), 10**18 + sent[0] * 2_000_000))
+    client.handshake(lambda: send(0.0))
+    for is_noise, resolution in ((True, math.tau / 1000.0), (False, 0.0)):
+        def is_said(is_noise=is_noise, resolution=resolution):
+            send(resolution)
+            status, values = heard()
+            return 'noise of the estimated acceleration [rad/s^2]' in values and (
+                'acceleration is noise' in status.message) is is_noise
+        client.until(is_said, f'noise: {is_noise}')
+    assert float(heard()[1]['lag of the estimated acceleration [s]']) == pytest.approx(0.004)      # window 5
+
+
+def test_nodes_of_one_name_in_two_namespaces_have_diagnostics_of_their_own(run_node, client):
+    messages = []
+    client.node.create_subscription(DiagnosticArray, '/diagnostics', messages.append, 10)
+    for namespace in ('left', 'right'):
+        run_node(DRIVEN, remaps=[f'__ns:=/{namespace}'])
+    expected = {'left/fourbar: linkage', 'right/fourbar: linkage'}
+    client.until(lambda: expected <= {m.status[0].name for m in messages}, 'both')
