@@ -109,3 +109,8 @@ def driven_of(message, joint=''):
     except (ValueError, IndexError):
         return None
     return position, message.velocity[i] if i < len(message.velocity) else nan, nan
+
+
+def is_time(sec, nanosec):
+    """Return whether a stamp is a time: a node replaces others, and stamps of 0, by the time at which they come."""
+    return (sec >= 0) & (nanosec < 10**9)

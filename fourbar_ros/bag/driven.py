@@ -5,9 +5,9 @@ from math import inf, isnan, nan, tau
 
 import numpy as np
 
-from .. import estimator, joints
+from .. import joints
 from ..estimator import RateEstimator
-from ..records import driven_of
+from ..records import driven_of, is_time
 
 FIELDS = ('position', 'velocity', 'acceleration')
 
@@ -87,8 +87,7 @@ class Driven:
 
     def _estimated(self, stamp, given, driven):
         restarts = self._estimator.restarts
-        time = stamp if hasattr(estimator, 'NANOSECOND') else stamp * 1e-9
-        velocity, acceleration = self._estimator.update(time, given[0], given[1])
+        velocity, acceleration = self._estimator.update(stamp, given[0], given[1])
         is_first = isnan(driven[2]) and (isnan(driven[1]) or not isnan(given[1]))
         if self._estimator.restarts != restarts or is_first:
             self._cold = 0                             # nothing from before the bag is in it
@@ -99,9 +98,11 @@ class Driven:
 
 
 def inputs_of(columns, scene):
-    """Return (places, stamps, motions) of messages of the input, those without the joint left out."""
+    """Return (places, stamps, motions) of messages of the input, those without the joint left out; stamp 0: none."""
+    stamp = [columns.records[f'header.stamp.{field}'] for field in ('sec', 'nanosec')]
+    stamps = np.where(is_time(*stamp), columns.stamps, 0)
     if scene.drive.source != 'joint_state':
-        return columns.places, columns.stamps, np.stack(driven_of(columns.tree), axis=1)
+        return columns.places, stamps, np.stack(driven_of(columns.tree), axis=1)
     names = columns.layout.texts.get('name', [])
     if scene.drive.joint not in names:
         return columns.places[:0], columns.stamps[:0], np.zeros((0, 3))
@@ -111,7 +112,7 @@ def inputs_of(columns, scene):
         return columns.places[:0], columns.stamps[:0], np.zeros((0, 3))
     velocity = tree.velocity[i] if i < len(tree.velocity) else unknown
     scale = joints.Scale(scene.drive.joint_ratio, scene.drive.joint_offset)
-    return columns.places, columns.stamps, np.stack(scale.to_input(tree.position[i], velocity, unknown), axis=1)
+    return columns.places, stamps, np.stack(scale.to_input(tree.position[i], velocity, unknown), axis=1)
 
 
 def _apart(a, b):

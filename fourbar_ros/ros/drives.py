@@ -12,6 +12,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from .. import interfaces, joints
 from ..estimator import RateEstimator
+from ..records import is_time
 from .inputs import Reader
 from .messages import resolve, sec_nanosec
 from .sequence import Sequence, WithInfo
@@ -243,7 +244,7 @@ class TopicDrive(Drive):
     def _stamp(self, sec, nanosec):
         """Return the stamp of an input, (sec, nanosec), and in ns: the time of now for one without, or with a bad one."""
         time_of = sec * 10**9 + nanosec
-        is_good = sec >= 0 and nanosec < 10**9
+        is_good = is_time(sec, nanosec)
         if time_of and is_good:
             if time_of > self._horizon:
                 self._look_ahead(time_of)
