@@ -32,6 +32,7 @@ class Info(NamedTuple):
     Attributes
     ----------
     file : Path
+        Its .mcap file, of a split bag the folder.
     state : str
         'finished', 'being written', or 'cut'.
     size : int
@@ -50,6 +51,8 @@ class Info(NamedTuple):
     damage : str
         Empty, or what is wrong with the file and where; a finished bag that was not read is only asked for
         its end.
+    parts : int
+        Files of a split bag.
 
     """
 
@@ -64,6 +67,7 @@ class Info(NamedTuple):
     dropped: int
     lost: str
     damage: str
+    parts: int = 1
 
     @property
     def missing(self):
@@ -88,14 +92,13 @@ def info(path, check=False, progress=None):
     about = bag.about()
     numbers = rosbag2.of_topics(about, rosbag2.NUMBERS)
     being_written = bag.is_being_written
-    summary = None if check else bag.summary()
-    if summary and summary.statistics:
-        topics, start, end, damage = *_told(summary, numbers), ''
-    else:
-        topics, start, end, damage = _count(bag, numbers, progress)
+    told = None if check else _joined([_told(part) for part in bag.parts])
+    topics, start, end, damage = (*told, '') if told else _count(bag, progress)
+    topics = [topic._replace(missing=missing_of(numbers.get(topic.topic), topic.messages, *topic.missing))
+              for topic in topics]
     state = 'being written' if being_written else 'cut' if bag.cut else 'finished'
-    return Info(bag.file, state, bag.file.stat().st_size, start, end, topics, about,
-                about.get(rosbag2.ENDED, ''), _dropped(about), about.get(rosbag2.LOST, ''), damage)
+    return Info(bag.file if len(bag.files) == 1 else bag.path, state, bag.size, start, end, topics, about,
+                about.get(rosbag2.ENDED, ''), _dropped(about), about.get(rosbag2.LOST, ''), damage, len(bag.files))
 
 
 def _dropped(about):
@@ -104,7 +107,7 @@ def _dropped(about):
         count for count in rosbag2.of_topics(about, rosbag2.DROPPED).values() if isinstance(count, int))
 
 
-def missing_of(numbers, count, last=None):
+def missing_of(numbers, count, last=None, gaps=None):
     """
     Return how many messages of a topic are missing, None if that is not known.
 
@@ -116,6 +119,8 @@ def missing_of(numbers, count, last=None):
         Messages in the bag.
     last : int, optional
         Sequence number of the newest of them; in a bag without an end nobody knows what came after it.
+    gaps : int, optional
+        The answer where the recorder does not tell its numbers.
 
     """
     try:
@@ -124,19 +129,33 @@ def missing_of(numbers, count, last=None):
             end = first if last is None and not count else last + 1
         return max(end - first - count, 0)
     except (TypeError, ValueError):
+        return gaps
+
+
+def _told(bag):
+    """Return (topics, start, end) as the summary of one file tells them, None if it does not."""
+    summary = bag.summary()
+    if not summary or not summary.statistics:
         return None
-
-
-def _told(summary, numbers):
-    """Return (topics, start, end) as the summary of a bag tells them."""
     statistics, names = summary.statistics, {number: schema.name for number, schema in summary.schemas.items()}
-    topics = []
-    for channel in summary.channels.values():
-        count = statistics.channel_message_counts.get(channel.id, 0)
-        topics.append(TopicInfo(channel.topic, names.get(channel.schema_id, ''), count,
-                                missing_of(numbers.get(channel.topic), count)))
+    repeated = rosbag2.repeated(bag.about())
+    topics = [TopicInfo(channel.topic, names.get(channel.schema_id, ''),
+                        statistics.channel_message_counts.get(channel.id, 0) - (channel.topic in repeated), ())
+              for channel in summary.channels.values()]
     begun = statistics.message_count > 0
     return topics, statistics.message_start_time if begun else None, statistics.message_end_time if begun else None
+
+
+def _joined(parts):
+    """Return (topics, start, end) of all parts of a bag, None if one does not tell them."""
+    if None in parts:
+        return None
+    topics = {}
+    for topic in (topic for part in parts for topic in part[0]):
+        key = topic.topic, topic.type
+        topics[key] = topic._replace(messages=topic.messages + (topics[key].messages if key in topics else 0))
+    return (list(topics.values()), min((start for _, start, _ in parts if start is not None), default=None),
+            max((end for _, _, end in parts if end is not None), default=None))
 
 
 def _type_of(bag, topic):
@@ -146,7 +165,7 @@ def _type_of(bag, topic):
         return ''
 
 
-def _count(bag, numbers, progress):
+def _count(bag, progress):
     """Read everything; return (topics, start, end, damage)."""
     counts, last, gaps = Counter(), {}, Counter()
     start = end = None
@@ -164,11 +183,10 @@ def _count(bag, numbers, progress):
             raise
         damage = str(error)
     damage = '; '.join(bag.damage) or damage
-    topics = []
-    for number, channel in bag.channels.items():
-        known = missing_of(numbers.get(channel.topic), counts[number], last.get(number))
-        topics.append(TopicInfo(channel.topic, _type_of(bag, channel.topic), counts[number],
-                                gaps[number] if known is None else known))
+    repeated = rosbag2.repeated(bag.about())
+    topics = [TopicInfo(channel.topic, _type_of(bag, channel.topic),
+                        max(counts[number] - (channel.topic in repeated), 0), (last.get(number), gaps[number]))
+              for number, channel in bag.channels.items()]
     return topics, start, end, damage
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from .. import interfaces
 from .. import scene as scenes
 from ..core import FourBarError
-from . import BagError
+from . import BagError, rosbag2
 from .reader import Bag
 
 SCENE_TYPE = interfaces.SCENE.type
@@ -60,7 +60,10 @@ def origin_of(path, node=None):
     except (KeyError, TypeError, ValueError):
         is_ours = False
     if is_ours:
-        return Origin(_scene(bag, about['scene']), topics, about.get('node', '/fourbar'), True)
+        scene = about['scene']
+        if rosbag2.REPEATS in about:                   # a later part of a split bag: it may have changed since
+            scene = next((record.message.data for record in bag.records([topics.get('scene')])), scene)
+        return Origin(_scene(bag, scene), topics, about.get('node', '/fourbar'), True)
     return _from_topics(bag, node)
 
 

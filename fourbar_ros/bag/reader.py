@@ -317,7 +317,7 @@ class Bag:
             # The checksum at the end covers these; a topic that was hit is seen before its messages are read.
             for record in scan.ending.of((Schema, Channel)) if scan.ending else ():
                 self._learn(record)
-            repeats = {} if self._is_first else _repeats(path)
+            repeats = {} if self._is_first else None
             for offset, opcode, body in self._walk(file, scan, wanted, start):
                 try:
                     found = self._item(scan, offset, opcode, body)
@@ -329,6 +329,8 @@ class Bag:
                     raise BagError(f'{self.path if len(self.files) == 1 else path}: at byte {offset}: {error}; '
                                    'fourbar bag recover keeps the rest') from None
                 if found:
+                    if repeats is None:                # told before the first message; the file may have been empty
+                        repeats = _repeats(path)
                     yield self._without(found, repeats) if repeats else found
                 if progress:
                     progress(self._read + scan.end)
@@ -447,7 +449,7 @@ def _repeats(path):
     try:
         about = (_metadata_in(path) or {})['custom_data']
         numbers = json.loads(about[rosbag2.NUMBERS])
-        return {topic: int(numbers[topic][0]) for topic in json.loads(about[rosbag2.REPEATS])}
+        return {topic: int(numbers[topic][0]) for topic in rosbag2.repeated(about)}
     except (KeyError, TypeError, ValueError, IndexError):
         return {}
 

@@ -83,13 +83,46 @@ def of_topics(about, key):
     return found if isinstance(found, dict) else {}
 
 
+def repeated(about):
+    """Return the topics of which a later part of a split bag repeats a message at its beginning."""
+    try:
+        return set(json.loads(about[REPEATS]))
+    except (KeyError, TypeError, ValueError):
+        return set()
+
+
 def joined(first, last):
     """Return the custom_data of a split bag from those of its first and its last part."""
     ends, numbers = of_topics(last, NUMBERS), of_topics(first, NUMBERS)
     pairs = {topic: (numbers[topic][0], ends[topic][1]) for topic in numbers.keys() & ends.keys()
              if all(isinstance(pair, list) and len(pair) == 2 for pair in (numbers[topic], ends[topic]))}
     told = {key: last[key] for key in (ENDED, DROPPED, LOST) if key in last}
-    return {**last, **first, **told, **({NUMBERS: json.dumps(pairs)} if pairs else {})}
+    late = {key: value for key, value in last.items() if key != REPEATS}     # what the bag itself begins with
+    return {**late, **first, **told, **({NUMBERS: json.dumps(pairs)} if pairs else {})}
+
+
+def merged(parts):
+    """Return the metadata of a split bag from those of its parts, in order."""
+    if len(parts) == 1:
+        return parts[0]
+    files = [file for part in parts for file in part['files']]
+    begun = [file for file in files if file['message_count']]
+    start = min((_start(file) for file in begun), default=NOT_STARTED)
+    end = max((_start(file) + file['duration']['nanoseconds'] for file in begun), default=start)
+    topics = {}
+    for told in (told for part in parts for told in part['topics_with_message_count']):
+        name = told['topic_metadata']['name'], told['topic_metadata']['type']
+        count = topics[name]['message_count'] if name in topics else 0
+        topics[name] = {**told, 'message_count': count + told['message_count']}
+    return {**parts[0], 'starting_time': {'nanoseconds_since_epoch': start}, 'duration': {'nanoseconds': end - start},
+            'message_count': sum(part['message_count'] for part in parts),
+            'topics_with_message_count': list(topics.values()), 'files': files,
+            'relative_file_paths': [file['path'] for file in files],
+            'custom_data': joined(parts[0]['custom_data'], parts[-1]['custom_data'])}
+
+
+def _start(file):
+    return file['starting_time']['nanoseconds_since_epoch']
 
 
 def dumped(value):
@@ -133,6 +166,12 @@ def create(directory, name):
     except OSError as error:
         path.rmdir()
         raise BagError(f'{path}: {error.strerror}') from None
+
+
+def create_part(folder, number):
+    """Make the next file of a bag that is split; return (path, open file)."""
+    path = folder / f'{folder.name}_{number}.mcap'
+    return path, open(path, 'x+b', buffering=0)
 
 
 def fresh_name():

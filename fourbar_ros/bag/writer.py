@@ -24,8 +24,9 @@ from .container import Container
 from .mcap_records import OURS
 from .rosbag2 import Channel
 from .scan import mark_as_being_written
+from .splitting import Split, Splitter
 
-__all__ = ['BagError', 'BagWriter', 'Channel', 'SteadyClock']
+__all__ = ['BagError', 'BagWriter', 'Channel', 'Split', 'SteadyClock']
 
 # [s] A kill costs what was recorded since the last flush, so this bounds it; half of it is the mean.
 FLUSH_PERIOD = 0.1
@@ -39,6 +40,7 @@ SPACE_PERIOD = 1.0          # [s] between two looks at the free space
 SPACE_LEFT = 32 * 2**20     # [bytes] a bag is closed while its end still fits on the disk
 QUEUE_MESSAGES = 100_000    # more than that, or more bytes, waits for no disk: the newest are dropped
 QUEUE_BYTES = 128 * 2**20
+SPLIT = 'split'             # why a part ended that another one follows
 CDR_HEADER = 4              # [bytes] the shortest message
 
 
@@ -67,6 +69,8 @@ class BagWriter:
         Kept with the bag (custom_data), so that it explains itself.
     flush_period, sync_period : float
         What a crash and what a power cut may cost at most [s].
+    split : Split, optional
+        When the bag goes on in a new file, and whether old ones are removed.
     tell : callable, optional
         Called with one line of text when recording stops by itself and when messages are first dropped.
 
@@ -89,7 +93,7 @@ class BagWriter:
     """
 
     def __init__(self, directory, name, channels, about, flush_period=FLUSH_PERIOD, sync_period=SYNC_PERIOD,
-                 tell=None):
+                 tell=None, split=Split()):
         rosbag2.check_channels(channels)
         if not flush_period > 0.0 or not sync_period >= 0.0:
             raise BagError(f'flush_period = {flush_period!r}, sync_period = {sync_period!r}: '
@@ -98,8 +102,13 @@ class BagWriter:
         self.accepted, self.dropped, self.error = 0, 0, None
         self.flush_period, self.sync_period, self._tell = flush_period, sync_period, tell or (lambda text: None)
         self._about = {str(key): str(value) for key, value in about.items()}
-        self._topics = [channel.topic for channel in channels]
+        self._channels, self._topics = channels, [channel.topic for channel in channels]
         self._sequences = [0] * len(channels)          # next number of every channel
+        self._splitter = Splitter(split, {i for i, channel in enumerate(channels) if channel.latched}) \
+            if split.is_wanted else None
+        # Of the part that is written: first numbers, messages that it repeats; metadata of those before; files to sync.
+        self._firsts, self._repeats, self._done, self._unsynced = [0] * len(channels), [], [], deque()
+        self._recorded, self._lost = 0, {}             # messages in the parts before; dropped ones by topic
         self._ended = ''
         self._queue, self._lock = deque(), threading.Lock()
         self._bytes_in = self._bytes_out = 0           # each changed by one side of the queue only
@@ -109,12 +118,9 @@ class BagWriter:
         try:
             if shutil.disk_usage(self.path).free < SPACE_LEFT:
                 raise BagError(f'less than {SPACE_LEFT >> 20} MiB free')
-            mark_as_being_written(self._file)
-            self._container = Container(self._file, 'ros2', f'{OURS}{__version__}, mcap {mcap_version}')
-            for channel in channels:
-                self._register(channel)
+            self._container = self._new_container(self._file)
             self._describe()
-            rosbag2.write_metadata_file(self.path, self._metadata())
+            self._write_metadata_file()
         except (OSError, BagError) as error:
             self._file.close()
             shutil.rmtree(self.path)
@@ -179,8 +185,10 @@ class BagWriter:
         for thread in self._threads:
             thread.join()
         if first:
+            self._guard(self._sync_parts)
             self._guard(lambda: self._finish(why))
-            self._file.close()
+            for file in (*self._unsynced, self._file):
+                file.close()
         if self.error:
             raise BagError(f'{self.path}: {self.error}')
         return self.path
@@ -222,7 +230,7 @@ class BagWriter:
             self._count()
             self.error += '; what was flushed is in the file: fourbar bag recover' if self._has_a_name() else ''
             with contextlib.suppress(OSError):         # there may be room for the reason
-                rosbag2.write_metadata_file(self.path, self._metadata())
+                self._write_metadata_file()
         self._tell(f'{self.path}: {self.error}')
 
     def _has_a_name(self):
@@ -230,21 +238,74 @@ class BagWriter:
 
     def _count(self):
         """Take for recorded what is in the file, for dropped all others."""
-        self.accepted = sum(self._container.counts.values())
+        self.accepted = self._recorded + sum(self._container.counts.values()) - len(self._repeats)
         self.dropped = sum(self._sequences) - self.accepted
 
     def _drain(self):
-        queue, add = self._queue, self._container.add_message
+        queue, add, splitter = self._queue, self._container.add_message, self._splitter
         while queue:
             channel, sequence, stamp, data = queue.popleft()
+            if splitter:
+                if splitter.is_due(channel, stamp, self._container.size):
+                    self._next_part(stamp)
+                    add = self._container.add_message
+                splitter.note(channel, sequence, stamp, data)
             add(channel + 1, sequence, stamp, data)
             self._bytes_out += len(data)
+
+    def _next_part(self, stamp):
+        """End this file and go on in a new one, which begins with what is needed to read it alone."""
+        self._container.flush()
+        path, file = rosbag2.create_part(self.path, self._splitter.number + 1)
+        try:
+            container = self._new_container(file)
+            self._ended = SPLIT
+            self._describe()
+            told, nexts = self._metadata(), self._nexts()
+            self._container.finish()
+        except Exception:
+            file.close()
+            path.unlink()
+            raise
+        finally:
+            self._ended = ''
+        self._lost = self._dropped(nexts)
+        self._recorded += sum(self._container.counts.values()) - len(self._repeats)
+        self._unsynced.append(self._file)
+        self._done.append(told)
+        self._container, self._file, self._file_path, self._firsts = container, file, path, nexts
+        self._splitter.begin(stamp)
+        self._repeats = self._splitter.repeats()
+        self._describe()
+        for channel, sequence, first_time, data in self._repeats:
+            container.add_message(channel + 1, sequence, stamp, data, first_time)
+        if self.sync_period == 0.0:
+            self._sync_parts()
+        self._forget_outdated(stamp)
+
+    def _forget_outdated(self, stamp):
+        """Write metadata.yaml; remove the parts that are not needed any more."""
+        starts = [told['starting_time']['nanoseconds_since_epoch'] for told in self._done]
+        old = self._splitter.outdated([*starts, stamp])
+        gone, self._done = self._done[:old], self._done[old:]
+        self._write_metadata_file()
+        for told in gone:
+            with contextlib.suppress(FileNotFoundError):
+                (self.path / told['relative_file_paths'][0]).unlink()
+
+    def _sync_parts(self):
+        """Bring finished parts to the disk and close them."""
+        while self._unsynced:
+            if self.sync_period > 0.0:
+                os.fsync(self._unsynced[0].fileno())
+                sync_folders(self.path)
+            self._unsynced.popleft().close()
 
     def _flush(self):
         before = self._container.start
         self._container.flush()
         if before != self._container.start:            # rosbag2 plays from the start that stands there
-            rosbag2.write_metadata_file(self.path, self._metadata())
+            self._write_metadata_file()
 
     def _look_at_the_disk(self):
         if self._sync_error:
@@ -274,13 +335,14 @@ class BagWriter:
         self._container.finish()
         if self.sync_period > 0.0:
             os.fsync(self._file.fileno())
-        rosbag2.write_metadata_file(self.path, self._metadata())
+        self._write_metadata_file()
 
     def _keep_synced(self):
         synced = 0
         try:
             sync_folders(self.path)
             while not self._stop.wait(self.sync_period) and not self.error:
+                self._sync_parts()
                 if synced != self._container.size:
                     synced = self._container.size
                     os.fdatasync(self._file.fileno())
@@ -290,25 +352,49 @@ class BagWriter:
     def _metadata(self):
         return rosbag2.describe(self._file_path.name, self._container, {**self._about, **self._numbers()})
 
+    def _write_metadata_file(self):
+        rosbag2.write_metadata_file(self.path, rosbag2.merged([*self._done, self._metadata()]))
+
     def _numbers(self):
         """Return what custom_data say of the sequence numbers and of the end, once there is one."""
+        told = {}
+        if self._done:
+            told[rosbag2.REPEATS] = json.dumps([self._topics[channel] for channel, *_ in self._repeats])
         if not self._ended:
-            return {rosbag2.NUMBERS: json.dumps({topic: (0, None) for topic in self._topics})}
-        given, counts = dict(zip(self._topics, self._sequences)), self._container.counts
-        dropped = {topic: given[topic] - counts.get(i, 0) for i, topic in enumerate(self._topics, 1)}
-        told = {rosbag2.ENDED: self._ended,
-                rosbag2.NUMBERS: json.dumps({topic: (0, number) for topic, number in given.items()})}
-        if any(dropped.values()):
-            told[rosbag2.DROPPED] = json.dumps({topic: count for topic, count in dropped.items() if count})
-        return told
+            return {**told, rosbag2.NUMBERS: json.dumps({topic: (first, None) for topic, first in zip(
+                self._topics, self._firsts)})}
+        given = self._nexts()
+        told |= {rosbag2.ENDED: self._ended,
+                 rosbag2.NUMBERS: json.dumps(dict(zip(self._topics, zip(self._firsts, given))))}
+        dropped = self._dropped(given)
+        return {**told, rosbag2.DROPPED: json.dumps(dropped)} if dropped else told
+
+    def _nexts(self):
+        """Return the next number of every channel: behind this part, or behind the whole bag."""
+        if self._ended != SPLIT:
+            return list(self._sequences)
+        last = self._container.last
+        return [last.get(i, first - 1) + 1 for i, first in enumerate(self._firsts, 1)]
+
+    def _dropped(self, nexts):
+        """Return {topic: how many messages were dropped} up to these numbers, in the parts before as well."""
+        counts, repeated = self._container.counts, {channel for channel, *_ in self._repeats}
+        found = {topic: self._lost.get(topic, 0) + after - first - counts.get(i + 1, 0) + (i in repeated)
+                 for i, (topic, first, after) in enumerate(zip(self._topics, self._firsts, nexts))}
+        return {topic: count for topic, count in found.items() if count}
 
     def _describe(self):
         self._container.add_metadata(rosbag2.RECORD, {rosbag2.KEY: rosbag2.dumped(self._metadata())})
 
-    def _register(self, channel):
-        known = {schema.name: number for number, schema in self._container.schemas.items()}
-        schema = known.get(channel.type) or self._container.add_schema(channel.type, channel.schema)
-        self._container.add_channel(channel.topic, schema, channel.metadata)
+    def _new_container(self, file):
+        mark_as_being_written(file)
+        container = Container(file, 'ros2', f'{OURS}{__version__}, mcap {mcap_version}')
+        numbers = {}
+        for channel in self._channels:
+            if channel.type not in numbers:
+                numbers[channel.type] = container.add_schema(channel.type, channel.schema)
+            container.add_channel(channel.topic, numbers[channel.type], channel.metadata)
+        return container
 
 
 def sync_folders(path):

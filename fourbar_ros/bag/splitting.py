@@ -1,0 +1,82 @@
+"""When a bag goes on in a new file, what that repeats so that it can be read alone, and which old ones may go."""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+SHARE = 10          # a bag that keeps the newest seconds has so many parts, unless it is told otherwise
+
+
+class Split(NamedTuple):
+    """
+    How a bag is split; 0 stands for never.
+
+    ``size`` [bytes] and ``duration`` [s] end a part, whichever comes first; ``keep`` [s]: parts that the newest
+    seconds do not need are removed. ``head``: the channel whose messages begin a part, None for any: a step that
+    sends several messages is not torn apart.
+    """
+
+    size: int = 0
+    duration: float = 0.0
+    keep: float = 0.0
+    head: int | None = None
+
+    @property
+    def seconds(self):
+        """Return the longest duration of a part [s], 0 for endless."""
+        return self.duration or (0.0 if self.size else self.keep / SHARE)
+
+    @property
+    def is_wanted(self):
+        """Return whether the bag is split at all."""
+        return self.size > 0 or self.seconds > 0.0
+
+
+class Splitter:
+    """
+    Follows what goes into a bag.
+
+    Parameters
+    ----------
+    split : Split
+    latched : set of int
+        Channels of which only the newest message holds.
+
+    """
+
+    def __init__(self, split, latched):
+        self._split, self._latched = split, latched
+        self._last = {}                  # {channel: (sequence, time, data)}, the newest of each, oldest first
+        self._begun = None               # [ns] when the part began
+        self.number = 0                  # of the part
+
+    def is_due(self, channel, time, size):
+        """Return whether a new part begins with this message; ``size``: of the part so far [bytes]."""
+        if self._begun is None:
+            self._begun = time
+        split = self._split
+        is_full = split.size and size >= split.size or split.seconds and time - self._begun >= split.seconds * 1e9
+        return is_full and split.head in (None, channel)
+
+    def note(self, channel, sequence, time, data):
+        """Remember a message."""
+        self._last.pop(channel, None)
+        self._last[channel] = sequence, time, data
+
+    def repeats(self):
+        """
+        Return [(channel, sequence, time, data)] that a new part begins with.
+
+        The newest latched messages, as the scene, and of all others the newest that came after these.
+        """
+        items = [(channel, *item) for channel, item in self._last.items()]
+        newest = max((i for i, item in enumerate(items) if item[0] in self._latched), default=-1)
+        return [item for item in items if item[0] in self._latched] + items[newest + 1:]
+
+    def begin(self, time):
+        """Begin the next part."""
+        self._begun, self.number = time, self.number + 1
+
+    def outdated(self, starts):
+        """Return how many of the oldest parts, which began at these times [ns], may go: the rest is long enough."""
+        keep = self._split.keep * 1e9
+        return sum(start <= starts[-1] - keep for start in starts[1:]) if keep else 0
