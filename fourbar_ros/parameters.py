@@ -178,6 +178,12 @@ PARAMETERS = {parameter.name: parameter for parameter in (
     Parameter('recording.directory', 'string', 'bags', '', 'where bags go', live=False),
     Parameter('recording.name', 'string', '', '', 'name of the first bag; empty: a fresh one',
               live=False),
+    Parameter('recording.split_size', 'double', 0.0, 'MB', 'a bag goes on in a new file when one is larger; 0: never',
+              low=0.0, live=False),
+    Parameter('recording.split_duration', 'double', 0.0, 's', 'or when one is longer; 0: never', low=0.0, live=False),
+    Parameter('recording.keep', 'double', 0.0, 's',
+              'files that the newest so many seconds do not need are removed; 0: all are kept (a tenth of it is a file, '
+              'unless split_size or split_duration says otherwise)', low=0.0, live=False),
 )}
 
 

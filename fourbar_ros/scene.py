@@ -33,11 +33,14 @@ class Drive(NamedTuple):
 
 
 class Recording(NamedTuple):
-    """Where bags go and whether to record from the start."""
+    """Where bags go, whether to record from the start, when to go on in a new file [MB], [s], what to keep [s]."""
 
     start: bool
     directory: str
     name: str
+    split_size: float
+    split_duration: float
+    keep: float
 
 
 class Point(NamedTuple):

@@ -60,7 +60,7 @@ class Recording:
 
         It waits for the disk, so not during a step; :meth:`attach` then is quick.
         """
-        from ..bag.writer import BagError, BagWriter     # only scenes that record need the mcap library
+        from ..bag.writer import BagError, BagWriter, Split     # only scenes that record need the mcap library
         from .schemas import channel
 
         if self.active:
@@ -78,7 +78,9 @@ class Recording:
                  estimator.KEY: str(estimator.VERSION)}
         writer = BagWriter(Path(scene.recording.directory).absolute(), name,
                            [channel(topic, resolved[topic.name]) for topic in topics], about,
-                           tell=self._node.get_logger().error)
+                           tell=self._node.get_logger().error,
+                           split=Split(round(scene.recording.split_size * 1e6), scene.recording.split_duration,
+                                       scene.recording.keep, head=topics.index(interfaces.DRIVEN)))
         return OpenBag(writer, {topic.name: number for number, topic in enumerate(topics)})
 
     def attach(self, bag):
