@@ -73,23 +73,37 @@ def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
 
     """
     path = find(path)
-    try:
-        document = yaml.load(path.read_text(), _Loader)
-    except OSError as error:
-        raise SceneError(f'{path}: {error.strerror}') from None
-    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
-        raise SceneError(f'{path}: not YAML that ROS reads: {" ".join(str(error).split())}') from None
-    sections = dict(_sections(document)) if isinstance(document, dict) else {}
-    if not sections:
-        raise SceneError(f'{path}: not a scene: expected "/**:" with "ros__parameters:" below it')
-    found = [tree for key, tree in sections.items() if is_for(key, node)]
+    there = sections(path)
+    found = [tree for key, tree in there.items() if is_for(key, node)]
     if not found:
         raise NotForNode(f'{path}: nothing in it is for the node {node or NODE}: it has '
-                         f'{", ".join(sections)}; write "/**:" there')
+                         f'{", ".join(there)}; write "/**:" there')
     values = {}
     for tree in found:
         values |= flatten(tree, path)
     return values
+
+
+def sections(path: str | Path) -> dict[str, dict]:
+    """Return {key for nodes: tree of parameters} of a ROS 2 parameter file; SceneError if it is none."""
+    try:
+        document = yaml.load(Path(path).read_text(), _Loader)
+    except OSError as error:
+        raise SceneError(f'{path}: {error.strerror}') from None
+    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
+        raise SceneError(f'{path}: not YAML that ROS reads: {" ".join(str(error).split())}') from None
+    found = dict(_sections(document)) if isinstance(document, dict) else {}
+    if not found:
+        raise SceneError(f'{path}: not a scene: expected "/**:" with "ros__parameters:" below it')
+    return found
+
+
+def parse(text: str) -> Any:
+    """Return the value of ``-p NAME:=text`` as rcl reads it; None if it is none."""
+    try:
+        return yaml.load(text, _Loader)
+    except yaml.YAMLError:
+        return None
 
 
 def is_for(key: str, node: str | None) -> bool:

@@ -5,25 +5,28 @@ from math import inf
 
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor, ParameterType, SetParametersResult
 
+from .. import overrides
 from .. import scene as scenes
-from ..core import FourBarError
+from ..core import FourBarError, InvalidParameter
 from ..parameters import find
 from . import qos
 
 # Parameters that rclpy itself owns.
-BUILT_IN = ('use_sim_time', 'start_type_description_service', qos.PREFIX)
+SWITCHES = ('use_sim_time', 'start_type_description_service')
+BUILT_IN = (*SWITCHES, qos.PREFIX)
 
 _ROS_TYPES = {'double': ParameterType.PARAMETER_DOUBLE, 'integer': ParameterType.PARAMETER_INTEGER,
               'string': ParameterType.PARAMETER_STRING, 'bool': ParameterType.PARAMETER_BOOL,
               'strings': ParameterType.PARAMETER_STRING_ARRAY, 'doubles': ParameterType.PARAMETER_DOUBLE_ARRAY}
 
 
-def scene(node):
+def scene(node, arguments=()):
     """
     Return the Scene of a node that has declared its overrides, every parameter declared as in the table.
 
     The overrides are read as they came and declared again with type and text: so an unknown name is an
-    error instead of being ignored, and ``3`` is good for a double.
+    error instead of being ignored, and ``3`` is good for a double. ``arguments``: the command line, for
+    what rcl ignores of it.
 
     Raises
     ------
@@ -31,9 +34,18 @@ def scene(node):
         Naming the parameter, what was given and what is allowed.
 
     """
-    given = {name: parameter.value for name, parameter in node.get_parameters_by_prefix('').items()
-             if not name.startswith(BUILT_IN)}
+    every = {name: parameter.value for name, parameter in node.get_parameters_by_prefix('').items()}
+    for name in SWITCHES:
+        if type(every.get(name, True)) is not bool:
+            raise InvalidParameter(name, every[name], 'must be a bool')
+    given = {name: value for name, value in every.items() if not name.startswith(BUILT_IN)}
+    for name, (value, where) in overrides.asked(arguments, node.get_fully_qualified_name()).items():
+        if name in given and overrides.is_ignored(value, given[name]):
+            node.get_logger().warning(f'{name} = {value!r} ({where}), though ROS 2 would keep {given[name]!r}, '
+                                      'which is of another type')
+            given[name] = value
     checked = scenes.from_values(given)
+    qos.check(node, checked)
     for name in given:
         node.undeclare_parameter(name)
     for name, value in checked.values.items():

@@ -13,6 +13,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from .. import interfaces, joints
 from ..estimator import RateEstimator
 from ..records import is_time
+from . import qos
 from .inputs import Reader
 from .messages import resolve, sec_nanosec
 from .sequence import Sequence, WithInfo
@@ -171,11 +172,11 @@ class TopicDrive(Drive):
         self._estimated = False
         self.estimator = None
         self.apply(self.settings)
-        qos = QoSProfile(depth=interfaces.INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
+        profile = QoSProfile(depth=interfaces.INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         self._sequence = Sequence(lambda: self._subscription.get_publisher_count())
-        self._subscription = self._node.create_subscription(
-            resolve(self._topic.type), self._topic.topic, WithInfo(self._receive), qos, raw=True,
-            event_callbacks=SubscriptionEventCallbacks(matched=lambda _: self._sequence.forget()))
+        self._subscription = qos.create(
+            self._node, 'subscription', resolve(self._topic.type), self._topic.topic, WithInfo(self._receive),
+            profile, raw=True, event_callbacks=SubscriptionEventCallbacks(matched=lambda _: self._sequence.forget()))
         self._timer = steady_timer(self._node, SLEEP, self._watch)
 
     def stop(self):

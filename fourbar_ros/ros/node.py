@@ -4,6 +4,7 @@ from __future__ import annotations
 import sys
 
 import rclpy
+from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.experimental import EventsExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
@@ -21,18 +22,20 @@ from .stop import Stop
 from .stream import Stream
 from .worker import Worker
 
-RCLError = rclpy_implementation.RCLError     # a scene file that rcl cannot parse, among others
+UnknownArguments = rclpy_implementation.UnknownROSArgsError
+# A file that rcl cannot parse, names that are none; another type for a parameter than rclpy has declared.
+ROS_ERRORS = (rclpy_implementation.RCLError, UnknownArguments, NameValidationException, ParameterException)
 SWITCH = 0.001  # [s] how long a busy service may keep the interpreter from the stream (default 0.005)
 PATIENCE = 0.5  # [s] for a search to see that it is abandoned: it looks every few milliseconds
 SPIN = 0.2      # [s] the events executor must be given a finite time: endless, it can hang (see docs/node.md)
 
 
 class FourBarNode(Node):
-    """The node; see docs/node.md for its topics, services and parameters."""
+    """The node; see docs/node.md for its topics, services and parameters; ``arguments``: the command line."""
 
-    def __init__(self, **kwargs):
+    def __init__(self, arguments=(), **kwargs):
         super().__init__('fourbar', automatically_declare_parameters_from_overrides=True, **kwargs)
-        scene = declare.scene(self)
+        scene = declare.scene(self, arguments)
         self.failure = None                  # a fault in any thread, raised by main
         self.log = QuietLog(self.get_logger())
         self.recording = Recording(self)
@@ -85,9 +88,9 @@ def main(args=None, stop=None):
     try:
         check_node_arguments(given)
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-        node = FourBarNode()
-    except (FourBarError, RCLError) as error:
-        print(f'fourbar_node: {" ".join(str(error).split())}', file=sys.stderr)
+        node = FourBarNode(given)
+    except (FourBarError, *ROS_ERRORS) as error:
+        print(f'fourbar_node: {said(error)}', file=sys.stderr)
         rclpy.try_shutdown()
         return 2
     sys.setswitchinterval(SWITCH)
@@ -100,6 +103,13 @@ def main(args=None, stop=None):
     if node.failure:
         raise node.failure
     return 0
+
+
+def said(error):
+    """Return what an error at start says, in one line."""
+    if isinstance(error, UnknownArguments):
+        return f'ROS 2 knows no argument {error}'
+    return ' '.join(str(error).split())
 
 
 def spin(node, stop):

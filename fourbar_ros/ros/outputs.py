@@ -6,7 +6,7 @@ from math import isnan
 from rclpy.event_handler import PublisherEventCallbacks, UnsupportedEventTypeError
 
 from .. import interfaces
-from . import packed
+from . import packed, qos
 from .messages import resolve, set_constants
 
 
@@ -40,8 +40,8 @@ class Output:
             self._publisher = self._create(None)
 
     def _create(self, callbacks):
-        return self._node.create_publisher(type(self._message), self._topic.topic, interfaces.QUEUE_DEPTH,
-                                           event_callbacks=callbacks)
+        return qos.create(self._node, 'publisher', type(self._message), self._topic.topic, interfaces.QUEUE_DEPTH,
+                          event_callbacks=callbacks)
 
     def _matched(self, info):
         heard = info.current_count > 0

@@ -1,59 +1,49 @@
-"""Quality of service that a user overrides: qos_overrides.TOPIC.publisher.reliability and so on, at start."""
+"""Quality of service that a user overrides at start: qos_overrides.TOPIC.publisher.reliability and so on."""
 from __future__ import annotations
 
-from rclpy.event_handler import UnsupportedEventTypeError
-from rclpy.qos import QoSPolicyKind
-from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSPolicyKind, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from .. import interfaces
 from ..core import InvalidParameter
 
 PREFIX = 'qos_overrides.'
-POLICIES = {kind.name.lower(): kind for kind in (
-    QoSPolicyKind.RELIABILITY, QoSPolicyKind.DURABILITY, QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH,
-    QoSPolicyKind.DEADLINE, QoSPolicyKind.LIFESPAN, QoSPolicyKind.LIVELINESS,
-    QoSPolicyKind.LIVELINESS_LEASE_DURATION)}
-ENTITIES = ('publisher', 'subscription')
+_WORDS = {'reliability': ReliabilityPolicy, 'durability': DurabilityPolicy, 'history': HistoryPolicy,
+          'liveliness': LivelinessPolicy}
+_NUMBERS = {'depth': 'messages', 'deadline': 'ns', 'lifespan': 'ns', 'liveliness_lease_duration': 'ns'}
+POLICIES = (*_WORDS, *_NUMBERS)
 
 
 def create(node, entity, message_type, topic, *given, **options):
-    """
-    Return a new publisher or subscription of a node with the overrides it was given; other arguments as of rclpy.
-
-    Event callbacks are left out where the middleware does not have the event.
-
-    Raises
-    ------
-    InvalidParameter
-        A policy does not have the value given.
-
-    """
+    """Return a new 'publisher' or 'subscription' of a node with the overrides it was given; arguments as of rclpy."""
     name = f'{PREFIX}{node.resolve_topic_name(topic)}.{entity}.'
-    kinds = [kind for policy, kind in POLICIES.items() if node.has_parameter(name + policy)]
+    kinds = [QoSPolicyKind[policy.upper()] for policy in POLICIES if node.has_parameter(name + policy)]
     make = getattr(node, f'create_{entity}')
-    try:
-        return make(message_type, topic, *given, **options, qos_overriding_options=QoSOverridingOptions(kinds))
-    except (AssertionError, AttributeError, TypeError, RuntimeError, InvalidQosOverridesError) as error:
-        if not kinds:
-            raise
-        values = {policy: node.get_parameter(name + policy).value for policy in POLICIES
-                  if node.has_parameter(name + policy)}
-        raise InvalidParameter(name[:-1], values, f'not accepted: {error}') from None
+    return make(message_type, topic, *given, **options, qos_overriding_options=QoSOverridingOptions(kinds))
 
 
 def check(node, scene):
-    """Raise InvalidParameter for an override that nothing of the node will ever ask for."""
+    """Raise InvalidParameter for an override that nothing of the node will ask for, or that has no such value."""
     topics = _topics(node, scene)
     for name, parameter in node.get_parameters_by_prefix('').items():
-        if not name.startswith(PREFIX):
-            continue
-        *topic, entity, policy = name[len(PREFIX):].rsplit('.', 2)
-        if topic[:1] not in ([t] for t in topics):
-            raise InvalidParameter(name, parameter.value, f'no such topic of this node; known: {", ".join(topics)}')
-        if entity != topics[topic[0]]:
-            raise InvalidParameter(name, parameter.value, f'{topic[0]} is a {topics[topic[0]]}')
-        if policy not in POLICIES:
-            raise InvalidParameter(name, parameter.value, f'must be one of {", ".join(POLICIES)}')
+        if name.startswith(PREFIX):
+            why = _why_not(name[len(PREFIX):].rsplit('.', 2), parameter.value, topics)
+            if why:
+                raise InvalidParameter(name, parameter.value, why)
+
+
+def _why_not(parts, value, topics):
+    if len(parts) != 3 or parts[0] not in topics:
+        return f'no such topic of this node; known: {", ".join(topics)}'
+    topic, entity, policy = parts
+    if entity != topics[topic]:
+        return f'{topic} is a {topics[topic]}'
+    if policy in _WORDS:
+        words = [word.lower() for word in _WORDS[policy].__members__ if word.isupper() and word != 'UNKNOWN']
+        return '' if value in words else f'must be one of {", ".join(words)}'
+    if policy in _NUMBERS:
+        return '' if type(value) is int and value >= 0 else f'must be a number of {_NUMBERS[policy]}, not negative'
+    return f'must be one of {", ".join(POLICIES)}'
 
 
 def _topics(node, scene):

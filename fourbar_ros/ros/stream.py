@@ -13,6 +13,7 @@ from .. import interfaces
 from ..core.errors import UNITS, FourBarError, OutOfRange
 from ..core.status import INPUT_TIMEOUT, OK, OUT_OF_RANGE, STATUS_NAMES
 from ..stepper import Stepper
+from . import qos
 from .outputs import Output
 
 
@@ -43,8 +44,8 @@ class Stream:
         recording.between_steps = self._lock
         self.steps, self.bad_steps, self.status = 0, 0, OK
         self._driven, self._outputs = self._output(interfaces.DRIVEN), []
-        self._scene_publisher = node.create_publisher(
-            String, interfaces.SCENE.topic, QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+        self._scene_publisher = qos.create(
+            node, 'publisher', String, interfaces.SCENE.topic, QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
         self.apply(scene)
 
     def apply(self, scene):

@@ -32,7 +32,7 @@ def fields_of(layout, output, message):
 class NodeProcess:
     """fourbar_node with these parameters, after the code ``first``; what it says is kept in ``said``."""
 
-    def __init__(self, parameters, tmp_path, name='fourbar', remaps=(), first=''):
+    def __init__(self, parameters, tmp_path, name='fourbar', remaps=(), first='', arguments=()):
         self.name = name
         file = tmp_path / f'{name}.yaml'
         file.write_text(json.dumps({'/**': {'ros__parameters': parameters}}))    # JSON is YAML
@@ -40,7 +40,7 @@ class NodeProcess:
         run = ['-c', f'{first}\nimport sys; from fourbar_ros.ros.start import main; sys.exit(main())']
         self.process = subprocess.Popen(
             [sys.executable, *(run if first else ['-m', 'fourbar_ros.ros.start']),
-             '--ros-args', '--params-file', str(file), *remap],
+             '--ros-args', '--params-file', str(file), *remap, *arguments],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=tmp_path, env=os.environ)
         self.said = ''
         self._reader = threading.Thread(target=self._read, daemon=True)

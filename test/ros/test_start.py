@@ -1,0 +1,97 @@
+"""The start of the node: what is asked for is done, or refused in one line."""
+import json
+import subprocess
+import sys
+
+import pytest
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+
+from fourbar_ros import scene
+from harness import PATIENCE
+from scenes import PAPER
+from test_inputs import set_parameters
+
+
+def start(tmp_path, *arguments):
+    """Run the node until it refuses; return (exit code, the line of its own)."""
+    done = subprocess.run([sys.executable, '-m', 'fourbar_ros.ros.start', *arguments], cwd=tmp_path, text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=2 * PATIENCE, check=False)
+    assert 'Traceback' not in done.stdout
+    line, = (line for line in done.stdout.splitlines() if line.startswith('fourbar_node:'))
+    return done.returncode, line
+
+
+@pytest.fixture
+def paper(tmp_path):
+    file = tmp_path / 'paper.yaml'
+    file.write_text(json.dumps({'/**': {'ros__parameters': {**PAPER, 'drive.speed': 25}}}))
+    return str(file)
+
+
+REFUSED = [
+    (['use_sim_time:=maybe'], "use_sim_time = 'maybe': must be a bool"),
+    (['start_type_description_service:=3'], 'start_type_description_service = 3: must be a bool'),
+    (['linkage.a1:=abc'], "linkage.a1 = 'abc': must be a double"),
+    (['linkage.mode:=1.0'], 'linkage.mode = 1.0: must be an integer'),
+    (['outputs:=state'], "outputs = 'state': must be"),
+    (['qos_overrides./fourbar/stat.publisher.depth:=3'], 'no such topic of this node; known: /fourbar/driven'),
+    (['qos_overrides./fourbar/state.subscription.depth:=3'], '/fourbar/state is a publisher'),
+    (['qos_overrides./fourbar/state.publisher.deph:=3'], 'must be one of reliability'),
+    (['qos_overrides./fourbar/state.publisher.depth:=three'], 'must be a number of messages'),
+    (['qos_overrides./fourbar/input.subscription.deadline:=-1'], 'must be a number of ns'),
+    (['qos_overrides./fourbar/state.publisher.reliability:=maybe'], 'reliable, best_effort'),
+]
+
+
+@pytest.mark.parametrize('given, why', REFUSED, ids=[given[0] for given, _ in REFUSED])
+def test_bad_parameters_are_refused_in_one_line(tmp_path, paper, given, why):
+    code, line = start(tmp_path, '--ros-args', '--params-file', paper, '-p', 'outputs:=[state]',
+                       *(part for rule in given for part in ('-p', rule)))
+    assert code == 2 and why in line
+
+
+@pytest.mark.parametrize('arguments, why', [
+    (['--ros-args', '--params-fle', 'x'], '--params-fle'), (['--ros-args', '-r', 'a:b'], 'remap'),
+    (['--ros-args', '-r', '__node:=a/b'], 'remap'), (['--ros-args', '--log-level', 'foo'], 'log level'),
+    (['scene.yaml'], 'scene.yaml')])
+def test_arguments_that_nobody_understands_are_refused_in_one_line(tmp_path, arguments, why):
+    code, line = start(tmp_path, *arguments)
+    assert code == 2 and why in line
+
+
+@pytest.mark.parametrize('source', ['parameter', 'file'])
+def test_a_number_with_a_point_wins_over_a_whole_one_in_a_file(run_node, client, tmp_path, source):
+    """Rcl alone keeps 25, of the file, whatever -p says."""
+    more = ['-p', 'drive.speed:=3.5']
+    if source == 'file':
+        second = tmp_path / 'second.yaml'
+        second.write_text('/**:\n  ros__parameters:\n    drive: {speed: 3.5}\n')
+        more = ['--params-file', str(second)]
+    node = run_node({**PAPER, 'drive.speed': 25, 'outputs': ['state']}, arguments=more)
+    client.listen(['state'])
+    client.until(lambda: client.received['state'], 'a state')
+    assert client.received['state'][0].omega1 == 3.5
+    if source == 'parameter':                    # with two files rcl itself takes the last
+        client.until(lambda: 'drive.speed = 3.5' in node.said and 'would keep 25' in node.said, 'the line in the log')
+
+
+def test_the_quality_of_service_can_be_overridden(run_node, client):
+    given = {'/fourbar/state.publisher.reliability': 'best_effort', '/fourbar/state.publisher.depth': 3,
+             '/fourbar/loads.publisher.depth': 5,                  # an output that may come later
+             '/fourbar/input.subscription.reliability': 'reliable',
+             '/moved.publisher.durability': 'transient_local'}
+    run_node({**PAPER, 'drive.source': 'motion', 'outputs': ['state', 'output'],
+              **{f'qos_overrides.{name}': value for name, value in given.items()}}, remaps=['~/output:=/moved'])
+
+    def publishers(topic):
+        return client.node.get_publishers_info_by_topic(topic)
+    client.until(lambda: publishers('/fourbar/state') and publishers('/moved')
+                 and client.node.get_subscriptions_info_by_topic('/fourbar/input'), 'its topics')
+    state, moved = publishers('/fourbar/state')[0].qos_profile, publishers('/moved')[0].qos_profile
+    assert state.reliability == ReliabilityPolicy.BEST_EFFORT and moved.reliability == ReliabilityPolicy.RELIABLE
+    assert moved.durability == DurabilityPolicy.TRANSIENT_LOCAL
+    listener = client.node.get_subscriptions_info_by_topic('/fourbar/input')[0].qos_profile
+    assert listener.reliability == ReliabilityPolicy.RELIABLE
+    refused, = set_parameters(client, {'qos_overrides./fourbar/state.publisher.depth': 30})
+    assert not refused.successful and 'at start' in refused.reason
+    assert client.call('evaluate', position=0.5).state.theta4 == scene.from_values(PAPER).linkage.motion(0.5).theta4
