@@ -9,7 +9,7 @@ export PYTHON
 env := . scripts/env.sh
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all soak bench clean
+.PHONY: help setup run test test-all check-pip soak bench clean
 
 help:
 	@echo 'fourbar_ros: exact motion, loads and extrema of four-bars, slider-cranks, inverted slider-cranks;'
@@ -19,6 +19,7 @@ help:
 	@echo '                    SCENE=$(SCENE)  SECONDS=$(SECONDS)'
 	@echo '  make test       the tests but the slow ones      ARGS="-k loads" goes to pytest'
 	@echo '  make test-all   all tests'
+	@echo '  make check-pip  the library without ROS: sdist, wheel, fresh venv, every command'
 	@echo '  make soak       an hour of floods, garbage, restarts    MINUTES=60'
 	@echo '  make bench      what a step, a search for extrema, a message costs here   ARGS=...'
 	@echo '  make setup      only what the others do first: .venv, ROS 2, build'
@@ -45,6 +46,9 @@ test:
 test-all:
 	@scripts/setup.sh test
 	@$(env) && python -m pytest $(ARGS)
+
+check-pip:
+	@scripts/check_pip.sh
 
 soak:
 	@scripts/setup.sh test

@@ -1,40 +1,63 @@
 from glob import glob
+from pathlib import Path
 
 from setuptools import find_packages, setup
 
-package_name = 'fourbar_ros'
+NAME = 'fourbar_ros'
+HERE = Path(__file__).parent
+# Scenes are found by name because they lie in the package; for ROS they are in share, too.
+SCENES = [f'{NAME}.config', f'{NAME}.config.published']
 
 setup(
-    name=package_name,
+    name=NAME,
     version='0.1.0',
-    packages=find_packages(include=[package_name, package_name + '.*']),
-    package_data={package_name: ['*.yaml']},
+    packages=find_packages(include=[NAME, NAME + '.*']) + SCENES,
+    package_dir={SCENES[0]: 'config', SCENES[1]: 'config/published'},
+    package_data={NAME: ['*.yaml', 'py.typed'], SCENES[0]: ['*.yaml'], SCENES[1]: ['*.yaml']},
     data_files=[
-        ('share/ament_index/resource_index/packages', ['resource/' + package_name]),
-        ('share/' + package_name, ['package.xml']),
-        ('share/' + package_name + '/config', glob('config/*.yaml')),
-        ('share/' + package_name + '/config/published', glob('config/published/*.yaml')),
-        ('share/' + package_name + '/launch', glob('launch/*.launch.py')),
+        ('share/ament_index/resource_index/packages', ['resource/' + NAME]),
+        ('share/' + NAME, ['package.xml']),
+        ('share/' + NAME + '/config', glob('config/*.yaml')),
+        ('share/' + NAME + '/config/published', glob('config/published/*.yaml')),
+        ('share/' + NAME + '/launch', glob('launch/*.launch.py')),
     ],
     python_requires='>=3.10',
-    install_requires=['setuptools', 'numpy>=1.26', 'pyyaml>=6', 'rich>=13'],
+    install_requires=['numpy>=1.26', 'pyyaml>=6', 'rich>=13'],
     extras_require={
         'bag': ['mcap>=1.5,<2', 'lz4', 'zstandard'],
         'parquet': ['pyarrow'],
         'plot': ['matplotlib'],
         'proof': ['python-flint'],
-        'test': ['pytest<9', 'mpmath', 'rosbags', 'mcap-ros2-support>=0.6,<1', 'hypothesis', 'scipy', 'matplotlib'],
+        'test': ['pytest<9', 'mpmath', 'rosbags', 'mcap>=1.5,<2', 'lz4', 'zstandard', 'mcap-ros2-support>=0.6,<1',
+                 'hypothesis', 'scipy', 'matplotlib', 'python-flint'],
     },
-    zip_safe=True,
+    zip_safe=False,
     maintainer='fourbar_ros developers',
     maintainer_email='fourbar-ros@users.noreply.github.com',
     description='Exact motion, loads and extrema of planar four-bar linkages, with a ROS 2 node.',
+    long_description=(HERE / 'README.md').read_text(encoding='utf-8'),
+    long_description_content_type='text/markdown',
+    keywords=['four-bar linkage', 'slider-crank', 'mechanism', 'kinematics', 'dynamics', 'ROS 2'],
+    classifiers=[
+        'Development Status :: 4 - Beta',
+        'Intended Audience :: Education',
+        'Intended Audience :: Science/Research',
+        'Operating System :: OS Independent',
+        'Programming Language :: Python :: 3',
+        'Programming Language :: Python :: 3.10',
+        'Programming Language :: Python :: 3.11',
+        'Programming Language :: Python :: 3.12',
+        'Programming Language :: Python :: 3.13',
+        'Topic :: Scientific/Engineering :: Physics',
+        'Typing :: Typed',
+    ],
     license='Apache-2.0',
+    license_files=['LICENSE'],
     entry_points={
         'console_scripts': [
             'fourbar = fourbar_ros.cli:main',
-            'fourbar_node = fourbar_ros.ros.start:main',
-            'fourbar_demo = fourbar_ros.ros.demo:main',
+            'fourbar_node = fourbar_ros.optional:node',
+            'fourbar_demo = fourbar_ros.optional:demo',
         ],
     },
 )

@@ -7,6 +7,7 @@ import sys
 from . import __version__
 from .arguments import Parser
 from .core import FourBarError
+from .optional import MissingPackage
 from .verbs import bag, draw, record, replay, reproduce, scene, show
 
 VERBS = (show, scene, bag, record, replay, draw, reproduce)
@@ -52,6 +53,11 @@ def main(args=None):
         return arguments.run(arguments) or 0
     except FourBarError as error:
         print(f'fourbar: {error}', file=sys.stderr)
+        return 1
+    except ModuleNotFoundError as error:
+        if not MissingPackage.explains(error):
+            raise
+        print(f'fourbar: {MissingPackage(f"fourbar {arguments.verb}", error)}', file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 130

@@ -209,3 +209,33 @@ def test_a_picture_is_where_it_is_said_to_be(tmp_path, capsys):
     pytest.importorskip('matplotlib')
     code, out, _ = said(capsys, 'draw', 'paper', '--at', '60', '-o', str(tmp_path / 'noext'))
     assert code == 0 and out == f"{tmp_path / 'noext.png'}\n" and (tmp_path / 'noext.png').exists()
+
+
+# --- without what is optional ----------------------------------------------------------------------
+
+@pytest.mark.parametrize('command, blocked, hint', [
+    (['bag', 'info', 'x'], 'mcap', 'fourbar bag needs mcap: pip install mcap lz4 zstandard'),
+    (['bag', 'info', 'x'], 'lz4', 'fourbar bag needs lz4: pip install'),
+    (['bag', 'recover', 'x'], 'zstandard', 'fourbar bag needs zstandard: pip install'),
+    (['record', 'start'], 'rclpy', 'fourbar record needs ROS 2: source a ROS 2'),
+    (['replay', 'x'], 'rclpy', 'fourbar replay needs ROS 2: source a ROS 2')])
+def test_what_to_install_is_said_in_one_line(command, blocked, hint):
+    done = subprocess.run([sys.executable, '-c', f'import sys; sys.modules[{blocked!r}] = None\n'
+                           f'from fourbar_ros.cli import main; sys.exit(main({command}))'],
+                          capture_output=True, text=True, cwd=ROOT, check=False)
+    assert done.returncode == 1 and hint in done.stderr and len(done.stderr.splitlines()) == 1, done.stderr
+
+
+@pytest.mark.parametrize('name', ['node', 'demo'])
+def test_the_programs_that_need_ros_say_so(name):
+    done = subprocess.run([sys.executable, '-c', 'import sys; sys.modules["rclpy"] = None\n'
+                           f'from fourbar_ros.optional import {name}; sys.exit({name}())'],
+                          capture_output=True, text=True, cwd=ROOT, check=False)
+    assert done.returncode == 1 and done.stderr.startswith(f'fourbar_{name}: it needs ROS 2: source')
+    assert len(done.stderr.splitlines()) == 1, done.stderr
+
+
+def test_an_error_of_ours_is_not_taken_for_a_missing_package():
+    from fourbar_ros.optional import MissingPackage
+    assert not MissingPackage.explains(ModuleNotFoundError("No module named 'fourbar_ros.typo'", name='fourbar_ros.typo'))
+    assert MissingPackage.explains(ModuleNotFoundError('', name='mcap.opcode'))

@@ -10,10 +10,13 @@ import slider_reference
 from test_points import four_bars
 
 from fourbar_ros.core import Bodies, Body, FourBar
+from fourbar_ros.core.points import point_motion
 from fourbar_ros.core.inverted_slider import InvertedSlider
 from fourbar_ros.core.slider_crank import SliderCrank
-from fourbar_ros.draw import joints, nice
+from fourbar_ros.draw import joints, renamed, significant
 from fourbar_ros.polygons import acceleration_polygon, velocity_polygon
+from fourbar_ros.scene import load
+from fourbar_ros.sheet import nice
 
 ROOT = Path(__file__).parent.parent
 
@@ -82,9 +85,9 @@ def test_pictures_have_equal_scales_and_all_labels(mechanism, value):
         assert (right - left) == pytest.approx(top - bottom, rel=1e-9)
     words = [[text.get_text() for text in axes.texts] for axes in figure.axes]
     assert {f'${name}$' for name in joints(mechanism, motion)} <= set(words[0])
-    assert any(f'{loads.f41:.4g} N' in text for text in words[0])
+    assert any(f'{significant(loads.f41)} N' in text for text in words[0])
     for arrow in velocity_polygon(mechanism, motion):
-        assert f'${arrow.label}$' in words[1] and f'${arrow.label}$ = {hypot(*arrow.vector):.4g}' in words[1]
+        assert f'${arrow.label}$' in words[1] and f'${arrow.label}$ = {significant(hypot(*arrow.vector))}' in words[1]
 
 
 def test_an_arrow_is_as_long_as_its_scale_bar_says():
@@ -96,6 +99,49 @@ def test_an_arrow_is_as_long_as_its_scale_bar_says():
     bar, = (line for line in velocities.lines if len(line.get_xdata()) == 2)
     text, = (text.get_text() for text in velocities.texts if text.get_text().endswith(' m/s'))
     assert np.ptp(bar.get_xdata()) == pytest.approx(float(text.split()[0]), rel=1e-12)     # axes in m/s
+
+
+@pytest.mark.parametrize('name, at, texts', [
+    ('paper', 1.0, (r'\theta_1', r'\theta_4', 'T_{41}', 'A', 'B', 'O_1', 'O_4')),
+    ('slider_crank', 1.0, (r'\theta_1', r'\mathrm{middle}', 'T_{41}')),
+    ('cylinder', 1.5, (r'\theta_1', r'\theta_4', r'\mathrm{tip}'))])
+def test_a_scene_is_drawn_with_all_that_it_has(name, at, texts):
+    """Angles, rates, torque, points, centres of gravity, both scales; arrows of forces over the pivots."""
+    pytest.importorskip('matplotlib')
+    from matplotlib.patches import Wedge
+
+    from fourbar_ros.draw import make_figure
+    its = load(name)
+    motion, loads = its.linkage.step(at, its.drive.speed)
+    figure = make_figure(its.linkage, motion, loads, 'title', {n: tuple(p) for n, p in its.points.items()})
+    axes = figure.axes[0]
+    words = [text.get_text() for text in axes.texts]
+    assert {f'${text}$' for text in texts} <= set(words)
+    assert any(word.endswith(' m') for word in words) and sum(word.endswith(' N') and word[0].isdigit() for word in words) == 1
+    assert any(f'{significant(motion.omega1)} rad/s' in word for word in words)
+    assert any(word == f'shaking force {significant(loads.shaking_force)} N' for word in words)
+    places = [point_motion(its.linkage, motion, link, body.cg_along, body.cg_across).place
+              for link, body in its.linkage.bodies._asdict().items() if body.mass]
+    drawn = {tuple(np.round(patch.center, 12)) for patch in axes.patches if isinstance(patch, Wedge)}
+    assert drawn == {tuple(np.round(place, 12)) for place in places}
+    pivots = max(line.get_zorder() for line in axes.lines)
+    arrows = [text for text in axes.texts if getattr(text, 'arrow_patch', None)]
+    assert len(arrows) >= 3 and all(arrow.get_zorder() > pivots for arrow in arrows)
+    tips = [point_motion(its.linkage, motion, *point).place for point in its.points.values()]
+    low, high = np.transpose([axes.get_xlim(), axes.get_ylim()])
+    assert all((low < tip).all() and (tip < high).all() for tip in [*tips, *places])
+
+
+@pytest.mark.parametrize('label, expected', [('V_A', 'V_{B}'), ('V_{B/A}', 'V_{C/B}'), ('A_{B/A}^n', 'A_{C/B}^n'), ('A', 'B'),
+                                             ('A_{Cor}', 'A_{Cor}'), ('V_{rel}', 'V_{rel}'), ('O_1', 'O_2'), ('A_B^t', 'A_{C}^t')])
+def test_letters_of_another_document(label, expected):
+    assert renamed(label, {'O_1': 'O_2', 'A': 'B', 'B': 'C'}) == expected
+
+
+@pytest.mark.parametrize('value, text', [(18123.4, '18120'), (0.25, '0.25'), (-0.0, '0'), (1e-5, '1e-05'), (3.14159, '3.142'),
+                                         (123456789.0, '1.235e+08'), (0.0012346, '0.001235')])
+def test_numbers_in_pictures_are_readable(value, text):
+    assert significant(value) == text
 
 
 def test_the_command(tmp_path):

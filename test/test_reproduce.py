@@ -11,8 +11,9 @@ import slider_reference
 import yaml
 from reference import EPS, pose
 
-from fourbar_ros import published
+from fourbar_ros import __version__, published
 from fourbar_ros.core.points import point_motion
+from fourbar_ros.mechanism_panel import significant
 from fourbar_ros.reproduce import DOCUMENTS, agrees, count, footnotes, is_reading, print_tables, reproduce
 from fourbar_ros.verdicts import AGREES, ASSUMED, DIFFERS, DRAWN, GARBLED, MISPRINT, MISSING, ROUNDED, VERDICTS, WRONG
 
@@ -207,15 +208,39 @@ class Page(HTMLParser):
 def test_the_page_holds_all_and_loads_nothing(sections):
     pytest.importorskip('matplotlib')
     from fourbar_ros.figures import page
-    text = page(sections)
+    text = page(sections, '2026-01-31')
     found = Page(text)
     assert found.loaded == [] and found.count['table'] == len(sections)
     assert found.count['tr'] == len(sections) + sum(len(section.rows) for section in sections)
-    assert found.count['figure'] == found.count['svg'] == 6
-    assert text == page(sections)      # the same bytes every time
+    assert found.count['figure'] == found.count['svg'] == 7
+    assert text == page(sections, '2026-01-31')      # the same bytes every time
+    assert f'fourbar_ros {__version__}, 2026-01-31' in text and 'θ<sub>1</sub>' in text
+    assert found.count['dt'] == len(VERDICTS) and found.count['li'] >= len(sections)       # legend, contents
+    for i in range(len(sections)):
+        assert f'href="#s{i}"' in text and f'id="s{i}"' in text
     for section in sections:
         for row in section.rows:
             assert row.printed in text
+
+
+@pytest.mark.parametrize('name, row, panel', [('example_7_2', 'v_b', 1), ('example_7_2', 'a_b', 2), ('example_7_3', 'a_b', 2),
+                                              ('example_7_5', 'v_a', 1), ('example_7_5', 'coriolis', 2)])
+def test_figures_have_the_units_and_letters_of_their_tables(name, row, panel):
+    pytest.importorskip('matplotlib')
+    from fourbar_ros import figures
+    figure, _ = getattr(figures, name)()
+    value = significant(abs(getattr(published, name)()[row]))
+    letter = '{Cor}' if row == 'coriolis' else row[-1].upper()
+    words = [text.get_text() for text in figure.axes[panel].texts]
+    assert any(word in (f'${row[0].upper()}_{letter}$ = {value}', f'$A_{letter}$ = {value}',
+                        f'${row[0].upper()}_{{{letter}}}$ = {value}') for word in words), words
+    assert any(word.endswith((' ft/s', ' ft/s$^2$')) for word in words)
+
+
+def test_what_cannot_be_written_is_said_before_the_tables(tmp_path):
+    done = subprocess.run([sys.executable, '-m', 'fourbar_ros', 'reproduce', '--html', str(tmp_path / 'no' / 'x.html')],
+                          capture_output=True, text=True, cwd=ROOT, check=False)
+    assert (done.returncode, done.stdout) == (1, '') and len(done.stderr.splitlines()) == 1
 
 
 def test_the_tables_number_their_reasons(sections, capsys):

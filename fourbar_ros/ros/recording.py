@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from .. import __version__, estimator, interfaces
+from ..optional import MissingPackage
 
 SOFTWARE = ('numpy', 'mcap', 'rclpy')       # beside our own, whose versions a bag keeps
 
@@ -60,7 +61,10 @@ class Recording:
 
         It waits for the disk, so not during a step; :meth:`attach` then is quick.
         """
-        from ..bag.writer import BagError, BagWriter, Split     # only scenes that record need the mcap library
+        try:                                             # only scenes that record need the mcap library
+            from ..bag.writer import BagError, BagWriter, Split
+        except ModuleNotFoundError as error:
+            raise MissingPackage('recording', error) from None
         from .schemas import channel
 
         if self.active:

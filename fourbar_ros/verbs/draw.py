@@ -5,11 +5,10 @@ import argparse
 
 from .show import pose
 
-TITLE_WIDTH = 48       # letters over one panel
 EPILOG = """\
 examples:
-  fourbar draw config/paper.yaml --at 60 -o pose.pdf
-  fourbar draw config/slides_7_6.yaml --at 60 --speed 10 --acceleration 100 -o example_7_6.svg
+  fourbar draw paper --at 60 -o pose.pdf
+  fourbar draw slides_7_6 --at 60 --speed 10 --acceleration 100 -o example_7_6.svg
 """
 
 
@@ -27,18 +26,18 @@ def add(verbs):
 
 
 def _draw(arguments):
-    from textwrap import fill
 
     from .. import scene as scenes
     from ..draw import make_figure, save
     from ..poses import step_at
-    from ..show import class_name, rate_unit
+    from ..show import class_name, mode_name, rate_unit
     scene = scenes.load(arguments.scene)
     linkage = scene.linkage.in_mode(arguments.mode or scene.linkage.mode)
     speed = scene.drive.speed if arguments.speed is None else arguments.speed
     _, motion, loads = step_at(linkage, arguments.at, speed, arguments.acceleration)
     pose = f'{linkage.input_coordinate.position} {arguments.at:.8g} {"m" if linkage.is_driven_by_slide else "deg"}'
-    # no line ends inside of these
-    pose, rate = (text.replace(' ', '\N{NO-BREAK SPACE}') for text in (pose, f'{speed:g} {rate_unit(linkage)}'))
-    title = fill(f'{class_name(linkage)}, {pose}, {rate}', TITLE_WIDTH)
-    print(save(make_figure(linkage, motion, loads, title), arguments.out))
+    unit = rate_unit(linkage)
+    title = ', '.join([class_name(linkage), pose, f'{speed:g} {unit}', *([f'{arguments.acceleration:g} {unit}^2']
+                       if arguments.acceleration else []), f'assembly mode {mode_name(linkage)}'])
+    points = {name: tuple(point) for name, point in scene.points.items()}
+    print(save(make_figure(linkage, motion, loads, title, points), arguments.out))

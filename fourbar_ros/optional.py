@@ -1,0 +1,51 @@
+"""What is not needed for all: what to install where it is missing, said in one line."""
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+
+from .core import FourBarError
+
+BAGS = 'pip install mcap lz4 zstandard'
+INSTALL = {'mcap': BAGS, 'lz4': BAGS, 'zstandard': BAGS, 'matplotlib': 'pip install matplotlib',
+           'pyarrow': 'pip install pyarrow', 'flint': 'pip install python-flint', 'scipy': 'pip install scipy',
+           'rich': 'pip install rich', 'yaml': 'pip install pyyaml'}
+ROS = ('rclpy', 'rcl_interfaces', 'rosidl_runtime_py', 'rpyutils', 'ament_index_python')
+ROS_HINT = 'source a ROS 2 workspace with fourbar_ros, or  make run  in its source'
+
+
+class MissingPackage(FourBarError):
+    """A package that only some commands need is not installed; the message says how to get it."""
+
+    def __init__(self, what: str, error: ModuleNotFoundError):
+        name = (error.name or '').partition('.')[0]
+        hint = INSTALL.get(name) or ROS_HINT
+        super().__init__(f'{what} needs {name if name in INSTALL else "ROS 2"}: {hint}'
+                         + ('' if name in INSTALL else f' ({error})'))
+
+    @staticmethod
+    def explains(error: ModuleNotFoundError) -> bool:
+        """Return whether an import error is one of a package that may be missing."""
+        name = (error.name or '').partition('.')[0]
+        return name in INSTALL or name in ROS or name.endswith(('_msgs', '_srvs', '_interfaces'))
+
+
+def _command(name: str, module: str) -> int:
+    """Run the main function of a module; without ROS, say so in one line and return 1."""
+    try:
+        return import_module(module).main()
+    except ModuleNotFoundError as error:
+        if not MissingPackage.explains(error):
+            raise
+        print(f'{name}: {MissingPackage("it", error)}', file=sys.stderr)
+        return 1
+
+
+def node() -> int:
+    """``fourbar_node``."""
+    return _command('fourbar_node', 'fourbar_ros.ros.start')
+
+
+def demo() -> int:
+    """``fourbar_demo``."""
+    return _command('fourbar_demo', 'fourbar_ros.ros.demo')

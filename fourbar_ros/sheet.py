@@ -1,0 +1,86 @@
+"""A drawing to scale on matplotlib's axes: arrows, labels that keep off what is there, scale bars."""
+from __future__ import annotations
+
+from math import floor, hypot, log10
+
+import numpy as np
+
+HEAD = 6.5          # heads of arrows of 0.5 in an inch (matplotlib: of the font's 11 points)
+
+
+def nice(value):
+    """Return the largest of 1, 2, 5 times a power of ten that is not above a positive value."""
+    power = 10.0**floor(log10(value))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-12))
+
+
+class Sheet:
+    """Axes with equal scales, filled by what is on them, and what is already there: labels keep off it."""
+
+    def __init__(self, axes, points, title):
+        points = np.asarray(points)
+        low, high = points.min(axis=0), points.max(axis=0)
+        box = axes.get_position()
+        width, height = box.width * axes.figure.get_figwidth(), box.height * axes.figure.get_figheight()
+        # inches of paper around the drawing: labels, and below it the scale
+        self.inch = max((high - low) / (width - 0.9, height - 1.15)) or 1.0
+        middle = 0.5 * (low + high) - (0.0, 0.12 * self.inch)
+        half = 0.5 * self.inch * np.array([width, height])
+        self.axes, self.left, self.bottom = axes, middle[0] - half[0], middle[1] - half[1]
+        axes.set(xlim=(self.left, middle[0] + half[0]), ylim=(self.bottom, middle[1] + half[1]), aspect='equal')
+        axes.axis('off')
+        axes.set_title(title, loc='left', fontsize=12, fontweight='bold')
+        self.width = 2.0 * half[0]
+        self.taken = []
+
+    def occupy(self, start, end):
+        """Keep labels off a line."""
+        self.taken.extend(start + t * (end - start) for t in np.linspace(0.0, 1.0, 25))
+
+    def arrow(self, start, vector, color, width):
+        """Draw an arrow."""
+        head = min(0.5, 0.5 * HEAD * hypot(*vector) / self.inch)       # of a short arrow, half of it
+        self.axes.annotate('', start + vector, start, zorder=9, arrowprops={
+            'arrowstyle': f'-|>,head_width={0.44 * head:.3f},head_length={head:.3f}', 'shrinkA': 0, 'shrinkB': 0,
+            'lw': width, 'color': color})
+
+    def label(self, text, places, color):
+        """Write a label at the first of several places that is free, or else the freest."""
+        letters = len(text.replace('\\', '').translate(str.maketrans('', '', '_^{}')))
+        reach = np.array([[x * 0.045 * letters * self.inch, 0.0] for x in (-1.0, -0.5, 0.0, 0.5, 1.0)])
+        taken, enough = np.array(self.taken)[:, None, :], 0.13 * self.inch
+        best = max(places, key=lambda at: min(enough, np.hypot(*np.moveaxis(taken - (at + reach), -1, 0)).min()))
+        self.axes.text(*best, f'${text}$', ha='center', va='center', color=color, zorder=8, fontsize=12)
+        self.taken.extend(best + reach)
+
+    def around(self, at, towards=(0.0, 1.0)):
+        """Return places for the label of a point, the first in this direction."""
+        first = np.arctan2(towards[1], towards[0])
+        turns = [first + side * step * np.pi / 12.0 for step in range(13) for side in (1.0, -1.0)]
+        return [at + distance * self.inch * np.array([np.cos(turn), np.sin(turn)])
+                for distance in (0.2, 0.27, 0.35) for turn in turns]
+
+    def beside(self, start, vector):
+        """Return places for the label of an arrow."""
+        normal = np.array([-vector[1], vector[0]]) / hypot(*vector) * self.inch
+        return [start + share * vector + distance * normal
+                for share in (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)
+                for distance in (0.18, -0.18, 0.26, -0.26, 0.36, -0.36)]
+
+    def scale(self, unit, factor=1.0, place=0.0):
+        """Draw a bar of a round number of units, each ``factor`` long on paper, ``place`` of the width to the right."""
+        length = nice(1.3 * self.inch / factor)
+        start, y = self.left + 0.1 * self.inch + place * self.width, self.bottom + 0.05 * self.inch
+        self.axes.plot([start, start + length * factor], [y, y], color='k', lw=1.2, marker='|', ms=7, clip_on=False)
+        self.axes.annotate(f'{length:g} {unit}', (start + length * factor, y), (6, 0), textcoords='offset points',
+                           va='center', fontsize=10)
+
+    def write(self, lines, wide=()):
+        """Write lines below the drawing: first those over the whole width, then the others in two columns."""
+        half = (len(lines) + 1) // 2
+        rows = [(0, row, text) for row, text in enumerate(wide)]
+        rows += [(column, len(wide) + row, text) for column, part in enumerate((lines[:half], lines[half:]))
+                 for row, text in enumerate(part)]
+        for column, row, text in rows:
+            self.axes.annotate(text, (0.02 + 0.49 * column, 0.0), (0, -14 - 16 * row), xycoords='axes fraction',
+                               textcoords='offset points', va='center', fontsize=11)

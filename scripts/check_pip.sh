@@ -1,0 +1,78 @@
+#!/usr/bin/env bash
+# Proves the way without ROS: builds sdist and wheel from it, installs the wheel into a fresh venv, runs every
+# command there, and some tests of the unpacked sdist. Needs the package registry; writes to a temporary folder.
+#
+#   PYTHON=python3.12 scripts/check_pip.sh
+set -euo pipefail
+source=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+unset PYTHONPATH VIRTUAL_ENV AMENT_PREFIX_PATH
+fail() { echo "check-pip: $*" >&2; exit 1; }
+step() { echo "check-pip: $*"; }
+
+step building
+mkdir "$work/source"
+tar -C "$source" --exclude=./.venv --exclude=./.venv-peers --exclude=./.git --exclude=./build --exclude=./install \
+  --exclude=./log --exclude=./bags --exclude='*.egg-info' --exclude=__pycache__ -cf - . | tar -C "$work/source" -xf -
+"${PYTHON:-python3}" -m venv "$work/builder"
+"$work/builder/bin/pip" -q install build
+"$work/builder/bin/python" -m build -q --outdir "$work/dist" "$work/source" >"$work/build.log" 2>&1 ||
+  { tail -20 "$work/build.log" >&2; fail 'the build failed'; }
+wheel=$(echo "$work"/dist/*.whl) sdist=$(echo "$work"/dist/*.tar.gz)
+
+step 'installing the wheel alone'
+"${PYTHON:-python3}" -m venv "$work/venv"
+pip=$work/venv/bin/pip
+"$pip" -q install "$wheel"
+mkdir "$work/empty"
+cd "$work/empty"
+export PATH=$work/venv/bin:$PATH
+
+# runs CODE COMMAND...   keeps its output; an error must be one line
+runs() {
+  local expected=$1 code=0
+  shift
+  "$@" >out 2>err || code=$?
+  [ "$code" = "$expected" ] || { cat out err >&2; fail "$* ended with $code, not $expected"; }
+  [ "$expected" = 0 ] || [ "$(wc -l <err)" = 1 ] || { cat err >&2; fail "$*: the error is not one line"; }
+}
+
+runs 0 fourbar --version
+runs 0 fourbar show paper --at 60
+grep -q '856.3641368' out || fail 'show paper: not the shaking force of 60 degrees'
+runs 0 fourbar scene check cylinder
+runs 0 fourbar reproduce
+for command in 'fourbar bag info x' 'fourbar record start' 'fourbar replay x' 'fourbar draw paper --at 60 -o x.png' \
+  fourbar_node 'fourbar_demo paper'; do
+  runs 1 $command
+  grep -qE 'needs .*: (pip install|source a ROS 2)' err || { cat err >&2; fail "$command does not say what to install"; }
+  echo "  $(cat err)"
+done
+python - "$work/source/README.md" <<'PY'
+import contextlib, io, sys
+text = open(sys.argv[1], encoding='utf-8').read()
+out = io.StringIO()
+with contextlib.redirect_stdout(out):
+    exec(text.split('```python\n')[1].split('```')[0])
+assert out.getvalue().split() == text.split('prints `')[1].split('`')[0].split(), out.getvalue()
+from importlib.metadata import metadata
+about = metadata('fourbar_ros')
+assert about['Summary'] and about.get_all('Classifier') and 'fourbar_ros' in (about.get_payload() or about['Description'])
+from importlib.resources import files
+assert (files('fourbar_ros') / 'py.typed').is_file()
+PY
+
+step 'with bags and pictures'
+"$pip" -q install "$wheel[bag,plot]"
+runs 0 fourbar draw paper --at 60 -o x.png
+runs 0 fourbar reproduce --html x.html
+runs 1 fourbar bag info x
+
+step 'tests of the unpacked sdist'
+tar xzf "$sdist"
+"$pip" -q install "$wheel[test]"
+cd fourbar_ros-*
+python -m pytest -q test/test_scene.py test/test_command_line.py test/test_fence.py test/test_docs.py test/test_tables.py ||
+  fail 'the sdist cannot be tested'
+step good
