@@ -11,14 +11,18 @@ QUEUE_DEPTH = 10          # reliable, keep last: serves reliable and best-effort
 INPUT_DEPTH = 100         # best effort, so that every kind of writer is heard; deep enough for a burst
 
 
+LOADED_LINKS = ('coupler', 'output')     # those that forces from outside can act on
+
+
 class Topic(NamedTuple):
-    """A topic; ``needs_loads``: only for scenes with masses."""
+    """A topic; ``needs_loads``: only for scenes with masses; ``latched``: late readers get the last message."""
 
     name: str
     topic: str
     type: str
     text: str
     needs_loads: bool = False
+    latched: bool = False
 
 
 class Service(NamedTuple):
@@ -38,11 +42,19 @@ INPUTS = {topic.name: topic for topic in (
           'the joint named by `drive.joint` is the driven one'),
 )}
 
+# Forces and couples from outside, on the links whose external.LINK.from_topic is true: as they come, and what acts.
+WRENCHES = {link: Topic(f'external_{link}', f'~/external/{link}', 'geometry_msgs/msg/WrenchStamped',
+                        f'force on the {link}, acting at the point external.{link}.along, .across, and couple')
+            for link in LOADED_LINKS}
+APPLIED = {link: Topic(f'applied_{link}', f'~/applied/{link}', 'geometry_msgs/msg/WrenchStamped',
+                       f'what acts on the {link} from now on; NaN: not known; latched, sent at every change', latched=True)
+           for link in LOADED_LINKS}
+
 # Always there, whatever the scene names; they cost nothing until heard or recorded.
 DRIVEN = Topic('driven', '~/driven', 'fourbar_msgs/msg/Motion',
                'the motion of the driven joint that the outputs belong to: from the clock, or the input completed')
 SCENE = Topic('scene', '~/scene', 'std_msgs/msg/String',
-              'all parameters as JSON; latched, sent again after every change')
+              'all parameters as JSON; latched, sent again after every change', latched=True)
 
 OUTPUTS = {topic.name: topic for topic in (
     Topic('state', '~/state', 'fourbar_msgs/msg/LinkageState',
@@ -55,6 +67,8 @@ OUTPUTS = {topic.name: topic for topic in (
           'joint reactions, driving torque or force, shaking force and moment', True),
     Topic('shaking_wrench', '~/shaking_wrench', 'geometry_msgs/msg/WrenchStamped',
           'force and moment of the linkage on the ground, about O1, the origin of the frame', True),
+    Topic('drive_wrench', '~/drive_wrench', 'geometry_msgs/msg/WrenchStamped',
+          'force and torque of the linkage on its drive, at the driven joint: minus driving force and torque', True),
     Topic('points', '~/points/NAME', 'fourbar_msgs/msg/PointMotion',
           'for each of the points.NAME of the scene: place, velocity, acceleration'),
 )}

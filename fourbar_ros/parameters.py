@@ -15,7 +15,7 @@ from .core.errors import nearest
 from .core.kinds import KINDS
 from .core.mechanism import CRANK, SLIDE
 from .core.points import COUPLER, LINKS
-from .interfaces import INPUTS, OUTPUTS
+from .interfaces import INPUTS, OUTPUTS, WRENCHES
 
 REQUIRED = object()        # as a default: the scene must give the value
 TYPES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings': list, 'doubles': list}
@@ -111,6 +111,8 @@ def _external(link, first_joint):
         Parameter(name + 'along', 'double', 0.0, 'm', f'where it acts: from {first_joint} along the link'),
         Parameter(name + 'across', 'double', 0.0, 'm', 'and to the left of the link line'),
         Parameter(name + 'couple', 'double', 0.0, 'N m', f'constant couple on the {link}, counter-clockwise'),
+        Parameter(name + 'from_topic', 'bool', False, '',
+                  f'force and couple come from the topic {WRENCHES[link].topic} in place of these', live=False),
     )
 
 
@@ -139,6 +141,11 @@ PARAMETERS = {parameter.name: parameter for parameter in (
     *_body('output', 'O4, of a slider from B,'),
     *_external('coupler', 'A'),
     *_external('output', 'O4, of a slider from B,'),
+    Parameter('external.timeout', 'double', 1.0, 's', 'from_topic: longer without a wrench is a silence; 0: never',
+              low=0.0),
+    Parameter('external.when_silent', 'string', 'unknown', '',
+              'in a silence, and before the first wrench: unknown (all loads NaN), constant (force_x, force_y, couple), '
+              'or hold the last wrench (before the first: constant)', choices=('unknown', 'constant', 'hold')),
     Parameter('drive.source', 'string', 'timer', '',
               'what drives the input: the clock, a Motion message, or a joint of a JointState',
               choices=('timer', *INPUTS), live=False),

@@ -9,7 +9,7 @@ from functools import cache
 from math import nan
 from typing import NamedTuple
 
-from . import joints
+from . import joints, wrenches
 from .core import Loads, Motion
 from .core.mechanism import THETA1, TRAVEL
 from .core.points import PointMotion
@@ -29,7 +29,7 @@ class Layout(NamedTuple):
 
     ``fields``: {output: {field of the message: name of the value, or a tuple of names}}, a None standing for
     the effort of a passive joint; ``absent``: {output: fields that are always NaN}; ``place``: where a
-    value stands in the tuple (*motion, *loads, *motion of the first point, ..., *joints); ``joints``: a
+    value stands in the tuple (*motion, *loads, *motion of the first point, ..., *drive wrench, *joints); ``joints``: a
     coordinate and the name of its drive, None if it has none, for each joint.
     """
 
@@ -55,12 +55,12 @@ class Layout(NamedTuple):
 
 
 @cache
-def layout(kind, driven, points=(), with_effort=True, own_joints=False):
+def layout(kind, driven, points=(), with_effort=True, own_joints=False, with_drive=False):
     """
     Return the :class:`Layout` of a kind of mechanism, driven at its crank or slide, with named points.
 
     ``with_effort``: joint_states have it; ``own_joints``: what they show are values of :mod:`.joints`, not
-    those of the motion.
+    those of the motion; ``with_drive``: with the drive wrench of :mod:`.wrenches`.
     """
     names = kind.MOTION._fields + kind.LOADS._fields
     output, ratio = kind.OUTPUTS[driven]
@@ -78,7 +78,9 @@ def layout(kind, driven, points=(), with_effort=True, own_joints=False):
     absent = {'state': tuple(name for name in STATE_FIELDS if name not in fields['state']),
               'loads': tuple(name for name in LOADS_FIELDS if name not in names)}
     names += tuple(f'{point}.{name}' for point in points for name in PointMotion._fields)
-    names += joints.NAMES if own_joints else ()
+    if with_drive:
+        fields['drive_wrench'] = dict(zip(('wrench.force.x', 'wrench.force.y', 'wrench.torque.z'), wrenches.NAMES))
+    names += (wrenches.NAMES if with_drive else ()) + (joints.NAMES if own_joints else ())
     return Layout(fields, absent, {name: i for i, name in enumerate(names)},
                   tuple((joint, _EFFORTS.get(joint)) for joint in kind.JOINTS))
 

@@ -11,7 +11,7 @@ from .core.kinds import KINDS
 from .core.mechanism import Mechanism
 from .core.points import LINKS, OUTPUT
 from .core.quantities import point_acceleration, point_speed
-from .interfaces import topics_of
+from .interfaces import APPLIED, WRENCHES, topics_of
 from .records import layout
 from .scene_file import SceneError, flatten, read_values  # noqa: F401
 
@@ -43,6 +43,14 @@ class Recording(NamedTuple):
     keep: float
 
 
+class Wrenches(NamedTuple):
+    """Which links are loaded by a topic, and what acts while it is silent."""
+
+    links: tuple[str, ...]
+    timeout: float
+    when_silent: str
+
+
 class Point(NamedTuple):
     """A point fixed to a link, see :mod:`.core.points`."""
 
@@ -70,6 +78,7 @@ class Scene(NamedTuple):
 
     linkage: Mechanism
     points: dict[str, Point]
+    wrenches: Wrenches
     drive: Drive
     outputs: tuple[str, ...]
     frame_id: str
@@ -89,10 +98,15 @@ class Scene(NamedTuple):
         return topics_of(self.outputs, self.points)
 
     @property
+    def wrench_topics(self):
+        """Return the topics of forces from outside: those that come, and those that say what acts."""
+        return [topics[link] for link in self.wrenches.links for topics in (WRENCHES, APPLIED)]
+
+    @property
     def layout(self):
         """Return the :class:`~.records.Layout` of its values."""
         return layout(type(self.linkage), self.linkage.input, tuple(self.points), self.needs_loads,
-                      not self.joint_states.are_plain)
+                      not self.joint_states.are_plain, 'drive_wrench' in self.outputs)
 
     @property
     def needs_loads(self):
@@ -120,7 +134,9 @@ def from_values(values):
     points = {name: Point(*(values[f'points.{name}.{field}'] for field in Point._fields))
               for name in parameters.points_in(values)}
     shown = _group(JointStates, 'joint_states', values)
-    scene = Scene(_linkage(values), points, _group(Drive, 'drive', values), tuple(values['outputs']),
+    wrenches = Wrenches(tuple(link for link in External._fields if values[f'external.{link}.from_topic']),
+                        values['external.timeout'], values['external.when_silent'])
+    scene = Scene(_linkage(values), points, wrenches, _group(Drive, 'drive', values), tuple(values['outputs']),
                   values['frame_id'], tuple(shown.prefix + name for name in values['joint_names']), shown,
                   _group(Recording, 'recording', values), values)
     _check_together(scene)

@@ -3,9 +3,9 @@ from __future__ import annotations
 
 from math import nan, nextafter
 
-from . import joints
+from . import joints, wrenches
 from .core.points import PointMotion, make_point
-from .core.status import INVALID_INPUT, OK, OUT_OF_RANGE, evaluate
+from .core.status import INVALID_INPUT, LOADS_UNKNOWN, OK, OUT_OF_RANGE, evaluate
 
 _UNBOUNDED = ('_ratio', 'condition', '_velocity', '_acceleration')      # at a limit, besides omega and alpha
 _NO_POINT = (nan,) * len(PointMotion._fields)
@@ -22,23 +22,42 @@ class Stepper:
     Parameters
     ----------
     scene : Scene
+    acting : dict, optional
+        A :class:`.wrenches.Wrench` for each link that a topic loads; not given: as before the first.
 
     """
 
-    def __init__(self, scene):
+    def __init__(self, scene, acting=None):
+        self._scene = scene
         self.linkage, self._policy = scene.linkage, scene.drive.out_of_range
         self._points = [make_point.scalar(scene.linkage, *point) for point in scene.points.values()]
         self._good = None
         self._limits = None
         self._joints = None if scene.joint_states.are_plain else joints.Joints(scene.layout, scene.joint_states)
-        self._nothing = (nan,) * len(scene.layout.place)
+        self._nothing = (nan,) * (len(scene.layout.place) - (len(joints.NAMES) if self._joints else 0))
+        self._drive_wrench = (wrenches.drive_wrench(scene.linkage, scene.layout.place)
+                              if 'drive_wrench' in scene.outputs else None)
+        self.acting, self._loads_unknown = {}, False
+        for link in scene.wrenches.links:
+            self.act(link, (acting or {}).get(link) or wrenches.in_silence(scene, link, None))
+
+    def act(self, link, wrench):
+        """Have a Wrench act on a link from the next step on."""
+        self.acting[link] = wrench
+        external = wrenches.external(self._scene, self.acting)
+        self._loads_unknown = external is None and self._scene.needs_loads
+        if external is not None:
+            self.linkage = self.linkage.with_external(external)
 
     def step(self, position, rate, acceleration, with_loads, with_points):
-        """Return (status, values): values are (*motion, *loads, *the motion of each point, *joints if not plain)."""
-        status, motion, loads = evaluate(self.linkage, position, rate, acceleration, with_loads)
+        """Return (status, values): values are (*motion, *loads, *the motion of each point, *what the layout adds)."""
+        status, motion, loads = evaluate(self.linkage, position, rate, acceleration,
+                                         with_loads and not self._loads_unknown)
+        if self._loads_unknown and status == OK:
+            status = LOADS_UNKNOWN
         values = self._completed((*motion, *loads, *self._of_points(motion, with_points)))
         if self._policy == 'hold':
-            if status == OK:
+            if status in (OK, LOADS_UNKNOWN):
                 self._good = values
             elif status in (OUT_OF_RANGE, INVALID_INPUT) and self._good:
                 values = self._good
@@ -48,9 +67,11 @@ class Stepper:
 
     def silence(self):
         """Return values of which nothing is known but what is held."""
-        return self._completed(self._nothing[:len(self._nothing) - len(joints.NAMES)]) if self._joints else self._nothing
+        return self._nothing + self._joints.of(self._nothing) if self._joints else self._nothing
 
     def _completed(self, values):
+        if self._drive_wrench:
+            values += self._drive_wrench(values)
         return values + self._joints.of(values) if self._joints else values
 
     def _of_points(self, motion, wanted):

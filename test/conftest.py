@@ -1,18 +1,36 @@
 """Isolation: every test run has its own ROS domain on this machine only, and its own folders."""
 import atexit
+import contextlib
 import os
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+_held = []      # a socket that is bound for as long as this run has its domain
+
+
+def _own_domain():
+    """Return a ROS domain, 1 to 101, in which no other test run and no participant is on this machine."""
+    for i in range(101):
+        domain, held = 1 + (os.getpid() + i) % 101, socket.socket()
+        with contextlib.suppress(OSError), socket.socket(type=socket.SOCK_DGRAM) as probe:
+            held.bind(('127.0.0.1', 17000 + domain))
+            probe.bind(('', 7410 + 250 * domain))        # DDS: where the first participant listens
+            _held.append(held)
+            return domain
+        held.close()
+    raise RuntimeError('101 test runs at once: no ROS domain is left')
+
 
 _scratch = tempfile.mkdtemp(prefix='fourbar_test_')
 atexit.register(shutil.rmtree, _scratch, ignore_errors=True)
 os.environ['ROS_LOG_DIR'] = _scratch
 os.environ['ROS_PYTHON_CHECK_FIELDS'] = '1'
 os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
-os.environ['ROS_DOMAIN_ID'] = str(1 + os.getpid() % 100)
+os.environ['ROS_DOMAIN_ID'] = str(_own_domain())
 os.environ['PYTHONFAULTHANDLER'] = '1'
 
 sys.path.insert(0, str(Path(__file__).parent))

@@ -111,6 +111,7 @@ def _resolved(scene, node, types):
     """Return {name: topic} by the rules of ROS; one that was remapped is found if it is the only one of its type."""
     namespace = node.rpartition('/')[0]
     wanted = {topic.name: topic for topic in (interfaces.DRIVEN, interfaces.SCENE, *scene.topics.values(),
+                                              *scene.wrench_topics,
                                               *interfaces.INPUTS.values())}
     topics = {}
     for name, topic in wanted.items():

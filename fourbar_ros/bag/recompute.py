@@ -20,6 +20,7 @@ from ..interfaces import DRIVEN, INPUTS
 from ..records import driven_of
 from ..stepper import Stepper
 from . import BagError, rosbag2
+from .acting import UNSETTLED, Acting
 from .driven import Driven, inputs_of
 from .matching import Tally, Window, in_order
 from .origin import origin_of, scene_of
@@ -28,7 +29,6 @@ from .reader import Bag, Record
 __all__ = ['Difference', 'Recomputed', 'compare', 'distance', 'recompute', 'scene_of']
 
 WINDOW = 1000           # inputs whose outputs may still come; bags of rosbag2 have them in any order
-UNSETTLED = 200_000_000  # [ns] around a change of the scene, in which a bag of rosbag2 does not tell the order
 PLANAR = ('wrench.force.z', 'wrench.torque.x', 'wrench.torque.y')      # what a planar linkage does not have
 
 
@@ -142,7 +142,7 @@ class _Comparison:
         self._is_cold = rosbag2.REPEATS in about         # what it holds may be of the part before
         self._source = next((name for name in INPUTS if name in origin.topics), None)
         self._scene, self._driven = None, Driven(origin.scene, about.get(estimator.KEY) == str(estimator.VERSION))
-        self._tallies = {}
+        self._tallies, self._acting = {}, Acting()
         self.change(origin.scene, None)
 
     def is_new(self, scene):
@@ -152,7 +152,10 @@ class _Comparison:
     def change(self, scene, time):
         """Take another scene; it holds from the next input on."""
         self._retire(0)
-        self._scene, self._stepper, self._layout = scene, Stepper(scene), scene.layout
+        if self._scene:
+            self._acting.apply(self._stepper)
+        self._scene, self._stepper, self._layout = scene, Stepper(scene, self._acting.wrenches), scene.layout
+        self._acting.wrenches = self._stepper.acting
         self._driven.change(scene)
         self._wanted = scene.needs_loads, 'points' in scene.outputs
         self._constant = {'mode': scene.linkage.mode, 'change_point_margin': scene.linkage.change_point_margin,
@@ -171,6 +174,7 @@ class _Comparison:
         by_name = {}
         for found in columns:
             by_name.setdefault(self._name_of.get(found.topic), []).append(found)
+        self._acting.take(by_name)
         self._take_inputs(by_name, until)
         late, self._early = self._early, []
         for found in late:
@@ -194,13 +198,18 @@ class _Comparison:
         self.inputs += len(places)
         status, values = self._evaluated(places, motions)
         known = (times <= until) & (times >= self._settled) & ~self._held(status)
+        if not self._in_order:
+            known &= self._acting.is_settled(times)
         new = Window(places, stamps, status, known, values,
                       {name: np.zeros(len(places), np.int64) for name in self._outputs})
         self._window = new if self._window is None else self._window.followed_by(new)
 
     def _evaluated(self, places, motions):
         """Return statuses and values of motions; one by one, as the node does: not one bit differs."""
-        found = [self._stepper.step(*motion, *self._wanted) for motion in motions.tolist()]
+        found = []
+        for place, motion in zip(places.tolist(), motions.tolist()):
+            self._acting.apply(self._stepper, place)
+            found.append(self._stepper.step(*motion, *self._wanted))
         return np.array([status for status, _ in found], float), np.array([values for _, values in found]).T
 
     def _held(self, status):

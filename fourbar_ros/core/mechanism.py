@@ -102,6 +102,13 @@ class Mechanism:
         """Return the same mechanism in another assembly mode."""
         return self if mode == self.mode else replace(self, mode=mode)
 
+    def with_external(self, external):
+        """Return the same mechanism with another :class:`.bodies.External`; what does not depend on it is shared."""
+        other = object.__new__(type(self))
+        other.__dict__.update(self.__dict__, external=external)      # what else is in it was checked
+        other.__dict__.pop('_loads', None)
+        return other
+
     @property
     def input_coordinate(self):
         """Return the :class:`Coordinate` that is driven."""

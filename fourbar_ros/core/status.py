@@ -9,8 +9,8 @@ import numpy as np
 from .errors import OutOfRange, Toggle
 
 # The same numbers as the STATUS_ constants of fourbar_msgs/LinkageState (a test compares them).
-OK, OUT_OF_RANGE, INVALID_INPUT, TOGGLE, RATES_UNKNOWN, INPUT_TIMEOUT = range(6)
-STATUS_NAMES = ('ok', 'out of range', 'invalid input', 'toggle', 'rates unknown', 'input timeout')
+OK, OUT_OF_RANGE, INVALID_INPUT, TOGGLE, RATES_UNKNOWN, INPUT_TIMEOUT, LOADS_UNKNOWN = range(7)
+STATUS_NAMES = ('ok', 'out of range', 'invalid input', 'toggle', 'rates unknown', 'input timeout', 'loads unknown')
 
 
 @cache

@@ -34,8 +34,9 @@ class Diagnostics:
         scene, now = stream.scene, time.monotonic()
         more, problems = drive.state()                   # before the counters, which it brings up to date
         before, steps, bad, counts = self._before
-        self._before = (now, stream.steps, stream.bad_steps, dict(drive.counts))
-        grown = {name: count - counts.get(name, 0) for name, count in drive.counts.items()}
+        counted = {**drive.counts, **(node.wrenches.counts if scene.wrenches.links else {})}
+        self._before = (now, stream.steps, stream.bad_steps, counted)
+        grown = {name: count - counts.get(name, 0) for name, count in counted.items()}
         sine = stream.transmission_sine()
         recorder = node.recording.state()
 
@@ -53,7 +54,7 @@ class Diagnostics:
             'rate [Hz]': f'{(stream.steps - steps) / max(now - before, 1e-9):.1f}',
             'steps': stream.steps, 'steps not ok': stream.bad_steps,
             'input age [s]': 'none' if isnan(drive.age()) else f'{drive.age():.3f}',
-            **{name.replace('_', ' '): count for name, count in drive.counts.items()},
+            **{name.replace('_', ' '): count for name, count in counted.items()},
             **more,
             'status': STATUS_NAMES[stream.status],
             'sin of transmission angle': 'unknown' if isnan(sine) else f'{sine:.6g}',

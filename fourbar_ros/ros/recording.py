@@ -72,7 +72,7 @@ class Recording:
         if self._writer:
             with contextlib.suppress(BagError):
                 self._writer.close()                     # a bag that ended by an error; that was told
-        topics = [interfaces.DRIVEN, interfaces.SCENE, *scene.topics.values()]
+        topics = [interfaces.DRIVEN, interfaces.SCENE, *scene.wrench_topics, *scene.topics.values()]
         if scene.drive.source in interfaces.INPUTS:
             topics.append(interfaces.INPUTS[scene.drive.source])
         resolved = {topic.name: self._node.resolve_topic_name(topic.topic) for topic in topics}

@@ -17,9 +17,9 @@ _FIELD = re.compile(r'^([A-Za-z][\w/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+\w')
 
 def channel(topic, name):
     """Return the bag's Channel of a :class:`~fourbar_ros.interfaces.Topic` under its resolved name."""
-    latched = topic is interfaces.SCENE
-    depth = 1 if latched else interfaces.INPUT_DEPTH if topic.name in interfaces.INPUTS else interfaces.QUEUE_DEPTH
-    return Channel(name, topic.type, definition(topic.type), type_hash(topic.type), depth, latched)
+    is_input = topic in interfaces.INPUTS.values() or topic in interfaces.WRENCHES.values()
+    depth = 1 if topic.latched else interfaces.INPUT_DEPTH if is_input else interfaces.QUEUE_DEPTH
+    return Channel(name, topic.type, definition(topic.type), type_hash(topic.type), depth, topic.latched)
 
 
 def type_hash(type_name):

@@ -15,6 +15,7 @@ from ..core.status import INPUT_TIMEOUT, OK, OUT_OF_RANGE, STATUS_NAMES
 from ..stepper import Stepper
 from . import qos
 from .outputs import Output
+from .wrenches import Applied
 
 
 class Wanted(NamedTuple):
@@ -46,13 +47,16 @@ class Stream:
         self._driven, self._outputs = self._output(interfaces.DRIVEN), []
         self._scene_publisher = qos.create(
             node, 'publisher', String, interfaces.SCENE.topic, QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+        self._stepper, self._applied = Stepper(scene), {link: Applied(node, link) for link in scene.wrenches.links}
         self.apply(scene)
+        for link, wrench in self._stepper.acting.items():
+            self.act(link, wrench, node.get_clock().now().to_msg())
 
     def apply(self, scene):
         """Take over a scene: linkage, outputs; publish and record it."""
         with self._lock:
             self.scene, self._layout = scene, scene.layout
-            self._stepper, self._mode = Stepper(scene), scene.linkage.mode
+            self._stepper, self._mode = Stepper(scene, self._stepper.acting), scene.linkage.mode
             self._values = self._unknown = (nan,) * len(self._layout.place)
             self._given = [self._layout.place[name] for name in scene.linkage.input_coordinate]
             there = {output.name: output for output in self._outputs}
@@ -84,11 +88,20 @@ class Stream:
         with self._lock:
             if self.scene.topics == scene.topics:
                 path = self._recording.attach(bag)
-                self._stepper = Stepper(self.scene)      # nothing is held from before: the bag computes again alone
+                # Nothing is held from before: the bag computes again alone.
+                self._stepper = Stepper(self.scene, self._stepper.acting)
                 self._recording.write(interfaces.SCENE.name, self._scene_bytes())
+                for applied in self._applied.values():
+                    self._recording.write(applied.name, applied.data)
                 return path
         bag.writer.close()
         raise FourBarError('the outputs were changed meanwhile: ask again')
+
+    def act(self, link, wrench, stamp):
+        """Have a Wrench act on a link from the next step on; publish and record it."""
+        with self._lock:
+            self._stepper.act(link, wrench)
+            self._applied[link].send(stamp, wrench, self.scene.frame_id, self._recording)
 
     def _scene_bytes(self):
         return serialize_message(String(data=self.scene.as_json))

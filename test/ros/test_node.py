@@ -44,7 +44,8 @@ def test_every_topic_carries_the_values_of_the_core_to_the_last_bit(run_node, cl
     for name, messages in received.items():
         assert len(messages) == len(inputs)
         for sent, message in zip(inputs, messages):
-            values = sum(linkage.step(sent.position, sent.velocity, sent.acceleration), ())
+            motion_and_loads = linkage.step(sent.position, sent.velocity, sent.acceleration)
+            values = (*sum(motion_and_loads, ()), 0.0, 0.0, -motion_and_loads[1].driving_torque)      # drive_wrench
             assert repr(fields_of(layout, name, message)) == repr(layout.expected(name, values))     # NaN is NaN here
             assert message.header.stamp == sent.header.stamp
             assert message.header.frame_id == 'machine'
@@ -132,7 +133,7 @@ def test_input_out_of_range_is_reported_and_the_next_good_message_works(run_node
 
 
 def test_status_numbers_are_those_of_the_message():
-    for name in ('OK', 'OUT_OF_RANGE', 'INVALID_INPUT', 'TOGGLE', 'RATES_UNKNOWN', 'INPUT_TIMEOUT'):
+    for name in ('OK', 'OUT_OF_RANGE', 'INVALID_INPUT', 'TOGGLE', 'RATES_UNKNOWN', 'INPUT_TIMEOUT', 'LOADS_UNKNOWN'):
         assert getattr(codes, name) == getattr(LinkageState, f'STATUS_{name}')
 
 

@@ -1,0 +1,191 @@
+"""Loads go back along a chain of nodes, come from topics, fall silent, and compute again from the bag."""
+import math
+import time
+
+import pytest
+from builtin_interfaces.msg import Time
+from fourbar_msgs.msg import LinkageState, Motion
+from geometry_msgs.msg import WrenchStamped
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+from fourbar_ros import interfaces, scene
+from fourbar_ros.bag.reader import records
+from fourbar_ros.bag.recompute import compare
+from fourbar_ros.core import Applied, External
+from scenes import PAPER, RODS, SLIDES_7_6
+
+LOADED = {**PAPER, **RODS, 'outputs': ['state', 'loads'], 'drive.source': 'motion', 'drive.timeout': 0.0}
+
+
+def motion(position, velocity=2.0, stamp=1):
+    message = Motion(position=position, velocity=velocity, acceleration=3.0)
+    message.header.stamp = Time(sec=stamp)
+    return message
+
+
+def wrench(force_x=0.0, force_y=0.0, couple=0.0, frame=''):
+    message = WrenchStamped()
+    message.header.frame_id = frame
+    message.wrench.force.x, message.wrench.force.y, message.wrench.torque.z = force_x, force_y, couple
+    return message
+
+
+class Loaded:
+    """A node that a test loads and drives."""
+
+    def __init__(self, run_node, client, link='output', **parameters):
+        self.client = client
+        parameters = {name.replace('__', '.'): value for name, value in parameters.items()}
+        self.given = {**LOADED, f'external.{link}.from_topic': True, **parameters}
+        self.node = run_node(self.given)
+        self.scene = scene.from_values(self.given)
+        self.link, self.applied = link, []
+        client.node.create_subscription(
+            WrenchStamped, client.topic(interfaces.APPLIED[link]), self.applied.append,
+            QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+        self._wrenches = client.node.create_publisher(WrenchStamped, client.topic(interfaces.WRENCHES[link]), 10)
+        client.listen(['state', 'loads'])
+        self._drive = client.publisher()
+        client.handshake(lambda: self._drive.publish(motion(0.1)))
+        client.until(lambda: self._wrenches.get_subscription_count() and self.applied, 'the wrench topics')
+
+    def load(self, *numbers, frame=''):
+        """Have a wrench act."""
+        count = len(self.applied)
+        while len(self.applied) == count:
+            self._wrenches.publish(wrench(*numbers, frame=frame))
+            end = time.monotonic() + 0.5
+            while time.monotonic() < end and len(self.applied) == count:
+                self.client.executor.spin_once(timeout_sec=0.05)
+
+    def answer(self, position):
+        """Return (state, loads) of an input."""
+        for inbox in self.client.received.values():
+            inbox.clear()
+        self._drive.publish(motion(position))
+        self.client.until(lambda: self.client.received['state'] and self.client.received['loads'], 'an answer')
+        return self.client.received['state'][-1], self.client.received['loads'][-1]
+
+    def under(self, position, *numbers):
+        """Return the driving torque of the core under a wrench, in the place of the scene."""
+        given = getattr(self.scene.linkage.external, self.link)
+        applied = Applied(*numbers[:2], given.along, given.across, numbers[2])
+        return self.scene.linkage.with_external(External(**{self.link: applied})).loads(position, 2.0, 3.0).driving_torque
+
+
+@pytest.mark.parametrize('link', ['coupler', 'output'])
+def test_a_wrench_from_a_topic_acts_from_the_next_step_on(run_node, client, link):
+    node = Loaded(run_node, client, link, **{f'external.{link}.along': 0.4, 'external.timeout': 0.0})
+    state, loads = node.answer(0.3)
+    assert state.status == loads.status == LinkageState.STATUS_LOADS_UNKNOWN
+    assert math.isfinite(state.alpha4) and math.isnan(loads.driving_torque)
+    for numbers, frame in (((5.0, -3.0, 0.5), ''), ((-1.0, 0.0, 0.0), 'fourbar'), ((0.0, 0.0, 7.0), 'other')):
+        node.load(*numbers, frame=frame)
+        state, loads = node.answer(0.3)
+        assert state.status == LinkageState.STATUS_OK and loads.driving_torque == node.under(0.3, *numbers)
+    applied = node.applied[-1]
+    assert (applied.header.frame_id, applied.wrench.torque.z) == ('fourbar', 7.0)
+    node.load(math.nan)
+    assert node.answer(0.4)[1].status == LinkageState.STATUS_LOADS_UNKNOWN
+
+
+def test_a_force_of_another_frame_does_not_act(run_node, client):
+    node = Loaded(run_node, client, external__timeout=0.0)
+    node.load(5.0)
+    for _ in range(3):
+        node._wrenches.publish(wrench(9.0, frame='tool'))
+    client.until(lambda: "'tool'" in node.node.said, 'the warning')
+    assert node.answer(0.3)[1].driving_torque == node.under(0.3, 5.0, 0.0, 0.0)
+    node.node.stop()
+    assert node.node.said.count("'tool'") == 1
+
+
+@pytest.mark.parametrize('policy', ['unknown', 'hold', 'constant'])
+def test_a_silence(run_node, client, policy):
+    node = Loaded(run_node, client, external__timeout=0.4, external__when_silent=policy,
+                  external__output__couple=2.5)
+    node.load(5.0, 1.0, -1.0)
+    client.until(lambda: 'no wrench for' in node.node.said, 'the silence')
+    client.until(lambda: node.applied[-1].header.stamp.sec > 0, 'what acts now')      # ours had no stamp
+    state, loads = node.answer(0.3)
+    if policy == 'unknown':
+        assert state.status == LinkageState.STATUS_LOADS_UNKNOWN and math.isnan(loads.f41)
+    else:
+        acts = (5.0, 1.0, -1.0) if policy == 'hold' else (0.0, 0.0, 2.5)
+        assert loads.driving_torque == node.under(0.3, *acts)
+
+
+def test_loads_go_back_along_a_chain_and_both_bags_compute_again(run_node, client, tmp_path):
+    chained = {'drive.source': 'motion', 'drive.timeout': 0.0, 'recording.start': True}
+    first = {**PAPER, **RODS, **chained, 'outputs': ['output', 'loads', 'state'], 'external.output.from_topic': True,
+             'external.timeout': 0.0, 'recording.name': 'one'}
+    second = {**SLIDES_7_6, **RODS, **chained, 'outputs': ['loads', 'drive_wrench', 'state'], 'frame_id': 'next',
+              'recording.name': 'two'}
+    nodes = [run_node(first, name='one', remaps=['~/external/output:=/two/drive_wrench']),
+             run_node(second, name='two', remaps=['~/input:=/one/output'])]
+    client.listen(['loads'], node='one')
+    publisher = client.publisher(node='one')
+
+    def settled(position):
+        """Send a pose until the torque is what it was: the wrench of a step acts in the next."""
+        torques = [m.driving_torque for m in client.received['loads'] if m.header.stamp.sec == position[1]]
+        return len(torques) > 2 and torques[-1] == torques[-2]
+
+    for stamp, angle in ((1, 0.3), (2, 1.4), (3, -2.0)):
+        def send():
+            publisher.publish(motion(angle, stamp=stamp))
+            client.executor.spin_once(timeout_sec=0.05)
+            return settled((angle, stamp))
+        client.until(send, 'the same torque twice')
+        between = scene.from_values(PAPER).linkage.motion(angle, 2.0, 3.0)
+        torque = scene.from_values(second).linkage.loads(between.theta4, between.omega4, between.alpha4).driving_torque
+        alone = scene.from_values(first).linkage
+        together = alone.with_external(External(output=Applied(couple=-torque))).loads(angle, 2.0, 3.0).driving_torque
+        assert client.received['loads'][-1].driving_torque == together != alone.loads(angle, 2.0, 3.0).driving_torque
+    for node in nodes:
+        assert node.stop() == 0
+    for name in ('one', 'two'):
+        found = compare(tmp_path / 'bags' / name)
+        assert found.inputs > 8 and max(d.largest for d in found.differences) == 0.0
+    topics = {record.topic for record in records(tmp_path / 'bags/one')}
+    assert {'/two/drive_wrench', '/one/applied/output'} <= topics
+
+
+@pytest.mark.parametrize('policy', ['unknown', 'hold', 'constant'])
+def test_a_bag_with_wrenches_silences_and_changes_computes_again(run_node, client, tmp_path, policy):
+    from test_inputs import set_parameters
+    node = Loaded(run_node, client, external__timeout=0.0, external__when_silent=policy, external__output__couple=2.5)
+    node.load(5.0, 1.0, -1.0)
+    assert client.call('start_recording', name='run').success          # while something acts from before
+    torques = [node.answer(0.3)[1].driving_torque]
+    node.load(-2.0, 0.0, 0.3)
+    torques.append(node.answer(0.3)[1].driving_torque)
+    assert set_parameters(client, {'external.output.along': 0.2})[0].successful
+    torques.append(node.answer(0.3)[1].driving_torque)
+    assert set_parameters(client, {'external.timeout': 0.1})[0].successful
+    client.until(lambda: 'no wrench for' in node.node.said, 'the silence')
+    assert set_parameters(client, {'external.timeout': 0.0})[0].successful
+    torques.append(node.answer(0.3)[1].driving_torque)
+    assert set_parameters(client, {'external.output.couple': -1.5})[0].successful
+    torques.append(node.answer(0.3)[1].driving_torque)
+    node.load(1.0, 1.0, 1.0)
+    torques.append(node.answer(0.3)[1].driving_torque)
+    assert node.node.stop() == 0
+    assert len(set(map(repr, torques))) == {'unknown': 5, 'hold': 4, 'constant': 6}[policy], torques
+    found = compare(tmp_path / 'bags/run')
+    assert found.inputs == 6 and max(d.largest for d in found.differences) == 0.0
+    torque, = [d for d in found.differences if d.field == 'driving_torque']
+    assert torque.messages == 6
+
+
+def test_wrenches_are_counted_in_the_diagnostics(run_node, client):
+    from diagnostic_msgs.msg import DiagnosticArray
+    heard = []
+    client.node.create_subscription(DiagnosticArray, '/diagnostics', heard.append, 10)
+    node = Loaded(run_node, client, external__timeout=0.3)
+    node.load(5.0)
+
+    def values():
+        return {pair.key: pair.value for pair in heard[-1].status[0].values} if heard else {}
+    client.until(lambda: int(values().get('wrench silences', 0)) >= 1, 'the count')
+    assert values()['wrenches of another frame'] == '0'
