@@ -13,7 +13,7 @@ sys.path.insert(0, str(ROOT))
 
 from fourbar_ros.core.kinds import KINDS  # noqa: E402
 from fourbar_ros.core.quantities import QUANTITIES, known  # noqa: E402
-from fourbar_ros.interfaces import DRIVEN, INPUTS, OUTPUTS, SCENE, SERVICES  # noqa: E402
+from fourbar_ros.interfaces import APPLIED, DRIVEN, INPUTS, OUTPUTS, SCENE, SERVICES, WRENCHES  # noqa: E402
 from fourbar_ros.parameters import PARAMETERS, POINT, REQUIRED  # noqa: E402
 
 PAGE = ROOT / 'docs' / 'node.md'
@@ -54,6 +54,8 @@ def tables():
         'outputs': table(('name in `outputs`', 'topic', 'type', 'what', 'needs masses'),
                          [(f'`{t.name}`', f'`{t.topic}`', f'`{t.type}`', t.text, 'yes' if t.needs_loads else '')
                           for t in OUTPUTS.values()]),
+        'wrenches': table(('topic', 'type', 'what'),
+                          [(f'`{t.topic}`', f'`{t.type}`', t.text) for topics in (WRENCHES, APPLIED) for t in topics.values()]),
         'always': table(('topic', 'type', 'what'), [(f'`{t.topic}`', f'`{t.type}`', t.text) for t in (DRIVEN, SCENE)]),
         'services': table(('service', 'type', 'what'),
                           [(f'`{s.service}`', f'`{s.type}`', s.text) for s in SERVICES.values()]),

@@ -1,16 +1,53 @@
-"""Start the node with a scene: ``ros2 launch fourbar_ros fourbar.launch.py scene:=FILE``."""
+"""
+Start the node with a scene: ``ros2 launch fourbar_ros fourbar.launch.py scene:=paper``.
+
+``--show-args`` lists what can be given.
+"""
+from pathlib import Path
+
+from ament_index_python.packages import get_package_share_directory
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
-from launch_ros.substitutions import FindPackageShare
+from launch_ros.parameter_descriptions import ParameterValue
+
+SCENES = Path(get_package_share_directory('fourbar_ros')) / 'config'
+
+
+def scene_file(scene):
+    """Return the path of a scene: a file, or the name of one in the share folder."""
+    shipped = SCENES / f'{scene}.yaml'
+    if Path(scene).is_file() or not shipped.is_file():
+        shipped = Path(scene)
+    if not shipped.is_file():
+        known = ', '.join(sorted(file.stem for file in SCENES.glob('*.yaml')))
+        raise FileNotFoundError(f'scene:={scene}: no such file, and no scene of this name; known: {known}')
+    return str(shipped)
+
+
+def node(context):
+    """Return the node, its scene found."""
+    return [Node(
+        package='fourbar_ros', executable='fourbar_node', output='screen',
+        name=LaunchConfiguration('name'), namespace=LaunchConfiguration('namespace'),
+        parameters=[scene_file(LaunchConfiguration('scene').perform(context)),
+                    {'use_sim_time': ParameterValue(LaunchConfiguration('use_sim_time'), value_type=bool)}],
+        arguments=['--ros-args', '--log-level', LaunchConfiguration('log_level')])]
 
 
 def generate_launch_description():
-    default = PathJoinSubstitution([FindPackageShare('fourbar_ros'), 'config', 'paper.yaml'])
+    """Return what is launched."""
+    names = sorted(file.stem for file in SCENES.glob('*.yaml'))
     return LaunchDescription([
-        DeclareLaunchArgument('scene', default_value=default, description='parameter file of the scene'),
+        DeclareLaunchArgument('scene', default_value='paper',
+                              description=f'parameter file of the scene, or one of {", ".join(names)}'),
         DeclareLaunchArgument('name', default_value='fourbar', description='name of the node'),
-        Node(package='fourbar_ros', executable='fourbar_node', name=LaunchConfiguration('name'),
-             parameters=[LaunchConfiguration('scene')], output='screen'),
+        DeclareLaunchArgument('namespace', default_value='', description='namespace of the node and its topics'),
+        DeclareLaunchArgument('use_sim_time', default_value='false', choices=['true', 'false'],
+                              description='follow /clock'),
+        DeclareLaunchArgument('log_level', default_value='info',
+                              choices=['debug', 'info', 'warn', 'error', 'fatal'],
+                              description='least severity that is logged'),
+        OpaqueFunction(function=node),
     ])

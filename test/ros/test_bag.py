@@ -61,7 +61,7 @@ def test_rosbags_reads_the_directory_and_every_value_is_what_was_heard(bag):
         with AnyReader([source], default_typestore=None) as reader:
             topics = {connection.topic: connection for connection in reader.connections}
             assert set(topics) == {'/fourbar/driven', '/fourbar/scene', '/joint_states', '/fourbar/state', '/fourbar/output',
-                                   '/fourbar/loads', '/fourbar/shaking_wrench'}
+                                   '/fourbar/loads', '/fourbar/shaking_wrench', '/fourbar/drive_wrench'}
             for connection, _, data in reader.messages():
                 name = connection.topic.rsplit('/', 1)[-1]
                 message = reader.deserialize(data, connection.msgtype)
@@ -121,7 +121,7 @@ def test_recompute_finds_no_difference_and_does_find_a_false_scene(bag, tmp_path
     path, _ = bag
     found = recompute(path)
     assert {d.topic for d in found} == {'/joint_states', '/fourbar/state', '/fourbar/output', '/fourbar/loads',
-                                        '/fourbar/shaking_wrench'}
+                                        '/fourbar/shaking_wrench', '/fourbar/drive_wrench'}
     assert len(found) > 40 and all(d.messages >= 100 for d in found)
     assert max(d.largest for d in found) == 0.0
     file = path / 'run_0.mcap'
