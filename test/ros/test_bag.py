@@ -120,7 +120,7 @@ def test_schemas_and_hashes_are_those_an_independent_parser_computes(bag):
 def test_recompute_finds_no_difference_and_does_find_a_false_scene(bag, tmp_path):
     path, _ = bag
     found = recompute(path)
-    assert {d.topic for d in found} == {'/joint_states', '/fourbar/state', '/fourbar/output', '/fourbar/loads',
+    assert {d.topic for d in found} == {'/joint_states', '/fourbar/state', '/fourbar/output', '/fourbar/loads', '/fourbar/driven',
                                         '/fourbar/shaking_wrench', '/fourbar/drive_wrench'}
     assert len(found) > 40 and all(d.messages >= 100 for d in found)
     assert max(d.largest for d in found) == 0.0
