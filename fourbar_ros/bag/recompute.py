@@ -142,7 +142,7 @@ class _Comparison:
         self._is_cold = rosbag2.REPEATS in about         # what it holds may be of the part before
         self._source = next((name for name in INPUTS if name in origin.topics), None)
         self._scene, self._driven = None, Driven(origin.scene, about.get(estimator.KEY) == str(estimator.VERSION))
-        self._tallies, self._acting = {}, Acting()
+        self._tallies, self._acting, self._early = {}, Acting(), []
         self.change(origin.scene, None)
 
     def is_new(self, scene):
@@ -152,6 +152,7 @@ class _Comparison:
     def change(self, scene, time):
         """Take another scene; it holds from the next input on."""
         self._retire(0)
+        self.uncertain += sum(len(found.times) for found in self._early)      # of the scene before, their motion after
         if self._scene:
             self._acting.apply(self._stepper)
         self._scene, self._stepper, self._layout = scene, Stepper(scene, self._acting.wrenches), scene.layout

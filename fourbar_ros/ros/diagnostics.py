@@ -34,7 +34,7 @@ class Diagnostics:
         scene, now = stream.scene, time.monotonic()
         more, problems = drive.state()                   # before the counters, which it brings up to date
         before, steps, bad, counts = self._before
-        counted = {**drive.counts, **(node.wrenches.counts if scene.wrenches.links else {})}
+        counted = {**drive.counts, **(node.wrenches.counts if node.wrenches else {})}
         self._before = (now, stream.steps, stream.bad_steps, counted)
         grown = {name: count - counts.get(name, 0) for name, count in counted.items()}
         sine = stream.transmission_sine()

@@ -21,7 +21,6 @@ from .recording import Recording
 from .stop import Stop
 from .stream import Stream
 from .worker import Worker
-from .wrenches import WrenchInputs
 
 UnknownArguments = rclpy_implementation.UnknownROSArgsError
 # A file that rcl cannot parse, names that are none; another type for a parameter than rclpy has declared.
@@ -42,7 +41,7 @@ class FourBarNode(Node):
         self.recording = Recording(self)
         self.stream = Stream(self, scene, self.recording)
         self.drive = self._drive_of(scene.drive.source)(self, self.stream, self.recording)
-        self.wrenches = WrenchInputs(self, self.stream, self.recording)
+        self.wrenches = self._wrench_inputs(scene)
         declare.watch(self, lambda: self.stream.scene, self.apply)
         self.workers = {name: Worker(name) for name in
                         dict.fromkeys(service.worker for service in interfaces.SERVICES.values()) if name}
@@ -59,11 +58,18 @@ class FourBarNode(Node):
             return TopicDrive
         return SimulatedTimerDrive if self.get_parameter('use_sim_time').value else TimerDrive
 
+    def _wrench_inputs(self, scene):
+        if not scene.wrenches.links:
+            return None
+        from .wrenches import WrenchInputs               # and its messages
+        return WrenchInputs(self, self.stream, self.recording)
+
     def apply(self, scene):
         """Take over a changed scene between two steps."""
         settings_changed = scene.drive != self.stream.scene.drive
         self.stream.apply(scene)
-        self.wrenches.apply(scene)
+        if self.wrenches:
+            self.wrenches.apply(scene)
         if settings_changed:
             self.drive.apply(scene.drive)
 

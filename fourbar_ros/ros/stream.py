@@ -15,7 +15,6 @@ from ..core.status import INPUT_TIMEOUT, OK, OUT_OF_RANGE, STATUS_NAMES
 from ..stepper import Stepper
 from . import qos
 from .outputs import Output
-from .wrenches import Applied
 
 
 class Wanted(NamedTuple):
@@ -47,7 +46,10 @@ class Stream:
         self._driven, self._outputs = self._output(interfaces.DRIVEN), []
         self._scene_publisher = qos.create(
             node, 'publisher', String, interfaces.SCENE.topic, QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
-        self._stepper, self._applied = Stepper(scene), {link: Applied(node, link) for link in scene.wrenches.links}
+        self._stepper, self._applied = Stepper(scene), {}
+        if scene.wrenches.links:
+            from .wrenches import Applied                # only scenes that are loaded from outside need its messages
+            self._applied = {link: Applied(node, link) for link in scene.wrenches.links}
         self.apply(scene)
         for link, wrench in self._stepper.acting.items():
             self.act(link, wrench, node.get_clock().now().to_msg())

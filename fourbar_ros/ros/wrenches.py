@@ -51,8 +51,7 @@ class WrenchInputs:
         for link in stream.scene.wrenches.links:
             node.create_subscription(WrenchStamped, interfaces.WRENCHES[link].topic, partial(self._take, link), qos,
                                      raw=True)
-        if stream.scene.wrenches.links:
-            node.create_timer(PERIOD, self._watch, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        node.create_timer(PERIOD, self._watch, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def apply(self, scene):
         """Take over a scene: what acts in a silence may be another."""
