@@ -50,6 +50,6 @@ def _topics(node, scene):
     """Return {resolved topic: publisher or subscription} of all that a scene may ever use."""
     outputs = interfaces.topics_of(interfaces.OUTPUTS, scene.points).values()
     return {node.resolve_topic_name(topic.topic): entity
-            for entity, topics in (('publisher', (interfaces.DRIVEN, interfaces.SCENE, *outputs)),
-                                   ('subscription', interfaces.INPUTS.values()))
+            for entity, topics in (('publisher', (interfaces.DRIVEN, interfaces.SCENE, *interfaces.APPLIED.values(), *outputs)),
+                                   ('subscription', (*interfaces.INPUTS.values(), *interfaces.WRENCHES.values())))
             for topic in topics}

@@ -5,12 +5,13 @@ import time
 from functools import partial
 
 from geometry_msgs.msg import WrenchStamped
-from rclpy.clock import Clock, ClockType
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
 
 from .. import interfaces
 from ..wrenches import Wrench, in_silence
+from . import qos
+from .drives import steady_timer
 
 PERIOD = 0.1           # [s] how often silence is looked for
 
@@ -21,8 +22,8 @@ class Applied:
     def __init__(self, node, link):
         topic = interfaces.APPLIED[link]
         self.name, self.data = topic.name, b''
-        self._publisher = node.create_publisher(
-            WrenchStamped, topic.topic, QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+        self._publisher = qos.create(node, 'publisher', WrenchStamped, topic.topic,
+                                     QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
 
     def send(self, stamp, wrench, frame_id, recording):
         """Publish and record a Wrench."""
@@ -47,11 +48,11 @@ class WrenchInputs:
         self._node, self._stream, self._recording = node, stream, recording
         self.counts = dict.fromkeys(self.COUNTED, 0)
         self._heard, self._last = {}, {}                 # [s] of those that are not silent; wrench that came last
-        qos = QoSProfile(depth=interfaces.INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
+        profile = QoSProfile(depth=interfaces.INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         for link in stream.scene.wrenches.links:
-            node.create_subscription(WrenchStamped, interfaces.WRENCHES[link].topic, partial(self._take, link), qos,
-                                     raw=True)
-        node.create_timer(PERIOD, self._watch, clock=Clock(clock_type=ClockType.STEADY_TIME))
+            qos.create(node, 'subscription', WrenchStamped, interfaces.WRENCHES[link].topic,
+                       partial(self._take, link), profile, raw=True)
+        steady_timer(node, PERIOD, self._watch)
 
     def apply(self, scene):
         """Take over a scene: what acts in a silence may be another."""
