@@ -21,7 +21,7 @@ foretells. :attr:`RateEstimator.noise` is the standard deviation of the accelera
 from __future__ import annotations
 
 from collections import deque
-from math import hypot, isfinite, isinf, isnan, nan, remainder, sqrt, tau, ulp
+from math import hypot, inf, isfinite, isinf, isnan, nan, remainder, sqrt, tau, ulp
 
 NANOSECOND = 1e-9        # [s]
 MEMORY = 100             # samples over which noise and size of the acceleration are averaged
@@ -211,6 +211,18 @@ class RateEstimator:
         velocity, acceleration = (velocity, fit.slope) if isfinite(velocity) else (fit.slope, fit.curvature)
         self._size.add(hypot(acceleration, velocity * velocity / self._length))
         return velocity, acceleration
+
+
+def estimator_of(scene):
+    """
+    Return the :class:`RateEstimator` of a scene, for its node and for computing a bag again.
+
+    The turn that may be missing between two samples is one of the joint in the message, before its ratio.
+    """
+    drive, linkage = scene.drive, scene.linkage
+    ratio = drive.joint_ratio if drive.source == 'joint_state' else 1.0
+    period, length = (inf, max(linkage.lengths)) if linkage.is_driven_by_slide else (tau / abs(ratio), 1.0)
+    return RateEstimator(drive.window, drive.timeout or 1.0, drive.jump, period, length)
 
 
 class _MeanSquare:

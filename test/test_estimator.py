@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from fourbar_ros import scene
-from fourbar_ros.estimator import MEMORY, RateEstimator
+from fourbar_ros.estimator import MEMORY, RateEstimator, estimator_of
 from scenes import PAPER, RODS
 
 EPS = np.finfo(float).eps
@@ -114,6 +114,18 @@ def test_samples_overtaken_one_by_one_do_not_start_it_afresh():
     found = feed(estimator, times, 3.0 * times).reshape(-1, 2, 2)
     assert np.isnan(found[2:, 1]).all() and np.abs(found[2:, 0] - [3.0, 0.0]).max() < 64 * EPS * 6.0 / 0.01**2
     assert estimator.restarts == 0 and estimator.late == 200
+
+
+@pytest.mark.parametrize('ratio', [0.5, -3.0, 10.0])
+def test_a_motor_that_wraps_drives_a_crank_behind_gears(ratio):
+    """The turn that is taken off is one of the motor: tau/ratio of the crank."""
+    estimator = estimator_of(scene.from_values({**PAPER, 'drive.source': 'joint_state', 'drive.joint': 'motor',
+                                                'drive.joint_ratio': ratio, 'drive.joint_offset': 0.3}))
+    t = np.arange(2000) * 0.002
+    motor = (ratio * 4.0 * t + 0.3 + math.pi) % math.tau - math.pi
+    found = feed(estimator, t, (motor - 0.3) / ratio)[3:]
+    assert np.abs(found - [4.0, 0.0]).max() < 16 * EPS * math.tau * max(1.0, 1.0 / abs(ratio)) / 0.002**2
+    assert estimator.restarts == 0
 
 
 # --- noise ------------------------------------------------------------------------------------------

@@ -1,12 +1,12 @@
 """Is what a node says of its driven joint what its input says? The input as it came is in the bag too."""
 from __future__ import annotations
 
-from math import inf, isnan, nan, tau
+from math import inf, isnan, nan
 
 import numpy as np
 
 from .. import joints
-from ..estimator import RateEstimator
+from ..estimator import estimator_of
 from ..records import driven_of, is_time
 
 FIELDS = ('position', 'velocity', 'acceleration')
@@ -47,8 +47,7 @@ class Driven:
         drive = scene.drive
         if drive == self._drive:
             return
-        turn = inf if scene.linkage.is_driven_by_slide else tau
-        self._estimator = RateEstimator(drive.window, drive.timeout or 1.0, drive.jump, turn)
+        self._estimator = estimator_of(scene)
         self._scale = joints.Scale(drive.joint_ratio, drive.joint_offset)
         # how many samples there are still to come until all are from the bag
         self._cold = 0 if self._drive else drive.window

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import threading
 import time
-from math import inf, isnan, nan, tau
+from math import isnan, nan
 from traceback import format_exc
 
 from rclpy.clock import Clock, ClockType
@@ -11,7 +11,7 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from .. import interfaces, joints
-from ..estimator import RateEstimator
+from ..estimator import estimator_of
 from ..records import is_time
 from . import qos
 from .inputs import Reader
@@ -189,9 +189,7 @@ class TopicDrive(Drive):
         super().apply(settings)
         self._scale = joints.Scale(settings.joint_ratio, settings.joint_offset)
         self._read = Reader(self._topic.type, settings.joint)
-        linkage, before = self._stream.scene.linkage, self.estimator
-        turn, length = (inf, max(linkage.lengths)) if linkage.is_driven_by_slide else (tau, 1.0)
-        self.estimator = RateEstimator(settings.window, settings.timeout or 1.0, settings.jump, turn, length)
+        before, self.estimator = self.estimator, estimator_of(self._stream.scene)
         if before:
             self.estimator.late, self.estimator.restarts = before.late, before.restarts
 

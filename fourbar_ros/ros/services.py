@@ -49,7 +49,9 @@ def find_extrema(node, request, response):
         if not isfinite(velocity) or velocity == 0.0:
             raise _BadRequest(f'velocity = {velocity!r}: must be a finite speed, not zero '
                               '(zero stands for the speed of the timer drive, if there is one)')
-        quantities = select(request.quantities, linkage, scene.point_quantities)
+        if not isfinite(request.acceleration):
+            raise _BadRequest(f'acceleration = {request.acceleration!r}: must be a finite number')
+        quantities = select(list(dict.fromkeys(request.quantities)), linkage, scene.point_quantities)
         missing = [quantity.name for quantity in quantities if quantity.is_load and linkage.bodies is None]
         if missing:
             raise _BadRequest(f'{missing[0]}: the scene has no masses')

@@ -182,6 +182,11 @@ def test_find_extrema_refuses_with_a_reason(run_node, client):
     assert answer.result == answer.RESULT_INVALID_REQUEST and 'velocity' in answer.message
     answer = client.call('find_extrema', velocity=math.nan)
     assert answer.result == answer.RESULT_INVALID_REQUEST and 'velocity' in answer.message
+    answer = client.call('find_extrema', velocity=1.0, acceleration=math.inf)
+    assert answer.result == answer.RESULT_INVALID_REQUEST and answer.message.startswith('acceleration = inf')
+    once, twice = (repr(client.call('find_extrema', velocity=1.0, quantities=['omega4'] * n).extrema)
+                   for n in (1, 2))
+    assert 'omega4' in once and twice == once
     answer = client.call('find_extrema', quantities=['f41'], velocity=1.0)
     assert answer.result == answer.RESULT_INVALID_REQUEST and 'no masses' in answer.message
     answer = client.call('find_extrema', mode=7, velocity=1.0)
