@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .factors import difference_of_squares
+from .factors import difference_of_squares, scaled
 
 # At a change point itself the period of u is infinite. There the branches are smooth in x, so the
 # points of a linkage that clears the flat position by this much (of 4 a1 a4) serve.
@@ -27,7 +27,7 @@ CLEARANCE = 2.0**-6
 # Points added towards a toggle and towards a flat position, each twice as close as the one
 # before. The last are 1e-6 in u from a toggle, 1e-12 in x, where x itself has four digits left, and
 # 1e-4 from a flat position, where quantities are quotients of vanishing numbers.
-TOGGLE_POINTS, FLAT_POINTS = 14, 6
+TOGGLE_POINTS, FLAT_POINTS = 14, 32
 # Samples for each unit of u; counts.
 POINTS_PER_FEATURE = 4
 
@@ -153,7 +153,7 @@ def input_paths(linkage, points):
 
     ``points`` is the least number of points of a full turn, without those added at the ends.
     """
-    a1, a2, a3, a4 = (length / max(linkage.lengths) for length in linkage.lengths)
+    a1, a2, a3, a4 = scaled(linkage.lengths)
     k = 4.0 * a1 * a4
     s1, s2 = difference_of_squares(a2, a3, a1, a4), difference_of_squares(a1, -a4, a2, -a3)
     low_end, high_end = linkage.input_ranges[-1]

@@ -7,7 +7,7 @@ it everything that is built of products and of sums without cancellation.
 """
 from __future__ import annotations
 
-from math import fsum
+from math import frexp, fsum, ldexp
 from typing import NamedTuple
 
 
@@ -30,6 +30,12 @@ def bilinear_factors(a1, a2, a3, a4):
                    B1=fsum((a1, -a2, a3, a4)), B2=fsum((a1, a2, a3, a4)),
                    C1=fsum((a1, -a2, a3, -a4)), C2=fsum((a1, a2, a3, -a4)),
                    D1=fsum((a1, a2, -a3, -a4)), D2=fsum((a1, -a2, -a3, -a4)))
+
+
+def scaled(lengths):
+    """Return lengths times the power of two, which rounds nothing, that makes the largest about one."""
+    exponent = frexp(max(lengths))[1]
+    return [ldexp(length, -exponent) for length in lengths]
 
 
 def half_angle_coefficients(a1, a2, a3, a4):

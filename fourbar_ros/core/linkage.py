@@ -3,12 +3,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, frexp, fsum, ldexp, pi, sqrt
+from math import acos, asin, asinh, atan2, fsum, pi, sqrt
 from typing import NamedTuple
 
 from .bodies import Bodies, External
 from .errors import InvalidParameter
-from .factors import difference_of_squares
+from .factors import difference_of_squares, scaled
 from .kinematics import Motion, make_motion
 from .loads import Loads, make_loads
 from .mechanism import CRANK, OPEN, THETA1, THETA2, THETA3, THETA4, Mechanism
@@ -44,8 +44,7 @@ def _squares_of_half(one, other, a3, a4):
 
 def _ranges(a1, a2, a3, a4):
     """Return the ranges of the angle at which a1 leaves the ground link; see FourBar.input_ranges."""
-    exponent = frexp(max(a1, a2, a3, a4))[1]
-    a1, a2, a3, a4 = (ldexp(length, -exponent) for length in (a1, a2, a3, a4))
+    a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
     s1 = difference_of_squares(a2, a3, a1, a4)
     s2 = difference_of_squares(a1, -a4, a2, -a3)
     far = 2.0 * atan2(sqrt(difference_of_squares(a2, a3, a1, -a4)), sqrt(-s1)) if s1 < 0.0 else pi
@@ -149,6 +148,21 @@ class FourBar(Mechanism):
         line (toggle).
         """
         return _ranges(*self.lengths)
+
+    @property
+    def singular_inputs(self):
+        """
+        Return the complex theta1 where coupler and output link are in line, or A is as far as that from O4, q = 0.
+
+        A list of toggles (real), flat positions of change points (real) and others, as
+        :attr:`.SliderCrank.singular_inputs`; accurate to about 1e-8 next to change points.
+        """
+        a1, a2, a3, a4 = scaled(self.lengths)
+        root = 2.0 * sqrt(a1 * a4)
+        s1, s2 = difference_of_squares(a2, a3, a1, a4), difference_of_squares(a1, -a4, a2, -a3)
+        far = complex(pi, 2.0 * asinh(sqrt(s1) / root)) if s1 >= 0.0 else complex(2.0 * acos(min(sqrt(-s1) / root, 1.0)))
+        near = complex(0.0, 2.0 * asinh(sqrt(s2) / root)) if s2 >= 0.0 else complex(2.0 * asin(min(sqrt(-s2) / root, 1.0)))
+        return [far, -far, near, -near, complex(0.0, 2.0 * asinh(abs(a1 - a4) / root))]
 
     @cached_property
     def output_ranges(self):

@@ -71,16 +71,14 @@ def _between(singular, low, high, points, is_periodic):
     is_flat = (scaled.imag == 0.0) & (np.abs(scaled.real) < 1.0)
     angles = np.arcsin(scaled[~is_flat])
     kernels = _kernels(np.concatenate((angles, pi - angles)), points)
-    flat = np.unique(np.arcsin(scaled.real[is_flat]))
-    ends = [-0.5 * pi, *flat, 0.5 * pi]
-    toggles = {-0.5 * pi: End(low, False), 0.5 * pi: End(high, False)}
+    flat = {float(np.arcsin(place)): End(float(x), True) for place, x in zip(scaled.real[is_flat], singular.real[is_flat])}
+    ends = {-0.5 * pi: End(low, False), **dict(sorted(flat.items())), 0.5 * pi: End(high, False)}
 
     def to_input(phi):
         # From the nearer end: that distance is what quantities near a toggle depend on.
         return np.where(phi < 0.0, low + 2.0 * half * np.sin(0.5 * (phi + 0.5 * pi))**2,
                         high - 2.0 * half * np.sin(0.5 * (0.5 * pi - phi))**2)
-    return [_path(kernels, *pair, to_input, [toggles.get(end) or End(float(to_input(end)), True) for end in pair])
-            for pair in zip(ends, ends[1:])]
+    return [_path(kernels, *pair, to_input, [ends[end] for end in pair]) for pair in zip(ends, list(ends)[1:])]
 
 
 def _path(kernels, first, last, to_input, ends):

@@ -14,14 +14,14 @@ samples, and is looked at closely.
 from __future__ import annotations
 
 from functools import cache
-from math import atan2, cos, fabs, frexp, inf, ldexp, nan, sin, sqrt
+from math import atan2, cos, fabs, inf, nan, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from .dialects import dialects, where
 from .elliptic import POINTS_PER_FEATURE, half_turn, phases
-from .factors import difference_of_squares, half_angle_coefficients
+from .factors import difference_of_squares, half_angle_coefficients, scaled
 from .kinematics import make_motion
 from .roots import first_guess, fold, intervals_of_one, look_closer, newton_root, turn_after
 from .sensitivity import rate_changes
@@ -104,8 +104,7 @@ def rate_extrema(linkage, samples=SAMPLES, with_conditions=True):
         go to plus infinity.
 
     """
-    exponent = frexp(max(linkage.lengths))[1]
-    constants = sine_constants(*(ldexp(length, -exponent) for length in linkage.lengths), linkage.sign)
+    constants = sine_constants(*scaled(linkage.lengths), linkage.sign)
     upward = linkage.sign > 0.0       # X > 0: signs of g and k are those of theta4'' and theta4'''
     motion = make_motion.scalar(*linkage.lengths, linkage.sign)
     extrema, toggles = ([], []), []

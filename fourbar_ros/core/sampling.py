@@ -15,7 +15,9 @@ import numpy as np
 
 from .dialects import for_columns, rebound
 from .errors import MissingBodies
+from .flat import REACH, flat_sides
 from .linkage import FourBar
+from .quantities import Quantity
 from .roots import EPS, fold
 
 # Complex step: its square vanishes beside one, and it is nothing beside the distance of any sample
@@ -23,6 +25,13 @@ from .roots import EPS, fold
 STEP = 2.0**-200
 # Step of real differences of fourth order, in samples: their error is about that of rounding.
 DIFFERENCE = 2.0**-6
+
+
+def _with_part(fields, chosen, values):
+    """Return fields, of which some may be numbers, as arrays with other values in a part of them."""
+    whole = np.stack(np.broadcast_arrays(*fields, chosen)[:-1]).astype(values.dtype)
+    whole[:, chosen] = values
+    return whole
 
 
 class NoLoads:
@@ -46,7 +55,8 @@ class Sampler:
     """
     Values and derivatives of some quantities of a mechanism in its mode.
 
-    The input x is in units of :attr:`.mechanism.Mechanism.input_unit`.
+    The input x is in units of :attr:`.mechanism.Mechanism.input_unit`. Next to the flat positions at the ends of
+    the path that was given to :meth:`enter` motion and loads come from series, see :mod:`.flat`.
     """
 
     IS_COMPLEX = True   # the steps by which quantities are differentiated
@@ -58,10 +68,14 @@ class Sampler:
         self.needs_loads = any(q.is_load for q in quantities)
         if self.needs_loads and linkage.bodies is None:
             raise MissingBodies
-        self.unit = linkage.input_unit
+        self.unit, self.flats = linkage.input_unit, {}
         has_loads = linkage.bodies is not None and (self.needs_loads or with_angles)
         motions = linkage._motion[1], (linkage._make_motion(2, _with_angles) if with_angles else linkage._motion[2])
         self._functions = motions, (linkage._loads[1], linkage._loads[2]) if has_loads else (None, None)
+
+    def enter(self, path):
+        """Take the flat positions of an :class:`.elliptic.InputPath` into account."""
+        self.flats = flat_sides(self.linkage, self.rates, path)
 
     def of(self, linkage):
         """Return the same for another linkage."""
@@ -74,6 +88,7 @@ class Sampler:
             return [np.stack(parts, axis=1) for parts in zip(*(self.of(other).at(x, row) for other in others))]
         # Of a 4R all at once: the formulas take columns of lengths.
         sampler, linkage = copy(self), copy(others[0])
+        sampler.flats = {}          # of a change point: the others are none
         for name, column in zip(linkage.LENGTHS, zip(*lengths)):
             object.__setattr__(linkage, name, np.array(column)[:, None])
         kind = 1 + self.IS_COMPLEX
@@ -92,7 +107,39 @@ class Sampler:
         motion, loads = (functions[x.dtype.kind == 'c'] for functions in self._functions)
         with np.errstate(all='ignore'):
             fields = motion(self.unit * x, *self.rates)
-            return self.linkage.MOTION(*fields), self.linkage.LOADS(*loads(fields)) if loads else NoLoads()
+            state = [fields, loads(fields)] if loads else [fields]
+        for flat in self.flats.values():
+            t = flat.distance(x)
+            near = (t.real > 0.0) & (t.real < REACH)
+            if near.any():
+                state = [_with_part(part, near, values) for part, values in zip(state, flat.state(t[near], bool(loads)))]
+        return self._named(state)
+
+    def _named(self, state):
+        """Return (motion, loads) of their fields."""
+        return (self.linkage.MOTION(*state[0]), self.linkage.LOADS(*state[1]) if len(state) > 1 else NoLoads())
+
+    def limits(self, side):
+        """
+        Return the quantities at the flat position that the path has on this side, with infinities.
+
+        They are read off at two distances at which all terms but the first of a series are no more than rounding.
+        """
+        flat = self.flats[side]
+        t = np.array((2.0**-60, 2.0**-80))
+        state = self._named(flat.state(t, self._functions[1][0] is not None))
+        with np.errstate(all='ignore'):
+            one, other = self._rows(state, t).T
+            growth = np.abs(other / one)
+        return np.where(growth > 2.0**10, np.copysign(np.inf, other), np.where(growth > 2.0**-10, other, 0.0))
+
+    def varies_next_to(self, side):
+        """Return whether each quantity is more than a constant; True where that is not known."""
+        flat, fields = self.flats[side], {}
+        fields.update(zip(self.linkage.MOTION._fields, flat.motion.varies))
+        if flat.loads is not None:
+            fields.update(zip(self.linkage.LOADS._fields, flat.loads.varies))
+        return np.array([not isinstance(q, Quantity) or fields[q.name] for q in self.quantities])
 
     def values(self, x):
         """Return the quantities at x, shape (quantities, *x.shape)."""

@@ -50,6 +50,7 @@ class Found(NamedTuple):
 
 def search_path(sampler, path, with_conditions=True):
     """Return the list of :class:`Found` of all quantities along one :class:`.elliptic.InputPath`."""
+    sampler.enter(path)
     with np.errstate(over='ignore', invalid='ignore'):
         values, slopes = sampler.sample(path.x)
     if np.isinf(values).any() or np.isinf(slopes).any():
@@ -58,6 +59,9 @@ def search_path(sampler, path, with_conditions=True):
     state = sampler.state(path.x)
     noise = np.maximum(sampler.noise(state), 64.0 * EPS * np.abs(middle)[:, None])
     varies = (np.abs(values - middle[:, None]) > noise).any(axis=1)
+    for side in sampler.flats:
+        varies &= sampler.varies_next_to(side)
+        middle = np.where(varies, middle, sampler.limits(side))
     middle[np.abs(middle) <= noise.min(axis=1)] = 0.0
     start = 0.0 if path.is_closed else path.low.x
     found = [Found(row, sampler.fold(start), float(middle[row]), 0, 0 if path.is_closed else 1)
@@ -106,24 +110,36 @@ def _end(sampler, x, end, side, inward, first, values, slopes, noise, rows):
     Return what the quantities ``rows`` do at an end.
 
     ``inward``: the indices of all samples, the nearest to the end first; ``first``: of the sample half a
-    step away. Quantities are meromorphic in u: one that grows twofold each time the distance falls to a
-    quarter has a pole. The others go on smoothly into the other assembly mode.
+    step away.
+    """
+    if end.is_flat:
+        limits = sampler.limits(side)
+    else:
+        limits = _at_toggle(sampler, x, side, inward, first, values, noise, rows)
+    rises = slopes[:, inward[0]] * side > 0.0        # seen from the end
+    sense = np.where(np.isinf(limits), np.sign(limits), np.where(rises, -1, 1)).astype(int)
+    place = sampler.fold(end.x)
+    return [Found(row, place, float(limits[row]), int(sense[row]), side, end.is_flat) for row in rows.tolist()]
+
+
+def _at_toggle(sampler, x, side, inward, first, values, noise, rows):
+    """
+    Return the limits of quantities at a toggle.
+
+    Quantities are meromorphic in u: one that grows twofold each time the distance falls to a quarter has a
+    pole. The others go on smoothly into the other assembly mode.
     """
     size = np.abs(values[:, inward[:5:2]])
     has_pole = (size[:, 0] > 2.0 * size[:, 1]) & (size[:, 1] > 2.0 * size[:, 2])
     limits = np.where(values[:, inward[0]] > 0.0, inf, -inf)
-    if not has_pole[rows].all():
-        near = first + side * np.arange(NEIGHBOURS)
-        other = sampler.of(sampler.linkage.in_mode(3 - sampler.linkage.mode))
-        beyond = other.values(2.0 * end.x - x[near] if end.is_flat else x[near])
-        bounded = (values[:, near] + beyond) @ _THROUGH
-        one_sided = values[:, near] @ _UP_TO
-        # Angles are folded there: they do not go on, and are extrapolated, at the loss of three digits.
-        folded = np.abs(one_sided - bounded) > 1e-6 * np.ptp(values[:, near], axis=1)
-        bounded = np.where(folded, one_sided, bounded)
-        bounded[np.abs(bounded) <= noise[:, first]] = 0.0
-        limits = np.where(has_pole, limits, bounded)
-    rises = slopes[:, inward[0]] * side > 0.0        # seen from the end
-    sense = np.where(has_pole, np.sign(limits), np.where(rises, -1, 1)).astype(int)
-    place = sampler.fold(end.x)
-    return [Found(row, place, float(limits[row]), int(sense[row]), side, end.is_flat) for row in rows.tolist()]
+    if has_pole[rows].all():
+        return limits
+    near = first + side * np.arange(NEIGHBOURS)
+    beyond = sampler.of(sampler.linkage.in_mode(3 - sampler.linkage.mode)).values(x[near])
+    bounded = (values[:, near] + beyond) @ _THROUGH
+    one_sided = values[:, near] @ _UP_TO
+    # Angles are folded there: they do not go on, and are extrapolated, at the loss of three digits.
+    folded = np.abs(one_sided - bounded) > 1e-6 * np.ptp(values[:, near], axis=1)
+    bounded = np.where(folded, one_sided, bounded)
+    bounded[np.abs(bounded) <= noise[:, first]] = 0.0
+    return np.where(has_pole, limits, bounded)
