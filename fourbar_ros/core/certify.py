@@ -9,6 +9,8 @@ from .quantities import is_published
 from .sampling import Sampler
 
 EXACT_COUNT, INTERVALS, NOT_PROVED = 'exact count', 'interval bounds', 'not proved'
+# Nearer than this to a flat position, in the input's unit, enclosures of 0/0 take too many pieces.
+LEFT_OUT = 2.0**-13
 
 
 def prove_counts(linkage, quantities, omega1, alpha1, samples, found, check):
@@ -40,14 +42,20 @@ def prove_counts(linkage, quantities, omega1, alpha1, samples, found, check):
         if proofs[row] is None and any(part.sense == 0 for part in found[row]):
             proofs[row] = None, f'{NOT_PROVED}: constant in a range'
         elif proofs[row] is None:
-            proofs[row] = _by_intervals(linkage, quantity, omega1, alpha1, samples, check)
+            proofs[row] = _by_intervals(linkage, quantity, omega1, alpha1, samples, found[row], check)
     return proofs
 
 
-def _by_intervals(linkage, quantity, omega1, alpha1, samples, check):
-    """Return (number, text) of one quantity."""
+def _away_from_flats(path):
+    """Return a path without its samples next to flat positions."""
+    flats = [end.x for end in (path.low, path.high) if end and end.is_flat]
+    return path._replace(x=path.x[[all(abs(x - flat) > LEFT_OUT for flat in flats) for x in path.x.tolist()]])
+
+
+def _by_intervals(linkage, quantity, omega1, alpha1, samples, found, check):
+    """Return (number, text) of one quantity; what was found in parts left out counts as found there."""
     sampler = Sampler(linkage, (quantity,), omega1, alpha1, not is_published(quantity))
-    paths = input_paths(linkage, samples)
+    paths = [_away_from_flats(path) for path in input_paths(linkage, samples)]
     try:
         counts = [intervals.count_extrema(sampler, path, check)[0] for path in paths]
     except ImportError:
@@ -56,7 +64,10 @@ def _by_intervals(linkage, quantity, omega1, alpha1, samples, check):
         return None, f'{NOT_PROVED}: the function does not work on enclosures ({error})'
     if None in counts:
         return None, f'{NOT_PROVED}: more than {intervals.MOST_PIECES} pieces'
-    left_out = [sampler.unit * abs(end.x - x)
-                for path in paths for end, x in ((path.low, path.x[0]), (path.high, path.x[-1])) if end]
+    ends = [(side, sampler.unit * end.x, sampler.unit * abs(end.x - x)) for path in paths
+            for side, end, x in ((1, path.low, path.x[0]), (-1, path.high, path.x[-1])) if end]
+    number = sum(part.side == 0 and any(0.0 < side * linkage.distance(sampler.unit * part.place, at) < width
+                                        for side, at, width in ends) for part in found)
     unit = UNITS[linkage.input_coordinate.position]
-    return sum(counts), INTERVALS + (f', except {max(left_out):.0e} {unit} at the ends' if left_out else '')
+    return (sum(counts) + number,
+            INTERVALS + (f', except {max(width for *_, width in ends):.0e} {unit} at the ends' if ends else ''))

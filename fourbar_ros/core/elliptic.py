@@ -24,10 +24,10 @@ from .factors import difference_of_squares, scaled
 # At a change point itself the period of u is infinite. There the branches are smooth in x, so the
 # points of a linkage that clears the flat position by this much (of 4 a1 a4) serve.
 CLEARANCE = 2.0**-6
-# Points added towards a toggle and towards a flat position, each twice as close as the one
-# before. The last are 1e-6 in u from a toggle, 1e-12 in x, where x itself has four digits left, and
-# 1e-4 from a flat position, where quantities are quotients of vanishing numbers.
-TOGGLE_POINTS, FLAT_POINTS = 14, 32
+# Points added towards a toggle, each twice as close as the one before, and towards a flat position, every second
+# one twice as close. The last are 1e-6 in u from a toggle and 1e-12 in x from either, where x itself has four
+# digits left.
+TOGGLE_POINTS, FLAT_POINTS = 14, 64
 # Samples for each unit of u; counts.
 POINTS_PER_FEATURE = 4
 
@@ -163,7 +163,7 @@ def input_paths(linkage, points):
 
     period, _, half = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
     count = int(max(points // 2, POINTS_PER_FEATURE * period))
-    before, after = _closer(low, count), _closer(high, count)
+    before, after = closer_points(low, count), closer_points(high, count)
     phase = 0.5 * pi * np.concatenate((before[::-1], (np.arange(count) + 0.5) / count, 1.0 - after))
     x = 2.0 * np.arctan2(*half(np.sin(phase), np.cos(phase)))
 
@@ -180,10 +180,12 @@ def input_paths(linkage, points):
     return [InputPath(np.concatenate((-x[::-1], x)), _mirror(high), high, after, 2 * x.size - 1 - after)]
 
 
-def _closer(end, count):
-    """Return the parameters t of the points added at an end at t = 0, outwards."""
-    number = 0 if end is None else FLAT_POINTS if end.is_flat else TOGGLE_POINTS
-    return 0.5 / count * 2.0**-np.arange(1.0, 1 + number)
+def closer_points(end, count):
+    """Return the parameters t of the points added at an end at t = 0, outwards, to ``count`` in [0, 1]."""
+    if end is None:
+        return np.zeros(0)
+    octaves = 0.5 * np.arange(1, 1 + FLAT_POINTS) if end.is_flat else np.arange(1.0, 1 + TOGGLE_POINTS)
+    return 0.5 / count * 2.0**-octaves
 
 
 def _mirror(end):

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .elliptic import InputPath
-from .laurent import TERMS, Length, T, exactly, many_digits, of_series, quarter_turns, series
+from .laurent import TERMS, Length, T, converted, many_digits, of_series, quarter_turns, series
 
 # Series are used up to this part of their scale, which is one to two times the distance of the next singularity:
 # what they leave out is 2^-60 of the first term, times a small power of TERMS.
@@ -88,27 +88,34 @@ class FlatSide:
 
     @cached_property
     def motion(self) -> Fields:
-        return self._both[0]
+        """Return the series of the motion."""
+        with many_digits():
+            return _fields(self._motion)
 
     @cached_property
     def loads(self) -> Fields | None:
         """Return the series of the loads, if there are bodies."""
-        return self._both[1]
+        if self._mechanism.bodies is None:
+            return None
+        motion = self._motion
+        with many_digits():
+            return _fields(type(self._mechanism)._make_loads(self._exact, 1, of_series)(motion))
 
     @cached_property
-    def _both(self) -> tuple[Fields, Fields | None]:
-        mechanism, unit = self._mechanism, self._mechanism.input_unit
+    def _exact(self) -> SimpleNamespace:
+        """Return the data of the mechanism as constant series."""
+        own = self._mechanism
+        return SimpleNamespace(
+            lengths=[series(length) for length in own.lengths], sign=own.sign, input=own.input,
+            input_unit=own.input_unit, gravity=converted(own.gravity, series),
+            bodies=converted(tuple(own.bodies or ()), series), external=converted(own.external, series))
+
+    @cached_property
+    def _motion(self) -> tuple:
         with many_digits():
-            exact = SimpleNamespace(
-                lengths=[series(length) for length in mechanism.lengths], sign=mechanism.sign,
-                input=mechanism.input, input_unit=unit, gravity=exactly(mechanism.gravity),
-                bodies=exactly(tuple(mechanism.bodies or ())), external=exactly(mechanism.external))
             start = quarter_turns(round(self.place / (0.5 * pi)) if self._is_angle else 0)
-            x = unit * (start + self.side * self._scale * T)
-            kind = type(mechanism)
-            motion = kind._make_motion(exact, 1, of_series)(x, *map(series, self._rates))
-            loads = mechanism.bodies and kind._make_loads(exact, 1, of_series)(motion)
-            return _fields(motion), loads and _fields(loads)
+            x = self._mechanism.input_unit * (start + self.side * self._scale * T)
+            return type(self._mechanism)._make_motion(self._exact, 1, of_series)(x, *map(series, self._rates))
 
     def state(self, t: np.ndarray, with_loads: bool) -> list[np.ndarray]:
         """Return the fields of motion and loads at distances in units of the scale, each of shape (fields, t.size)."""

@@ -12,6 +12,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 from .dialects import rebound, where
+from .laurent import converted
 from .sampling import NoLoads
 
 PRECISION = 80        # [bit]
@@ -93,16 +94,6 @@ def _enclosing(factory, with_angles):
     return rebound(factory, **{**_NAMES, **angles})
 
 
-def _exact(record, arb):
-    """Return the floats of a record, or of nested ones, as exact balls."""
-    if isinstance(record, float | int):
-        return arb(record)
-    if isinstance(record, tuple) and not hasattr(record, '_fields'):
-        return tuple(_exact(value, arb) for value in record)
-    fields = record._asdict() if hasattr(record, '_fields') else vars(record)
-    return SimpleNamespace(**{name: _exact(value, arb) for name, value in fields.items()})
-
-
 def count_extrema(sampler, path, check=lambda: None):
     """
     Return how many extremes each quantity of a sampler certainly has between the samples of a path.
@@ -142,9 +133,9 @@ def _evaluator(sampler, flint):
     """Return the function (ball of theta1, rows) -> enclosures of dQ/dtheta1 and half d2Q/dtheta1^2."""
     linkage = sampler.linkage
     exact = SimpleNamespace(lengths=[flint.arb(length) for length in linkage.lengths], sign=linkage.sign,
-                            input=linkage.input, input_unit=flint.arb(1), gravity=_exact(linkage.gravity, flint.arb),
-                            bodies=_exact(tuple(linkage.bodies or ()), flint.arb),
-                            external=_exact(linkage.external, flint.arb))
+                            input=linkage.input, input_unit=flint.arb(1), gravity=converted(linkage.gravity, flint.arb),
+                            bodies=converted(tuple(linkage.bodies or ()), flint.arb),
+                            external=converted(linkage.external, flint.arb))
     motion = type(linkage)._make_motion(exact, 1, lambda factory: _enclosing(factory, sampler.with_angles))
     loads = linkage.bodies and type(linkage)._make_loads(exact, 1, lambda factory: _enclosing(factory, False))
     unit = flint.arb(sampler.unit)

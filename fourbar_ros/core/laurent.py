@@ -214,14 +214,14 @@ def quarter_turns(number: int) -> Laurent:
     return Laurent([_QUARTER * number])
 
 
-def exactly(record):
-    """Return the floats of a record, or of nested ones, as series."""
+def converted(record, number):
+    """Return a record, or nested ones, with ``number(value)`` in place of each float."""
     if isinstance(record, float | int):
-        return series(record)
+        return number(record)
     if isinstance(record, tuple) and not hasattr(record, '_fields'):
-        return tuple(exactly(value) for value in record)
+        return tuple(converted(value, number) for value in record)
     fields = record._asdict() if hasattr(record, '_fields') else vars(record)
-    return SimpleNamespace(**{name: exactly(value) for name, value in fields.items()})
+    return SimpleNamespace(**{name: converted(value, number) for name, value in fields.items()})
 
 
 def _atan2(y, x) -> Laurent:

@@ -160,8 +160,9 @@ class FourBar(Mechanism):
         a1, a2, a3, a4 = scaled(self.lengths)
         root = 2.0 * sqrt(a1 * a4)
         s1, s2 = difference_of_squares(a2, a3, a1, a4), difference_of_squares(a1, -a4, a2, -a3)
-        far = complex(pi, 2.0 * asinh(sqrt(s1) / root)) if s1 >= 0.0 else complex(2.0 * acos(min(sqrt(-s1) / root, 1.0)))
-        near = complex(0.0, 2.0 * asinh(sqrt(s2) / root)) if s2 >= 0.0 else complex(2.0 * asin(min(sqrt(-s2) / root, 1.0)))
+        far, near = sqrt(abs(s1)) / root, sqrt(abs(s2)) / root
+        far = complex(pi, 2.0 * asinh(far)) if s1 >= 0.0 else complex(2.0 * acos(min(far, 1.0)))
+        near = complex(0.0, 2.0 * asinh(near)) if s2 >= 0.0 else complex(2.0 * asin(min(near, 1.0)))
         return [far, -far, near, -near, complex(0.0, 2.0 * asinh(abs(a1 - a4) / root))]
 
     @cached_property

@@ -16,7 +16,7 @@ from math import pi
 
 import numpy as np
 
-from .elliptic import FLAT_POINTS, TOGGLE_POINTS, End, InputPath
+from .elliptic import End, InputPath, closer_points
 from .elliptic import input_paths as elliptic_paths
 from .errors import FourBarError
 from .linkage import FourBar
@@ -71,7 +71,8 @@ def _between(singular, low, high, points, is_periodic):
     is_flat = (scaled.imag == 0.0) & (np.abs(scaled.real) < 1.0)
     angles = np.arcsin(scaled[~is_flat])
     kernels = _kernels(np.concatenate((angles, pi - angles)), points)
-    flat = {float(np.arcsin(place)): End(float(x), True) for place, x in zip(scaled.real[is_flat], singular.real[is_flat])}
+    flat = {float(np.arcsin(place)): End(float(x), True)
+            for place, x in zip(scaled.real[is_flat], singular.real[is_flat])}
     ends = {-0.5 * pi: End(low, False), **dict(sorted(flat.items())), 0.5 * pi: End(high, False)}
 
     def to_input(phi):
@@ -122,8 +123,7 @@ def _spread(kernels, first, last, ends):
     """Return the phi of equal steps between two ends, half a step from them, and how many were added at each."""
     begin, end = (_samples(kernels, np.array([v]))[0][0] for v in (first, last))
     count = int(np.ceil(end - begin))
-    closer = [0.5 / count * 2.0**-np.arange(1.0, 1 + (FLAT_POINTS if e.is_flat else TOGGLE_POINTS)) for e in ends]
-    before, after = closer if ends else (np.zeros(0), np.zeros(0))
+    before, after = (closer_points(end, count) for end in ends or (None, None))
     t = np.concatenate((before[::-1], (np.arange(count) + 0.5) / count, 1.0 - after))
     t = begin + (end - begin) * t
     low, high = np.full(t.size, first), np.full(t.size, last)

@@ -20,6 +20,8 @@ PARTS = 8
 CAUTION = 0.25
 # By how much the error of a step of Newton's method may exceed its square over the width of the bracket.
 SAFETY = 64.0
+# A dip is looked into as long as its lowest sample is less than this part of how much the parabola bends in a step.
+DEEP = 0.25
 # Halvings of a dip before it is taken for a touching point without a sign change.
 HALVINGS = 26
 
@@ -149,12 +151,18 @@ def look_closer(function, row, xa, xb):
 
 
 def _may_touch(xs, fs):
-    """Return whether the parabola through three samples of one sign comes down to half the middle one."""
+    """
+    Return whether the function may have roots between three samples of one sign.
+
+    The parabola through them comes down to half the middle one, or the middle one is so low between the others
+    that the error of the parabola's slope, unknown, may have hidden that.
+    """
     left, right = xs[1] - xs[0], xs[2] - xs[1]
     slope_left, slope_right = (fs[1] - fs[0]) / left, (fs[2] - fs[1]) / right
     curvature = (slope_right - slope_left) / (left + right)
     slope = (slope_left * right + slope_right * left) / (left + right)
-    return slope * slope > 2.0 * abs(fs[1] * curvature)
+    return ((slope * slope > 2.0 * abs(fs[1] * curvature))
+            | (np.abs(fs[1]) < DEEP * np.abs(curvature) * np.minimum(left, right)**2))
 
 
 @dialects

@@ -112,7 +112,8 @@ class Sampler:
             t = flat.distance(x)
             near = (t.real > 0.0) & (t.real < REACH)
             if near.any():
-                state = [_with_part(part, near, values) for part, values in zip(state, flat.state(t[near], bool(loads)))]
+                beside = flat.state(t[near], bool(loads))
+                state = [_with_part(part, near, values) for part, values in zip(state, beside)]
         return self._named(state)
 
     def _named(self, state):
@@ -123,23 +124,23 @@ class Sampler:
         """
         Return the quantities at the flat position that the path has on this side, with infinities.
 
-        They are read off at two distances at which all terms but the first of a series are no more than rounding.
+        They are read off so near that all terms of a series but the first are less than rounding, and once
+        more nearer still: a pole has grown then, a zero fallen.
         """
-        flat = self.flats[side]
         t = np.array((2.0**-60, 2.0**-80))
-        state = self._named(flat.state(t, self._functions[1][0] is not None))
+        state = self._named(self.flats[side].state(t, self._functions[1][0] is not None))
         with np.errstate(all='ignore'):
             one, other = self._rows(state, t).T
             growth = np.abs(other / one)
         return np.where(growth > 2.0**10, np.copysign(np.inf, other), np.where(growth > 2.0**-10, other, 0.0))
 
     def varies_next_to(self, side):
-        """Return whether each quantity is more than a constant; True where that is not known."""
-        flat, fields = self.flats[side], {}
-        fields.update(zip(self.linkage.MOTION._fields, flat.motion.varies))
-        if flat.loads is not None:
-            fields.update(zip(self.linkage.LOADS._fields, flat.loads.varies))
-        return np.array([not isinstance(q, Quantity) or fields[q.name] for q in self.quantities])
+        """Return whether each quantity is more than a constant on this side; True where that is not known."""
+        flat = self.flats[side]
+        varies = dict(zip(self.linkage.MOTION._fields, flat.motion.varies))
+        if self.needs_loads:
+            varies.update(zip(self.linkage.LOADS._fields, flat.loads.varies))
+        return np.array([not isinstance(q, Quantity) or varies[q.name] for q in self.quantities])
 
     def values(self, x):
         """Return the quantities at x, shape (quantities, *x.shape)."""
