@@ -2,6 +2,8 @@
 import csv
 import json
 import math
+import os
+import pty
 import subprocess
 import sys
 import time
@@ -14,14 +16,15 @@ from fourbar_ros.bag import BagError, reader
 from fourbar_ros.bag.cdr import Decoder
 from fourbar_ros.bag.diff import diff
 from fourbar_ros.bag.export import export
-from fourbar_ros.bag.plot import plot, series
+from fourbar_ros.bag.plot import plot, series, thinned
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recompute import compare, distance
-from fourbar_ros.bag.replay import play
+from fourbar_ros.bag.replay import Pace, play, span
 from fourbar_ros.bag.scan import MAGIC
 from fourbar_ros.bag.writer import BagWriter
 from fourbar_ros.cli import main
 from fourbar_ros.interfaces import OUTPUTS
+from fourbar_ros.verbs.replay import status_line
 from scenes import PAPER, ROCKER, RODS, TIP
 
 STEPS = 400
@@ -439,3 +442,144 @@ def test_every_verb_explains_itself_with_ros_and_mcap_blocked():
                f'from fourbar_ros.cli import main; main({[*verb, "--help"]!r})'
         done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=False)
         assert done.returncode == 0 and len(done.stdout) > 200, done.stderr
+
+
+class Clock:
+    """A time that passes when it is told to."""
+
+    def __init__(self):
+        self.now = 100.0
+
+    def __call__(self):
+        return self.now
+
+
+def test_a_pace_can_be_paused_stepped_and_changed_without_a_jump():
+    clock = Clock()
+    pace = Pace(2.0, clock)
+    clock.now += 3.0
+    assert pace.passed() == 6.0 and pace.is_due(6.0) and not pace.is_due(6.1)
+    pace.step()                                         # only while the time stands still
+    assert not pace.is_due(6.1)
+    pace.pause()
+    clock.now += 50.0
+    assert pace.passed() == 6.0 and not pace.is_due(5.0)
+    pace.step()
+    pace.step()
+    assert pace.is_due(7.0) and pace.is_due(7.5) and not pace.is_due(7.6) and pace.passed() == 7.5
+    pace.pause(False)
+    assert pace.passed() == 7.5
+    clock.now += 1.0
+    pace.change(0.25)
+    assert pace.passed() == 9.5 and pace.rate == 0.5
+    clock.now += 4.0
+    assert pace.passed() == 11.5
+    with pytest.raises(BagError, match='rate'):
+        Pace(0.0)
+
+
+def test_play_follows_its_pace(tmp_path):
+    path = paced(tmp_path)
+    pace, heard, ticks = Pace(1.0), [], []
+    pace.pause()
+
+    def tick(now):
+        ticks.append(now)
+        if len(ticks) % 10 == 0 and len(heard) < 5:
+            pace.step()
+        elif len(heard) == 5:
+            pace.pause(False)
+        return True
+    for raw in play(path, tick=tick, pace=pace, period=0.001):
+        heard.append(raw.sequence)
+    assert heard == list(range(40)) and len(ticks) > 50
+    assert span(path) == (next(Bag(path).raw()).time, [raw.time for raw in Bag(path).raw()][-1])
+
+
+def test_keys_are_read_from_a_terminal_as_they_are_pressed():
+    code = ('import time, sys\nfrom fourbar_ros.keyboard import Keyboard\nfound = []\n'
+            'with Keyboard() as keyboard:\n    print(keyboard.is_there, flush=True)\n'
+            '    end = time.monotonic() + 30\n'
+            '    while len(found) < 5 and time.monotonic() < end:\n        found += keyboard.pressed()\n'
+            '        time.sleep(0.01)\nprint(*found, flush=True)\n')
+    child, terminal = pty.fork()
+    if child == 0:
+        os.execv(sys.executable, [sys.executable, '-c', code])
+    said = b''
+    while b'True' not in said:
+        said += os.read(terminal, 1000)
+    for key in (b' ', b'x', b'\x1b[', b'C', b'\x1b[A\x1b[B', b' '):
+        os.write(terminal, key)
+        time.sleep(0.02)
+    while b'space right up down space' not in said:
+        said += os.read(terminal, 1000)
+    os.waitpid(child, 0)
+    os.close(terminal)
+    done = subprocess.run([sys.executable, '-c', code.replace('+ 30', '+ 0.1')], stdin=subprocess.DEVNULL, check=True,
+                          capture_output=True, text=True)
+    assert done.stdout.split() == ['False']
+
+
+def test_the_status_of_a_replay_says_where_it_is_and_what_is_left():
+    pace = Pace(2.0)
+    assert status_line(4 * 10**9, 10**9, 11 * 10**9, pace) == '3.0 s of 10.0 s, 3.5 s left, rate 2'
+    pace.pause()
+    assert status_line(4 * 10**9, 10**9, None, pace) == '3.0 s, rate 2, paused'
+
+
+def test_a_thinned_curve_keeps_every_peak_and_every_gap(tmp_path, monkeypatch):
+    rng = np.random.default_rng(5)
+    values = rng.normal(size=100_003)
+    values[[0, 777, 50_000, 100_002]] = 90.0, -1e3, 1e4, 80.0
+    values[60_000:60_007] = np.nan
+    places = np.cumsum(rng.integers(1, 5, len(values)))
+    keep = thinned(places, values, 1000)
+    assert len(keep) < 2200 and (np.diff(keep) > 0).all()
+    assert {0, 777, 50_000, 100_002} <= set(keep.tolist()) and np.isnan(values[keep]).any()
+    stretch = (places - places[0]) * 1000 // (places[-1] - places[0] + 1)
+    for number in range(1000):                             # none loses its extremes
+        whole, kept = values[stretch == number], values[keep][stretch[keep] == number]
+        assert np.nanmax(whole) == np.nanmax(kept) and np.nanmin(whole) == np.nanmin(kept)
+    assert thinned(places[:5], values[:5], 1000).tolist() == [0, 1, 2, 3, 4]
+    writer = BagWriter(tmp_path, 'run', [bags.MOTION], {}, sync_period=0.0)
+    peaks = [40_000.0 if k in (5, 3001, 9998) else -40_000.0 if k == 7000 else math.sin(k) for k in range(10_000)]
+    for k, peak in enumerate(peaks):
+        writer.write(0, bags.encode('fourbar_msgs/msg/Motion', header=bags.stamp((k + 1) * 10**6), position=peak,
+                                    velocity=0.0, acceleration=0.0))
+    path = writer.close()
+    monkeypatch.setattr(reader, 'BLOCK', 500)
+    times, found, _ = series(path, ['driven.position'], stretches=50)['driven.position']
+    assert len(times) < 500 and (np.diff(times) > 0).all()
+    assert [(round(t, 3), v) for t, v in zip(times, found) if abs(v) > 1] == [
+        (0.005, 4e4), (3.001, 4e4), (7.0, -4e4), (9.998, 4e4)]
+    assert series(path, ['driven.position'])['driven.position'][1].tolist() == peaks
+
+
+def test_messages_that_nobody_stamped_do_not_break_the_time_axis(tmp_path):
+    writer, begun = BagWriter(tmp_path, 'run', [bags.MOTION], {}, sync_period=0.0), 1_800_000_000 * 10**9
+    for k in range(100):
+        writer.clock.now = lambda k=k: begun + k * 10**7 + 5000
+        writer.write(0, bags.motion(begun + k * 10**7 if k not in (0, 40, 99) else 0))
+    times, _, _ = series(writer.close(), ['driven.position'])['driven.position']
+    assert times[0] == 0.0 and (np.diff(times) > 0).all() and 0.97 < times[-1] < 1.0
+
+
+def test_only_the_topics_that_are_drawn_are_decoded(bag, monkeypatch):
+    decoded = []
+    arrays = Decoder.arrays
+    monkeypatch.setattr(Decoder, 'arrays', lambda self, messages: decoded.append(self.definition.name) or arrays(
+        self, messages))
+    monkeypatch.setattr(reader, 'BLOCK', 100)
+    series(bag, ['state.theta4'])
+    assert decoded.count('fourbar_msgs/msg/LinkageState') > 3
+    assert decoded.count('fourbar_msgs/msg/LinkageLoads') <= 1          # where the time begins
+
+
+def test_two_topics_of_one_name_are_told_apart(tmp_path):
+    writer = BagWriter(tmp_path, 'run', [bags.MOTION, bags.MOTION._replace(topic='/other/driven')], {})
+    writer.write(0, bags.motion(1))
+    writer.write(1, bags.motion(2))
+    path = writer.close()
+    with pytest.raises(BagError, match='which of /fourbar/driven, /other/driven'):
+        series(path, ['driven.position'])
+    assert series(path, ['/other/driven.position'])['/other/driven.position'][1].tolist() == [2.0]

@@ -74,7 +74,7 @@ def scene_of(path, node=None):
 
 
 def _from_topics(bag, wanted):
-    types = _types(bag)
+    types = topic_types(bag)
     nodes = sorted(topic.removesuffix('/scene') for topic, type_name in types.items() if type_name == SCENE_TYPE
                    and topic.endswith('/scene') and f'{topic.removesuffix("/scene")}/driven' in types)
     if wanted:
@@ -92,7 +92,7 @@ def _from_topics(bag, wanted):
     return Origin(scene, _resolved(scene, node, types), node, False)
 
 
-def _types(bag):
+def topic_types(bag):
     """Return {topic: type} of all topics of a bag."""
     found = {}
     for part in bag.parts:

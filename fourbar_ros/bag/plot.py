@@ -7,17 +7,19 @@ import numpy as np
 
 from . import BagError
 from .export import table
+from .origin import topic_types
 from .reader import Bag
 
-WIDTH, HEIGHT = 9.0, 2.4        # [in] a picture, and each of its axes
-_ELEMENT = re.compile(r'(.+)\[(\d+)\]')
+WIDTH, HEIGHT, DPI = 9.0, 2.4, 100      # [in] a picture, and each of its axes; pixels an inch
+POINTS = int(2 * WIDTH * DPI)           # stretches of a curve that are drawn by their extremes: two a pixel
+_ELEMENT = re.compile(r'(.+)\[(.+)\]')
 
 
-def series(path, names, progress=None):
+def series(path, names, progress=None, stretches=None):
     """
     Return {name: (times [s] since the start, values, unit)} for fields of a bag.
 
-    Times are the stamps of the messages, or their log times where they have no header.
+    Times are the stamps of the messages, or their log times where they have none. Only the fields named are decoded.
 
     Parameters
     ----------
@@ -26,46 +28,138 @@ def series(path, names, progress=None):
     names : list of str
         ``TOPIC.FIELD``; the topic in full or its last part: ``state.theta4``,
         ``/joint_states.position[crank]`` or ``[0]``.
+    progress : callable, optional
+        Called with the number of bytes read.
+    stretches : int, optional
+        Thin each curve to about so many stretches, of which the smallest and the largest value and any NaN stay.
+        Memory does not grow with the bag then.
 
     """
     bag = Bag(path)
-    found = {name: ([], [], [], '') for name in names}
-    known, starts = {}, {}
-    for columns in bag.columns(progress=progress):
-        values, stamps = table(columns), columns.stamps
-        clock = 'log' if stamps is None else 'header'
-        moments = columns.times if stamps is None else stamps
-        starts[clock] = min(starts.get(clock, moments[0]), moments.min())
-        units = {leaf.name: leaf.unit for leaf in columns.layout.leaves}
-        short = columns.topic.rsplit('/', 1)[-1]
-        known[short] = list(values)
-        for name in names:
-            topic, _, field = name.partition('.')
-            drawn = _column(values, columns.records, field) if topic in (columns.topic, short) else None
+    known = sorted(topic_types(bag))
+    topics = {name: _topic(name, known, bag) for name in names}
+    curves = {name: _Curve(stretches) for name in names}
+    start = _starts(bag)
+    for columns in bag.columns(sorted(set(topics.values())), progress):
+        seconds = None
+        for name, curve in curves.items():
+            if topics[name] != columns.topic:
+                continue
+            field = name.partition('.')[2]
+            drawn = _column(columns, field)
             if drawn is not None:
-                times, numbers, places, _ = found[name]
-                times.append((clock, moments))
-                numbers.append(drawn)
-                places.append(columns.places)
-                found[name] = times, numbers, places, units.get(field.split('[')[0], '')
-    for name, (times, *_) in found.items():
-        if not times:
-            raise BagError(f'{name}: no such field; {_advice(name, known)}')
-    made = {}
-    for name, (times, numbers, places, unit) in found.items():
-        order = np.argsort(np.concatenate(places))          # messages of several layouts lie between each other
-        seconds = np.concatenate([(part - starts[clock]) * 1e-9 for clock, part in times])
-        made[name] = seconds[order], np.concatenate(numbers)[order], unit
-    return made
+                seconds = _seconds(columns, *start) if seconds is None else seconds
+                curve.unit = next((leaf.unit for leaf in columns.layout.leaves if leaf.name == field.split('[')[0]), '')
+                curve.add(columns.places, seconds, drawn)
+    for name, curve in curves.items():
+        if not curve.parts:
+            raise BagError(f'{name}: no such field; {_advice(name, _fields_of(bag))}')
+    return {name: (*curve.joined()[1:], curve.unit) for name, curve in curves.items()}
 
 
-def _column(values, records, field):
+class _Curve:
+    """One field over time, thinned as it grows if it is to be."""
+
+    def __init__(self, stretches):
+        self.unit, self.parts = '', []                   # of (places, times, values)
+        self._stretches, self._size = stretches, 0
+
+    def add(self, *part):
+        self.parts.append(part)
+        self._size += len(part[0])
+        if self._stretches and self._size > 8 * self._stretches:
+            self.parts = [self._thin()]
+            self._size = len(self.parts[0][0])
+
+    def _thin(self):
+        places, times, values = self._sorted()
+        keep = thinned(places, values, self._stretches)
+        return places[keep], times[keep], values[keep]
+
+    def _sorted(self):
+        """Return all parts as one in order: messages of several layouts lie between each other."""
+        joined = [np.concatenate(column) for column in zip(*self.parts)]
+        order = np.argsort(joined[0], kind='stable')
+        return [column[order] for column in joined]
+
+    def joined(self):
+        """Return (places, times, values)."""
+        return self._thin() if self._stretches else self._sorted()
+
+
+def thinned(places, values, stretches):
+    """
+    Return which points of a curve to keep: the smallest and the largest value of each stretch, NaN, both ends.
+
+    Stretches are equally long in ``places``, which ascend, so that a curve can be thinned again when it has grown.
+    """
+    count = len(values)
+    if count <= 2 * stretches:
+        return np.arange(count)
+    stretch = ((places - places[0]) * (stretches / (places[-1] - places[0] + 1))).astype(np.int64)
+    begins = np.flatnonzero(np.diff(stretch, prepend=-1))
+    unknown = np.isnan(values)
+    low = np.lexsort((np.where(unknown, np.inf, values), stretch))[begins]
+    high = np.lexsort((-np.where(unknown, -np.inf, values), stretch))[begins]
+    gaps = np.lexsort((~unknown, stretch))[begins]       # a gap in the curve stays one
+    return np.unique(np.concatenate((low, high, gaps[unknown[gaps]], [0, count - 1])))
+
+
+def _starts(bag):
+    """Return the first log time of a bag and the first stamp near its beginning [ns], None if there is none."""
+    found = next(bag.blocks(), [])
+    begin = min((columns.times.min() for columns in found), default=0)
+    headed = [columns for columns in found if columns.stamps is not None]
+    if not any((columns.stamps > 0).any() for columns in headed):
+        return begin, None
+    places, stamps, logged = (np.concatenate(parts) for parts in zip(*((c.places, c.stamps, c.times) for c in headed)))
+    first = np.flatnonzero(stamps > 0)[places[stamps > 0].argmin()]
+    if (places[stamps == 0] < places[first]).any():      # the first are unstamped: the log tells how much later this is
+        return begin, stamps[first] - (logged[first] - begin)
+    return begin, stamps[stamps > 0].min()
+
+
+def _seconds(columns, log_start, stamp_start):
+    """Return the times of messages since the start [s]: by stamp, by log time where nobody stamped them."""
+    logged, stamps = columns.times - log_start, columns.stamps
+    if stamps is None or stamp_start is None:
+        return logged * 1e-9
+    return np.where(stamps == 0, logged, stamps - stamp_start) * 1e-9
+
+
+def _topic(name, known, bag):
+    """Return the topic of TOPIC.FIELD, given in full or by its last part."""
+    wanted = name.partition('.')[0]
+    found = [topic for topic in known if wanted in (topic, topic.rsplit('/', 1)[-1])]
+    if wanted in found:
+        return wanted
+    if len(found) > 1:
+        raise BagError(f'{name}: which of {", ".join(found)}? write the topic in full')
+    if not found:
+        raise BagError(f'{name}: no such field; {_advice(name, _fields_of(bag))}')
+    return found[0]
+
+
+def _fields_of(bag):
+    """Return {last part of the topic: its fields} of the beginning of a bag."""
+    return {columns.topic.rsplit('/', 1)[-1]: list(table(columns)) for columns in next(bag.blocks(), [])}
+
+
+def _column(columns, field):
     """Return the numbers of a field, an element by its joint or its index; None if there are none."""
+    records = columns.records
+    if field == 'log_time':
+        return columns.times
     element = _ELEMENT.fullmatch(field)
-    if field not in values and element and element[1] in records.dtype.names and records[element[1]].ndim == 2:
-        elements, index = records[element[1]].T, int(element[2])
-        return elements[index] if index < len(elements) else None
-    return values[field] if field in values and values[field].dtype.kind in 'iufb' else None
+    if field in records.dtype.names:
+        return records[field] if records[field].ndim == 1 and records[field].dtype.kind in 'iufb' else None
+    if not element or element[1] not in records.dtype.names or records[element[1]].ndim != 2:
+        return None
+    elements, joints = records[element[1]].T, columns.layout.texts.get('name', [])
+    if len(joints) == len(elements) and element[2] in joints:
+        return elements[joints.index(element[2])]
+    index = int(element[2]) if element[2].isdecimal() else len(elements)
+    return elements[index] if index < len(elements) else None
 
 
 def _advice(name, known):
@@ -81,14 +175,14 @@ def _advice(name, known):
 
 def plot(path, names, out, progress=None):
     """Draw fields over time into a file (.png, .svg, .pdf); those of one unit share an axis."""
-    found = series(path, names, progress)
     try:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
     except ImportError:
         raise BagError('plot needs matplotlib: pip install matplotlib') from None
+    found = series(path, names, progress, POINTS)
     units = list(dict.fromkeys(unit or name for name, (_, _, unit) in found.items()))
-    figure = Figure(figsize=(WIDTH, HEIGHT * len(units) + 0.6), layout='constrained')
+    figure = Figure(figsize=(WIDTH, HEIGHT * len(units) + 0.6), dpi=DPI, layout='constrained')
     FigureCanvasAgg(figure)
     axes = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
     for axis, unit in zip(axes, units):

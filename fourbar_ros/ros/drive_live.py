@@ -1,24 +1,32 @@
 """Drive a live node with the recorded motion of the driven joint; compare its answers with the recorded ones."""
 from __future__ import annotations
 
+import json
 import time
 from typing import NamedTuple
 
 import numpy as np
 from rclpy.experimental import EventsExecutor
+from rclpy.parameter import Parameter
+from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import QoSProfile
 
-from .. import interfaces
+from .. import interfaces, parameters
+from .. import scene as scenes
 from ..bag import BagError
+from ..bag.origin import origin_of
 from ..bag.reader import Bag
-from ..bag.recompute import distance, scene_of
-from ..bag.replay import play
+from ..bag.recompute import distance
+from ..bag.replay import Pace, play
 from .messages import resolve
 from .remote import NoAnswer
 from .replay import Replayer, installed
 
 PATIENCE = 5.0          # [s] for the node to be found
 QUIET = 1.0             # [s] without an answer: no more will come
+BLOCK = 2000            # pairs of messages that are compared at once
+LATE = 10_000           # messages of a topic that wait for their partner; older ones have none
+OURS = ('drive.', 'recording.')         # parameters that a live node has its own of
 
 
 class Answer(NamedTuple):
@@ -31,34 +39,143 @@ class Answer(NamedTuple):
     field: str
 
 
+class LiveRun(NamedTuple):
+    """The answers of a live node by topic; ``notes``: what the scene had to do with it, in words."""
+
+    answers: list
+    notes: list
+
+
 def drive_live(path, node_name=None, rate=1.0, start=0.0, ros_args=()):
     """
-    Return a list of :class:`Answer`, one for every output in the bag.
+    Return the :class:`LiveRun` of a bag: an :class:`Answer` for every output in it.
 
     The recorded motion of the driven joint goes to the ``~/input`` of the node, which must be driven by
-    ``motion`` and have the scene of the bag (``fourbar bag scene`` writes it). Answers are matched by
-    their stamp, that of their input.
+    ``motion`` and have the scene of the bag (``fourbar bag scene`` writes it). Where the scene changes in the bag
+    it is changed in the node. Answers are matched by their stamp, that of their input. Memory does not grow with
+    the bag.
     """
     bag = Bag(path)
-    _, topics = scene_of(path)
-    recorded_node = (bag.metadata()['custom_data'] or {}).get('node', '/fourbar')
-    outputs = {topic: name for name, topic in topics.items() if name in interfaces.OUTPUTS}
+    origin = origin_of(bag)
     next(bag.raw(), None)                                # so that its topics are known
-    for topic in (topics['driven'], *outputs):
+    known = {channel.topic for channel in bag.channels.values()}
+    outputs = {origin.topics[name]: topic.type for name, topic in origin.scene.topics.items()
+               if origin.topics.get(name) in known}
+    driven, scene_topic = origin.topics['driven'], origin.topics.get('scene')
+    for topic in (driven, *outputs):
         _, why = installed(bag.type_of(topic), bag.hash_of(topic))
         if why:
             raise BagError(f'{path}: {topic}: {why}')
+    pace = Pace(rate)
     with Replayer(bag, ros_args=ros_args) as replayer:
-        live = _Live(replayer, outputs, recorded_node, node_name or recorded_node)
+        live = _Live(replayer, outputs, origin.node, node_name or origin.node)
         live.wait_until_found()
-        played = play(bag, [topics['driven'], *outputs], rate, start, tick=live.tick)
-        for raw in played:
-            if raw.topic == topics['driven']:
+        changes = _Changes(live, bag, origin.scene, scene_topic, pace)
+        changes.before(start)
+        for raw in play(bag, [driven, scene_topic, *outputs], rate, start, tick=live.tick, pace=pace):
+            if raw.topic == driven:
                 live.send(raw)
+            elif raw.topic == scene_topic:
+                changes.take(raw)
             else:
                 live.expect(raw)
         live.wait_for_the_rest()
-        return live.compared()
+        return LiveRun(live.compared(), changes.notes)
+
+
+class _Changes:
+    """Takes over in a live node what changes in the scene of a bag."""
+
+    def __init__(self, live, bag, scene, topic, pace):
+        self._live, self._bag, self._topic, self._pace = live, bag, topic, pace
+        self._values, self._origin, self.notes = scene.values, next(bag.raw()).time, []
+        self._first = True
+
+    def before(self, start):
+        """Take over the changes in the part of the bag that is left out."""
+        if start and self._topic:
+            begin = self._origin + round(start * 1e9)
+            for raw in self._bag.raw([self._topic]):
+                if raw.time >= begin:
+                    break
+                self.take(raw)
+
+    def take(self, raw):
+        """Take over a scene of the bag, once all motions before it are answered."""
+        values = scenes.from_values(json.loads(self._bag.decode(raw).data)).values
+        changed = {name: value for name, value in values.items()
+                   if not name.startswith(OURS) and not _is_same(value, self._values.get(name))}
+        self._values = values
+        if not changed:
+            return
+        self._pace.pause()
+        self._live.wait_for_the_rest()
+        at = (raw.time - self._origin) * 1e-9
+        text = ', '.join(f'{name} {value}' for name, value in changed.items())
+        self.notes.append(f'the scene of the bag changed after {at:.3f} s: {text}: {self._live.set(changed)}')
+        self._pace.pause(False)
+
+
+def _is_same(a, b):
+    return a == b or (a != a and b != b)                 # NaN: not given
+
+
+class _Topic:
+    """Recorded messages of one topic and the answers of the live node, until they meet."""
+
+    def __init__(self, decoder):
+        self._decoder = decoder
+        self._expected, self._answers, self._pairs = {}, {}, []
+        self.messages = self.missing = 0
+        self.largest, self.field = 0.0, ''
+
+    def expect(self, stamp, data):
+        """Keep what was recorded."""
+        self._meet(stamp, data, self._expected, self._answers, False)
+
+    def answer(self, stamp, data):
+        """Keep what the live node says."""
+        self._meet(stamp, data, self._answers, self._expected, True)
+
+    @property
+    def is_waiting(self):
+        """Return whether answers are still to come."""
+        return bool(self._expected)
+
+    def _meet(self, stamp, data, own, others, is_answer):
+        other = others.pop(stamp, None)
+        if other is None:
+            own[stamp] = data
+            if len(own) > LATE:
+                del own[next(iter(own))]
+                self.missing += not is_answer
+            return
+        self._pairs.append((other, data) if is_answer else (data, other))
+        if len(self._pairs) >= BLOCK:
+            self.compare()
+
+    def compare(self):
+        """Compare the messages that have met."""
+        here, there = [pair[0] for pair in self._pairs], [pair[1] for pair in self._pairs]
+        self.messages += len(self._pairs)
+        self._pairs = []
+        for layout, rows, records in self._decoder.arrays(here):
+            answers = [there[row] for row in rows]
+            if not all(map(layout.matches, answers)):
+                self.largest, self.field = np.inf, '(lengths)'
+                continue
+            others = np.frombuffer(b''.join(answers), layout.dtype)
+            for leaf in layout.leaves:
+                if leaf.format[0] != 'S':
+                    value = distance(records[leaf.name].astype(float), others[leaf.name].astype(float))
+                    if value > self.largest:
+                        self.largest, self.field = value, leaf.name
+
+    def finished(self, topic):
+        """Return the Answer."""
+        if self._pairs:
+            self.compare()
+        return Answer(topic, self.messages, self.missing + len(self._expected), self.largest, self.field)
 
 
 class _Live:
@@ -68,23 +185,23 @@ class _Live:
         self._replayer, self._node = replayer, replayer.node
         self._executor = EventsExecutor()
         self._executor.add_node(self._node)
-        self._expected = {topic: {} for topic in outputs}        # {stamp: bytes}
-        self._answers = {topic: {} for topic in outputs}
-        self._sent, self._heard = set(), time.monotonic()
+        self._topics = {topic: _Topic(replayer.bag.decoder(topic)) for topic in outputs}
+        self._last, self._heard = None, time.monotonic()         # stamp of the newest motion
         topic = interfaces.INPUTS['motion']
         self._name = topic.topic.replace('~', node_name)
         self._input = self._node.create_publisher(resolve(topic.type), self._name, interfaces.INPUT_DEPTH)
-        self._subscriptions = [self._listen(topic, interfaces.OUTPUTS[name], recorded_node, node_name)
-                               for topic, name in outputs.items()]
+        self._subscriptions = [self._listen(topic, type_name, recorded_node, node_name)
+                               for topic, type_name in outputs.items()]
+        self._parameters = AsyncParameterClient(self._node, node_name)
 
-    def _listen(self, topic, output, recorded_node, node_name):
+    def _listen(self, topic, type_name, recorded_node, node_name):
         there = topic.replace(recorded_node, node_name, 1) if topic.startswith(recorded_node + '/') else topic
-        answers = self._answers[topic]
+        answers = self._topics[topic]
 
         def take(data):
             self._heard = time.monotonic()
-            answers[stamp_of(data)] = data
-        return self._node.create_subscription(resolve(output.type), there, take, QoSProfile(depth=1000), raw=True)
+            answers.answer(stamp_of(data), data)
+        return self._node.create_subscription(resolve(type_name), there, take, QoSProfile(depth=1000), raw=True)
 
     def wait_until_found(self):
         """Wait for the node's input and outputs."""
@@ -100,63 +217,50 @@ class _Live:
         """Handle what came in."""
         for _ in range(1000):
             before = self._heard
-            self._executor.spin_once(timeout_sec=0.0 if self._sent else 0.02)
+            self._executor.spin_once(timeout_sec=0.0 if self._last else 0.02)
             if self._heard == before:
                 break
         return self._replayer.tick(0)
 
+    def set(self, changed):
+        """Change parameters of the node; return what became of it, in words."""
+        fixed = [name for name in changed if not parameters.find(name).live]
+        if fixed:
+            return f'not taken over: {fixed[0]} cannot be changed while the node runs'
+        future = self._parameters.set_parameters_atomically(
+            [Parameter(name, value=list(value) if isinstance(value, tuple) else value) for name, value in changed.items()])
+        end = time.monotonic() + PATIENCE
+        while not future.done() and time.monotonic() < end:
+            self._executor.spin_once(timeout_sec=0.02)
+        if not future.done():
+            return 'not taken over: no answer of the node'
+        result = future.result().result
+        return 'taken over' if result.successful else f'not taken over: {result.reason}'
+
     def send(self, raw):
         """Send one motion of the driven joint."""
-        self._sent.add(stamp_of(raw.data))
+        self._last = stamp_of(raw.data)
         self._input.publish(raw.data)
 
     def expect(self, raw):
         """Keep what was recorded, if its motion was sent."""
         stamp = stamp_of(raw.data)
-        if stamp in self._sent:
-            self._expected[raw.topic][stamp] = raw.data
+        if stamp == self._last:
+            self._topics[raw.topic].expect(stamp, raw.data)
 
     def wait_for_the_rest(self, quiet=QUIET):
         """Wait until nothing has come for some time, or all has."""
         self._heard = time.monotonic()
         while time.monotonic() - self._heard < quiet and (
-                not self._sent or any(e.keys() - a.keys() for e, a in self._pairs())):
+                not self._last or any(topic.is_waiting for topic in self._topics.values())):
             self._executor.spin_once(timeout_sec=0.02)
-
-    def _pairs(self):
-        return [(self._expected[topic], self._answers[topic]) for topic in self._expected]
 
     def compared(self):
         """Return the answers beside what was recorded."""
-        found = []
-        for topic, expected in self._expected.items():
-            both = sorted(expected.keys() & self._answers[topic].keys())
-            worst, where = 0.0, ''
-            for field, value in self._differences(topic, both).items():
-                if value > worst:
-                    worst, where = value, field
-            found.append(Answer(topic, len(both), len(expected) - len(both), worst, where))
-        if not self._sent:
+        if not self._last:
             raise BagError('the bag has no motion of the driven joint')
         self._executor.shutdown()
-        return found
-
-    def _differences(self, topic, stamps):
-        largest = {}
-        if not stamps:
-            return largest
-        decoder = self._replayer.bag.decoder(topic)
-        here, there = self._expected[topic], self._answers[topic]
-        for layout, rows, records in decoder.arrays([here[stamp] for stamp in stamps]):
-            answers = [there[stamps[row]] for row in rows]
-            if not all(map(layout.matches, answers)):
-                return {'(lengths)': np.inf}
-            others = np.frombuffer(b''.join(answers), layout.dtype)
-            for leaf in layout.leaves:
-                if leaf.format[0] != 'S':
-                    value = distance(records[leaf.name].astype(float), others[leaf.name].astype(float))
-                    largest[leaf.name] = max(largest.get(leaf.name, 0.0), value)
-        return largest
+        return [topic.finished(name) for name, topic in self._topics.items()]
 
 
 def stamp_of(data):

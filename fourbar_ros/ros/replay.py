@@ -3,20 +3,24 @@ from __future__ import annotations
 
 import signal
 import threading
+import time
 
 import rclpy
 from rclpy.duration import Duration
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSCompatibility, QoSProfile, ReliabilityPolicy, qos_check_compatible
 from rclpy.signals import SignalHandlerOptions
 from rosgraph_msgs.msg import Clock
 
 from ..bag import BagError
 from ..bag.reader import Bag
-from ..bag.replay import TICK, play
+from ..bag.replay import TICK, Pace, play
 from .messages import resolve, to_stamp
 from .schemas import type_hash
 
 DEPTH = 1000                # of volatile publishers: a late replay sends bursts that the original did not
+PATIENCE = 10.0             # [s] for readers that the graph shows to be matched
+SETTLED = 0.5               # [s] without anything new in the graph: all that is near has been found
+POLL = 0.02                 # [s] between two looks at the graph
 FAREWELL = 2.0              # [s] for reliable readers to get the last messages
 
 
@@ -40,14 +44,14 @@ class Replayer:
     bag : Bag
     clock_rate : float, optional
         Publish /clock so often a second of wall time.
-    rate : float
-        Times as fast as recorded.
+    pace : Pace, optional
+        How fast the time of the bag passes.
     ros_args : list of str
         As ``['--ros-args', '-r', ...]``.
 
     """
 
-    def __init__(self, bag, clock_rate=None, rate=1.0, ros_args=()):
+    def __init__(self, bag, clock_rate=None, pace=None, ros_args=()):
         self._stop = threading.Event()
         self._old = {number: signal.signal(number, lambda *_: self._stop.set())
                      for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
@@ -56,7 +60,7 @@ class Replayer:
         self.bag, self._publishers = bag, {}
         self._clock = self.node.create_publisher(Clock, '/clock', 10) if clock_rate else None
         self.period = 1.0 / clock_rate if clock_rate else TICK
-        self._step, self._ticked = self.period * rate * 1e9, 0
+        self._pace, self._ticked = pace or Pace(), 0
 
     def __enter__(self):
         return self
@@ -71,17 +75,54 @@ class Replayer:
 
     def tick(self, now):
         """Publish the time of the bag [ns]; returns False when it is time to stop."""
-        if self._clock and not 0 <= now - self._ticked < self._step:
+        if self._clock and not 0 <= now - self._ticked < self.period * self._pace.rate * 1e9:
             self._ticked = now
             self._clock.publish(Clock(clock=to_stamp(now)))
         return not self._stop.is_set()
 
-    def wait(self, seconds, topics=None):
-        """Create the publishers of all topics known by now and give readers the time to find them."""
+    def wait(self, seconds, topics=None, readers=0):
+        """
+        Create the publishers of all topics known by now and wait until their readers are matched.
+
+        These are the readers that the graph shows, once nothing new has come for a moment, at least ``seconds``
+        and at most PATIENCE after the beginning; with ``readers`` until there are so many, however long it takes.
+        Returns how many are matched.
+        """
         for topic in {channel.topic for channel in self.bag.channels.values()}:
-            if topics is None or topic in topics:
+            if (topics is None or topic in topics) and topic not in self._publishers:
                 self._make(topic, self.bag.type_of(topic))
-        self._stop.wait(seconds)
+        begin = settled = time.monotonic()
+        before = None
+        while not self._stop.is_set():
+            now, state = time.monotonic(), self._graph()
+            if state != before:
+                before, settled = state, now
+            matched, wanted = state[1], max(state[2], readers)
+            is_quiet = now - begin >= seconds and (not seconds or now - settled >= SETTLED)
+            if matched >= wanted and is_quiet:
+                break
+            if not readers and now - begin >= max(seconds, PATIENCE if seconds else 0.0):
+                self.node.get_logger().warning(f'{wanted - matched} of {wanted} readers are not matched after '
+                                               f'{now - begin:.1f} s: they may miss the first messages')
+                break
+            self._stop.wait(POLL)
+        return self._graph()[1]
+
+    def _graph(self):
+        """Return (names of all nodes, readers that are matched, readers that could be)."""
+        publishers = [publisher for publisher in self._publishers.values() if publisher]
+        known = sum(self._fits(publisher, info) for publisher in publishers
+                    for info in self.node.get_subscriptions_info_by_topic(publisher.topic_name))
+        return (sorted(self.node.get_node_names_and_namespaces()),
+                sum(publisher.get_subscription_count() for publisher in publishers), known)
+
+    @staticmethod
+    def _fits(publisher, info):
+        kind = publisher.msg_type
+        package, _, name = info.topic_type.split('/')
+        if (package, name) != (kind.__module__.split('.')[0], kind.__name__):
+            return False
+        return qos_check_compatible(publisher.qos_profile, info.qos_profile)[0] != QoSCompatibility.ERROR
 
     def publish(self, raw):
         """Publish one message; return whether its type is installed."""
@@ -108,14 +149,26 @@ class Replayer:
             durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE)
 
 
-def replay(path, topics=None, rate=1.0, start=0.0, loop=False, follow=False, clock_rate=None, delay=0.0, ros_args=()):
-    """Publish a bag until its end or a signal; return how many messages; see bag.replay.play."""
+def replay(path, topics=None, rate=1.0, start=0.0, loop=False, follow=False, clock_rate=None, delay=0.0, ros_args=(),
+           pace=None, on_tick=None, readers=0):
+    """
+    Publish a bag until its end or a signal; return how many messages; see bag.replay.play.
+
+    ``delay``, ``readers``: see :meth:`Replayer.wait`; ``pace``: a Pace to change meanwhile; ``on_tick`` is called
+    with the time of the bag [ns] again and again.
+    """
     bag = Bag(path)
     next(bag.raw(), None)                                # so that its topics are known
     count = 0
-    with Replayer(bag, clock_rate, rate, ros_args) as replayer:
-        replayer.wait(delay, topics)
-        for raw in play(bag, topics, rate, start, loop, follow, replayer.tick, replayer.period):
+    pace = pace or Pace(rate)
+    with Replayer(bag, clock_rate, pace, ros_args) as replayer:
+        replayer.wait(delay, topics, readers)
+
+        def tick(now):
+            if on_tick:
+                on_tick(now)
+            return replayer.tick(now)
+        for raw in play(bag, topics, rate, start, loop, follow, tick, replayer.period, pace):
             count += replayer.publish(raw)
     if not count and topics:
         raise BagError(f'{path}: no message on {", ".join(topics)}')

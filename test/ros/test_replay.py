@@ -1,5 +1,6 @@
 """A bag on the wire again, a live node driven by a bag, recording from the command line."""
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -14,7 +15,7 @@ from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recompute import compare
 from fourbar_ros.bag.writer import BagWriter
 from harness import ALL_OUTPUTS, PATIENCE
-from scenes import PAPER, RODS
+from scenes import PAPER, RODS, TIP
 
 FULL = {**PAPER, **RODS, 'outputs': ALL_OUTPUTS, 'drive.source': 'motion'}
 STEPS = 300
@@ -100,6 +101,39 @@ def test_the_scene_of_a_bag_runs_a_node(client, bag, tmp_path):
     finally:
         node.send_signal(signal.SIGTERM)
         assert node.wait(PATIENCE) == 0
+
+
+def test_points_are_compared_too_and_changes_of_the_scene_are_said_and_taken_over(run_node, client, tmp_path):
+    values = {**FULL, **TIP, 'outputs': [*ALL_OUTPUTS, 'points']}
+    changes = {100: {'linkage.a1': 0.35}, 200: {'linkage.mode': 1, 'gravity.y': -9.81}}
+    path = bags.run(tmp_path, 'changed', values, [(0.05 * k, 25.0, 0.1) for k in range(STEPS)], changes,
+                    step_ns=2 * 10**6, paced=True)
+    node = run_node(values)
+    code, said = finished(fourbar('replay', path, '--inputs-only'), client)
+    assert code == 0, said
+    lines = {line.split()[0]: line.split()[1:4] for line in said.splitlines() if line.startswith('/')}
+    assert lines.pop('/fourbar/points/tip') == [str(STEPS), '0', '0'] and len(lines) == len(ALL_OUTPUTS), said
+    assert all(line == [str(STEPS), '0', '0'] for line in lines.values()), said
+    for change in ('linkage.a1 0.35', 'linkage.mode 1, gravity.y -9.81'):
+        assert re.search(rf'scene of the bag changed after 0\.\d+ s: {change}: taken over', said), said
+    assert node.stop() == 0
+    run_node(values, name='again')
+    code, said = finished(fourbar('replay', path, '--inputs-only', '--start', '0.5', '--node', '/again'), client)
+    assert code == 0, said
+    lines = [line.split() for line in said.splitlines() if line.startswith('/')]
+    first = next(Bag(path).raw()).time
+    left = sum(raw.time >= first + 5 * 10**8 for raw in Bag(path).raw(['/fourbar/driven']))
+    assert 0 < left < 100 and all(line[1:4] == [str(left), '0', '0'] for line in lines) and len(lines) == len(ALL_OUTPUTS) + 1, said
+
+
+@pytest.mark.parametrize('arguments', [(), ('--readers', str(len(ALL_OUTPUTS) + 1), '--delay', '0')], ids=['default', 'readers'])
+def test_readers_that_are_there_hear_the_first_message(client, bag, arguments):
+    client.listen([*ALL_OUTPUTS, 'driven'])
+    code, said = finished(fourbar('replay', bag, *arguments), client)
+    assert code == 0 and re.match(r'0\.\d+ s, from 20', said), said
+    for name, heard in client.received.items():
+        topic = '/joint_states' if name == 'joint_states' else f'/fourbar/{name}'
+        assert stamps(heard) == stamps([r.message for r in records(bag, [topic])]), name
 
 
 def test_a_live_node_of_another_linkage_is_found_out(run_node, client, bag):
