@@ -19,7 +19,8 @@ from .schemas import type_hash
 
 DEPTH = 1000                # of volatile publishers: a late replay sends bursts that the original did not
 PATIENCE = 10.0             # [s] for readers that the graph shows to be matched
-SETTLED = 0.5               # [s] without anything new in the graph: all that is near has been found
+SETTLED = 1.0               # [s] without anything new in the graph: all that is near has been found
+ALONE = 5.0                 # [s] without any reader: discovery takes 4 s at its worst
 POLL = 0.02                 # [s] between two looks at the graph
 FAREWELL = 2.0              # [s] for reliable readers to get the last messages
 
@@ -85,7 +86,7 @@ class Replayer:
         Create the publishers of all topics known by now and wait until their readers are matched.
 
         These are the readers that the graph shows, once nothing new has come for a moment, at least ``seconds``
-        and at most PATIENCE after the beginning; with ``readers`` until there are so many, however long it takes.
+        and at most PATIENCE after the beginning; ALONE if there are none; with ``seconds`` 0 nobody is waited for. With ``readers`` until there are so many, however long it takes.
         Returns how many are matched.
         """
         for topic in {channel.topic for channel in self.bag.channels.values()}:
@@ -98,7 +99,8 @@ class Replayer:
             if state != before:
                 before, settled = state, now
             matched, wanted = state[1], max(state[2], readers)
-            is_quiet = now - begin >= seconds and (not seconds or now - settled >= SETTLED)
+            is_quiet = not seconds or now - settled >= SETTLED and now - begin >= (
+                seconds if matched else max(seconds, ALONE))
             if matched >= wanted and is_quiet:
                 break
             if not readers and now - begin >= max(seconds, PATIENCE if seconds else 0.0):
