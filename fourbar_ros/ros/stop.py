@@ -1,4 +1,4 @@
-"""The end of a process by signals; light, so that they are caught before anything long is imported."""
+"""The end of a process by signals; light: they are caught before anything long is imported."""
 from __future__ import annotations
 
 import signal
@@ -10,8 +10,8 @@ class Stop:
     """
     Whether a signal has asked the process to end.
 
-    A plain flag: a handler interrupts the main thread anywhere, also in a handler, where the lock of
-    a ``threading.Event`` would wait for itself.
+    A plain flag: a handler interrupts the main thread anywhere, also in a handler, where the lock
+    of a ``threading.Event`` would wait for itself.
     """
 
     def __init__(self):
@@ -28,6 +28,6 @@ class Stop:
 
     @staticmethod
     def ignore():
-        """Ignore signals from now on: Python puts handlers back while it ends, not what is ignored."""
+        """Ignore signals: Python puts handlers back while it ends, not what is ignored."""
         for number in SIGNALS:
             signal.signal(number, signal.SIG_IGN)
