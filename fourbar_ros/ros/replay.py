@@ -1,8 +1,6 @@
 """Publish a bag again: the recorded bytes, as they are."""
 from __future__ import annotations
 
-import signal
-import threading
 import time
 
 import rclpy
@@ -16,6 +14,7 @@ from ..bag.reader import Bag
 from ..bag.replay import TICK, Pace, play
 from .messages import resolve, to_stamp
 from .schemas import type_hash
+from .stop import Stop
 
 DEPTH = 1000                # of volatile publishers: a late replay sends bursts that the original did not
 PATIENCE = 10.0             # [s] for readers that the graph shows to be matched
@@ -53,9 +52,7 @@ class Replayer:
     """
 
     def __init__(self, bag, clock_rate=None, pace=None, ros_args=()):
-        self._stop = threading.Event()
-        self._old = {number: signal.signal(number, lambda *_: self._stop.set())
-                     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+        self._stop = Stop().catch()
         rclpy.init(args=list(ros_args), signal_handler_options=SignalHandlerOptions.NO)
         self.node = rclpy.create_node('fourbar_replay')
         self.bag, self._publishers = bag, {}
@@ -71,15 +68,14 @@ class Replayer:
             publisher.wait_for_all_acked(Duration(seconds=FAREWELL))
         self.node.destroy_node()
         rclpy.try_shutdown()
-        for number, handler in self._old.items():
-            signal.signal(number, handler)
+        self._stop.restore()
 
     def tick(self, now):
         """Publish the time of the bag [ns]; returns False when it is time to stop."""
         if self._clock and not 0 <= now - self._ticked < self.period * self._pace.rate * 1e9:
             self._ticked = now
             self._clock.publish(Clock(clock=to_stamp(now)))
-        return not self._stop.is_set()
+        return not self._stop.requested
 
     def wait(self, seconds, topics=None, readers=0):
         """
@@ -94,7 +90,7 @@ class Replayer:
                 self._make(topic, self.bag.type_of(topic))
         begin = settled = time.monotonic()
         before = None
-        while not self._stop.is_set():
+        while not self._stop.requested:
             now, state = time.monotonic(), self._graph()
             if state != before:
                 before, settled = state, now
@@ -107,7 +103,7 @@ class Replayer:
                 self.node.get_logger().warning(f'{wanted - matched} of {wanted} readers are not matched after '
                                                f'{now - begin:.1f} s: they may miss the first messages')
                 break
-            self._stop.wait(POLL)
+            time.sleep(POLL)
         return self._graph()[1]
 
     def _graph(self):

@@ -15,13 +15,18 @@ class Stop:
     """
 
     def __init__(self):
-        self.requested = False
+        self.requested, self._before = False, {}
 
     def catch(self):
         """Note every signal from now on; return self."""
         for number in SIGNALS:
-            signal.signal(number, self._note)
+            self._before[number] = signal.signal(number, self._note)
         return self
+
+    def restore(self):
+        """Handle signals as before."""
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
 
     def _note(self, *_):
         self.requested = True
