@@ -2,7 +2,10 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import signal
 import sys
+import threading
 
 from . import __version__
 from .arguments import Parser
@@ -50,7 +53,8 @@ def main(args=None):
     """Run one verb and return the exit code; an error is one line on stderr."""
     arguments = parser().parse_args(args)
     try:
-        return arguments.run(arguments) or 0
+        with _terminable():
+            return arguments.run(arguments) or 0
     except FourBarError as error:
         print(f'fourbar: {error}', file=sys.stderr)
         return 1
@@ -63,7 +67,27 @@ def main(args=None):
         return 130
     except BrokenPipeError:                 # the reader of our output has gone: head, less
         sys.stderr.close()
+    except OSError as error:
+        print(f'fourbar: {error.filename or arguments.verb}: {error.strerror or error}', file=sys.stderr)
+        return 1
     return 0
+
+
+@contextlib.contextmanager
+def _terminable():
+    """Let SIGTERM and SIGHUP end a verb as Ctrl-C does, so that nothing half-made is left; exit code 128 + number."""
+    def end(number, _):
+        raise SystemExit(128 + number)
+
+    old = {}
+    if threading.current_thread() is threading.main_thread():
+        old = {number: signal.signal(number, end) for number in (signal.SIGTERM, signal.SIGHUP)
+               if signal.getsignal(number) is signal.SIG_DFL}       # not of nohup
+    try:
+        yield
+    finally:
+        for number, handler in old.items():
+            signal.signal(number, handler)
 
 
 if __name__ == '__main__':

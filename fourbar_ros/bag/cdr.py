@@ -17,6 +17,8 @@ import numpy as np
 
 from . import BagError
 
+DEPTH = 64                  # of definitions within each other
+FIELDS = 10_000             # that may take no byte of a message: empty arrays, structures
 HEADER = 4                  # [bytes] encapsulation header; alignment counts from behind it
 _PRIMITIVES = {'bool': '?', 'byte': 'u1', 'char': 'u1', 'float32': 'f4', 'float64': 'f8', 'int8': 'i1',
                'uint8': 'u1', 'int16': 'i2', 'uint16': 'u2', 'int32': 'i4', 'uint32': 'u4', 'int64': 'i8',
@@ -73,7 +75,7 @@ class Definition:
 
 def short(name):
     """Return 'package/Name' of 'package/msg/Name'."""
-    package, *_, last = name.split('/')
+    package, *_, last = name.rpartition('/') if '/' not in name else name.split('/')
     return f'{package}/{last}'
 
 
@@ -107,7 +109,8 @@ class Layout:
 
     def __init__(self, definition, data):
         self._data, self._at, self._definition = data, HEADER, definition
-        self.size = len(data)
+        self.type, self.size = definition.name, len(data)
+        self._steps = self._depth = 0
         if self.size < HEADER or data[0] != 0 or data[1] > 1:
             raise BagError(f'{definition.name}: not a CDR message')
         self._order = '<' if data[1] else '>'
@@ -116,9 +119,12 @@ class Layout:
             self._tree = self._walk(definition.name, ())
         except (IndexError, ValueError):
             raise BagError(f'{definition.name}: a message is shorter than its definition says') from None
-        self.dtype = np.dtype({
-            'names': [leaf.name for leaf in self.leaves], 'offsets': [leaf.offset for leaf in self.leaves],
-            'formats': [(leaf.format, leaf.shape) for leaf in self.leaves], 'itemsize': self.size})
+        try:
+            self.dtype = np.dtype({
+                'names': [leaf.name for leaf in self.leaves], 'offsets': [leaf.offset for leaf in self.leaves],
+                'formats': [(leaf.format, leaf.shape) for leaf in self.leaves], 'itemsize': self.size})
+        except ValueError as error:                     # a field twice, more bytes than numpy can hold
+            raise BagError(f'{definition.name}: {error}') from None
 
     def matches(self, data):
         """Return whether a message has this layout."""
@@ -186,9 +192,17 @@ class Layout:
 
     def _walk(self, type_name, path):
         """Return the tree of a struct: {name: subtree}, a leaf being its number."""
-        return {field.name: self._field(field, (*path, field.name)) for field in self._definition.fields(type_name)}
+        self._depth += 1
+        if self._depth > DEPTH:
+            raise BagError(f'{self.type}: a definition within itself, or more than {DEPTH} within each other')
+        tree = {field.name: self._field(field, (*path, field.name)) for field in self._definition.fields(type_name)}
+        self._depth -= 1
+        return tree
 
     def _field(self, field, path):
+        self._steps += 1
+        if self._steps > 4 * self.size + FIELDS:
+            raise BagError(f'{self.type}: more fields than a message of {self.size} bytes can have')
         if field.type in _PRIMITIVES:
             shape = () if field.count is None else (self._length() if field.count < 0 else field.count,)
             return self._leaf(path, _PRIMITIVES[field.type], shape, field.unit)

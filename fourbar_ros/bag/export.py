@@ -1,17 +1,17 @@
 """The numbers of a bag as CSV, NPZ or Parquet: block by block, so that long bags need no memory."""
 from __future__ import annotations
 
-import csv
-import shutil
-import tempfile
-import zipfile
+import re
 from pathlib import Path
 
 import numpy as np
 
 from . import BagError
+from .formats import Csv, Npz, Parquet
 from .reader import Bag
+from .whole import workshop
 
+BYTES = ('u1', 'i1')        # formats of elements whose arrays are pictures, clouds and the like
 FORMATS = ('csv', 'npz', 'parquet')
 
 
@@ -20,8 +20,8 @@ def export(path, out, format_='csv', topics=None, progress=None):
     Write every topic of a bag as a table: log time [ns], then one column for every number and text.
 
     Array elements are columns of their own, ``position[0]``; of a JointState they carry the joint's name,
-    ``position[crank]``. If the columns of a topic change on the way, a new table begins, NAME_2; in an
-    .npz also if the lengths of texts do.
+    ``position[crank]``. Arrays of bytes are one column. If the columns of a topic change on the way, a new
+    table begins, NAME.2.
 
     Parameters
     ----------
@@ -42,28 +42,40 @@ def export(path, out, format_='csv', topics=None, progress=None):
     """
     if format_ not in FORMATS:
         raise BagError(f'format {format_!r}: must be one of {", ".join(FORMATS)}')
-    out = Path(out)
-    if out.exists():
-        raise BagError(f'{out}: exists already; nothing is overwritten')
-    make = {'csv': _Csv, 'npz': _Npz, 'parquet': _Parquet}[format_]
-    tables, names = {}, {}
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=out.parent, prefix=f'.{out.name}.') as folder:
-            for block in Bag(path).blocks(topics, progress=progress):
-                for key, columns in _by_table(block, make.fixed).items():
-                    if key not in tables:
-                        topic = key[0]
-                        number = names[topic] = names.get(topic, 0) + 1
-                        name = topic.strip('/').replace('/', '.') + (f'_{number}' if number > 1 else '')
-                        tables[key] = make(Path(folder), name, columns)
-                    tables[key].add(columns)
-            for written in tables.values():
-                written.close()
-            make.finish(Path(folder), tables.values(), out)
-    except OSError as error:
-        raise BagError(f'{error.filename or out}: {error.strerror}') from None
+    out, bag = Path(out), Bag(path)
+    make = {'csv': Csv, 'npz': Npz, 'parquet': Parquet}[format_]
+    tables, names = {}, _Names()
+    with workshop(out) as folder:
+        for block in bag.blocks(topics, progress=progress):
+            for key, columns in _by_table(block, make.fixed).items():
+                if key not in tables:
+                    tables[key] = make(folder, names.of(key[0]), columns)
+                tables[key].add(columns)
+        unknown = set(topics or ()) - {key[0] for key in tables}
+        known = {channel.topic for channel in bag.channels.values()}
+        if not unknown <= known:
+            raise BagError(f'{", ".join(sorted(unknown - known))}: not in the bag; it has {", ".join(sorted(known))}')
+        for written in tables.values():
+            written.close()
+        make.finish(folder, tables.values()).rename(out)
     return {written.name: written.rows for written in tables.values()}
+
+
+class _Names:
+    """Names of tables that no other table has: topics differ in ways that file names cannot."""
+
+    def __init__(self):
+        self._taken, self._numbers = set(), {}
+
+    def of(self, topic):
+        """Return the name of the next table of a topic: a/b.2 is no topic, so /a/b, a.b.2 cannot meet."""
+        base = re.sub(r'[^\w.~-]', '_', topic.strip('/').replace('/', '.')) or '_'
+        while True:
+            number = self._numbers[topic] = self._numbers.get(topic, 0) + 1
+            name = base + (f'.{number}' if number > 1 else '')
+            if name not in self._taken:
+                self._taken.add(name)
+                return name
 
 
 def _by_table(block, fixed):
@@ -71,7 +83,7 @@ def _by_table(block, fixed):
     parts = {}
     for found in block:
         columns = table(found)
-        key = (found.topic, *columns, *(fixed(values) for values in columns.values()))
+        key = (found.topic, found.type, *columns, *(fixed(values) for values in columns.values()))
         parts.setdefault(key, []).append((found.places, columns))
     return {key: _in_order(*zip(*found)) for key, found in parts.items()}
 
@@ -84,105 +96,26 @@ def _in_order(places, parts):
     return {name: np.concatenate([part[name] for part in parts])[order] for name in parts[0]}
 
 
+def _as_bytes(values):
+    """Return an array of objects: the bytes of every row."""
+    found = np.empty(len(values), object)
+    found[:] = [row.tobytes() for row in values]
+    return found
+
+
 def table(columns):
-    """Return {column name: array of shape (n,)} of Columns."""
+    """Return {column name: array of shape (n,)} of Columns; arrays of bytes are one column of bytes objects."""
     found = {'log_time': columns.times}
     joints = columns.layout.texts.get('name', [])
     for leaf in columns.layout.leaves:
         values = columns.records[leaf.name]
         if leaf.format[0] == 'S':
             found[leaf.name] = np.char.decode(values, 'utf-8', 'replace').astype(f'U{values.dtype.itemsize}')
+        elif leaf.shape and leaf.format in BYTES:
+            found[leaf.name] = _as_bytes(values)
         elif leaf.shape:
             labels = joints if len(joints) == leaf.shape[0] else range(leaf.shape[0])
             found.update({f'{leaf.name}[{label}]': values[:, i] for i, label in enumerate(labels)})
         else:
             found[leaf.name] = values
     return found
-
-
-class _Csv:
-    """One file a table; numbers are written with all their digits."""
-
-    @staticmethod
-    def fixed(values):
-        """Return what may not change within a column."""
-        return None
-
-    def __init__(self, folder, name, columns):
-        self.name, self.rows = name, 0
-        self._file = open(folder / f'{name}.csv', 'w', newline='', encoding='utf-8')
-        self._writer = csv.writer(self._file)
-        self._writer.writerow(columns)
-
-    def add(self, columns):
-        self._writer.writerows(zip(*(values.tolist() for values in columns.values())))
-        self.rows += len(columns['log_time'])
-
-    def close(self):
-        self._file.close()
-
-    @staticmethod
-    def finish(folder, _, out):
-        folder = shutil.copytree(folder, out)
-        folder.chmod(0o755)
-
-
-class _Npz:
-    """Every column grows in a file of its own; they go into the .npz at the end."""
-
-    @staticmethod
-    def fixed(values):
-        """Return what may not change within a column."""
-        return values.dtype.str
-
-    def __init__(self, folder, name, columns):
-        self.name, self.rows, self._dtypes = name, 0, {}
-        self._files = {column: open(folder / f'{name}.{i}', 'w+b') for i, column in enumerate(columns)}
-
-    def add(self, columns):
-        for column, values in columns.items():
-            self._dtypes[column] = values.dtype
-            self._files[column].write(np.ascontiguousarray(values).data.cast('B'))
-        self.rows += len(columns['log_time'])
-
-    def close(self):
-        for file in self._files.values():
-            file.flush()
-            file.seek(0)
-
-    @staticmethod
-    def finish(folder, tables, out):
-        part = folder / 'all.npz'
-        with zipfile.ZipFile(part, 'w', zipfile.ZIP_STORED, allowZip64=True) as archive:
-            for written in tables:
-                for column, file in written._files.items():
-                    with archive.open(f'{written.name}/{column}.npy', 'w', force_zip64=True) as entry:
-                        np.lib.format.write_array_header_1_0(entry, {
-                            'descr': np.lib.format.dtype_to_descr(written._dtypes[column]),
-                            'fortran_order': False, 'shape': (written.rows,)})
-                        shutil.copyfileobj(file, entry)
-                    file.close()
-        part.rename(out)
-
-
-class _Parquet:
-    """One file a table."""
-
-    def __init__(self, folder, name, columns):
-        try:
-            import pyarrow
-            import pyarrow.parquet
-        except ImportError:
-            raise BagError('parquet needs pyarrow: pip install pyarrow') from None
-        self.name, self.rows, self._arrow = name, 0, pyarrow
-        first = pyarrow.table(columns)
-        self._writer = pyarrow.parquet.ParquetWriter(folder / f'{name}.parquet', first.schema)
-
-    def add(self, columns):
-        self._writer.write_table(self._arrow.table(columns))
-        self.rows += len(columns['log_time'])
-
-    def close(self):
-        self._writer.close()
-
-    fixed, finish = staticmethod(_Csv.fixed), staticmethod(_Csv.finish)

@@ -1,12 +1,12 @@
 """What is in a bag, and whether it is sound."""
 from __future__ import annotations
 
-import json
 from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
 
 from . import BagError, rosbag2
+from .mcap_records import in_short
 from .reader import Bag
 from .recompute import scene_of
 
@@ -90,7 +90,7 @@ def info(path, check=False, progress=None):
     """
     bag = Bag(path)
     about = bag.about()
-    numbers = rosbag2.of_topics(about, rosbag2.NUMBERS)
+    numbers = rosbag2.mapping_in(about, rosbag2.NUMBERS)
     being_written = bag.is_being_written
     told = None if check else _joined([_told(part) for part in bag.parts])
     topics, start, end, damage = (*told, '') if told else _count(bag, progress)
@@ -104,7 +104,7 @@ def info(path, check=False, progress=None):
 def _dropped(about):
     told = about.get(rosbag2.DROPPED, '')           # of version 0.1.0 one number
     return int(told) if told.isdecimal() else sum(
-        count for count in rosbag2.of_topics(about, rosbag2.DROPPED).values() if isinstance(count, int))
+        count for count in rosbag2.mapping_in(about, rosbag2.DROPPED).values() if isinstance(count, int))
 
 
 def missing_of(numbers, count, last=None, gaps=None):
@@ -158,9 +158,9 @@ def _joined(parts):
             max((end for _, _, end in parts if end is not None), default=None))
 
 
-def _type_of(bag, topic):
+def _type_of(bag, number):
     try:
-        return bag.type_of(topic)
+        return bag.type_of_channel(number)
     except BagError:            # a bag without schemas, or the schema is what is damaged
         return ''
 
@@ -182,9 +182,9 @@ def _count(bag, progress):
         if not bag.damage:          # nothing is wrong at any byte: it is no bag at all
             raise
         damage = str(error)
-    damage = '; '.join(bag.damage) or damage
+    damage = in_short(bag.damage) or damage
     repeated = rosbag2.repeated(bag.about())
-    topics = [TopicInfo(channel.topic, _type_of(bag, channel.topic),
+    topics = [TopicInfo(channel.topic, _type_of(bag, number),
                         max(counts[number] - (channel.topic in repeated), 0), (last.get(number), gaps[number]))
               for number, channel in bag.channels.items()]
     return topics, start, end, damage
@@ -208,7 +208,4 @@ def parameter_file(path, source, node=None):
 
 def software_of(about):
     """Return what made a bag as one line."""
-    try:
-        return ', '.join(f'{name} {version}' for name, version in json.loads(about.get('software', '{}')).items())
-    except ValueError:
-        return ''
+    return ', '.join(f'{name} {version}' for name, version in rosbag2.mapping_in(about, 'software').items())

@@ -17,6 +17,7 @@ HEAD = Struct('<BQ')                # opcode and length of every record
 IS_MESSAGE = int(Opcode.MESSAGE)     # compares in a tenth of the time
 MESSAGE = Struct('<HIQQ')           # channel, sequence, log time, publish time: what a message starts with
 WRONG_TIMES = 'chunk tells other times than its messages'
+LARGEST = 1 << 28                   # [bytes] a chunk or message is taken for; rosbag2's chunks have 0.75 MiB
 OURS = 'fourbar_ros '               # what the library of a header begins with in a bag of our recorder
 SEAL = 'crc32'                      # key of a metadata record: the checksum of all others
 TYPES = {Opcode.HEADER: Header, Opcode.SCHEMA: Schema, Opcode.CHANNEL: Channel, Opcode.METADATA: Metadata,
@@ -35,16 +36,26 @@ class Damaged(BagError):
     """A record is whole but its content is not what it should be."""
 
 
-def filled(opcode, body):
-    """Return how long the lengths inside a body say that it is, -1 if it ends before them."""
+def filled(opcode, size, read):
+    """
+    Return how long the lengths inside a body of this size say that it is, -1 if it ends before them.
+
+    ``read(struct, place)`` returns the number at a place of the body.
+    """
     if opcode == IS_MESSAGE:
-        return max(len(body), MESSAGE.size)
+        return max(size, MESSAGE.size)
     begin, lengths, end = SHAPES[opcode]
     for length in lengths:
-        if begin + length.size > len(body):
+        if begin + length.size > size:
             return -1
-        begin += length.size + length.unpack_from(body, begin)[0]
+        begin += length.size + read(length, begin)
     return begin + end
+
+
+def in_short(damage, most=10):
+    """Return what is wrong with a file as one line."""
+    rest = len(damage) - most
+    return '; '.join(damage[:most]) + (f'; and at {rest} more places' if rest > 0 else '')
 
 
 def parse(opcode, body):
@@ -90,15 +101,48 @@ def unpacked(chunk):
 def _decompressed(chunk):
     """Return the content of a Chunk; refuses a size that the data do not confirm before memory is taken for it."""
     size = chunk.uncompressed_size
+    if chunk.compression == '':
+        return chunk.data
+    if size > LARGEST:
+        raise Damaged(f'chunk of {size} bytes; at most {LARGEST} are taken')
     if chunk.compression == 'zstd':
         if zstandard.frame_content_size(chunk.data) not in (-1, size):
             raise Damaged('chunk is told to have another size than its data')
-        return zstandard.ZstdDecompressor().decompressobj().decompress(chunk.data)
+        return unzstd(chunk.data, size)
     if chunk.compression == 'lz4':
-        return lz4.frame.decompress(chunk.data)
-    if chunk.compression == '':
-        return chunk.data
+        return unlz4(chunk.data, size)
     raise Damaged(f'unknown compression {chunk.compression!r}')
+
+
+def unzstd(data, size):
+    """Return what was compressed, at most one byte more than ``size``."""
+    with zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True) as stream:
+        return stream.read(size + 1)
+
+
+def unlz4(data, size):
+    """Return what was compressed, at most one byte more than ``size``."""
+    return lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=size + 1)
+
+
+# What some writers (rosbag2 with compression_mode message) put in place of a message; CDR begins with a zero.
+PACKED = {zstandard.FRAME_HEADER: unzstd, (0x184D2204).to_bytes(4, 'little'): unlz4}
+
+
+def message_of(data):
+    """Return a message that was compressed by itself; the data as they are if none was."""
+    unpack = PACKED.get(data[:4])
+    if unpack is None:
+        return data
+    try:
+        found = unpack(data, LARGEST)
+    except Exception as error:      # of either library
+        raise Damaged(f'message cannot be decompressed: {error}') from None
+    if len(found) > LARGEST:
+        raise Damaged(f'message of more than {LARGEST} bytes')
+    if unpack is unzstd and zstandard.frame_content_size(data) not in (-1, len(found)):
+        raise Damaged('message is told to have another size than its data')
+    return found
 
 
 def tells_its_times(chunk, times):

@@ -57,7 +57,7 @@ def origin_of(path, node=None):
     try:
         topics = json.loads(about['topics'])
         is_ours = isinstance(topics, dict) and interfaces.DRIVEN.name in topics and 'scene' in about
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError, RecursionError):
         is_ours = False
     if is_ours:
         scene = about['scene']
@@ -128,5 +128,5 @@ def _scene(bag, text):
     try:
         values = json.loads(text)
         return scenes.from_values(values)
-    except (ValueError, TypeError, AttributeError, FourBarError) as error:
+    except (ValueError, TypeError, AttributeError, RecursionError, FourBarError) as error:
         raise BagError(f'{bag.path}: its scene cannot be read: {error}') from None

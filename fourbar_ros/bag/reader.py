@@ -14,18 +14,17 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import yaml
 from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.records import Channel, MetadataIndex, Schema, Statistics
 
 from . import BagError, rosbag2
 from .cdr import Decoder
-from .mcap_records import HEAD, IS_MESSAGE, MESSAGE, Damaged, parse, split, unpacked
+from .mcap_records import HEAD, IS_MESSAGE, MESSAGE, Damaged, message_of, parse, split, unpacked
 from .scan import MAGIC, Scan, chunk_index, ending, is_being_written
 
 BLOCK = 20_000          # messages that are decoded together: large for numpy, small for the memory
-_LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
+BLOCK_BYTES = 1 << 24   # and no more bytes than these, but for one chunk: pictures are large
 POLL = 0.02             # [s] between two looks at a bag that grows
 
 
@@ -45,6 +44,7 @@ class Raw(NamedTuple):
     time: int
     sequence: int
     data: bytes
+    channel: int            # two types on one topic are two channels
 
 
 class Columns(NamedTuple):
@@ -55,6 +55,11 @@ class Columns(NamedTuple):
     places: np.ndarray
     records: np.ndarray      # one row a message; field names are paths
     layout: Any
+
+    @property
+    def type(self):
+        """Return the type of the messages."""
+        return self.layout.type
 
     @property
     def tree(self):
@@ -96,6 +101,7 @@ class Bag:
         self.channels, self._schemas, self._decoders = {}, {}, {}
         # definitions of the file that is read by their numbers there, and {(kind, number there): number here}
         self._here, self._numbers, self._is_first, self._read = {}, {}, True, 0
+        self._plain, self._packed = set(), set()        # channels that were looked at; whose messages are compressed
         self.cut, self.damage = None, []
 
     # --- about it -------------------------------------------------------------------------------
@@ -140,18 +146,18 @@ class Bag:
         if not told:
             raise BagError(f'{self.path}: has no rosbag2 metadata')
         if len(told) > 1:
-            custom = [part.get('custom_data') or {} for part in told]
-            if all(isinstance(part, dict) for part in custom):
-                told[0]['custom_data'] = rosbag2.joined(*custom)
+            told[0]['custom_data'] = rosbag2.joined(*map(rosbag2.about_of, told))
         return told[0]
 
     def about(self):
         """Return the custom_data of a bag as {str: str}; empty if it has none."""
         try:
-            found = self.metadata().get('custom_data')
+            found = rosbag2.about_of(self.metadata())
         except BagError:
-            found = None
-        return {str(key): str(value) for key, value in found.items()} if isinstance(found, dict) else {}
+            found = {}
+        if rosbag2.ENDED not in found:              # there was no room for it in the file
+            found |= rosbag2.about_beside(self.files[-1])
+        return found
 
     # --- messages -------------------------------------------------------------------------------
 
@@ -162,7 +168,7 @@ class Bag:
 
     def decode(self, raw):
         """Return the message of a :class:`Raw` as nested namespaces."""
-        return self.decoder(raw.topic).message(raw.data)
+        return self.decoder_of(raw.channel).message(raw.data)
 
     def raw(self, topics=None, start=None, follow=False):
         """
@@ -180,8 +186,7 @@ class Bag:
         """
         for item in self.chunks(topics, start, follow):
             for number, sequence, stamp, data in item:
-                topic = self.channels[number].topic
-                yield Raw(topic, self.type_of(topic), stamp, sequence, data)
+                yield Raw(self.channels[number].topic, self._schema(number).name, stamp, sequence, data, number)
 
     def columns(self, topics=None, progress=None):
         """Yield all :class:`Columns`, block by block; arguments as in :meth:`blocks`."""
@@ -205,15 +210,16 @@ class Bag:
             Called with the number of bytes read so far.
 
         """
-        block, place = [], 0
+        block, place, size = [], 0, 0
         for item in self.chunks(topics, progress=progress):
             for alone, part in self._parted(item, apart):
                 block += part
-                if block and (alone or len(block) >= BLOCK):
+                size += sum(len(data) for *_, data in part)
+                if block and (alone or len(block) >= BLOCK or size >= BLOCK_BYTES):
                     yield self._block(block, place)
-                    place, block = place + len(block), []
+                    place, block, size = place + len(block), [], 0
                 if alone:
-                    yield Record(apart, alone[2], self.decoder(apart).message(alone[3]))
+                    yield Record(apart, alone[2], self.decoder_of(alone[0]).message(alone[3]))
         if block:
             yield self._block(block, place)
 
@@ -234,19 +240,25 @@ class Bag:
         made = []
         for number, found in by_channel.items():
             places, times, data = zip(*found)
+            if max(times) >= 1 << 63:
+                raise BagError(f'{self.path}: a log time of {max(times)} ns is after the year 2262')
             places, times = np.array(places), np.array(times, np.int64)
             topic = self.channels[number].topic
             made += [Columns(topic, times[rows], places[rows], records, layout)
-                     for layout, rows, records in self.decoder(topic).arrays(data)]
+                     for layout, rows, records in self.decoder_of(number).arrays(data)]
         return sorted(made, key=lambda columns: columns.places[0])
 
     def type_of(self, topic):
         """Return the type of a topic met so far."""
         return self._schema_of(topic).name
 
+    def type_of_channel(self, number):
+        """Return the type of a channel met so far."""
+        return self._schema(number).name
+
     def qos_of(self, topic):
         """Return the QoS profiles, as dicts, under which a topic met so far was offered."""
-        return yaml.load(self._channel_of(topic).metadata.get(rosbag2.QOS) or '[]', Loader=_LOADER)
+        return rosbag2.profiles_of(self._channel_of(topic).metadata.get(rosbag2.QOS, ''))
 
     def hash_of(self, topic):
         """Return the type hash of a topic met so far, empty if the bag does not say."""
@@ -256,19 +268,31 @@ class Bag:
         return next(channel for channel in self.channels.values() if channel.topic == topic)
 
     def _schema_of(self, topic):
-        schema = self._schemas.get(self._channel_of(topic).schema_id)
+        return self._schema(self._channel_of(topic).id)
+
+    def _schema(self, number):
+        channel = self.channels[number]
+        schema = self._schemas.get(channel.schema_id)
         if schema is None:
-            raise BagError(f'{self.path}: {topic} has no schema')
+            raise BagError(f'{self.path}: {channel.topic} has no schema')
         return schema
 
     def decoder(self, topic):
-        """Return the Decoder of a topic met so far."""
-        if topic not in self._decoders:
-            schema = self._schema_of(topic)
-            if schema.encoding != 'ros2msg':
-                raise BagError(f'{self.path}: {topic} is defined in {schema.encoding!r}, only ros2msg is known')
-            self._decoders[topic] = Decoder(schema.name, schema.data.decode())
-        return self._decoders[topic]
+        """Return the Decoder of a topic met so far, of its first channel if it has several."""
+        return self.decoder_of(self._channel_of(topic).id)
+
+    def decoder_of(self, number):
+        """Return the Decoder of a channel met so far."""
+        if number not in self._decoders:
+            schema, channel = self._schema(number), self.channels[number]
+            if channel.message_encoding != 'cdr' or schema.encoding != 'ros2msg':
+                raise BagError(f'{self.path}: {channel.topic} is {channel.message_encoding!r} defined in '
+                               f'{schema.encoding!r}; only cdr in ros2msg is decoded: rosbags-convert makes that')
+            try:
+                self._decoders[number] = Decoder(schema.name, schema.data.decode())
+            except UnicodeDecodeError:
+                raise BagError(f'{self.path}: the schema of {channel.topic} is no text') from None
+        return self._decoders[number]
 
     # --- the file -------------------------------------------------------------------------------
 
@@ -391,7 +415,20 @@ class Bag:
             raise Damaged('message of an unknown channel') from None
         if any(number != here for here, number in numbers.items()):
             found = [(numbers[item[0]], *item[1:]) for item in found]
-        return found
+        return self._unpacked(found, set(numbers.values()) - self._plain) if numbers else found
+
+    def _unpacked(self, found, new):
+        """Return messages as they were sent; the first one of a channel tells whether they were compressed."""
+        if new:
+            first = {number: data for number, _, _, data in reversed(found)}
+            packed = {number for number in new if self.channels[number].message_encoding == 'cdr'
+                      and message_of(first[number]) is not first[number]}
+            self._packed |= packed
+            self._plain |= new
+        if not self._packed:
+            return found
+        return [(number, sequence, stamp, message_of(data) if number in self._packed else data)
+                for number, sequence, stamp, data in found]
 
     def _learn(self, record):
         """Keep a definition; in the later files of a split bag it may have another number."""
@@ -425,8 +462,8 @@ def _metadata_in(path):
     with open(path, 'rb') as file:
         for record in _metadata_records(file):
             if record.name == rosbag2.RECORD and rosbag2.KEY in record.metadata:
-                with contextlib.suppress(yaml.YAMLError):
-                    found = yaml.load(record.metadata[rosbag2.KEY], Loader=_LOADER)
+                with contextlib.suppress(BagError):
+                    found = rosbag2.loaded(record.metadata[rosbag2.KEY])
     return found if isinstance(found, dict) else None
 
 

@@ -2,12 +2,10 @@
 from __future__ import annotations
 
 import json
-import shutil
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-import yaml
 from mcap import __version__ as mcap_version
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema, Statistics
@@ -16,8 +14,9 @@ from .. import __version__
 from . import BagError, rosbag2
 from .container import Container
 from .info import missing_of
-from .mcap_records import MESSAGE, OURS, SEAL, Damaged, parse
+from .mcap_records import LARGEST, MESSAGE, OURS, SEAL, Damaged, in_short, parse
 from .scan import Scan, is_being_written
+from .whole import workshop
 
 PROFILE = 'ros2'        # of a file whose header is damaged
 NO_END = 'without an end: a crash, a kill, a power cut or a full disk'
@@ -77,20 +76,18 @@ def recover(path, out=None, progress=None):
     if is_being_written(source):
         raise BagError(f'{path}: is being written; stop the recording first')
     out = Path(out) if out else beside(path)
-    folder, file = rosbag2.create(out.parent, out.name)
-    try:
+    with workshop(out) as folder:
+        folder, file = rosbag2.create(folder, out.name)
         with open(source, 'rb') as old, file:
             scan = Scan(old)
             copy = _Copy(scan, file, progress)
             if copy.container is None:
                 raise BagError(f'{path}: nothing to recover: it ends before its first record')
-            copy.finish(folder)
+            copy.finish(folder, source)
             lost = scan.lost + (0 if scan.complete else source.stat().st_size - scan.end)
-        return Recovered(folder, sum(copy.container.counts.values()), lost, scan.damage, copy.missing,
-                         scan.complete and not scan.damage)
-    except BaseException:
-        shutil.rmtree(folder)
-        raise
+        folder.rename(out)
+    return Recovered(out, sum(copy.container.counts.values()), lost, scan.damage, copy.missing,
+                     scan.complete and not scan.damage)
 
 
 def beside(path):
@@ -140,6 +137,8 @@ class _Copy:
             channel, sequence, time, published = MESSAGE.unpack_from(body)
             if channel not in container.channels:
                 raise Damaged('message of an unknown channel')
+            if len(body) > LARGEST:
+                raise Damaged(f'message of more than {LARGEST} bytes')
             container.add_message(channel, sequence, time, body[MESSAGE.size:], published)
         elif opcode == Opcode.METADATA:
             record = parse(opcode, body)
@@ -150,24 +149,28 @@ class _Copy:
         elif opcode == Opcode.ATTACHMENT:
             raise Damaged('an attachment; these are not copied')
 
-    def finish(self, folder):
+    def finish(self, folder, source):
         """Write metadata of what is there now, and the end."""
         self.container.flush()
         try:
-            old = yaml.safe_load(self._metadata or '')
-        except yaml.YAMLError:
+            old = rosbag2.loaded(self._metadata or '')
+        except BagError:
             old = None
         old = old if isinstance(old, dict) else {}
-        about = {**(old.get('custom_data') or {}), 'recovered_by': f'{OURS}{__version__}'}
+        about = rosbag2.about_of(old)
+        if rosbag2.ENDED not in about:
+            about |= rosbag2.about_beside(source)
+        about['recovered_by'] = f'{OURS}{__version__}'
         about.update(self._told(about))
-        metadata = rosbag2.describe(f'{folder.name}_0.mcap', self.container, about, old.get('ros_distro'))
+        metadata = rosbag2.describe(f'{folder.name}_0.mcap', self.container, about,
+                                    str(old.get('ros_distro') or ''), rosbag2.packing_of(old, source))
         self.container.add_metadata(rosbag2.RECORD, {rosbag2.KEY: rosbag2.dumped(metadata)})
         self.container.finish()
         rosbag2.write_metadata_file(folder, metadata)
 
     def _told(self, about):
         """Return what custom_data say of the numbers, the end and the losses; of the rest nobody knows."""
-        container, numbers = self.container, rosbag2.of_topics(about, rosbag2.NUMBERS)
+        container, numbers = self.container, rosbag2.mapping_in(about, rosbag2.NUMBERS)
         statistics = self._scan.ending.of(Statistics) if self._scan.ending else []
         had = statistics[0].channel_message_counts if statistics else {}
         told = {} if self._scan.complete or rosbag2.ENDED in about else {rosbag2.ENDED: NO_END}
@@ -183,5 +186,5 @@ class _Copy:
         if numbers:
             told[rosbag2.NUMBERS] = json.dumps(numbers)
         if self._scan.lost:
-            told[rosbag2.LOST] = '; '.join((*filter(None, [about.get(rosbag2.LOST)]), *self._scan.damage))
+            told[rosbag2.LOST] = in_short([*filter(None, [about.get(rosbag2.LOST)]), *self._scan.damage])
         return told

@@ -21,6 +21,9 @@ QOS, HASH = 'offered_qos_profiles', 'topic_type_hash'      # keys of the metadat
 # were given, [first, next] (next is null until the end), and how many of these messages the recorder had to drop;
 # topics of which a later part of a split bag repeats one message, of a number before the first.
 ENDED, LOST, NUMBERS, DROPPED, REPEATS = 'ended', 'lost', 'numbers', 'dropped', 'repeats'
+_LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
+DEEPEST = 100               # levels in a YAML text
+LARGEST = 1 << 19           # values in a YAML text, those that aliases stand for counted each time
 _ENDLESS = {'sec': 9223372036, 'nsec': 854775807}
 
 
@@ -48,10 +51,11 @@ class Channel(NamedTuple):
         return {QOS: dumped([self.qos]), HASH: self.hash}
 
 
-def describe(file_name, container, about, distro=None):
+def describe(file_name, container, about, distro=None, packing=('', '')):
     """
     Return the metadata of a bag as rosbag2 of Jazzy writes it.
 
+    ``packing`` is (compression_format, compression_mode) of messages that are compressed one by one.
     Counts, times and topics are those of the container; QoS and hash come from the channels, so that
     file and metadata.yaml cannot differ (rosbags then silently yields no messages).
     """
@@ -60,22 +64,72 @@ def describe(file_name, container, about, distro=None):
     duration = {'nanoseconds': container.end - container.start if begun else 0}
     total = sum(container.counts.values())
     names = {number: schema.name for number, schema in container.schemas.items()}
+    profiles = {text: profiles_of(text) for text in {c.metadata.get(QOS, '') for c in container.channels.values()}}
     topics = [{'topic_metadata': {
         'name': channel.topic, 'type': names.get(channel.schema_id, ''),
-        'serialization_format': channel.message_encoding, 'offered_qos_profiles': yaml.safe_load(channel.metadata.get(QOS) or '[]'),
+        'serialization_format': channel.message_encoding,
+        'offered_qos_profiles': profiles[channel.metadata.get(QOS, '')],
         'type_description_hash': channel.metadata.get(HASH, '')},
         'message_count': container.counts.get(channel.id, 0)} for channel in container.channels.values()]
     return {
         'version': VERSION, 'storage_identifier': 'mcap', 'duration': duration, 'starting_time': begin,
         'message_count': total, 'topics_with_message_count': topics,
-        'compression_format': '', 'compression_mode': '', 'relative_file_paths': [file_name],
+        'compression_format': packing[0], 'compression_mode': packing[1], 'relative_file_paths': [file_name],
         'files': [{'path': file_name, 'starting_time': begin, 'duration': duration, 'message_count': total}],
         'custom_data': about, 'ros_distro': distro or os.environ.get('ROS_DISTRO', 'jazzy'),
     }
 
 
-def of_topics(about, key):
-    """Return {topic: value} that custom_data keep as JSON under a key; empty if there is nothing of the kind."""
+def loaded(text):
+    """
+    Return what YAML text says: lists, dicts, texts and numbers.
+
+    Raises BagError for anything else, and for aliases that stand for more than LARGEST values when written out.
+    """
+    try:
+        _check_depth(text)
+        found = yaml.load(text, Loader=_LOADER)
+    except (yaml.YAMLError, ValueError, TypeError, RecursionError) as error:
+        raise BagError(f'no YAML: {" ".join(str(error).split())[:200]}') from None
+    seen, rest = 0, [found]
+    while rest:
+        value = rest.pop()
+        seen += 1
+        if isinstance(value, (dict, list)):
+            rest += value.values() if isinstance(value, dict) else value
+        elif isinstance(value, str):
+            seen += len(value) // 64
+        if seen + len(rest) > LARGEST:
+            raise BagError(f'YAML of more than {LARGEST} values')
+    return found
+
+
+def _check_depth(text):
+    """Raise BagError for lists within lists that would end the loader, which calls itself for each, by a fault."""
+    depth = 0
+    for event in yaml.parse(text, Loader=_LOADER):
+        depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+        if depth > DEEPEST:
+            raise BagError(f'YAML of more than {DEEPEST} levels')
+
+
+def profiles_of(text):
+    """Return the QoS profiles, as dicts, that the metadata of a channel tell; none if they are in other words."""
+    try:
+        found = loaded(text)
+    except BagError:
+        return []
+    return [profile for profile in found if isinstance(profile, dict)] if isinstance(found, list) else []
+
+
+def about_of(metadata):
+    """Return the custom_data of rosbag2 metadata as {str: str}, whatever they are."""
+    found = metadata.get('custom_data') if isinstance(metadata, dict) else None
+    return {str(key): str(value) for key, value in found.items()} if isinstance(found, dict) else {}
+
+
+def mapping_in(about, key):
+    """Return the dict that custom_data keep as JSON under a key; empty if there is nothing of the kind."""
     try:
         found = json.loads(about.get(key, '{}'))
     except (TypeError, ValueError, RecursionError):
@@ -93,7 +147,7 @@ def repeated(about):
 
 def joined(first, last):
     """Return the custom_data of a split bag from those of its first and its last part."""
-    ends, numbers = of_topics(last, NUMBERS), of_topics(first, NUMBERS)
+    ends, numbers = mapping_in(last, NUMBERS), mapping_in(first, NUMBERS)
     pairs = {topic: (numbers[topic][0], ends[topic][1]) for topic in numbers.keys() & ends.keys()
              if all(isinstance(pair, list) and len(pair) == 2 for pair in (numbers[topic], ends[topic]))}
     told = {key: last[key] for key in (ENDED, DROPPED, LOST) if key in last}
@@ -174,6 +228,15 @@ def create_part(folder, number):
     return path, open(path, 'x+b', buffering=0)
 
 
+def free_name(directory, name):
+    """Return a name or, where it is taken, NAME_2, NAME_3, ...; an empty one stays so. Raises BagError."""
+    found, number = check_name(name), 1
+    while name and os.path.lexists(Path(directory, found)):
+        number += 1
+        found = f'{name}_{number}'
+    return found
+
+
 def fresh_name():
     """Return a name from the clock."""
     nanoseconds = time.time_ns()
@@ -224,7 +287,7 @@ def files_of(path):
         return [path]
     files = sorted(path.glob('*.mcap'), key=_part)
     if not files:
-        raise BagError(f'{path}: holds no .mcap files')
+        raise BagError(f'{path}: holds no .mcap files{_hint(path)}')
     if len(files) > 1 and len({_part(file)[0] for file in files}) > 1:
         told = _told_files(path)
         if not {file.name for file in files} <= told.keys():
@@ -233,16 +296,53 @@ def files_of(path):
     return files
 
 
+def _hint(path):
+    """Return what to do with a bag of another kind."""
+    if packed := sorted(path.glob('*.mcap.*')):
+        tool = {'.zst': 'zstd -d', '.zstd': 'zstd -d', '.lz4': 'lz4 -d'}.get(packed[0].suffix, 'unpack')
+        return f': {packed[0].name} is compressed as a whole; first: {tool} {packed[0]} -o {packed[0].with_suffix("")}'
+    if list(path.glob('*.db3*')):
+        return f': this is an sqlite3 bag; first: rosbags-convert --src {path} --dst {path}_mcap --dst-storage mcap'
+    if list(path.glob('*.bag')):
+        return ': this is a bag of ROS 1; rosbags-convert makes one of ROS 2'
+    return ''
+
+
 def _part(file):
     """Return (name of the bag, number of the part) of a file NAME_N.mcap."""
     stem, _, number = file.stem.rpartition('_')
     return (stem, int(number)) if number.isdecimal() else (file.stem, 0)
 
 
+def about_beside(file):
+    """Return the custom_data in the metadata.yaml of a file, if they tell why the recording ended; else empty."""
+    found = _metadata_file(file.parent)
+    about = about_of(found) if file.name in _names(found) else {}
+    return about if ENDED in about else {}
+
+
+def packing_of(metadata, file):
+    """Return (compression_format, compression_mode) by rosbag2 metadata or those beside a file, if by message."""
+    for told in (metadata, _metadata_file(file.parent)):
+        if str(told.get('compression_mode')).lower() == 'message':
+            return str(told.get('compression_format')), 'message'
+    return '', ''
+
+
 def _told_files(path):
     """Return {name: place} of the files that metadata.yaml names."""
+    return {name: place for place, name in enumerate(_names(_metadata_file(path)))}
+
+
+def _names(metadata):
+    told = metadata.get('relative_file_paths')
+    return [Path(str(name)).name for name in told] if isinstance(told, list) else []
+
+
+def _metadata_file(folder):
+    """Return what metadata.yaml tells, an empty dict if there is none."""
     try:
-        told = yaml.safe_load((path / 'metadata.yaml').read_text())['rosbag2_bagfile_information']
-        return {Path(name).name: place for place, name in enumerate(told['relative_file_paths'])}
-    except (OSError, ValueError, yaml.YAMLError, KeyError, TypeError):
-        return {}
+        found = loaded((folder / 'metadata.yaml').read_text())['rosbag2_bagfile_information']
+    except (OSError, UnicodeDecodeError, BagError, KeyError, TypeError):
+        found = None
+    return found if isinstance(found, dict) else {}

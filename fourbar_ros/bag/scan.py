@@ -26,7 +26,7 @@ MAGIC = b'\x89MCAP0\r\n'
 _LOOSE = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})      # what can be in a chunk as well
 _END = Struct('<BQQQI8s')           # the footer and the magic behind it
 _CHUNK_INDEX, _ENTRY = Struct('<QQQQI'), Struct('<HQ')     # head of a chunk's index; of a channel in it
-_WINDOW = 1 << 22                   # [bytes] what is searched at once
+_FIRST_WINDOW, _WINDOW = 1 << 12, 1 << 22      # [bytes] what is searched at once, at first and at most
 
 
 class Ending(NamedTuple):
@@ -246,7 +246,19 @@ class Scan:
             return None
         self._file.seek(offset + HEAD.size)
         body = self._file.read(length)
-        return (head, opcode, body) if filled(opcode, body) == length else None
+        whole = filled(opcode, length, lambda number, at: number.unpack_from(body, at)[0]) == length
+        return (head, opcode, body) if whole else None
+
+    def _may_start(self, offset, size, opcode, length):
+        """Return whether a whole record can be here, asking the file for no more than its lengths."""
+        begin = offset + HEAD.size
+        if begin + length > size or not self._may_be(offset, opcode, begin + length):
+            return False
+        return filled(opcode, length, lambda number, at: self._number(number, begin + at)) == length
+
+    def _number(self, number, at):
+        found = os.pread(self._file.fileno(), number.size, at)
+        return number.unpack(found)[0] if len(found) == number.size else 0
 
     def _may_be(self, offset, opcode, end):
         """Return whether a record of this kind can be here."""
@@ -267,7 +279,8 @@ class Scan:
         # Of the two lengths, its own and that of its content, one bit spoils one.
         ends = {offset + HEAD.size + length}
         if opcode in SHAPES:
-            ends.add(offset + HEAD.size + filled(opcode, self._file.read(min(length, _WINDOW))))
+            begin = offset + HEAD.size
+            ends.add(begin + filled(opcode, length, lambda number, at: self._number(number, begin + at)))
         for end in sorted(ends):
             if offset < end <= size and (end == size or self._record_at(end)):
                 return end
@@ -278,11 +291,16 @@ class Scan:
         """Return where the next whole record is, 0 for nowhere; ``loose``: also of the kinds that are in chunks."""
         kinds = bytes(kind for kind in (*SHAPES, IS_MESSAGE) if loose or kind not in _LOOSE)
         pattern = re.compile(b'[' + re.escape(kinds) + rb'](?=.{5}\0{3})', re.DOTALL)      # shorter than 1 TiB
-        for base in range(begin, size, _WINDOW):
-            self._file.seek(base)
-            for match in pattern.finditer(self._file.read(_WINDOW + HEAD.size)):
-                if self._record_at(base + match.start()):
-                    return base + match.start()
+        window = _FIRST_WINDOW
+        while begin < size:
+            self._file.seek(begin)
+            part = self._file.read(window + HEAD.size)
+            for match in pattern.finditer(part, 0, window):
+                at = match.start()
+                found = HEAD.unpack_from(part, at) if at + HEAD.size <= len(part) else None
+                if found and self._may_start(begin + at, size, *found) and self._record_at(begin + at):
+                    return begin + at
+            begin, window = begin + window, min(2 * window, _WINDOW)
         return 0
 
 

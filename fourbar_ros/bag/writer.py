@@ -214,7 +214,7 @@ class BagWriter:
         try:
             action()
         except Exception as error:      # of any kind: the stream must go on
-            self._give_up(getattr(error, 'strerror', None) or str(error))
+            self._give_up(self._gone() or getattr(error, 'strerror', None) or str(error))
 
     def _give_up(self, why):
         with self._lock:                # a write that is under way still counts; later ones see the error
@@ -310,18 +310,20 @@ class BagWriter:
     def _look_at_the_disk(self):
         if self._sync_error:
             raise self._sync_error
-        self._look_for_the_file()
-        if shutil.disk_usage(self.path).free < SPACE_LEFT:
+        why = self._gone()
+        if not why and shutil.disk_usage(self.path).free < SPACE_LEFT:
+            why = f'less than {SPACE_LEFT >> 20} MiB free'
+        if why:
+            self._drain()
             self._container.flush()
-            raise BagError(f'less than {SPACE_LEFT >> 20} MiB free')
+            raise BagError(why)
 
-    def _look_for_the_file(self):
-        try:
-            is_there = os.path.samestat(os.stat(self._file_path), os.fstat(self._file.fileno()))
-        except OSError:
-            is_there = False
-        if not is_there:
-            raise BagError(f'{self._file_path.name} was moved, replaced or removed')
+    def _gone(self):
+        """Return what became of the file, empty if it is where it was made."""
+        with contextlib.suppress(OSError):
+            if os.path.samestat(os.stat(self._file_path), os.fstat(self._file.fileno())):
+                return ''
+        return f'{self._file_path.name} was moved, replaced or removed'
 
     def _finish(self, why):
         self._drain()

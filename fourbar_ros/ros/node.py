@@ -48,7 +48,7 @@ class FourBarNode(Node):
         services.create(self)
         self._diagnostics = Diagnostics(self)
         if scene.recording.start:
-            self.stream.start_recording(scene.recording.name)
+            self.recording.begin(scene, self.stream.start_recording)
         self.drive.start()
         self.get_logger().info(f'{scene.linkage.classification}, mode {scene.linkage.mode}, '
                                f'driven by {scene.drive.source}')
@@ -74,8 +74,7 @@ class FourBarNode(Node):
             self.drive.apply(scene.drive)
 
     def close(self):
-        """Abandon what is searched for, stop the stream, close the bag, leave the graph."""
-        self.workers['search'].abandon()     # first: it holds up all that follows
+        """Stop the stream, close the bag, abandon what is searched for, leave the graph."""
         self.drive.stop()
         self.workers['bag'].stop()           # a bag in its hands is closed there
         try:

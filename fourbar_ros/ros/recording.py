@@ -3,12 +3,14 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import platform
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import NamedTuple
 
 from .. import __version__, estimator, interfaces
+from ..core import FourBarError
 from ..optional import MissingPackage
 
 SOFTWARE = ('numpy', 'mcap', 'rclpy')       # beside our own, whose versions a bag keeps
@@ -46,7 +48,7 @@ class Recording:
 
     def __init__(self, node):
         self._node = node
-        self._writer, self._channels = None, {}
+        self._writer, self._channels, self._refused = None, {}, ''
         self.between_steps = contextlib.nullcontext()
 
     @property
@@ -54,6 +56,23 @@ class Recording:
         """Return whether messages are being recorded."""
         writer = self._writer
         return writer is not None and writer.error is None
+
+    def begin(self, scene, start):
+        """
+        Start the bag that a scene asks for, by ``start(name)``, under a free name: the stream must not wait for it.
+
+        Where nothing can be recorded, the log and the diagnostics say why.
+        """
+        from ..bag.rosbag2 import free_name
+        log, wanted = self._node.get_logger(), scene.recording.name
+        try:
+            name = free_name(directory_of(scene), wanted)
+            if name != wanted:
+                log.warning(f'{directory_of(scene) / wanted}: exists already; recording to {name}')
+            start(name)
+        except FourBarError as error:
+            self._refused = f'not recording: {error}'
+            log.error(self._refused)
 
     def open(self, scene, name=''):
         """
@@ -80,7 +99,7 @@ class Recording:
                  'node': self._node.get_fully_qualified_name(),
                  'units': 'SI: m, kg, s, rad, N, N m', 'software': json.dumps(software()),
                  estimator.KEY: str(estimator.VERSION)}
-        writer = BagWriter(Path(scene.recording.directory).absolute(), name,
+        writer = BagWriter(directory_of(scene), name,
                            [channel(topic, resolved[topic.name]) for topic in topics], about,
                            tell=self._node.get_logger().error,
                            split=Split(round(scene.recording.split_size * 1e6), scene.recording.split_duration,
@@ -90,7 +109,7 @@ class Recording:
     def attach(self, bag):
         """Record into an opened bag from now on; return its path."""
         self._channels = bag.channels                    # first: an input may be written meanwhile
-        self._writer = bag.writer
+        self._writer, self._refused = bag.writer, ''
         self._node.get_logger().info(f'recording to {bag.writer.path}')
         return bag.writer.path
 
@@ -98,7 +117,7 @@ class Recording:
         """Return (values, problems) for the diagnostics."""
         writer = self._writer
         if not writer:
-            return RecorderState({'recording': 'off'}, [])
+            return RecorderState({'recording': 'off'}, [self._refused] if self._refused else [])
         problems = [writer.error] if writer.error else []
         if writer.dropped:
             problems.append(f'{writer.dropped} messages not recorded')
@@ -120,6 +139,11 @@ class Recording:
         writer = self._writer            # another thread may stop the recording meanwhile
         if writer:
             writer.write(self._channels[topic], data)
+
+
+def directory_of(scene):
+    """Return where the bags of a scene go; ``~`` is a home."""
+    return Path(os.path.expanduser(scene.recording.directory)).absolute()
 
 
 def software():

@@ -10,8 +10,10 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
+from diagnostic_msgs.msg import DiagnosticArray
 from rosbags.typesys import Stores, get_typestore, get_types_from_msg
 
+from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recompute import recompute
 from harness import ALL_OUTPUTS
@@ -170,3 +172,58 @@ def test_recording_refuses_with_a_reason_and_the_stream_goes_on(run_node, client
     client.received['state'].clear()
     client.until(lambda: len(client.received['state']) > 20, 'the stream')
     assert sorted(p.name for p in tmp_path.iterdir()) == ['bags', 'fourbar.yaml']
+
+
+def recorder_of(client):
+    """Return (level, message, values) of the linkage's diagnostics, once the recorder is among them."""
+    found = []
+
+    def heard(message):
+        for status in message.status:
+            found.append((int.from_bytes(status.level, 'big') if isinstance(status.level, bytes) else status.level,
+                          status.message, {pair.key: pair.value for pair in status.values}))
+    subscription = client.node.create_subscription(DiagnosticArray, '/diagnostics', heard, 10)
+    client.until(lambda: found, 'diagnostics')
+    client.node.destroy_subscription(subscription)
+    return found[-1]
+
+
+def test_a_name_that_is_taken_does_not_stop_the_node_it_records_under_the_next_free_one(run_node, client, tmp_path):
+    for name in ('run', 'run_2'):
+        (tmp_path / 'bags' / name).mkdir(parents=True)
+    node = run_node({**PAPER, 'outputs': ['state'], 'recording.start': True, 'recording.name': 'run',
+                     'recording.directory': str(tmp_path / 'bags')})
+    client.listen(['state'])
+    client.until(lambda: len(client.received['state']) > 20, 'the stream')
+    _, _, values = recorder_of(client)
+    assert values['recording'] == str(tmp_path / 'bags/run_3')
+    assert node.stop(signal.SIGINT) == 0
+    found = info(tmp_path / 'bags/run_3')
+    assert found.is_sound and found.ended == 'stopped'
+    assert not any(list((tmp_path / 'bags' / name).iterdir()) for name in ('run', 'run_2'))
+
+
+def test_where_nothing_can_be_recorded_the_node_streams_and_says_so(run_node, client, tmp_path):
+    (tmp_path / 'file').write_text('')
+    node = run_node({**PAPER, 'outputs': ['state'], 'recording.start': True,
+                     'recording.directory': str(tmp_path / 'file/below')})
+    client.listen(['state'])
+    client.until(lambda: len(client.received['state']) > 20, 'the stream')
+    level, message, values = recorder_of(client)
+    assert level == 2 and 'not recording' in message and str(tmp_path / 'file/below') in message
+    assert values['recording'] == 'off'
+    assert node.stop(signal.SIGINT) == 0
+
+
+def test_a_tilde_is_the_home_and_a_file_that_is_removed_ends_the_recording(run_node, client, tmp_path, monkeypatch):
+    monkeypatch.setenv('HOME', str(tmp_path / 'home'))
+    run_node({**PAPER, 'outputs': ['state'], 'recording.start': True, 'recording.name': 'run',
+              'recording.directory': '~/bags'})
+    client.listen(['state'])
+    client.until(lambda: len(client.received['state']) > 20, 'the stream')
+    path = tmp_path / 'home/bags/run'
+    assert path.is_dir() and not (tmp_path / '~').exists()
+    (path / 'run_0.mcap').unlink()
+    client.until(lambda: 'removed' in recorder_of(client)[1], 'the recorder looks for its file')
+    client.received['state'].clear()
+    client.until(lambda: len(client.received['state']) > 20, 'the stream goes on')
