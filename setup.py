@@ -4,7 +4,7 @@ from pathlib import Path
 from setuptools import find_packages, setup
 
 NAME = 'fourbar_ros'
-HERE = Path(__file__).parent
+HERE = Path(__file__).resolve().parent      # colcon runs it through a link
 # Scenes are found by name because they lie in the package; for ROS they are in share, too.
 SCENES = [f'{NAME}.config', f'{NAME}.config.published']
 

@@ -1,22 +1,26 @@
 """
 Rates of the input from a stream that does not carry them all: causal, on the stamps as they come.
 
-The newest ``window`` samples are fitted by a parabola (least squares in time, any spacing), and its slope
-and curvature at the newest sample are the estimate: those of the parabola, if the samples lie on one. If the
-stream carries the velocity, a straight line through the newest velocities gives the acceleration.
+The newest ``window`` samples are fitted by a parabola (least squares in time, any spacing), and
+its slope and curvature at the newest sample are the estimate: those of the parabola, if the
+samples lie on one. If the stream carries the velocity, a straight line through the newest
+velocities gives the acceleration.
 
-Stamps are whole nanoseconds and only their differences, and those of the positions, are used: no digit is
-lost to the age of the clock or to the turns that a crank has made. What is left is what the samples
-hold: with steps h a stamp that is good to dt and a position that is good to dx are a position noise s of
-hypot(dx, velocity dt), and a third derivative j (jerk) is seen late. For equal steps and window n
+Stamps are whole nanoseconds and only their differences, and those of the positions, are used: no
+digit is lost to the age of the clock or to the turns that a crank has made. What is left is what
+the samples hold: with steps h a stamp that is good to dt and a position that is good to dx are a
+position noise s of hypot(dx, velocity dt), and a third derivative j (jerk) is seen late. For
+equal steps and window n
 
-* window 3: velocity wrong by j h^2/3 with noise 2.5 s/h; acceleration late by h (wrong by j h), noise 2.4 s/h^2,
-* window 5: velocity wrong by 1.43 j h^2 (noise 1.1 s/h), acceleration late by 2 h, noise 0.53 s/h^2.
+* window 3: velocity wrong by j h^2/3 with noise 2.5 s/h; acceleration late by h (wrong by j h)
+  with noise 2.4 s/h^2,
+* window 5: velocity wrong by 1.43 j h^2 with noise 1.1 s/h; acceleration late by 2 h with noise
+  0.53 s/h^2.
 
 In general the acceleration is late by half the window, (n - 1) h/2. A test measures these figures.
 
-How noisy an acceleration is, the stream itself says: each new sample is compared with what the fit before it
-foretells. :attr:`RateEstimator.noise` is the standard deviation of the acceleration from that.
+How noisy an acceleration is, the stream itself says: each new sample is compared with what the
+fit before it foretells. :attr:`RateEstimator.noise` is the standard deviation from that.
 """
 from __future__ import annotations
 
@@ -32,9 +36,10 @@ TOO_NOISY = 0.1          # noise over size of the acceleration from which it is 
 
 class Estimate:
     """
-    Least-squares polynomial of degree 1 or 2 through points (t, y), on polynomials orthogonal on the points.
+    Least-squares polynomial of degree 1 or 2 through points (t, y).
 
-    No normal equations, so no loss of digits. Degree 2 needs three points, degree 1 two; t must differ.
+    On polynomials orthogonal on the points: no normal equations, so no loss of digits. Degree 2
+    needs three points, degree 1 two; t must differ.
 
     Attributes
     ----------
@@ -42,7 +47,7 @@ class Estimate:
     slope, curvature : float
         At t = 0; the curvature of a line is NaN.
     lag : float
-        How much older than t = 0 the derivative of the highest order is: the mean age of the points.
+        How much older than t = 0 the highest derivative is: the mean age of the points.
 
     """
 
@@ -52,28 +57,32 @@ class Estimate:
         line = [t - mean for t, _ in points]                              # p1(t) = t - mean
         norm = sum(p * p for p in line)
         slope = sum(p * y for p, (_, y) in zip(line, points)) / norm
-        self._start, self._mean, self._norm, self._slope = sum(y for _, y in points) / n, mean, norm, slope
+        self._start, self._slope = sum(y for _, y in points) / n, slope
+        self._mean, self._norm = mean, norm
         self.lag, self.degree, self._n = -mean, degree, n
         self.slope, self.curvature = slope, nan
         if degree == 2:
-            shift = sum(p**3 for p in line) / norm                        # p2 = p1^2 - shift p1 - norm/n
+            shift = sum(p**3 for p in line) / norm       # p2 = p1^2 - shift p1 - norm/n
             curve = [p * p - shift * p - norm / n for p in line]
             self._shift, self._curve_norm = shift, sum(p * p for p in curve)
             self._bend = sum(p * y for p, (_, y) in zip(curve, points)) / self._curve_norm
-            self.slope, self.curvature = slope + self._bend * (-2.0 * mean - shift), 2.0 * self._bend
+            self.slope += self._bend * (-2.0 * mean - shift)
+            self.curvature = 2.0 * self._bend
 
     @property
     def gain(self):
-        """Return the standard deviation of slope (line) or curvature (parabola) over that of one y."""
+        """Return the standard deviation of slope (line) or curvature over that of one y."""
         return 2.0 / sqrt(self._curve_norm) if self.degree == 2 else 1.0 / sqrt(self._norm)
 
     def surprise(self, t, y):
-        """Return by how much (t, y) differs from the polynomial, over what noise of size 1 in each y makes of it."""
+        """Return how far (t, y) is from the polynomial, in what noise of 1 in each y makes."""
         p = t - self._mean
-        foretold, variance = self._start + self._slope * p, 1.0 + 1.0 / self._n + p * p / self._norm
+        foretold = self._start + self._slope * p
+        variance = 1.0 + 1.0 / self._n + p * p / self._norm
         if self.degree == 2:
             q = p * p - self._shift * p - self._norm / self._n
-            foretold, variance = foretold + self._bend * q, variance + q * q / self._curve_norm
+            foretold += self._bend * q
+            variance += q * q / self._curve_norm
         return (y - foretold) / sqrt(variance)
 
 KEY, VERSION = 'estimator', 2      # bags keep which version their rates were estimated by
@@ -94,7 +103,7 @@ class RateEstimator:
     period : float
         A turn of the input; infinite for one that slides.
     length : float
-        Of the input [rad, m]: velocity^2/length is the size of an acceleration that matters, whatever its own.
+        Of the input [rad, m]: an acceleration of velocity^2/length matters, whatever its own size.
 
     Attributes
     ----------
@@ -105,10 +114,10 @@ class RateEstimator:
 
     def __init__(self, window=5, gap=1.0, jump=1.0, period=tau, length=1.0):
         self._gap, self._jump, self._period, self._length = gap / NANOSECOND, jump, period, length
-        self._samples = deque(maxlen=window)     # (time [ns], position, step from the one before, velocity)
+        self._samples = deque(maxlen=window)     # (time [ns], position, step to it, velocity)
         self.restarts = self.late = 0
-        self._scatter, self._size = _MeanSquare(), _MeanSquare()       # what surprises, and what matters
-        self._from_rates = False                           # whether the acceleration comes from velocities
+        self._scatter, self._size = _MeanSquare(), _MeanSquare()     # what surprises, what matters
+        self._from_rates = False                 # whether the acceleration comes from velocities
         self.reset()
 
     def reset(self):
@@ -119,7 +128,7 @@ class RateEstimator:
 
     @property
     def noise(self):
-        """Return the standard deviation of the estimated acceleration, NaN if there is none (yet)."""
+        """Return the standard deviation of the estimated acceleration, NaN if not known yet."""
         if self._fit is None or isnan(self._known[1]) or self._scatter.number < ENOUGH:
             return nan
         return self._fit.gain * sqrt(max(self._scatter.value, self._resolution**2))
@@ -131,7 +140,7 @@ class RateEstimator:
 
     @property
     def is_noise(self):
-        """Return whether noise is a good part of the estimated acceleration, or of velocity^2/length if that is more."""
+        """Return whether noise is a good part of the acceleration, or of velocity^2/length."""
         return self.noise > TOO_NOISY * sqrt(self._size.value)
 
     def update(self, time, position, velocity=nan):
@@ -141,8 +150,9 @@ class RateEstimator:
         Parameters
         ----------
         time : int
-            Stamp [ns]. One that stands still or goes back leaves the memory as it is. If it goes back by more
-            than ``gap``, or the next one follows it there, the clock was set and the estimate starts afresh.
+            Stamp [ns]. One that stands still or goes back leaves the memory as it is. If it goes
+            back by more than ``gap``, or the next one follows it there, the clock was set and the
+            estimate starts afresh.
         position, velocity : float
             Angle [rad], wrapped or not, or slide [m], and its rate, NaN if the stream has none.
 
@@ -161,7 +171,7 @@ class RateEstimator:
         return self._known
 
     def _is_set_back(self, sample):
-        """Return whether this is the second sample in a row that is older than the newest, and follows the first."""
+        """Return whether this sample is the second late one in a row, and follows the first."""
         before, self._overtaken = self._overtaken, sample
         if before is None or sample[0] <= before[0]:
             self.late += 1
@@ -179,7 +189,8 @@ class RateEstimator:
         if self._samples:
             last_time, last_position, *_ = self._samples[-1]
             step = position - last_position
-            step = remainder(step, self._period) if isfinite(step) else step      # two of 1e308 can overflow
+            if isfinite(step):                           # two of 1e308 can overflow
+                step = remainder(step, self._period)
             if not 0 < time - last_time <= self._gap or abs(step) > self._jump:
                 self._restart()
             else:
@@ -192,23 +203,28 @@ class RateEstimator:
         if from_rates is not self._from_rates:
             self._from_rates, self._scatter = from_rates, _MeanSquare()
         elif self._fit and (from_rates or self._fit.degree == 2):
-            self._scatter.add(self._fit.surprise(t, velocity - self._samples[-1][3] if from_rates else step))
+            y = velocity - self._samples[-1][3] if from_rates else step
+            self._scatter.add(self._fit.surprise(t, y))
 
     def _estimate(self, velocity):
         now, position, *_ = self._samples[-1]
-        if isfinite(velocity):
-            points = [((t - now) * NANOSECOND, v - velocity) for t, _, _, v in self._samples if isfinite(v)]
+        from_rates = isfinite(velocity)
+        if from_rates:
+            points = [((t - now) * NANOSECOND, v - velocity)
+                      for t, _, _, v in self._samples if isfinite(v)]
         else:
             points, x = [], 0.0
             for t, _, step, _ in reversed(self._samples):
                 points.append(((t - now) * NANOSECOND, x))
                 x -= step
-        degree = min(1 if isfinite(velocity) else 2, len(points) - 1)
+        degree = min(1 if from_rates else 2, len(points) - 1)
         self._fit = fit = Estimate(points, degree) if degree else None
         if not fit:
             return velocity, nan
-        self._resolution = ROUNDED * hypot(ulp(velocity if isfinite(velocity) else position), fit.slope * NANOSECOND)
-        velocity, acceleration = (velocity, fit.slope) if isfinite(velocity) else (fit.slope, fit.curvature)
+        last_digit = ulp(velocity if from_rates else position)
+        self._resolution = ROUNDED * hypot(last_digit, fit.slope * NANOSECOND)
+        acceleration = fit.slope if from_rates else fit.curvature
+        velocity = velocity if from_rates else fit.slope
         self._size.add(hypot(acceleration, velocity * velocity / self._length))
         return velocity, acceleration
 
@@ -217,16 +233,17 @@ def estimator_of(scene):
     """
     Return the :class:`RateEstimator` of a scene, for its node and for computing a bag again.
 
-    The turn that may be missing between two samples is one of the joint in the message, before its ratio.
+    The turn that may be missing between two samples is one of the joint, before its ratio.
     """
     drive, linkage = scene.drive, scene.linkage
     ratio = drive.joint_ratio if drive.source == 'joint_state' else 1.0
-    period, length = (inf, max(linkage.lengths)) if linkage.is_driven_by_slide else (tau / abs(ratio), 1.0)
+    is_slide = linkage.is_driven_by_slide
+    period, length = (inf, max(linkage.lengths)) if is_slide else (tau / abs(ratio), 1.0)
     return RateEstimator(drive.window, drive.timeout or 1.0, drive.jump, period, length)
 
 
 class _MeanSquare:
-    """The mean square of the newest numbers, about MEMORY of them; what is not finite is left out."""
+    """The mean square of the newest numbers, about MEMORY; what is not finite is left out."""
 
     def __init__(self):
         self.value, self.number = 0.0, 0

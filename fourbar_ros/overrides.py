@@ -1,9 +1,9 @@
 """
 Which value was asked for last, where rcl keeps another one.
 
-rcl holds a value of every type for a parameter and prefers a bool to an integer, that to a double and that to
-a text, whatever came last: ``-p drive.speed:=3.5`` is ignored where a file says ``25``. No ROS is
-imported here.
+rcl holds a value of every type for a parameter and prefers a bool to an integer, that to a double
+and that to a text, whatever came last: ``-p drive.speed:=3.5`` is ignored where a file says
+``25``. No ROS is imported here.
 """
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Asked(NamedTuple):
 
 def asked(arguments: list[str], node: str) -> dict[str, Asked]:
     """
-    Return what a command line asks of the parameters of a node, by name: files and -p, in ROS's order.
+    Return what a command line asks of the parameters of a node, by name, in ROS's order.
 
     Parameters
     ----------
@@ -40,15 +40,16 @@ def asked(arguments: list[str], node: str) -> dict[str, Asked]:
     for option, argument in _of_ros(arguments):
         if option == '--params-file':
             for key, tree in sections(argument).items():
-                values = {name: Asked(value, argument) for name, value in flatten(tree, argument).items()}
-                by_key.setdefault(key, {}).update(values)
+                for name, value in flatten(tree, argument).items():
+                    by_key.setdefault(key, {})[name] = Asked(value, argument)
         elif option in ('-p', '--param') and ':=' in argument:
             target, text = argument.split(':=', 1)
             key, _, name = target.rpartition(':')
-            by_key.setdefault(_absolute(key) if key else '/**', {})[name] = Asked(parse(text), f'-p {argument}')
+            key = key if key.startswith('/') else f'/{key or "**"}'
+            by_key.setdefault(key, {})[name] = Asked(parse(text), f'-p {argument}')
     mine = [key for key in by_key if is_for(key, node)]
     found: dict[str, Asked] = {}
-    for key in sorted(mine, key=lambda key: '*' not in key):         # patterns first, the node's own name last
+    for key in sorted(mine, key=lambda key: '*' not in key):         # the node's own name last
         found |= by_key[key]
     return found
 
@@ -62,10 +63,6 @@ def _kind(value):
     if isinstance(value, bool | int | float | str):
         return type(value)
     return 'list', *(type(item) for item in list(value)[:1])
-
-
-def _absolute(key):
-    return key if key.startswith('/') else f'/{key}'
 
 
 def _of_ros(arguments):

@@ -129,6 +129,8 @@ PARAMETERS = {parameter.name: parameter for parameter in (
     Parameter('linkage.a4', 'double', nan, 'm', 'length of the ground O1-O4 (not of a slider_crank)', positive=True),
     Parameter('linkage.offset', 'double', 0.0, 'm',
               'slider_crank: y of the guide; inverted_slider: of the line of A from O4, to the left of the bar'),
+    Parameter('linkage.range', 'doubles', [], 'm',
+              'driven slide: [shortest, longest], its stroke; empty: all where the links close', live=False),
     Parameter('linkage.mode', 'integer', 2, '',
               'assembly mode: 1 crossed, 2 open; of the sliders see docs/conventions.md', 1, 2),
     Parameter('gravity.x', 'double', 0.0, 'm/s^2', 'field of gravity along x'),

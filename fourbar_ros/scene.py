@@ -8,7 +8,7 @@ from typing import NamedTuple
 from . import parameters
 from .core import Applied, Bodies, Body, External, InvalidParameter, SliderCrank, round_rod
 from .core.kinds import KINDS
-from .core.mechanism import Mechanism
+from .core.mechanism import SLIDE, Mechanism
 from .core.points import LINKS, OUTPUT
 from .core.quantities import point_acceleration, point_speed
 from .interfaces import APPLIED, WRENCHES, topics_of
@@ -163,6 +163,10 @@ def _linkage(values):
         arguments['input'] = values['linkage.input']
     elif values['linkage.input'] not in kind.INPUTS:
         raise InvalidParameter('linkage.input', values['linkage.input'], f'linkage.kind {name} is driven at its crank')
+    if values['linkage.range']:
+        if arguments.get('input') != SLIDE:
+            raise InvalidParameter('linkage.range', values['linkage.range'], 'only a driven slide has a stroke')
+        arguments['stroke'] = tuple(values['linkage.range'])
     try:
         linkage = kind(**arguments, mode=values['linkage.mode'], bodies=_bodies(values, kind),
                        gravity=(values['gravity.x'], values['gravity.y']), external=_external(values))
@@ -171,7 +175,8 @@ def _linkage(values):
     except InvalidParameter as error:
         if error.name in values:
             raise
-        raise InvalidParameter(f'linkage.{error.name}', error.value, error.allowed) from None
+        name = {'stroke': 'range'}.get(error.name, error.name)
+        raise InvalidParameter(f'linkage.{name}', error.value, error.allowed) from None
     except (ArithmeticError, ValueError):
         raise InvalidParameter('linkage', list(arguments.values()), 'lengths and bodies are too large, too small or too '
                                'far apart to be computed with') from None

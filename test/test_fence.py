@@ -63,3 +63,15 @@ def test_every_public_name_exists():
     import fourbar_ros
     for name in fourbar_ros.__all__:
         assert hasattr(fourbar_ros, name)
+
+
+def test_the_node_catches_signals_before_anything_long_is_imported():
+    done = run('''
+import sys
+import fourbar_ros.ros.start
+import fourbar_ros.ros.stop
+print([name for name in ('numpy', 'rclpy', 'yaml') if name in sys.modules])
+from fourbar_ros import *
+print(FourBar.__name__, set(fourbar_ros.__all__) <= set(dir(fourbar_ros)))
+''')
+    assert done.stdout.split('\n')[:2] == ['[]', 'FourBar True'], done.stdout + done.stderr

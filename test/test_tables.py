@@ -41,7 +41,7 @@ def test_numbers_are_whole_in_every_width(name, files):
     for width in (80, 60):
         text, code = shown(command, width)
         assert code == wide.returncode and '…' not in text
-        if name != 'bag scene':                       # a file, not a table
+        if not name.startswith('bag'):                # prose of these is left to the terminal to wrap
             assert max(map(len, text.splitlines())) <= width
         assert numbers(text) == numbers(wide.stdout), width
 

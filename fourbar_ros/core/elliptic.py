@@ -33,10 +33,14 @@ POINTS_PER_FEATURE = 4
 
 
 class End(NamedTuple):
-    """End of an input path: a toggle, or (``is_flat``) the flat position of a change point."""
+    """
+    End of an input path: a toggle, or (``is_flat``) the flat position of a change point, or
+    (``is_regular``) the end of a stroke, where nothing is singular.
+    """
 
     x: float
     is_flat: bool
+    is_regular: bool = False
 
 
 class InputPath(NamedTuple):

@@ -48,7 +48,7 @@ class Extremum(NamedTuple):
     is_global : bool
         No other minimum (maximum) of the quantity in this mode is lower (higher).
     place : str
-        'interior'; 'limit': at a toggle, where the range of the input ends; 'one-sided': the value
+        'interior'; 'limit': where the range of the input ends, at a toggle or an end of the stroke; 'one-sided': the value
         towards the flat position of a change point, where the quantity jumps.
     side : int
         +1 (-1): the input is approached from above (below); 0 in the interior.

@@ -155,6 +155,8 @@ class InvertedSlider(Mechanism):
         Field of gravity (x, y) [m/s^2].
     external : External
         Forces and couples on block (``coupler``) and bar (``output``).
+    stroke : tuple of 2 floats, optional
+        Shortest and longest slide [m] of a driven slide, as a cylinder has; not given: all where the links close.
 
     Guide force: of the bar on the block, + to the left of the bar; guide couple: of the bar on the block
     about A. The driving force pushes the block along the bar as ``slide`` grows, and the bar back.
@@ -174,6 +176,7 @@ class InvertedSlider(Mechanism):
     bodies: Bodies | None = None
     gravity: tuple[float, float] = (0.0, 0.0)
     external: External = External()
+    stroke: tuple[float, float] | None = None
 
     LENGTHS = ('a1', 'a4', 'offset')
     MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
@@ -188,6 +191,7 @@ class InvertedSlider(Mechanism):
         if reach(*self.lengths)[1] <= 0.0:
             raise InvalidParameter('offset', self.offset, 'the links cannot close: it must be shorter than '
                                    f'crank and ground together ({self.a1 + self.a4!r})')
+        self._check_stroke()
 
     @property
     def lengths(self):
@@ -215,6 +219,11 @@ class InvertedSlider(Mechanism):
 
     @cached_property
     def input_ranges(self):
+        """Return the ranges of the input, from low to high: :attr:`closing_ranges`, as far as they lie in the stroke."""
+        return self._within_stroke(self.closing_ranges)
+
+    @cached_property
+    def closing_ranges(self):
         """
         Return the ranges of the input in which the links close, from low to high: theta1 [rad] or slide [m].
 

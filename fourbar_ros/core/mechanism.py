@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .errors import InvalidParameter, MissingBodies, OutOfRange, Toggle
+from .errors import InvalidParameter, MissingBodies, OutOfRange, Toggle, in_words
 
 CROSSED, OPEN = 1, 2     # assembly modes: sin(theta4 - beta) < 0, > 0 of a 4R linkage
 CRANK, SLIDE = 'crank', 'slide'     # inputs
@@ -60,19 +60,56 @@ class Mechanism:
     * ``OUTPUTS``: for each kind of input the coordinate it is used for, and the field d output / d input;
     * ``JOINTS``: the coordinates of all joints, from O1 on;
     * ``MOTION`` and ``LOADS``: types of the results;
-    * ``input_ranges``, and but for the 4R ``singular_inputs``;
+    * ``input_ranges``, and but for the 4R ``singular_inputs`` and ``closing_ranges``: those without a stroke;
     * ``MARGIN_SIGNS``: how the lengths enter each of ``_margins``;
     * ``_make_motion(dialect, change)`` and ``_make_loads(dialect, change)``: they return the functions that
       compute them, from factories that ``change`` may have rebound.
     """
 
+    stroke = None            # of mechanisms that have none
+
     @cached_property
     def _motion(self):
-        return ByDialect(self._make_motion)
+        return ByDialect(self._make_motion if self.stroke is None else self._make_motion_within)
 
     @cached_property
     def _loads(self):
         return ByDialect(self._make_loads)
+
+    def _make_motion_within(self, dialect):
+        """Return the function of motion that answers outside of the stroke as where the links cannot close."""
+        motion, (low, high) = self._make_motion(dialect), self.stroke
+
+        def within(position, rate, acceleration):
+            if dialect == 0:
+                if not low <= position <= high:
+                    raise ValueError
+                return motion(position, rate, acceleration)
+            fields = motion(position, rate, acceleration)
+            outside = (position.real < low) | (position.real > high)
+            given = position, rate, acceleration
+            return tuple(field if any(field is value for value in given) else np.where(outside, nan, field)
+                         for field in fields) if outside.any() else fields
+        return within
+
+    def _check_stroke(self):
+        """Refuse a stroke that is none, or in which the links cannot close anywhere."""
+        if self.stroke is None:
+            return
+        if not self.is_driven_by_slide:
+            raise InvalidParameter('stroke', self.stroke, 'only a driven slide has one')
+        if not (len(self.stroke) == 2 and all(map(isfinite, self.stroke)) and self.stroke[0] < self.stroke[1]):
+            raise InvalidParameter('stroke', self.stroke, 'must be [shortest, longest] of the slide, two finite numbers')
+        if not self.input_ranges:
+            raise InvalidParameter('stroke', self.stroke, 'the links cannot close anywhere in it: '
+                                   f'they do in {in_words(self.input_coordinate.position, self.closing_ranges)}')
+
+    def _within_stroke(self, ranges):
+        """Return the parts of ranges of the input that lie in the stroke."""
+        if self.stroke is None:
+            return ranges
+        parts = ((max(low, self.stroke[0]), min(high, self.stroke[1])) for low, high in ranges)
+        return tuple((low, high) for low, high in parts if low < high)
 
     def prepare(self):
         """Make the functions of one sample, as the first would; ArithmeticError or ValueError where numbers overflow."""
@@ -128,6 +165,10 @@ class Mechanism:
     def turns_fully(self):
         """Return whether the input is a crank that makes full turns."""
         return self.input == CRANK and self.input_ranges == ((-pi, pi),)
+
+    def is_in_stroke(self, position):
+        """Return whether an input is in the stroke, if there is one."""
+        return self.stroke is None or self.stroke[0] <= position <= self.stroke[1]
 
     def distance(self, one, other):
         """Return the signed distance of two inputs: the short way round of angles [rad], or [m]."""
@@ -205,7 +246,9 @@ class Mechanism:
         name = self.input_coordinate.position
         # A limit and the input compared with it are each rounded, and so is their distance.
         tolerance = 4.0 * EPS * abs(position)
-        if any(abs(self.distance(position, end)) <= tolerance for bounds in self.input_ranges for end in bounds):
+        toggles = self.input_ranges if self.stroke is None else self.closing_ranges
+        if self.is_in_stroke(position) and any(
+                abs(self.distance(position, end)) <= tolerance for bounds in toggles for end in bounds):
             return Toggle(name, position)
         return OutOfRange(name, position, self.input_ranges)
 

@@ -46,8 +46,9 @@ def input_paths(mechanism, points):
     singular = np.array(mechanism.singular_inputs, complex) / unit
     if mechanism.turns_fully:
         return _closed(singular, points)
-    return [path for low, high in mechanism.input_ranges for path in _between(singular, low / unit, high / unit, points,
-                                                                             not mechanism.is_driven_by_slide)]
+    stroke = None if mechanism.stroke is None else [end / unit for end in mechanism.stroke]
+    return [path for low, high in mechanism.closing_ranges
+            for path in _between(singular, low / unit, high / unit, points, not mechanism.is_driven_by_slide, stroke)]
 
 
 def _closed(singular, points):
@@ -60,8 +61,12 @@ def _closed(singular, points):
     return [_path(kernels, *pair, lambda phi: phi, [End(float(end), True) for end in pair]) for pair in zip(ends, ends[1:])]
 
 
-def _between(singular, low, high, points, is_periodic):
-    """Return the paths of a range between two toggles: one, or two with a flat position between them."""
+def _between(singular, low, high, points, is_periodic, stroke=None):
+    """
+    Return the paths of a range between two toggles: one, or two with a flat position between them.
+
+    With a stroke, only what of them lies in it, down to its ends.
+    """
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     singular = singular[(singular != low) & (singular != high)]
     if is_periodic:
@@ -74,12 +79,24 @@ def _between(singular, low, high, points, is_periodic):
     flat = {float(np.arcsin(place)): End(float(x), True)
             for place, x in zip(scaled.real[is_flat], singular.real[is_flat])}
     ends = {-0.5 * pi: End(low, False), **dict(sorted(flat.items())), 0.5 * pi: End(high, False)}
+    if stroke:
+        ends = _within(ends, stroke, middle, half)
 
     def to_input(phi):
         # From the nearer end: that distance is what quantities near a toggle depend on.
         return np.where(phi < 0.0, low + 2.0 * half * np.sin(0.5 * (phi + 0.5 * pi))**2,
                         high - 2.0 * half * np.sin(0.5 * (0.5 * pi - phi))**2)
     return [_path(kernels, *pair, to_input, [ends[end] for end in pair]) for pair in zip(ends, list(ends)[1:])]
+
+
+def _within(ends, stroke, middle, half):
+    """Return {phi: End} of the part of a range that lies in a stroke."""
+    low, high = stroke
+    inside = {phi: end for phi, end in ends.items() if low <= end.x <= high}
+    for x in stroke:
+        if abs(x - middle) < half and all(x != end.x for end in inside.values()):
+            inside[float(np.arcsin((x - middle) / half))] = End(x, False, True)
+    return dict(sorted(inside.items()))
 
 
 def _path(kernels, first, last, to_input, ends):

@@ -105,6 +105,12 @@ def _interior(sampler, path, values, slopes, state, rows, with_conditions):
         *(v.tolist() for v in (row, place, value, sense)), zip(*(v.tolist() for v in conditions)))]
 
 
+def _at_stroke(sampler, end, side, slopes, rows):
+    """Return what the quantities ``rows`` do at the end of a stroke; ``slopes``: those of the nearest sample."""
+    value, place = sampler.values(np.array([end.x]))[:, 0], sampler.fold(end.x)
+    return [Found(row, place, float(value[row]), -1 if slopes[row] * side > 0.0 else 1, side) for row in rows.tolist()]
+
+
 def _end(sampler, x, end, side, inward, first, values, slopes, noise, rows):
     """
     Return what the quantities ``rows`` do at an end.
@@ -112,6 +118,8 @@ def _end(sampler, x, end, side, inward, first, values, slopes, noise, rows):
     ``inward``: the indices of all samples, the nearest to the end first; ``first``: of the sample half a
     step away.
     """
+    if end.is_regular:
+        return _at_stroke(sampler, end, side, slopes[:, inward[0]], rows)
     if end.is_flat:
         limits = sampler.limits(side)
     else:

@@ -170,6 +170,8 @@ class SliderCrank(Mechanism):
         Field of gravity (x, y) [m/s^2].
     external : External
         Forces and couples on coupler and slider (``output``), as gas forces.
+    stroke : tuple of 2 floats, optional
+        Shortest and longest slide [m] of a driven slide, as a cylinder has; not given: all where the links close.
 
     Guide force: of the ground on the slider, + along y; guide couple: of the ground on the slider about B.
 
@@ -188,6 +190,7 @@ class SliderCrank(Mechanism):
     bodies: Bodies | None = None
     gravity: tuple[float, float] = (0.0, 0.0)
     external: External = External()
+    stroke: tuple[float, float] | None = None
 
     LENGTHS = ('a1', 'a2', 'offset')
     MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
@@ -202,6 +205,7 @@ class SliderCrank(Mechanism):
         if reach(*self.lengths)[1] <= 0.0:
             raise InvalidParameter('offset', self.offset, 'the links cannot close: it must be shorter than '
                                    f'crank and coupler together ({self.a1 + self.a2!r})')
+        self._check_stroke()
 
     @property
     def lengths(self):
@@ -229,6 +233,11 @@ class SliderCrank(Mechanism):
 
     @cached_property
     def input_ranges(self):
+        """Return the ranges of the input, from low to high: :attr:`closing_ranges`, as far as they lie in the stroke."""
+        return self._within_stroke(self.closing_ranges)
+
+    @cached_property
+    def closing_ranges(self):
         """
         Return the ranges of the input in which the links close, from low to high: theta1 [rad] or slide [m].
 

@@ -74,7 +74,8 @@ class FourBarNode(Node):
             self.drive.apply(scene.drive)
 
     def close(self):
-        """Stop the stream, close the bag, abandon what is searched for, leave the graph."""
+        """Abandon what is searched for, stop the stream, close the bag, leave the graph."""
+        self.workers['search'].abandon()     # first: it holds up all that follows
         self.drive.stop()
         self.workers['bag'].stop()           # a bag in its hands is closed there
         try:

@@ -22,7 +22,7 @@ class QuietLog:
 
     def __init__(self, logger, interval=INTERVAL):
         self._logger, self._interval, self._lock = logger, interval, threading.Lock()
-        self._causes = {}                # {cause: [when said, how many since, whether bad, newest text]}
+        self._causes = {}        # {cause: [when said, how many since, is bad, newest text]}
 
     def info(self, cause, text):
         """Say what is good."""
@@ -33,7 +33,7 @@ class QuietLog:
         self._note(cause, text, True)
 
     def flush(self, interval=None):
-        """Say what was held back for the interval, or for another one: to be called now and then, and at the end."""
+        """Say what was held back for the interval, or another one: called now and then."""
         interval = self._interval if interval is None else interval
         with self._lock:
             for cause, (said, waiting, *_) in list(self._causes.items()):
@@ -43,7 +43,7 @@ class QuietLog:
     def _note(self, cause, text, is_bad):
         with self._lock:
             said, waiting, *_ = self._causes.pop(cause, (-self._interval, 0))
-            self._causes[cause] = [said, waiting + 1, is_bad, text]          # the newest last: so they are flushed
+            self._causes[cause] = [said, waiting + 1, is_bad, text]      # the newest last
             if time.monotonic() - said >= self._interval:
                 self._say(cause)
 

@@ -1,8 +1,6 @@
 """Publish a bag again: the recorded bytes, as they are."""
 from __future__ import annotations
 
-import signal
-import threading
 import time
 
 import rclpy
@@ -16,10 +14,12 @@ from ..bag.reader import Bag
 from ..bag.replay import TICK, Pace, play
 from .messages import resolve, to_stamp
 from .schemas import type_hash
+from .stop import Stop
 
 DEPTH = 1000                # of volatile publishers: a late replay sends bursts that the original did not
 PATIENCE = 10.0             # [s] for readers that the graph shows to be matched
-SETTLED = 0.5               # [s] without anything new in the graph: all that is near has been found
+SETTLED = 1.0               # [s] without anything new in the graph: all that is near has been found
+ALONE = 5.0                 # [s] without any reader: discovery takes 4 s at its worst
 POLL = 0.02                 # [s] between two looks at the graph
 FAREWELL = 2.0              # [s] for reliable readers to get the last messages
 
@@ -52,9 +52,7 @@ class Replayer:
     """
 
     def __init__(self, bag, clock_rate=None, pace=None, ros_args=()):
-        self._stop = threading.Event()
-        self._old = {number: signal.signal(number, lambda *_: self._stop.set())
-                     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+        self._stop = Stop().catch()
         rclpy.init(args=list(ros_args), signal_handler_options=SignalHandlerOptions.NO)
         self.node = rclpy.create_node('fourbar_replay')
         self.bag, self._publishers = bag, {}
@@ -70,22 +68,21 @@ class Replayer:
             publisher.wait_for_all_acked(Duration(seconds=FAREWELL))
         self.node.destroy_node()
         rclpy.try_shutdown()
-        for number, handler in self._old.items():
-            signal.signal(number, handler)
+        self._stop.restore()
 
     def tick(self, now):
         """Publish the time of the bag [ns]; returns False when it is time to stop."""
         if self._clock and not 0 <= now - self._ticked < self.period * self._pace.rate * 1e9:
             self._ticked = now
             self._clock.publish(Clock(clock=to_stamp(now)))
-        return not self._stop.is_set()
+        return not self._stop.requested
 
     def wait(self, seconds, topics=None, readers=0):
         """
         Create the publishers of all topics known by now and wait until their readers are matched.
 
         These are the readers that the graph shows, once nothing new has come for a moment, at least ``seconds``
-        and at most PATIENCE after the beginning; with ``readers`` until there are so many, however long it takes.
+        and at most PATIENCE after the beginning; ALONE if there are none; with ``seconds`` 0 nobody is waited for. With ``readers`` until there are so many, however long it takes.
         Returns how many are matched.
         """
         for topic in {channel.topic for channel in self.bag.channels.values()}:
@@ -93,19 +90,20 @@ class Replayer:
                 self._make(topic, self.bag.type_of(topic))
         begin = settled = time.monotonic()
         before = None
-        while not self._stop.is_set():
+        while not self._stop.requested:
             now, state = time.monotonic(), self._graph()
             if state != before:
                 before, settled = state, now
             matched, wanted = state[1], max(state[2], readers)
-            is_quiet = now - begin >= seconds and (not seconds or now - settled >= SETTLED)
+            is_quiet = not seconds or now - settled >= SETTLED and now - begin >= (
+                seconds if matched else max(seconds, ALONE))
             if matched >= wanted and is_quiet:
                 break
             if not readers and now - begin >= max(seconds, PATIENCE if seconds else 0.0):
                 self.node.get_logger().warning(f'{wanted - matched} of {wanted} readers are not matched after '
                                                f'{now - begin:.1f} s: they may miss the first messages')
                 break
-            self._stop.wait(POLL)
+            time.sleep(POLL)
         return self._graph()[1]
 
     def _graph(self):

@@ -8,9 +8,9 @@ class Sequence:
     """
     Counts what is missing in the numbers of the messages of one topic.
 
-    Every publisher numbers its messages one by one; a message does not say whose it is. So the next
-    number of every publisher is kept, and one that fits none leaves a gap behind the nearest. With
-    several publishers single gaps may be taken for another's, their sum is right.
+    Every publisher numbers its messages one by one; a message does not say whose it is. So the
+    next number of every publisher is kept, and one that fits none leaves a gap behind the
+    nearest. With several publishers single gaps may be taken for another's, their sum is right.
 
     Parameters
     ----------
@@ -50,11 +50,12 @@ class WithInfo:
     """
     A callback for a message and its info, whoever calls it.
 
-    rclpy looks at the signature to see that a callback wants the info. Its EventsExecutor then gives both
-    as one tuple (rclpy 7.1.5), other executors, and later ones, as two arguments.
+    rclpy looks at the signature to see that a callback wants the info. Its EventsExecutor then
+    gives both as one tuple (rclpy 7.1.5), other executors, and later ones, as two arguments.
     """
 
-    __signature__ = Signature([Parameter(name, Parameter.POSITIONAL_ONLY) for name in ('message', 'info')])
+    __signature__ = Signature([Parameter(name, Parameter.POSITIONAL_ONLY)
+                               for name in ('message', 'info')])
 
     def __init__(self, receive):
         self._receive = receive

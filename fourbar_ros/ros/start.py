@@ -1,4 +1,4 @@
-"""Entry point of fourbar_node: catches signals, then imports the node, which takes some tenths of a second."""
+"""Entry point of fourbar_node: catches signals, then imports the node, which takes a while."""
 from __future__ import annotations
 
 import sys

@@ -1,4 +1,4 @@
-"""Services that take long: answered by a thread of their own, so that the executor goes on with the inputs."""
+"""Services that take long: answered by a thread of their own, the executor goes on with inputs."""
 from __future__ import annotations
 
 import threading
@@ -31,13 +31,16 @@ class Worker:
         """
         Create a service of ``node`` whose ``handler(request, response)`` runs here.
 
-        The executor calls the callback and sends what it returns. So the callback hands on what was
-        asked, and sending means: put it into the queue. An executor that knew callback groups would
-        need no such turn; EventsExecutor does not.
+        The executor calls the callback and sends what it returns. So the callback hands on what
+        was asked, and sending means: put it into the queue. An executor that knew callback groups
+        would need no such turn; EventsExecutor does not.
         """
         service = node.create_service(kind, name, lambda *asked: asked)
         send = service.send_response
-        service.send_response = lambda asked, header: self.do(lambda: send(handler(*asked), header))
+
+        def answer(asked, header):
+            self.do(lambda: send(handler(*asked), header))
+        service.send_response = answer
 
     def do(self, job):
         """Do a job, a callable that does not raise, after those that wait."""
@@ -48,10 +51,14 @@ class Worker:
         if self._stopping:
             raise Abandoned('abandoned: the node stops')
 
-    def stop(self, patience=None):
-        """End after the job in hand, jobs that check are abandoned; wait for it up to ``patience`` [s]."""
+    def abandon(self):
+        """Have the job in hand give up, if it checks, and begin no other."""
         self._stopping = True
         self._jobs.put(None)
+
+    def stop(self, patience=None):
+        """Abandon the job in hand and wait for its end, up to ``patience`` [s]."""
+        self.abandon()
         self._thread.join(patience)
 
     def _run(self):

@@ -5,18 +5,23 @@ import argparse
 from contextlib import contextmanager
 
 from ..arguments import not_negative
+from . import several
 
 BAD = 3         # exit code: done, but what was asked about is not as it should be
+MANY = object()
 PLACES = 50     # of damage that are printed one by one
 DESCRIPTION = """\
 Recorded runs. BAG is the folder of a bag or its .mcap file: finished, cut by a crash, or still being
-written. Nothing here changes a bag or overwrites a file.
+written. Nothing here changes a bag or overwrites a file. info and recompute take several bags, and folders
+of bags, each bag in a process of its own.
 """
 EPILOG = """\
 examples:
   fourbar bag info bags/run --check
   fourbar bag recover bags/run                        makes bags/run_recovered
   fourbar bag recompute bags/run
+  fourbar bag info bags --check                       all bags below a folder
+  fourbar bag recompute bags --json                   a line of JSON for every bag
   fourbar bag export bags/run -o run.npz
   fourbar bag plot bags/run state.theta4 loads.f41 -o run.png
   fourbar bag diff bags/run bags/other --tolerance 1e-12
@@ -25,7 +30,8 @@ exit codes: 0 good; 1 an error, said in one line; 2 bad arguments; 130, 143 ende
 nothing half-made left; 3 done, but
   info       the bag is not finished, damaged, or messages are missing
   recover    something was lost or damaged
-  recompute  a value differs by more than the tolerance
+  recompute  a value differs by more than the tolerance, a message is missing, doubled or without its input, or
+             nothing could be compared
   diff       the bags differ
 """
 
@@ -39,12 +45,17 @@ def add(verbs):
 
     def action(name, run, text, more='', bags=1):
         made = actions.add_parser(name, help=text, description=f'{text[0].upper()}{text[1:]}. {more}')
-        for metavar in ('BAG',) if bags == 1 else ('FIRST', 'SECOND'):
+        if bags is MANY:
+            made.add_argument('bags', metavar='BAG', nargs='+', help='folder of a bag, .mcap file, or folder of bags')
+            made.add_argument('--jobs', type=int, default=0, metavar='N',
+                              help='so many bags at a time, default: one for each processor')
+        for metavar in () if bags is MANY else ('BAG',) if bags == 1 else ('FIRST', 'SECOND'):
             made.add_argument(metavar.lower(), metavar=metavar, help='folder of a bag or .mcap file')
         made.set_defaults(run=run)
         return made
 
-    info = action('info', _info, 'what is in a bag and whether it is sound')
+    info = action('info', several.info, 'what is in a bag and whether it is sound', bags=MANY)
+    _json(info)
     info.add_argument('--check', action='store_true',
                       help='read every message: checksums, and numbers that show a missing one')
 
@@ -52,9 +63,10 @@ def add(verbs):
                      'Every whole record is copied, checked against its checksum; the old bag is only read.')
     recover.add_argument('-o', '--out', metavar='DIR', help='folder of the new bag; default NAME_recovered')
 
-    recompute = action('recompute', _recompute, 'compute every recorded output again and compare',
+    recompute = action('recompute', several.recompute, 'compute every recorded output again and compare',
                        'The motion of the input and the scene are in the bag. A bag of this version of the '
-                       'software differs by exactly 0.')
+                       'software differs by exactly 0.', bags=MANY)
+    _json(recompute)
     _tolerance(recompute)
     _node(recompute)
 
@@ -75,6 +87,7 @@ def add(verbs):
                   'Messages with the same stamp are compared field by field.', bags=2)
     _tolerance(diff)
     _topics(diff)
+    _json(diff)
 
     scene = action('scene', _scene, 'print the scene of a bag as a parameter file',
                    'For a node that is to be driven by the bag (drive.source: motion): see fourbar replay '
@@ -82,6 +95,10 @@ def add(verbs):
     scene.add_argument('--drive', choices=('motion', 'timer'), default='motion',
                        help='what moves the input of that node (default motion)')
     _node(scene)
+
+
+def _json(parser):
+    parser.add_argument('--json', action='store_true', help='a line of JSON for every bag; keys: docs/recording.md')
 
 
 def _node(parser):
@@ -97,20 +114,19 @@ def _topics(parser):
     parser.add_argument('--topics', nargs='+', metavar='TOPIC', help='only these')
 
 
-def _info(arguments):
+def print_info(bag, found, arguments):
+    """Print the Info of one bag."""
     from datetime import datetime
 
-    from ..bag.info import info, software_of
+    from ..bag.info import software_of
     from ..show import make_console, plain_table
-    with _progress(arguments.bag, 'reading') as step:
-        found = info(arguments.bag, arguments.check, step)
     console = make_console()
     about = plain_table(str(found.file), ('', ''))
     about.show_header = False
     seconds = (found.end - found.start) * 1e-9 if found.start is not None else 0.0
     read = 'read up to the damage' if found.damage else 'every message read'
     about.add_row('state', found.state + (f', {read}' if arguments.check else ''))
-    about.add_row('size', f'{found.size / 1e6:.3f} MB')
+    about.add_row('size', f'{found.size / 1e6:.3f} MB' + (f' in {found.parts} parts' if found.parts > 1 else ''))
     if found.start is not None:
         about.add_row('start', datetime.fromtimestamp(found.start * 1e-9).astimezone().isoformat(' ', 'milliseconds'))
     about.add_row('duration', f'{seconds:.3f} s')
@@ -130,12 +146,11 @@ def _info(arguments):
         console.print('it was cut, by a crash or a full disk: fourbar bag recover makes it whole')
     elif found.damage:
         console.print('fourbar bag recover makes a whole bag of the rest')
-    return 0 if found.is_sound else BAD
 
 
 def _recover(arguments):
     from ..bag.recover import recover
-    with _progress(arguments.bag, 'recovering') as step:
+    with progress(arguments.bag, 'recovering') as step:
         found = recover(arguments.bag, arguments.out, step)
     print(f'{found.path}: {found.messages} messages, '
           + (f'{found.lost} bytes lost' if found.lost else 'nothing lost'))
@@ -148,11 +163,9 @@ def _recover(arguments):
     return BAD if found.lost or found.damaged or found.missing else 0
 
 
-def _recompute(arguments):
-    from ..bag.recompute import compare
+def print_recomputed(bag, found, arguments):
+    """Print the Recomputed of one bag."""
     from ..show import make_console, plain_table
-    with _progress(arguments.bag, 'recomputing') as step:
-        found = compare(arguments.bag, step, arguments.node)
     console = make_console()
     table = plain_table('', ('topic', 'field', 'messages>', 'largest difference>'))
     for topic in dict.fromkeys(difference.topic for difference in found.differences):
@@ -172,16 +185,14 @@ def _recompute(arguments):
                         (found.uncertain, 'outputs not compared: the bag does not tell what they follow from')):
         if count:
             print(f'{count} {text}')
-    problems = found.problems(arguments.tolerance)
-    for problem in problems:
+    for problem in found.problems(arguments.tolerance):
         print(f'bad: {problem}')
-    return BAD if problems else 0
 
 
 def _export(arguments):
     from ..bag.export import export
     format_ = arguments.format or ('npz' if arguments.out.endswith('.npz') else 'csv')
-    with _progress(arguments.bag, 'exporting') as step:
+    with progress(arguments.bag, 'exporting') as step:
         written = export(arguments.bag, arguments.out, format_, arguments.topics, step)
     for name, rows in written.items():
         print(f'{arguments.out}: {name}, {rows} rows')
@@ -189,7 +200,7 @@ def _export(arguments):
 
 def _plot(arguments):
     from ..bag.plot import plot
-    with _progress(arguments.bag, 'reading') as step:
+    with progress(arguments.bag, 'reading') as step:
         plot(arguments.bag, arguments.fields, arguments.out, step)
     print(arguments.out)
 
@@ -197,8 +208,13 @@ def _plot(arguments):
 def _diff(arguments):
     from ..bag.diff import diff
     from ..show import make_console, plain_table
-    with _progress(arguments.first, 'comparing topic by topic') as step:
+    with progress(arguments.first, 'comparing topic by topic') as step:
         found = diff(arguments.first, arguments.second, arguments.topics, step)
+    same = all(topic.is_same(arguments.tolerance) for topic in found)
+    if arguments.json:
+        from ..bag import as_json
+        print(as_json.line(as_json.of_diff(arguments.first, arguments.second, found, arguments.tolerance)))
+        return 0 if same else BAD
     table = plain_table('', ('topic', 'in both>', 'only first>', 'only second>', 'field', 'largest difference>'))
     for topic in found:
         worst = [d for d in topic.differences if d.largest > arguments.tolerance]
@@ -207,7 +223,7 @@ def _diff(arguments):
         for difference in worst[1:]:
             table.add_row('', '', '', '', difference.field, f'{difference.largest:g}')
     make_console().print(table)
-    return 0 if all(topic.is_same(arguments.tolerance) for topic in found) else BAD
+    return 0 if same else BAD
 
 
 def _scene(arguments):
@@ -216,7 +232,7 @@ def _scene(arguments):
 
 
 @contextmanager
-def _progress(path, text):
+def progress(path, text):
     """Show a bar on the terminal while a bag is read; gives the function to call with the bytes read."""
     from rich.console import Console
     from rich.progress import Progress

@@ -11,7 +11,7 @@ from fourbar_msgs.msg import Motion
 from fourbar_ros import interfaces
 from fourbar_ros.bag.info import info
 from fourbar_ros.ros.messages import resolve
-from fourbar_ros.ros.stop import SIGNALS
+from fourbar_ros.ros.stop import SIGNALS, Stop
 from harness import ALL_OUTPUTS, PATIENCE
 from scenes import PAPER, RODS
 
@@ -136,3 +136,24 @@ def test_every_node_is_there_once_and_has_all_its_services(run_node, client, nam
     client.until(lambda: expected <= services().keys(), 'its services')
     names = [n for n in client.node.get_node_names_and_namespaces() if n != ('tester', '/')]
     assert names == [(name, namespace)]
+
+
+def test_a_flag_takes_signals_from_within_signals():
+    """Every tenth of a millisecond, also while the handler runs: an Event would wait for its own lock."""
+    stop, before = Stop().catch(), signal.getsignal(signal.SIGALRM)
+    signal.signal(signal.SIGALRM, lambda *_: [signal.raise_signal(number) for number in SIGNALS])
+    signal.setitimer(signal.ITIMER_REAL, 1e-4, 1e-4)
+    try:
+        for _ in range(20_000):
+            signal.raise_signal(signal.SIGTERM)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+        stop.restore()
+    assert stop.requested and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_nothing_but_a_flag_is_set_in_a_handler():
+    """The pattern that could hang the node is nowhere else."""
+    for file in (Path(__file__).parents[2] / 'fourbar_ros').rglob('*.py'):
+        assert file.name == 'stop.py' or 'signal.signal(' not in file.read_text(), file

@@ -1,0 +1,79 @@
+"""Several bags at once: found below folders, worked on by processes of their own."""
+from __future__ import annotations
+
+import os
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+
+from ..core import FourBarError
+from . import BagError, rosbag2
+
+
+def bags_below(paths):
+    """
+    Return the bags that are meant by paths: bags themselves, or folders that hold bags at any depth.
+
+    A bag that is in several of them is named once. Raises BagError where there is none.
+    """
+    found = {}
+    for path in map(Path, paths):
+        bags = _bags_in(path)
+        if not bags:
+            raise BagError(f'{path}: holds no bags')
+        found |= {bag.resolve(): bag for bag in reversed(bags) if bag.resolve() not in found}
+    return sorted(found.values())
+
+
+def _bags_in(path):
+    if not path.is_dir():
+        rosbag2.files_of(path)                           # says that there is no such bag
+        return [path]
+    if next(path.glob('*.mcap'), None):
+        try:
+            rosbag2.files_of(path)
+            return [path]
+        except BagError:                                 # loose files of several bags
+            return sorted(path.glob('*.mcap'))
+    return [bag for below in sorted(path.iterdir()) if below.is_dir() for bag in _bags_in(below)]
+
+
+def each(work, bags, jobs=0, done=None):
+    """
+    Return ``work(bag)`` for every bag in order, from ``jobs`` processes; an error takes the place of its result.
+
+    Parameters
+    ----------
+    work : callable
+        A function of a module, or a partial of one.
+    bags : list
+    jobs : int
+        0: as many as there are processors.
+    done : callable, optional
+        Called with the number of bags that are done.
+
+    """
+    jobs = min(jobs or os.cpu_count() or 1, len(bags))
+    if jobs < 2:
+        return [_tell(_attempted(work, bag), number, done) for number, bag in enumerate(bags, 1)]
+    # Started anew, not forked: this process may have threads.
+    pool = ProcessPoolExecutor(jobs, mp_context=get_context('spawn'))
+    try:
+        futures = [pool.submit(_attempted, work, bag) for bag in bags]
+        return [_tell(future.result(), number, done) for number, future in enumerate(futures, 1)]
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _tell(result, number, done):
+    if done:
+        done(number)
+    return result
+
+
+def _attempted(work, bag):
+    """Return what the work returns, or the error that it ends in, as text that any process can read."""
+    try:
+        return work(bag)
+    except (FourBarError, OSError) as error:
+        return BagError(str(error))
