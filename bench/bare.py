@@ -30,7 +30,7 @@ def run(kind, rate, outputs):
         if name == 'joint_states':                  # as many bytes as the real one
             message.name = ['crank', 'coupler', 'coupler_output', 'output']
             message.position = message.velocity = message.effort = [0.0] * 4
-        messages.append((message, node.create_publisher(kind_of, OUTPUTS[name].topic, 10)))
+        messages.append((message, node.create_publisher(kind_of, f'~/{name}', 10)))
 
     def send(stamp):
         for message, publisher in messages:

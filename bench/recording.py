@@ -18,7 +18,6 @@ PERIOD = 5                                          # [s] after which the record
 ROUNDS = 5
 KILLS = 4
 KINDS = ('busy', 'slow')
-SECONDS, NODE_ROUNDS = 4.0, 3
 STAMP = struct.Struct('<iI')
 
 
@@ -114,28 +113,16 @@ def cost_table(channels, about, messages):
 
 
 def node_table():
-    """Print the CPU of a node at RATE with recorder off and on, while somebody listens to everything."""
+    """Print the CPU of a node at RATE with its recorder off and on, while somebody listens to everything."""
     import rclpy
 
-    from bench.node import FULL, node, timed
-    found = {'off': [], 'on': []}
+    from bench.node import recorder
     rclpy.init()
-    with tempfile.TemporaryDirectory() as folder:
-        for _ in range(NODE_ROUNDS):
-            for state, used in found.items():
-                def make(on=state == 'on'):
-                    return node({'outputs': FULL, 'drive.rate': float(RATE), 'recording.start': on,
-                                 'recording.directory': folder})
-                got, _, late, cpu = timed(make, 'fourbar', float(RATE), FULL, SECONDS)
-                used.append((cpu, got, late))
-    rclpy.try_shutdown()
-    (off, off_got, off_late), (on, on_got, on_late) = ([median(c) for c in zip(*found[s])] for s in ('off', 'on'))
-    print(f'\nA node at {RATE} Hz with all {len(FULL)} outputs heard, CPU of the process:\n')
-    print('| recorder | rate got [Hz] | late p99 [us] | CPU a step [us] | ratio | CPU a recorded message [us] |')
-    print('| --- | --- | --- | --- | --- | --- |')
-    print(f'| off | {off_got:.0f} | {off_late:.0f} | {off:.0f} | 1 | |')
-    # on, the crank's motion is a sixth message, made and published for the bag
-    print(f'| on | {on_got:.0f} | {on_late:.0f} | {on:.0f} | {on / off:.2f} | {(on - off) / (len(FULL) + 1):.1f} |')
+    print('\nA node whose recorder is off and on in turns; on, the motion of the input is a sixth message:\n')
+    try:
+        recorder(float(RATE))
+    finally:
+        rclpy.try_shutdown()
 
 
 def kill_table():

@@ -14,7 +14,6 @@ from .. import interfaces, joints
 from ..estimator import estimator_of
 from ..records import is_time
 from . import qos
-from .inputs import Reader
 from .messages import resolve, sec_nanosec
 from .sequence import Sequence, WithInfo
 
@@ -63,13 +62,13 @@ class TimerDrive(Drive):
 
     def start(self):
         """Start the thread."""
-        self._stop = threading.Event()
+        self._stopping = False
         self._thread = threading.Thread(target=self._guarded, name='drive', daemon=True)
         self._thread.start()
 
     def stop(self):
         """Stop it and wait for the sample in hand."""
-        self._stop.set()
+        self._stopping = True
         self._thread.join()
 
     def _guarded(self):
@@ -82,18 +81,20 @@ class TimerDrive(Drive):
         settings, angle, began = self.settings, self.settings.start, time.monotonic()
         offset, checked = self._offset(), began
         sample, period = 0, 1.0 / settings.rate
-        while not self._stop.is_set():
+        while not self._stopping:
             elapsed = sample * period
             wait = began + elapsed - time.monotonic()
-            if wait > 0.0:
-                time.sleep(min(wait, SLEEP))
+            if wait > SLEEP:
+                time.sleep(SLEEP)
                 continue
-            if wait < -CATCH_UP:                         # suspended, or a rate this machine cannot do
+            if wait > 0.0:
+                time.sleep(wait)
+            elif wait < -CATCH_UP:                       # suspended, or a rate this machine cannot do
                 skipped = int(-wait / period)
                 self.counts['missed'] += skipped
                 sample += skipped
                 continue
-            if -wait > period:
+            elif -wait > period:
                 self.counts['late'] += 1
             moment = began + elapsed
             if moment - checked > CHECK_CLOCK:
@@ -186,6 +187,8 @@ class TopicDrive(Drive):
 
     def apply(self, settings):
         """Take over settings; the estimate starts afresh."""
+        from .inputs import Reader           # only these drives need the definitions of messages
+
         super().apply(settings)
         self._scale = joints.Scale(settings.joint_ratio, settings.joint_offset)
         self._read = Reader(self._topic.type, settings.joint)

@@ -5,7 +5,6 @@ import contextlib
 import json
 import os
 import platform
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import NamedTuple
 
@@ -148,6 +147,8 @@ def directory_of(scene):
 
 def software():
     """Return {name: version} of what made a bag."""
+    from importlib.metadata import PackageNotFoundError, version     # 15 ms, and only bags ask
+
     found = {'fourbar_ros': __version__, 'python': platform.python_version()}
     for name in SOFTWARE:
         for distribution in (name, f'ros-jazzy-{name}'):

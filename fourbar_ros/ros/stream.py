@@ -141,7 +141,8 @@ class Stream:
             outputs = [output for output in outputs if output.has_something(values)]
         packed = [(output, output.pack(stamp, status, mode, values)) for output in outputs]
         for output, data in packed:
-            output.publish(data)
+            if output.is_heard:                          # it may be wanted for the bag alone
+                output.publish(data)
         if recording.active:
             for output, data in packed:
                 recording.write(output.name, data)

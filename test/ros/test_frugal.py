@@ -39,7 +39,9 @@ for k in range(5):
     node.stream.step(sec_nanosec(k), 0.1 * k, 1.0, 0.0)
 topics = sorted(name for name, _ in node.get_publisher_names_and_types_by_node('fourbar', '/'))
 print(json.dumps({'calls': calls, 'topics': topics,
-                  'imported': [m for m in ('scipy', 'mcap', 'matplotlib', 'rich', 'fourbar_ros.core.extrema')
+                  'bag': [m for m in sys.modules if m.startswith(('fourbar_ros.bag', 'fourbar_ros.ros.inputs'))],
+                  'imported': [m for m in ('scipy', 'mcap', 'matplotlib', 'rich', 'fourbar_ros.core.extrema',
+                                        'importlib.metadata', 'fourbar_ros.bag.writer')
                                if m in sys.modules]}))
 node.close()
 listener.destroy_node()
@@ -67,3 +69,8 @@ def test_outputs_that_nobody_hears_are_not_computed():
     assert set(run(everything)['calls']) == {'motion'}          # only state is heard
     assert run(everything, heard='not heard')['calls'] == []
     assert run(everything, heard='left')['calls'] == []         # the reader has gone again
+
+
+def test_a_scene_on_the_clock_that_is_not_recorded_needs_nothing_of_bags_and_inputs():
+    found = run({**PAPER, 'outputs': ['state'], 'drive.rate': 1.0})
+    assert (found['bag'], found['imported']) == ([], [])

@@ -1,0 +1,171 @@
+"""What the measurements of the node share: nodes in processes of their own, and one that listens and drives them."""
+import json
+import os
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+PAPER = {'linkage.a1': 0.4, 'linkage.a2': 1.2, 'linkage.a3': 0.8, 'linkage.a4': 1.0,
+         'bodies.rods.density': 7750.0, 'bodies.rods.radius': 0.01, 'drive.speed': 25.0}
+KINEMATICS = ['state']
+FULL = ['state', 'output', 'joint_states', 'loads', 'shaking_wrench']
+PATIENCE = 30.0        # [s] for discovery
+SETTLE = 1.0           # [s] after it, before anything is measured
+STAMP = struct.Struct('<iI')
+os.environ.setdefault('ROS_DOMAIN_ID', str(1 + os.getpid() % 100))
+os.environ.setdefault('ROS_LOG_DIR', tempfile.mkdtemp(prefix='fourbar_bench_'))
+
+
+class Child:
+    """A process under measurement."""
+
+    def __init__(self, name, *command):
+        self.name, self.started = name, time.time()
+        self.process = subprocess.Popen([sys.executable, *command], cwd=ROOT, stdout=subprocess.DEVNULL,
+                                        stderr=subprocess.DEVNULL)
+        self._clock = (~self.process.pid << 3) | 2      # clock_getcpuclockid(3): all its threads, in nanoseconds
+
+    def cpu(self):
+        """Return the CPU time used so far [s]."""
+        return time.clock_gettime(self._clock)
+
+    def rss(self):
+        """Return the resident memory [MB]."""
+        return int(Path(f'/proc/{self.process.pid}/statm').read_text().split()[1]) * os.sysconf('SC_PAGE_SIZE') / 1e6
+
+    def stop(self):
+        """End it; return how long that took [s]."""
+        began = time.monotonic()
+        self.process.send_signal(signal.SIGTERM)
+        self.process.wait(20)
+        return time.monotonic() - began
+
+
+def ours(outputs=KINEMATICS, **parameters):
+    """Start fourbar_node with these outputs and parameters (dots written as two underscores)."""
+    values = {**PAPER, 'outputs': outputs, **{name.replace('__', '.'): value for name, value in parameters.items()}}
+    file = Path(tempfile.mkdtemp()) / 'scene.yaml'
+    file.write_text(json.dumps({'/**': {'ros__parameters': values}}))
+    return Child('fourbar', '-m', 'fourbar_ros.ros.node', '--ros-args', '--params-file', str(file),
+                 '-r', 'joint_states:=/fourbar/joint_states')
+
+
+def bare(kind, outputs=KINEMATICS, rate=1.0):
+    """Start the bare node."""
+    return Child('bare', '-m', 'bench.bare', kind, str(rate), *outputs)
+
+
+class Listener:
+    """
+    Hears the state of a child in raw bytes: arrival times and stamps; drives its input.
+
+    Its other outputs have a reader too, but of a node that nobody spins: they are delivered, and cost this
+    process as little as can be.
+    """
+
+    def __init__(self, name, outputs=KINEMATICS):
+        import rclpy
+        from fourbar_msgs.msg import Motion
+        from rclpy.experimental import EventsExecutor
+        from rclpy.serialization import serialize_message
+
+        self.node = rclpy.create_node(f'listener_of_{name}')
+        self._deaf = rclpy.create_node(f'reader_of_{name}')
+        self.arrived = []                               # (time of arrival, stamp) [ns]
+        for output in outputs:
+            self._subscribe(output, f'/{name}/{output}')
+        self._input = self.node.create_publisher(Motion, f'/{name}/input', 10)
+        self._motion = bytearray(serialize_message(Motion(position=0.3, velocity=25.0)))
+        self._executor = EventsExecutor()
+        self._executor.add_node(self.node)
+        self._running = True
+        self._thread = threading.Thread(target=self._spin, daemon=True)
+        self._thread.start()
+
+    def _subscribe(self, output, topic):
+        from fourbar_ros.interfaces import OUTPUTS
+        from fourbar_ros.ros.messages import resolve
+        kind = resolve(OUTPUTS[output].type)
+        if output == 'state':
+            self.node.create_subscription(kind, topic, self._take, 1000, raw=True)
+        else:
+            self._deaf.create_subscription(kind, topic, lambda data: None, 1, raw=True)
+
+    def _spin(self):
+        while self._running:
+            self._executor.spin_once(timeout_sec=0.1)
+
+    def _take(self, data):
+        now = time.time_ns()
+        sec, nanosec = STAMP.unpack_from(data, 4)       # behind the 4 bytes of the encapsulation
+        self.arrived.append((now, sec * 10**9 + nanosec))
+
+    def send(self):
+        """Send an input stamped with the time."""
+        STAMP.pack_into(self._motion, 4, *divmod(time.time_ns(), 10**9))
+        self._input.publish(bytes(self._motion))
+
+    def wait(self, poke=None):
+        """Wait for the first message, and then until all is found; ``poke`` is called meanwhile."""
+        end = time.monotonic() + PATIENCE
+        while not self.arrived and time.monotonic() < end:
+            if poke:
+                poke()
+            time.sleep(0.02)
+        if not self.arrived:
+            raise RuntimeError('nothing heard')
+        time.sleep(SETTLE)
+
+    def close(self):
+        """Leave the graph."""
+        self._running = False
+        self._thread.join()
+        self._executor.shutdown()
+        self.node.destroy_node()
+        self._deaf.destroy_node()
+
+
+class Slice:
+    """CPU time and answers of a child during a part of a measurement: between entry and exit."""
+
+    def __init__(self, child, listener):
+        self._child, self._listener = child, listener
+
+    def __enter__(self):
+        self._cpu, self._count = self._child.cpu(), len(self._listener.arrived)
+        self.began = time.monotonic()
+        return self
+
+    def __exit__(self, *_):
+        got = self._listener.arrived[self._count:]
+        self.seconds, self.cpu = time.monotonic() - self.began, self._child.cpu() - self._cpu
+        self.arrived = [arrived for arrived, _ in got]
+        self.late = [(arrived - stamp) * 1e-3 for arrived, stamp in got]      # [us]
+
+    @property
+    def per_step(self):
+        """Return the CPU time per answer [us]."""
+        return self.cpu / max(len(self.late), 1) * 1e6
+
+
+def sent(rate, seconds, sends):
+    """Call the functions in turn, ``rate`` times a second, on an absolute grid; return how often."""
+    began, total = time.monotonic(), int(rate * seconds)
+    for k in range(total):
+        wait = began + k / rate - time.monotonic()
+        if wait > 0.0:
+            time.sleep(wait)
+        sends[k % len(sends)]()
+    return total
+
+
+def percentile(values, share):
+    """Return a percentile of a list, NaN of an empty one."""
+    ordered = sorted(values)
+    return ordered[min(len(ordered) - 1, int(share * len(ordered)))] if ordered else float('nan')
