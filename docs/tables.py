@@ -13,7 +13,7 @@ sys.path.insert(0, str(ROOT))
 
 from fourbar_ros.core.kinds import KINDS  # noqa: E402
 from fourbar_ros.core.quantities import QUANTITIES, known  # noqa: E402
-from fourbar_ros.interfaces import APPLIED, DRIVEN, INPUTS, OUTPUTS, SCENE, SERVICES, WRENCHES  # noqa: E402
+from fourbar_ros.interfaces import APPLIED, DRIVEN, FIND_EXTREMA, INPUTS, OUTPUTS, SCENE, SERVICES, WRENCHES  # noqa: E402
 from fourbar_ros.parameters import PARAMETERS, POINT, REQUIRED  # noqa: E402
 
 PAGE = ROOT / 'docs' / 'node.md'
@@ -59,6 +59,8 @@ def tables():
         'always': table(('topic', 'type', 'what'), [(f'`{t.topic}`', f'`{t.type}`', t.text) for t in (DRIVEN, SCENE)]),
         'services': table(('service', 'type', 'what'),
                           [(f'`{s.service}`', f'`{s.type}`', s.text) for s in SERVICES.values()]),
+        'actions': table(('action', 'type', 'what'),
+                         [(f'`{FIND_EXTREMA.service}`', f'`{FIND_EXTREMA.type}`', FIND_EXTREMA.text)]),
         'parameters': table(('parameter', 'type', 'unit', 'default', 'allowed', 'live', 'what'),
                             [(f'`{p.name}`', p.type, p.unit, default(p), p.allowed, 'yes' if p.live else '', p.text)
                              for p in (*PARAMETERS.values(), *POINT.values())]),

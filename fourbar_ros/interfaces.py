@@ -97,3 +97,6 @@ SERVICES = {service.name: service for service in (
     Service('stop_recording', '~/stop_recording', 'std_srvs/srv/Trigger',
             'close the bag; the message is its path', 'bag'),
 )}
+
+FIND_EXTREMA = Service('find_extrema', '~/find_extrema', 'fourbar_msgs/action/FindExtrema',
+                       'the same search, quantity by quantity, with feedback; can be canceled', 'search')

@@ -46,6 +46,7 @@ class FourBarNode(Node):
         self.workers = {name: Worker(name) for name in
                         dict.fromkeys(service.worker for service in interfaces.SERVICES.values()) if name}
         services.create(self)
+        self._extrema = self._action_server()
         self._diagnostics = Diagnostics(self)
         if scene.recording.start:
             self.recording.begin(scene, self.stream.start_recording)
@@ -63,6 +64,14 @@ class FourBarNode(Node):
             return None
         from .wrenches import WrenchInputs               # and its messages
         return WrenchInputs(self, self.stream, self.recording)
+
+    def _action_server(self):
+        try:
+            from .actions import ExtremaServer
+            return ExtremaServer(self)
+        except ModuleNotFoundError as error:             # messages of an older version are installed
+            self.get_logger().warning(f'no action {interfaces.FIND_EXTREMA.service}: {error}; build fourbar_msgs again')
+            return None
 
     def apply(self, scene):
         """Take over a changed scene between two steps."""
@@ -85,6 +94,8 @@ class FourBarNode(Node):
         finally:
             self.log.flush(0.0)
             self.workers['search'].stop(PATIENCE)
+            if self._extrema:
+                self._extrema.destroy()
             self.destroy_node()
 
 

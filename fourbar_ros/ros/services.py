@@ -2,13 +2,13 @@
 from __future__ import annotations
 
 from functools import partial
-from math import isfinite, nan
+from math import nan
 from traceback import format_exc
 
 from .. import interfaces
-from ..core import FourBarError, InvalidParameter, OutOfRange
-from ..core.quantities import UnknownQuantity, select
+from ..core import FourBarError, OutOfRange
 from ..core.status import INVALID_INPUT, OK, OUT_OF_RANGE, RATES_UNKNOWN, TOGGLE, evaluate
+from .extrema import Search
 from .messages import filler, resolve, sec_nanosec, set_constants
 
 
@@ -39,59 +39,7 @@ def _answered(handler, node, request, response):
 
 def find_extrema(node, request, response):
     """Answer FindExtrema."""
-    from ..core.extrema import find_extrema as search     # not needed by a node that only streams
-
-    scene = node.stream.scene
-    linkage = scene.linkage
-    velocity = request.velocity or (scene.drive.speed if scene.drive.source == 'timer' else 0.0)
-    try:
-        modes = _modes(request, linkage)
-        if not isfinite(velocity) or velocity == 0.0:
-            raise _BadRequest(f'velocity = {velocity!r}: must be a finite speed, not zero '
-                              '(zero stands for the speed of the timer drive, if there is one)')
-        if not isfinite(request.acceleration):
-            raise _BadRequest(f'acceleration = {request.acceleration!r}: must be a finite number')
-        quantities = select(list(dict.fromkeys(request.quantities)), linkage, scene.point_quantities)
-        missing = [quantity.name for quantity in quantities if quantity.is_load and linkage.bodies is None]
-        if missing:
-            raise _BadRequest(f'{missing[0]}: the scene has no masses')
-        names = [quantity.name for quantity in quantities]
-        found = [extremum for mode in modes
-                 for extremum in search(linkage.in_mode(mode), quantities, velocity, request.acceleration,
-                                        request.certify, check=node.workers['search'].check)]
-        found.sort(key=lambda extremum: (names.index(extremum.quantity), extremum.mode))
-        response.extrema = [_extremum_message(extremum) for extremum in found]
-        response.result = response.RESULT_OK
-    except UnknownQuantity as error:
-        response.result, response.message = response.RESULT_UNKNOWN_QUANTITY, str(error)
-    except (_BadRequest, InvalidParameter) as error:
-        response.result, response.message = response.RESULT_INVALID_REQUEST, str(error)
-    except FourBarError as error:
-        response.result, response.message = response.RESULT_UNSUPPORTED, str(error)
-    return response
-
-
-def _modes(request, linkage):
-    modes = {request.MODE_OF_SCENE: (linkage.mode,), request.MODE_CROSSED: (1,), request.MODE_OPEN: (2,),
-             request.MODE_BOTH: (1, 2)}
-    if request.mode not in modes:
-        raise _BadRequest(f'mode = {request.mode}: must be 0 (of the scene), 1, 2 or 3 (both)')
-    return modes[request.mode]
-
-
-def _extremum_message(extremum):
-    message = resolve('fourbar_msgs/msg/Extremum')()
-    message.quantity, message.unit, message.mode = extremum.quantity, extremum.unit, extremum.mode
-    message.kind = getattr(message, f'KIND_{extremum.kind.upper()}')
-    message.place = getattr(message, f'PLACE_{extremum.place.upper().replace("-", "_")}')
-    message.side, message.is_global, message.proof = int(extremum.side), bool(extremum.is_global), extremum.proof
-    for name in ('theta1', 'slide', 'value', 'condition', 'value_condition'):
-        setattr(message, name, float(getattr(extremum, name)))
-    return message
-
-
-class _BadRequest(FourBarError):
-    pass
+    return Search(node.stream.scene, request, node.workers['search'].check).answer(response)
 
 
 def evaluate_one(node, request, response):
