@@ -168,13 +168,14 @@ def test_messages_that_were_compressed_one_by_one_are_read_as_they_were_sent(tmp
 
 @pytest.mark.parametrize(('name', 'said'), [
     ('run_0.mcap.zstd', 'zstd -d'), ('run_0.mcap.lz4', 'lz4 -d'), ('run_0.db3', 'rosbags-convert'),
-    ('run_0.db3.zstd', 'rosbags-convert'), ('run.bag', 'ROS 1'), ('notes.txt', 'holds no .mcap files')])
+    ('run_0.db3.zstd', 'rosbags-convert'), ('run.bag', 'ROS 1'), ('notes.txt', 'holds no')])
 def test_bags_of_other_kinds_say_what_to_do_first(tmp_path, capsys, name, said):
     (tmp_path / 'run').mkdir()
     (tmp_path / 'run' / name).write_bytes(b'something')
-    assert main(['bag', 'info', str(tmp_path / 'run')]) == 1
-    error = capsys.readouterr().err
-    assert said in error and error.count('\n') == 1
+    for verb in (['info'], ['recover'], ['export', '-o', str(tmp_path / 'out')], ['recompute']):
+        assert main(['bag', verb[0], str(tmp_path / 'run'), *verb[1:]]) == 1
+        error = capsys.readouterr().err
+        assert said in error and error.count('\n') == 1
 
 
 def test_recover_keeps_profile_encoding_and_what_is_no_cdr(tmp_path, capsys):

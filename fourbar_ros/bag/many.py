@@ -20,7 +20,7 @@ def bags_below(paths):
     for path in map(Path, paths):
         bags = _bags_in(path)
         if not bags:
-            raise BagError(f'{path}: holds no bags')
+            raise BagError(f'{path}: holds no bags{rosbag2.hint_of(path)}')
         found |= {bag.resolve(): bag for bag in reversed(bags) if bag.resolve() not in found}
     return sorted(found.values())
 

@@ -287,7 +287,7 @@ def files_of(path):
         return [path]
     files = sorted(path.glob('*.mcap'), key=_part)
     if not files:
-        raise BagError(f'{path}: holds no .mcap files{_hint(path)}')
+        raise BagError(f'{path}: holds no .mcap files{hint_of(path)}')
     if len(files) > 1 and len({_part(file)[0] for file in files}) > 1:
         told = _told_files(path)
         if not {file.name for file in files} <= told.keys():
@@ -296,7 +296,7 @@ def files_of(path):
     return files
 
 
-def _hint(path):
+def hint_of(path):
     """Return what to do with a bag of another kind."""
     if packed := sorted(path.glob('*.mcap.*')):
         tool = {'.zst': 'zstd -d', '.zstd': 'zstd -d', '.lz4': 'lz4 -d'}.get(packed[0].suffix, 'unpack')
