@@ -162,7 +162,7 @@ class SimulatedTimerDrive(Drive):
 class TopicDrive(Drive):
     """Every input message makes one step, stamped as the message; missing rates are estimated."""
 
-    COUNTED = ('received', 'lost', 'malformed', 'without_joint', 'bad_stamps', 'future', 'late', 'restarts',
+    COUNTED = ('received', 'lost', 'malformed', 'without_joint', 'bad_stamps', 'future', 'late', 'estimate_restarts',
                'timeouts', 'faults')
 
     def start(self):
@@ -205,12 +205,14 @@ class TopicDrive(Drive):
 
     def state(self):
         """Return (values, problems): how good an estimated acceleration is."""
-        self.counts.update(lost=self._sequence.lost, late=self.estimator.late, restarts=self.estimator.restarts)
+        self.counts.update(lost=self._sequence.lost, late=self.estimator.late,
+                           estimate_restarts=self.estimator.restarts)
+        lost = {} if self._sequence.is_numbered else {'lost': 'unknown: the middleware gives no numbers'}
         if isnan(self.estimator.lag) or not self._estimated:
-            return {}, []
+            return lost, []
         unit = 'm/s^2' if self._stream.scene.linkage.is_driven_by_slide else 'rad/s^2'
         noise = self.estimator.noise
-        return ({f'noise of the estimated acceleration [{unit}]': 'unknown' if isnan(noise) else f'{noise:.3g}',
+        return ({**lost, f'noise of the estimated acceleration [{unit}]': 'unknown' if isnan(noise) else f'{noise:.3g}',
                  'lag of the estimated acceleration [s]': f'{self.estimator.lag:.3g}'},
                 ['the estimated acceleration is noise'] if self.estimator.is_noise else [])
 

@@ -20,11 +20,14 @@ class Sequence:
     Attributes
     ----------
     lost : int
+    is_numbered : bool
+        Whether the middleware gives numbers at all; if not, nothing is known.
 
     """
 
     def __init__(self, publishers):
-        self._publishers, self._next, self.lost = publishers, [], 0
+        self._publishers, self._next = publishers, []
+        self.lost, self.is_numbered = 0, True
 
     def forget(self):
         """Start anew: publishers have come or gone."""
@@ -33,6 +36,7 @@ class Sequence:
     def take(self, number):
         """Note the number of a message; None if the middleware gives none."""
         if number is None:
+            self.is_numbered = False
             return
         expected = self._next
         if number in expected:

@@ -28,32 +28,38 @@ def paper(tmp_path):
     return str(file)
 
 
+def some(cases, number):
+    """Return the cases, of which all after the first ones are slow: each starts a process."""
+    return [pytest.param(*case, id=str(case[0]), marks=[pytest.mark.slow] * (k >= number))
+            for k, case in enumerate(cases)]
+
+
+QOS = 'qos_overrides./fourbar/'
 REFUSED = [
-    (['use_sim_time:=maybe'], "use_sim_time = 'maybe': must be a bool"),
-    (['start_type_description_service:=3'], 'start_type_description_service = 3: must be a bool'),
-    (['linkage.a1:=abc'], "linkage.a1 = 'abc': must be a double"),
-    (['linkage.mode:=1.0'], 'linkage.mode = 1.0: must be an integer'),
-    (['outputs:=state'], "outputs = 'state': must be"),
-    (['qos_overrides./fourbar/stat.publisher.depth:=3'], 'no such topic of this node; known: /fourbar/driven'),
-    (['qos_overrides./fourbar/state.subscription.depth:=3'], '/fourbar/state is a publisher'),
-    (['qos_overrides./fourbar/state.publisher.deph:=3'], 'must be one of reliability'),
-    (['qos_overrides./fourbar/state.publisher.depth:=three'], 'must be a number of messages'),
-    (['qos_overrides./fourbar/input.subscription.deadline:=-1'], 'must be a number of ns'),
-    (['qos_overrides./fourbar/state.publisher.reliability:=maybe'], 'reliable, best_effort'),
+    ('use_sim_time:=maybe', "use_sim_time = 'maybe': must be a bool"),
+    ('linkage.a1:=abc', "linkage.a1 = 'abc': must be a double"),
+    (QOS + 'stat.publisher.depth:=3', 'no such topic of this node; known: /fourbar/driven'),
+    (QOS + 'state.publisher.reliability:=maybe', 'reliable, best_effort'),
+    ('start_type_description_service:=3', 'start_type_description_service = 3: must be a bool'),
+    ('linkage.mode:=1.0', 'linkage.mode = 1.0: must be an integer'),
+    ('outputs:=state', "outputs = 'state': must be"),
+    (QOS + 'state.subscription.depth:=3', '/fourbar/state is a publisher'),
+    (QOS + 'state.publisher.deph:=3', 'must be one of reliability'),
+    (QOS + 'state.publisher.depth:=three', 'must be a number of messages'),
+    (QOS + 'input.subscription.deadline:=-1', 'must be a number of ns'),
 ]
 
 
-@pytest.mark.parametrize('given, why', REFUSED, ids=[given[0] for given, _ in REFUSED])
+@pytest.mark.parametrize('given, why', some(REFUSED, 4))
 def test_bad_parameters_are_refused_in_one_line(tmp_path, paper, given, why):
-    code, line = start(tmp_path, '--ros-args', '--params-file', paper, '-p', 'outputs:=[state]',
-                       *(part for rule in given for part in ('-p', rule)))
+    code, line = start(tmp_path, '--ros-args', '--params-file', paper, '-p', 'outputs:=[state]', '-p', given)
     assert code == 2 and why in line
 
 
-@pytest.mark.parametrize('arguments, why', [
+@pytest.mark.parametrize('arguments, why', some([
     (['--ros-args', '--params-fle', 'x'], '--params-fle'), (['--ros-args', '-r', 'a:b'], 'remap'),
     (['--ros-args', '-r', '__node:=a/b'], 'remap'), (['--ros-args', '--log-level', 'foo'], 'log level'),
-    (['scene.yaml'], 'scene.yaml')])
+    (['scene.yaml'], 'scene.yaml')], 2))
 def test_arguments_that_nobody_understands_are_refused_in_one_line(tmp_path, arguments, why):
     code, line = start(tmp_path, *arguments)
     assert code == 2 and why in line

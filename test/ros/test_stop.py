@@ -18,7 +18,7 @@ from scenes import PAPER, RODS
 RECORDING = {**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 200.0, 'outputs': ALL_OUTPUTS,
              'recording.start': True, 'recording.name': 'run'}
 LAUNCH = 5.0         # [s] ros2 launch waits so long after Ctrl-C before it sends SIGTERM, and then SIGKILL
-FLOODS, MANY_FLOODS = 3, 25
+FLOODS, MANY_FLOODS = 2, 25
 
 
 def catches(process, number):
@@ -78,7 +78,7 @@ def test_many_floods_of_signals(run_node, client, tmp_path, seed):
     flooded(run_node, client, tmp_path, 100 + seed)
 
 
-@pytest.mark.parametrize('wait', [0.0, 0.05, 0.1, 0.2, 0.3])
+@pytest.mark.parametrize('wait', [0.0, 0.1, 0.3])
 def test_a_signal_while_it_starts_ends_it_without_a_traceback(run_node, wait):
     """From the first line of ours on: before that, Python itself answers."""
     node = run_node(RECORDING)
