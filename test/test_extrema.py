@@ -487,6 +487,34 @@ def test_many_linkages_are_complete():
             assert [int(part[j]) for part in interior] == count_extrema(lengths[:, j].tolist())
 
 
+@pytest.mark.parametrize('size', [1e-2, 1e-4, 1e-6])
+def test_many_are_as_accurate_as_one_at_unequal_links(size):
+    rng = np.random.default_rng(2)
+    lengths = size**rng.uniform(0.0, 1.0, (4, 1000))
+    lengths = lengths[:, 2.0 * lengths.max(axis=0) < lengths.sum(axis=0)][:, :12]
+    many = find_extrema_many(*lengths)
+    for j in range(12):
+        for name in RATES:
+            rows = np.nonzero(many[name].index == j)[0]
+            alone = find_extrema(FourBar(*lengths[:, j].tolist()), name)
+            assert rows.size == len(alone)
+            for row, e in zip(rows, alone):
+                if e.place == 'limit':
+                    assert angle_between(many[name].theta1[row], e.theta1) <= 4 * EPS * e.theta1
+                else:
+                    assert angle_between(many[name].theta1[row], e.theta1) <= 10 * EPS * (6 + e.condition)
+                    assert many[name].value[row] == pytest.approx(e.value, rel=10 * EPS * (1 + e.value_condition))
+
+
+def test_many_in_arrays_of_two_dimensions():
+    lengths = np.array(PAPER)[:, None, None] * np.ones((4, 2, 3))
+    lengths[1, 1, 2] = 1.1
+    many, flat = find_extrema_many(*lengths, omega1=[[1.0], [2.0]]), find_extrema_many(*lengths.reshape(4, 6), omega1=[1.0] * 3 + [2.0] * 3)
+    for name in RATES:
+        assert all((one == other).all() for one, other in zip(many[name], flat[name]))
+    assert set(many['omega4'].index) == set(range(6))
+
+
 def test_many_refuses_rates_and_modes_it_cannot_use():
     with pytest.raises(InvalidParameter):
         find_extrema_many(*PAPER, omega1=0.0)

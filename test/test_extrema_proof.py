@@ -5,7 +5,7 @@ from extrema_reference import descartes, Polynomial
 import numpy as np
 import pytest
 
-from fourbar_ros.core import Bodies, FourBar, round_rod, sturm
+from fourbar_ros.core import Bodies, Body, FourBar, InvertedSlider, SliderCrank, round_rod, sturm
 from fourbar_ros.core import extrema as module
 from fourbar_ros.core.extrema import find_extrema
 from fourbar_ros.core.quantities import known, point_speed
@@ -13,6 +13,9 @@ from fourbar_ros.core.quantities import known, point_speed
 PAPER = (0.4, 1.2, 0.8, 1.0)
 RATES = ('omega4', 'alpha4')
 QUANTITIES = known(FourBar)
+
+
+MASSES = Bodies(Body(1.0, 0.3, 0.1, 0.02), Body(2.0, 0.4, -0.1, 0.03), Body(1.5, 0.2, 0.15, 0.05))
 
 
 def with_rods(lengths, **others):
@@ -28,6 +31,29 @@ def proofs(extrema):
 @pytest.mark.parametrize('mode', [1, 2])
 def test_rates_are_counted_exactly(lengths, mode):
     assert proofs(find_extrema(FourBar(*lengths, mode=mode), RATES, 3.0, certify=True)) == {'exact count'}
+
+
+@pytest.mark.parametrize('lengths, theta1', [((1.0, 3.0, 5.0, 5.0), 0.0), ((3.0, 4.0, 5.0, 6.0), 0.0),
+                                             ((1.0, 3.0, 5.0, 3.0), np.pi)])
+@pytest.mark.parametrize('mode', [1, 2])
+def test_extremes_at_theta1_0_and_180_degrees_are_counted(lengths, theta1, mode):
+    """There (a1 -+ a4)^2 = a3^2 - a2^2: the root lies at the end of the range of |A O4|."""
+    found = find_extrema(FourBar(*lengths, mode=mode), 'omega4', certify=True)
+    assert proofs(found) == {'exact count'}
+    assert sum(abs(np.remainder(e.theta1 - theta1 + 1.0, 2 * np.pi) - 1.0) < 1e-15 for e in found) == 1
+
+
+@pytest.mark.parametrize('mechanism, quantity', [(SliderCrank(0.1, 0.3, 0.02, bodies=MASSES), 'f43'),
+                                                 (InvertedSlider(0.1, 0.3, 0.02, bodies=MASSES), 'f32')])
+def test_magnitudes_of_forces_that_change_their_sense_are_proved(mechanism, quantity):
+    """A force along one line: its magnitude has kinks, where it is zero, and all of them are global minima."""
+    pytest.importorskip('flint')
+    found = find_extrema(mechanism, quantity, 3.0, 1.0, certify=True)
+    assert proofs(found) == {'interval bounds'}
+    zeros = [e for e in found if e.value == 0.0]
+    assert len(zeros) == 2 and all(e.is_global and e.kind == 'minimum' for e in zeros)
+    without = [e for e in find_extrema(mechanism, quantity, 3.0, 1.0, conditions=False) if e.value == 0.0]
+    assert [e.is_global for e in without] == [True, True]
 
 
 def test_no_proof_is_claimed_unless_asked():

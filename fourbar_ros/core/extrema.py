@@ -28,6 +28,8 @@ INTERIOR, LIMIT, ONE_SIDED = 'interior', 'limit', 'one-sided'
 _KINDS = {-1: MINIMUM, 1: MAXIMUM, 0: CONSTANT}
 
 SAMPLES = 128
+# A condition larger than this is that of a change point, where values of either side are not those of the other.
+TRUSTED = 1e6
 RATES = ('omega4', 'alpha4')
 
 
@@ -46,7 +48,7 @@ class Extremum(NamedTuple):
     value : float
         In the quantity's unit; +-inf at an end where the quantity is unbounded.
     is_global : bool
-        No other minimum (maximum) of the quantity in this mode is lower (higher).
+        No other minimum (maximum) of the quantity in this mode is lower (higher), as far as rounding lets tell.
     place : str
         'interior'; 'limit': where the range of the input ends, at a toggle or an end of the stroke; 'one-sided': the value
         towards the flat position of a change point, where the quantity jumps.
@@ -201,17 +203,26 @@ def _extrema(quantity, linkage, found, proof):
     """Return the extrema of one quantity by place, the global ones marked."""
     if not found:
         return []
-    low, high = min(part.value for part in found), max(part.value for part in found)
-    low, high = (v + margin * abs(v) if isfinite(v) else v for v, margin in ((low, 64 * EPS), (high, -64 * EPS)))
+    low = max(_bounds(part)[1] for part in found if part.value == min(part.value for part in found))
+    high = min(_bounds(part)[0] for part in found if part.value == max(part.value for part in found))
     found = sorted(found, key=lambda part: (part.place, part.side))
     unit, is_slide = linkage.input_unit, linkage.is_driven_by_slide
     angles = _crank_angles(linkage, found) if is_slide else [part.place for part in found]
     return [Extremum(quantity.name, quantity.unit, linkage.mode, _KINDS[part.sense], theta1, part.value,
-                     part.sense <= 0 and part.value <= low or part.sense >= 0 and part.value >= high,
+                     part.sense <= 0 and _bounds(part)[0] <= low or part.sense >= 0 and _bounds(part)[1] >= high,
                      INTERIOR if not part.side or not part.sense else ONE_SIDED if part.is_flat else LIMIT,
                      part.side, unit * part.condition, part.value_condition, proof,
                      unit * part.place if is_slide else nan)
             for part, theta1 in zip(found, angles)]
+
+
+def _bounds(part):
+    """Return between which values the value of a :class:`Found` may be: two that overlap are equal."""
+    if not isfinite(part.value):
+        return part.value, part.value
+    condition = part.value_condition if part.value_condition < TRUSTED else 0.0
+    error = max(part.noise, 4 * EPS * (16 + condition) * abs(part.value))
+    return part.value - error, part.value + error
 
 
 def _crank_angles(linkage, found):

@@ -34,7 +34,7 @@ def bilinear_factors(a1, a2, a3, a4):
 
 def scaled(lengths):
     """Return lengths times the power of two, which rounds nothing, that makes the largest about one."""
-    exponent = frexp(max(lengths))[1]
+    exponent = frexp(max(map(abs, lengths)))[1]
     return [ldexp(length, -exponent) for length in lengths]
 
 

@@ -44,13 +44,31 @@ class Series:
         return Series(self.series.cos())
 
     def sqrt(self):
-        return Series(self.series.sqrt())
+        return Root(self.series)
 
     def __neg__(self):
         return Series(-self.series)
 
     def __pow__(self, exponent):
         return Series(self.series ** exponent)
+
+
+class Root(Series):
+    """
+    The root of a series, taken only where it is calculated with.
+
+    It has its extremes where its square has them: also where that is zero and the root has a kink, as the magnitude of
+    a force along one line has where the force changes its sense.
+    """
+
+    __slots__ = ('square',)
+
+    def __init__(self, square):
+        self.square = square
+
+    @property
+    def series(self):
+        return self.square.sqrt()
 
 
 def _operator(name):
@@ -68,6 +86,11 @@ def _series(value):
     import flint
 
     return value.series if isinstance(value, Series) else flint.arb_series([value])
+
+
+def _squared_or_plain(value):
+    """Return the series of a value, or of the square of a root: with extremes at the same places."""
+    return value.square if isinstance(value, Root) else _series(value)
 
 
 def _atan2(y, x):
@@ -147,7 +170,7 @@ def _evaluator(sampler, flint):
         try:
             fields = motion(Series(flint.arb_series([unit * ball, unit])), *rates)
             state = linkage.MOTION(*fields), linkage.LOADS(*loads(fields)) if loads else NoLoads()
-            values = [_series(sampler.quantities[row].of(*state)) for row in rows]
+            values = [_squared_or_plain(sampler.quantities[row].of(*state)) for row in rows]
         except ValueError:                   # a divisor may vanish: nothing is known
             return [unknown] * len(rows)
         return [[value[i] for i in range(ORDER + 1)] for value in values]

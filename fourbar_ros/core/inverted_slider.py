@@ -28,11 +28,11 @@ from typing import NamedTuple
 from .bodies import Bodies, External
 from .dialects import dialects
 from .errors import InvalidParameter
-from .factors import difference_of_squares
+from .factors import difference_of_squares, scaled
 from .kinematics import INFINITESIMAL
 from .mechanism import CRANK, EPS, OPEN, SLIDE, THETA1, THETA2, THETA4, TRAVEL, Mechanism
 from .slider_loads import SliderLoads, make_inverted_loads
-from .triangle import make_triangle, reach, singular_slides, slide_ranges
+from .triangle import closes, make_triangle, reach, singular_slides, slide_ranges
 
 
 class InvertedSliderMotion(NamedTuple):
@@ -188,7 +188,7 @@ class InvertedSlider(Mechanism):
 
     def __post_init__(self):
         self._check(('a1', 'a4'), ('offset',))
-        if reach(*self.lengths)[1] <= 0.0:
+        if not closes(*self.lengths):
             raise InvalidParameter('offset', self.offset, 'the links cannot close: it must be shorter than '
                                    f'crank and ground together ({self.a1 + self.a4!r})')
         self._check_stroke()
@@ -232,7 +232,7 @@ class InvertedSlider(Mechanism):
         """
         if self.input == SLIDE:
             return slide_ranges(self.a4, self.a1, self.offset)
-        near, far = reach(*self.lengths)
+        near, far = reach(*scaled(self.lengths))
         if near >= 0.0:
             return ((-pi, pi),)
         low = 2.0 * atan2(sqrt(-near), sqrt(far))
@@ -245,10 +245,10 @@ class InvertedSlider(Mechanism):
 
         For a driven crank where A is at the foot of O4, l = 0, and where it is as far as that from O4, q = 0.
         """
-        a1, a4, h = self.lengths
         if self.input == SLIDE:
-            return singular_slides(a4, a1, h)
-        near, far = reach(*self.lengths)
+            return singular_slides(self.a4, self.a1, self.offset)
+        a1, a4, _ = scaled(self.lengths)
+        near, far = reach(*scaled(self.lengths))
         pole = complex(0.0, 2.0 * atanh(min(abs(a1 - a4) / (a1 + a4), 1.0 - EPS)))
         if near > 0.0:
             return [complex(0.0, 2.0 * atanh(min(sqrt(near / far), 1.0 - EPS))), pole]
@@ -258,10 +258,10 @@ class InvertedSlider(Mechanism):
     @property
     def dead_points(self):
         """Return where the bar of a driven crank turns back in this mode: up to two InvertedDeadPoint."""
-        points = []
+        points, (a1, a4, h) = [], scaled(self.lengths)
         for side in (1.0, -1.0):                       # A = +-i a1 e^{iy}
-            rise = self.offset - side * self.a1        # a4 sin y
-            run = difference_of_squares(self.a4, 0.0, self.offset, -side * self.a1)
+            rise = h - side * a1        # a4 sin y
+            run = difference_of_squares(a4, 0.0, h, -side * a1)
             if run > 0.0 and self.input == CRANK:
                 cosine, sine = -self.sign * sqrt(run), rise
                 points.append(InvertedDeadPoint(atan2(side * cosine, -side * sine), atan2(sine, cosine)))

@@ -10,13 +10,19 @@ from .dialects import rebound
 from .elliptic import POINTS_PER_FEATURE, half_turn, phases
 from .errors import InvalidParameter
 from .extrema import CONSTANT, MAXIMUM, RATES, find_extrema
+from .factors import difference_of_squares
+from .kinematics import make_motion
 from .linkage import FourBar
 from .mechanism import CROSSED, OPEN
-from .rates import SAMPLES, sine_constants, sines
+from .rates import POLISH, SAMPLES, sine_constants, sines
 from .roots import EPS, find_brackets, first_guess, fold, newton_roots, turn_after
 
 # Linkages taken at a time: their samples stay in the cache.
 CHUNK = 4096
+# Of the longest link to the shortest, from where on values are computed again by the more accurate formulas.
+UNEQUAL = 10.0
+# Values nearer to each other than this part of them may be equal, as far as their conditions tell.
+NEARLY = 1e-8
 
 
 class Extrema(NamedTuple):
@@ -29,7 +35,7 @@ class Extrema(NamedTuple):
     Parameters
     ----------
     index : ndarray of int
-        Which linkage.
+        Which linkage, in arrays of more dimensions counted as by ``ndarray.ravel``.
     theta1, value : ndarray
         Input angle [rad], in [0, 2 pi), and the quantity there; +-inf at toggles.
     is_maximum, is_global : ndarray of bool
@@ -61,6 +67,9 @@ def _two_sum(a, b):
 
 
 _constants = rebound(sine_constants, fsum=_exact_sum)
+_squares = rebound(difference_of_squares, fsum=_exact_sum)
+_make_motion = rebound(make_motion.array, fsum=_exact_sum, max=lambda *columns: np.maximum.reduce(columns),
+                       frexp=np.frexp, ldexp=np.ldexp)
 
 
 def find_extrema_many(a1, a2, a3, a4, mode=OPEN, omega1=1.0, progress=None):
@@ -70,7 +79,7 @@ def find_extrema_many(a1, a2, a3, a4, mode=OPEN, omega1=1.0, progress=None):
     Parameters
     ----------
     a1, a2, a3, a4 : array_like
-        Lengths [m]; broadcast to one dimension. Linkages that cannot be assembled have no extremes.
+        Lengths [m]; broadcast. Linkages that cannot be assembled have no extremes.
     mode, omega1 : array_like
         Assembly mode (1 or 2) and input rate [rad/s], not zero.
     progress : callable, optional
@@ -82,7 +91,7 @@ def find_extrema_many(a1, a2, a3, a4, mode=OPEN, omega1=1.0, progress=None):
         For 'omega4' and 'alpha4'.
 
     """
-    a1, a2, a3, a4, mode, omega1 = np.broadcast_arrays(*np.atleast_1d(a1, a2, a3, a4, mode, omega1))
+    a1, a2, a3, a4, mode, omega1 = (v.ravel() for v in np.broadcast_arrays(a1, a2, a3, a4, mode, omega1))
     if not (np.isfinite(omega1) & (omega1 != 0.0)).all():
         raise InvalidParameter('omega1', omega1, 'must be finite, not zero')
     if not np.isin(mode, (CROSSED, OPEN)).all():
@@ -96,7 +105,31 @@ def find_extrema_many(a1, a2, a3, a4, mode=OPEN, omega1=1.0, progress=None):
             quantity += [(index + start, *others) for index, *others in rows]
         if progress is not None:
             progress(min(start + CHUNK, sign.size) / sign.size)
-    return {name: _collect(rows) for name, rows in zip(RATES, parts)}
+    found = {name: _collect(rows) for name, rows in zip(RATES, parts)}
+    for name, part in found.items():
+        _decide_ties(name, part, lengths, mode, omega1)
+    return found
+
+
+def _decide_ties(name, part, lengths, mode, omega1):
+    """Mark as global, where values are so near that their conditions decide, those that a single linkage has."""
+    low, high = _of_each(np.minimum, part), _of_each(np.maximum, part)
+    with np.errstate(invalid='ignore'):
+        gap = np.where(part.is_maximum, high - part.value, part.value - low)
+        near = ~part.is_global & (gap <= NEARLY * np.abs(np.where(part.is_maximum, high, low)))
+    for j in np.unique(part.index[near]).tolist():
+        alone = find_extrema(FourBar(*lengths[:, j].tolist(), mode=int(mode[j])), name, float(omega1[j]))
+        rows = np.nonzero(part.index == j)[0]
+        if rows.size == len(alone):
+            part.is_global[rows] = [extremum.is_global for extremum in alone]
+
+
+def _of_each(extreme, part):
+    """Return the extreme value of the linkage of each row."""
+    if not part.index.size:
+        return part.value
+    first = np.nonzero(np.concatenate(([True], part.index[1:] != part.index[:-1])))[0]
+    return np.repeat(extreme.reduceat(part.value, first), np.diff(np.append(first, part.index.size)))
 
 
 def _search(lengths, sign, omega1):
@@ -107,6 +140,8 @@ def _search(lengths, sign, omega1):
         closes = np.all([_exact_sum([s * a for s, a in zip(row, scaled)]) > 0.0 for row in signs], axis=0)
         closes &= np.isfinite(scaled).all(axis=0) & (lengths > 0.0).all(axis=0)
         constants = np.array(np.broadcast_arrays(*_constants(*scaled, sign)))
+        limits = _limits(scaled, *constants[:2])
+    unequal = scaled.max(axis=0) > UNEQUAL * scaled.min(axis=0)
     is_flat = closes & ((constants[0] == 0.0) | (constants[1] == 0.0))
     upward, forward = sign > 0.0, omega1 > 0.0
 
@@ -125,7 +160,7 @@ def _search(lengths, sign, omega1):
     for index in np.nonzero(is_flat)[0].tolist():
         for quantity, rows in zip(found, _at_change_point(index, lengths[:, index], sign[index], omega1[index])):
             quantity += rows
-    paths = list(_paths(constants, closes & ~is_flat))
+    paths = list(_paths(constants, closes & ~is_flat, limits))
     for path in paths:
         for x, side, g, Y in path.toggles():
             for quantity, up in zip(found, ((Y > 0.0) == (upward == forward)[path.row], (g > 0.0) == upward[path.row])):
@@ -137,22 +172,52 @@ def _search(lengths, sign, omega1):
             cells, *brackets = _stack(path.brackets_of_k(lambda x, row: k_at(x, row)[0]) for path in paths)
             rows, falls, x = brackets[0], brackets[3] >= 0.0, newton_roots(k_at, *brackets)
             g, gu, _, _, X, _ = at(x, rows)
-            found[1].append((rows, fold(x), omega1[rows]**2 * g / X**3, falls == upward[rows], np.zeros(x.size, int)))
+            value = g / X**3
+            _improve(scaled, sign, unequal, rows, x.copy(), value)
+            found[1].append((rows, fold(x), omega1[rows]**2 * value, falls == upward[rows], np.zeros(x.size, int)))
             ends = np.cumsum([path.number for path in paths])
             parts = (np.split(v, ends[:-1]) for v in (cells, rows, x, g, g * X / gu))
             brackets = _stack(path.brackets_of_g(*part) for path, *part in zip(paths, *parts))
             rows, falls, x = brackets[0], brackets[3] >= 0.0, newton_roots(g_at, *brackets)
-            _, _, _, _, X, Y = at(x, rows)
-            found[0].append((rows, fold(x), omega1[rows] * Y / X, (falls == upward[rows]) == forward[rows],
+            _, _, k, _, X, Y = at(x, rows)
+            value = Y / X
+            _improve(scaled, sign, unequal, rows, x, value, k / X**5)
+            found[0].append((rows, fold(x), omega1[rows] * value, (falls == upward[rows]) == forward[rows],
                              np.zeros(x.size, int)))
     return found
+
+
+def _limits(lengths, s1, s2):
+    """Return theta1 of the toggles of each linkage, shape (2, n): near 0 and near pi; NaN where there is none."""
+    a1, a2, a3, a4 = lengths
+    return np.array((2.0 * np.arctan2(np.sqrt(-s2), np.sqrt(_squares(a1, a4, a2, -a3))),
+                     2.0 * np.arctan2(np.sqrt(_squares(a2, a3, a1, -a4)), np.sqrt(-s1))))
+
+
+def _improve(lengths, sign, unequal, rows, x, value, third=None):
+    """
+    Where links are unequal, put more accurate values of an extreme in place of others.
+
+    Of the second derivative of theta4, or, with the ``third`` one, of the first, whose place is corrected too: as it
+    is done for one linkage.
+    """
+    i = np.nonzero(unequal[rows])[0]
+    if not i.size:
+        return
+    motion = _make_motion(*lengths[:, rows[i]], sign[rows[i]])
+    fields = motion(x[i], 1.0, 0.0)
+    if third is not None:
+        correction = fields[11] / third[i]
+        x[i] -= np.where(np.abs(correction) < POLISH, correction, 0.0)
+        fields = motion(x[i], 1.0, 0.0)
+    value[i] = fields[11 if third is None else 10]
 
 
 def _stack(tuples):
     return [np.concatenate(arrays) for arrays in zip(*tuples)]
 
 
-def _paths(constants, chosen):
+def _paths(constants, chosen, limits):
     """Yield the :class:`_Path` of groups of linkages with one kind of input range and number of samples."""
     out, inside = constants[0] > 0.0, constants[1] > 0.0
     for crosses_out, crosses_in in ((False, False), (False, True), (True, False), (True, True)):
@@ -172,11 +237,12 @@ def _paths(constants, chosen):
             step = c[-1] * step * period * unit * 0.5 / c[-2]
             one, other = (-sh[::-1], ch[::-1]), (sh, ch)
             if not crosses_in and not crosses_out:
-                yield _Path(group, c, *one, step, False)
-                yield _Path(group, c, *other, step, False)
+                yield _Path(group, c, *one, step, False, limits)
+                yield _Path(group, c, *other, step, False, limits)
             else:
                 both = (one, other) if crosses_in else (other, one)
-                yield _Path(group, c, *(np.concatenate(pair) for pair in zip(*both)), step, crosses_in and crosses_out)
+                yield _Path(group, c, *(np.concatenate(pair) for pair in zip(*both)), step, crosses_in and crosses_out,
+                            limits)
 
 
 class _Path:
@@ -186,18 +252,24 @@ class _Path:
     ``step``: of u between samples, with the sign of X: shape (linkages,).
     """
 
-    def __init__(self, row, constants, sh, ch, step, is_closed):
+    def __init__(self, row, constants, sh, ch, step, is_closed, limits):
         self.row, self.sh, self.ch, self.third, self.is_closed = row, sh, ch, step / 3.0, is_closed
         self.g, self.gu, self.k, self.ku, self.X, self.Y = sines.array(sh, ch, constants)
         self.number = 0       # of roots of k
+        self._limits = limits[:, row]
 
     def angle(self, i, column):
         return 2.0 * np.arctan2(self.sh[i, column], self.ch[i, column])
 
     def toggles(self):
         """Return (theta1, side, g, Y) at the ends."""
-        return [] if self.is_closed else [(self.angle(i, slice(None)), side, self.g[i], self.Y[i])
-                                          for i, side in ((0, 1), (-1, -1))]
+        return [] if self.is_closed else [(self._end(i), side, self.g[i], self.Y[i]) for i, side in ((0, 1), (-1, -1))]
+
+    def _end(self, i):
+        """Return theta1 at an end from the lengths, without the roundings of the sample there."""
+        x, (near, far) = self.angle(i, slice(None)), self._limits
+        is_near = np.isnan(far) | (np.abs(np.abs(x) - near) < np.abs(np.abs(x) - far))
+        return np.copysign(np.where(is_near, near, far), x)
 
     def brackets_of_k(self, k_at):
         """Return (interval, row, xa, xb, fa, guess) of all roots of k."""
@@ -258,12 +330,9 @@ def _collect(rows):
     index, is_maximum, side = index.astype(int), is_maximum.astype(bool), side.astype(int)
     order = np.lexsort((theta1, index))
     index, theta1, value, is_maximum, side = (v[order] for v in (index, theta1, value, is_maximum, side))
-    is_global = np.zeros(index.size, bool)
-    if index.size:
-        first = np.nonzero(np.concatenate(([True], index[1:] != index[:-1])))[0]
-        number = np.diff(np.append(first, index.size))
-        high, low = (np.repeat(extreme.reduceat(value, first), number) for extreme in (np.maximum, np.minimum))
-        with np.errstate(invalid='ignore'):
-            is_global = np.where(is_maximum, value >= high - np.where(np.isinf(high), 0.0, 64 * EPS * np.abs(high)),
-                                 value <= low + np.where(np.isinf(low), 0.0, 64 * EPS * np.abs(low)))
-    return Extrema(index, theta1, value, is_maximum, is_global, side)
+    part = Extrema(index, theta1, value, is_maximum, np.zeros(index.size, bool), side)
+    low, high = _of_each(np.minimum, part), _of_each(np.maximum, part)
+    with np.errstate(invalid='ignore'):
+        is_global = np.where(is_maximum, value >= high - np.where(np.isinf(high), 0.0, 64 * EPS * np.abs(high)),
+                             value <= low + np.where(np.isinf(low), 0.0, 64 * EPS * np.abs(low)))
+    return part._replace(is_global=is_global)

@@ -164,6 +164,18 @@ class Sampler:
         values = self.values(x + 1j * STEP)[row, ..., np.arange(row.size)]
         return values.real, values.imag / STEP
 
+    def values_and_noise(self, x, row):
+        """
+        Return quantity ``row[i]`` at x[i], zero where it is less than its rounding error, and a bound of that.
+
+        At exact change points that is not known: zero.
+        """
+        state, i = self.state(x), np.arange(row.size)
+        with np.errstate(all='ignore'):
+            value = self._rows(state, x)[row, i]
+        noise = np.zeros(row.size) if self.flats else 0.25 * self.noise(state)[row, i]
+        return np.where(np.abs(value) <= noise, 0.0, value), noise
+
     def slope(self, x, row):
         """Return the derivative of quantity ``row[i]`` at x[i]."""
         return self.at(x, row)[1]

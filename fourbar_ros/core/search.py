@@ -46,6 +46,7 @@ class Found(NamedTuple):
     is_flat: bool = False
     condition: float = nan
     value_condition: float = nan
+    noise: float = 0.0  # bound of the rounding error of the value, beside that of its last bits
 
 
 def search_path(sampler, path, with_conditions=True):
@@ -98,11 +99,12 @@ def _interior(sampler, path, values, slopes, state, rows, with_conditions):
     if isinstance(sampler, DifferenceSampler):
         root = sampler.polish(root, row, sense)
     place = sampler.fold(root)
-    value = sampler.values(place)[row, np.arange(row.size)]
+    value, noise = sampler.values_and_noise(place, row)
     conditions = (sampled_conditions(sampler, root, row, spacing) if with_conditions
                   else np.full((2, row.size), nan))
-    return [Found(*fields, 0, False, *pair) for *fields, pair in zip(
-        *(v.tolist() for v in (row, place, value, sense)), zip(*(v.tolist() for v in conditions)))]
+    conditions = conditions[0], np.where(value == 0.0, inf, conditions[1])
+    return [Found(*fields[:4], 0, False, *fields[4:])
+            for fields in zip(*(v.tolist() for v in (row, place, value, sense, *conditions, noise)))]
 
 
 def _at_stroke(sampler, end, side, slopes, rows):

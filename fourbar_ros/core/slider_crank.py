@@ -33,10 +33,10 @@ from typing import NamedTuple
 from .bodies import Bodies, External
 from .dialects import dialects, where
 from .errors import InvalidParameter
-from .factors import difference_of_squares
+from .factors import difference_of_squares, scaled
 from .mechanism import CRANK, OPEN, SLIDE, THETA1, THETA2, THETA3, TRAVEL, Mechanism
 from .slider_loads import SliderLoads, make_slider_crank_loads
-from .triangle import make_triangle, reach, singular_slides, slide_ranges
+from .triangle import closes, make_triangle, power_of_two, reach, singular_slides, slide_ranges
 
 
 class SliderCrankMotion(NamedTuple):
@@ -202,7 +202,7 @@ class SliderCrank(Mechanism):
 
     def __post_init__(self):
         self._check(('a1', 'a2'), ('offset',))
-        if reach(*self.lengths)[1] <= 0.0:
+        if not closes(*self.lengths):
             raise InvalidParameter('offset', self.offset, 'the links cannot close: it must be shorter than '
                                    f'crank and coupler together ({self.a1 + self.a2!r})')
         self._check_stroke()
@@ -244,9 +244,9 @@ class SliderCrank(Mechanism):
         For a crank that turns fully (-pi, pi). At an end that is no full turn the coupler is square to
         the guide (crank input), or in line with the crank (slider input): a toggle.
         """
-        a1, a2, e = self.lengths
         if self.input == SLIDE:
-            return slide_ranges(a1, a2, e)
+            return slide_ranges(*self.lengths)
+        a1, a2, e = scaled(self.lengths)
         below, above = fsum((a2, -e, -a1)), fsum((a2, e, -a1))      # of a2 -+ n at x = -+ pi/2
         low = atan2(e - a2, sqrt(-below * fsum((a2, -e, a1)))) if below < 0.0 else None
         high = atan2(e + a2, sqrt(-above * fsum((a2, e, a1)))) if above < 0.0 else None
@@ -279,12 +279,13 @@ class SliderCrank(Mechanism):
     @property
     def dead_points(self):
         """Return where the slider of a driven crank turns back in this mode: up to two SliderDeadPoint."""
-        points = []
-        for stretched, r, k in zip((True, False), (self.a1 + self.a2, self.a1 - self.a2), reach(*self.lengths)[::-1]):
+        points, unit = [], power_of_two(*self.lengths)
+        a1, a2, e = (length / unit for length in self.lengths)
+        for stretched, r, k in zip((True, False), (a1 + a2, a1 - a2), reach(a1, a2, e)[::-1]):
             if k > 0.0 and self.input == CRANK:
                 ahead = self.sign * sqrt(k) if stretched else -self.sign * sqrt(k)     # of A, along x
                 behind = -1.0 if r < 0.0 else 1.0                                      # B as seen from O1
-                points.append(SliderDeadPoint(atan2(behind * self.offset, ahead), behind * ahead, stretched))
+                points.append(SliderDeadPoint(atan2(behind * e, ahead), unit * behind * ahead, stretched))
         return tuple(sorted(points))
 
     def _make_motion(self, dialect, change=lambda factory: factory):

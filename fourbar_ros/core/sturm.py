@@ -11,7 +11,8 @@ theta4'' = [-e rS + s R/T^(3/2)]/(2 q^2) and theta4''' = [e (4 S - q S_q) + s rS
 with the sign of sin theta1, s is the assembly mode, R = -f S T + q (q+f)(S_q T - S T_q)/2, M = 2 q T R_q - 4 R T -
 3 q R T_q. So the extremes are the roots of P6 = (e^2 S T^3 - R^2)/q^2 and P11 = (e^2 (4 S - q S_q)^2 T^5 - S
 M^2)/q^3, of degree 6 and 11, each in one theta1 of each mode, between the largest and the smallest q of
-the motion; Sturm's theorem counts them. Polynomials are lists of integers, lowest power first.
+the motion; Sturm's theorem counts them. Where theta1 passes through 0 or pi, at an end of that range of q, S is zero
+and so is theta4'' if R is; it then changes its sign with that of rS. Polynomials are lists of integers, lowest power first.
 """
 from __future__ import annotations
 
@@ -54,7 +55,10 @@ def count_extrema(lengths):
     T3 = _mul(T, _mul(T, T))
     P6 = _add(_scale(4 * e * e, _mul(S, T3)), _scale(-1, _mul(R, R)))
     P11 = _add(_scale(4 * e * e, _mul(_mul(W, W), _mul(T3, _mul(T, T)))), _scale(-1, _mul(S, _mul(M, M))))
-    return [_count(P, low, high) for P in (P6, P11)]
+    rates, accelerations = (_count(P, low, high) for P in (P6, P11))
+    passed = ((a1 - a4)**2, (a2 - a3)**2 < (a1 - a4)**2), ((a1 + a4)**2, (a1 + a4)**2 < (a2 + a3)**2)
+    extra = sum(is_passed and _value(R, q) == 0 for q, is_passed in passed)
+    return [rates if rates is None else rates + extra, accelerations]
 
 
 def _count(P, low, high):

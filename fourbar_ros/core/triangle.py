@@ -6,7 +6,7 @@ cylinder.
 """
 from __future__ import annotations
 
-from math import sqrt
+from math import frexp, fsum, ldexp, sqrt
 
 from .dialects import dialects, where
 from .factors import difference_of_squares
@@ -62,6 +62,16 @@ def make_triangle(a1, a2, e, sign):
     return triangle
 
 
+def power_of_two(*lengths):
+    """Return the power of two in units of which the largest length is between one and two [m]."""
+    return ldexp(0.5, frexp(max(map(abs, lengths)))[1])
+
+
+def closes(p, r, e):
+    """Return whether the triangle of :func:`make_triangle` closes for some s."""
+    return fsum((p, r, -abs(e))) > 0.0
+
+
 def reach(p, r, e):
     """Return (inner, outer) distances squared, minus e^2: (p - r)^2 - e^2 and (p + r)^2 - e^2 [m^2]."""
     return difference_of_squares(p, -r, e, 0.0), difference_of_squares(p, r, e, 0.0)
@@ -69,12 +79,18 @@ def reach(p, r, e):
 
 def slide_ranges(p, r, e):
     """Return the ranges of s in which the triangle of :func:`make_triangle` closes, from below [m]."""
-    inner, outer = reach(p, r, e)
-    far = sqrt(outer)
-    return ((-far, far),) if inner <= 0.0 else ((-far, -sqrt(inner)), (sqrt(inner), far))
+    unit = power_of_two(p, r, e)
+    inner, outer = reach(p / unit, r / unit, e / unit)
+    far = unit * sqrt(outer)
+    if inner <= 0.0:
+        return ((-far, far),)
+    near = unit * sqrt(inner)
+    return ((-far, -near), (near, far))
 
 
 def singular_slides(p, r, e):
     """Return the complex s where that triangle is flat, and those where it has no side q [m]."""
-    roots = [complex(sqrt(k)) if k >= 0.0 else complex(0.0, sqrt(-k)) for k in reach(p, r, e)]
+    unit = power_of_two(p, r, e)
+    roots = [complex(unit * sqrt(k)) if k >= 0.0 else complex(0.0, unit * sqrt(-k))
+             for k in reach(p / unit, r / unit, e / unit)]
     return [*roots, *(-z for z in roots if z.imag == 0.0 != z.real), *([complex(0.0, e)] if e else [])]
