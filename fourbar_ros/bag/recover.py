@@ -72,6 +72,9 @@ def recover(path, out=None, progress=None):
         It is being written, it holds nothing, or the new bag exists.
 
     """
+    if len(rosbag2.files_of(path)) > 1:
+        from .recover_parts import recover_parts
+        return recover_parts(path, Path(out) if out else beside(path), progress)
     source = rosbag2.file_of(path)
     if is_being_written(source):
         raise BagError(f'{path}: is being written; stop the recording first')
@@ -174,10 +177,13 @@ class _Copy:
         statistics = self._scan.ending.of(Statistics) if self._scan.ending else []
         had = statistics[0].channel_message_counts if statistics else {}
         told = {} if self._scan.complete or rosbag2.ENDED in about else {rosbag2.ENDED: NO_END}
+        repeated = rosbag2.repeated(about)
         for number, channel in container.channels.items():
             count, last = container.counts.get(number, 0), container.last.get(number)
+            again = channel.topic in repeated          # one of them was counted in the part before
+            count = max(count - again, 0)
             missing = missing_of(numbers.get(channel.topic), count, last)
-            is_numbered, missing = missing is not None, max(missing or 0, had.get(number, 0) - count)
+            is_numbered, missing = missing is not None, max(missing or 0, had.get(number, 0) - again - count)
             if is_numbered:
                 first, end = numbers[channel.topic]
                 numbers[channel.topic] = first, first + count + missing if end is None else end

@@ -285,10 +285,10 @@ def files_of(path):
         raise BagError(f'{path}: no such bag')
     if path.is_file():
         return [path]
-    files = sorted(path.glob('*.mcap'), key=_part)
+    files = sorted(path.glob('*.mcap'), key=part_of)
     if not files:
         raise BagError(f'{path}: holds no .mcap files{hint_of(path)}')
-    if len(files) > 1 and len({_part(file)[0] for file in files}) > 1:
+    if len(files) > 1 and len({part_of(file)[0] for file in files}) > 1:
         told = _told_files(path)
         if not {file.name for file in files} <= told.keys():
             raise BagError(f'{path}: holds {len(files)} .mcap files of different bags, name one')
@@ -308,7 +308,7 @@ def hint_of(path):
     return ''
 
 
-def _part(file):
+def part_of(file):
     """Return (name of the bag, number of the part) of a file NAME_N.mcap."""
     stem, _, number = file.stem.rpartition('_')
     return (stem, int(number)) if number.isdecimal() else (file.stem, 0)
