@@ -121,8 +121,9 @@ def test_only_the_chunks_that_can_matter_are_read(bag, tmp_path, monkeypatch):
 def test_a_damaged_chunk_that_is_read_by_the_index_is_an_error(bag, tmp_path):
     split = as_rosbag2_splits(bag, tmp_path, (700,))
     file = split / 'run_1.mcap'
+    chunk = max(Bag(file).summary().chunk_indexes, key=lambda chunk: chunk.chunk_length)
     data = bytearray(file.read_bytes())
-    data[len(data) // 2] ^= 4
+    data[chunk.chunk_start_offset + chunk.chunk_length // 2] ^= 4
     file.write_bytes(data)
     with pytest.raises(BagError, match=r'run_1.mcap: at byte \d+: chunk'):
         list(Bag(split).raw(['/fourbar/state']))
@@ -340,8 +341,9 @@ def test_a_split_bag_that_was_killed_is_recovered_part_by_part(tmp_path):
 def test_a_damaged_part_is_named_and_the_others_are_kept(tmp_path):
     path = split_run(tmp_path, Split(duration=0.1, head=0))
     file = Bag(path).files[1]
+    chunk = max(Bag(file).summary().chunk_indexes, key=lambda chunk: chunk.chunk_length)
     data = bytearray(file.read_bytes())
-    data[len(data) // 2] ^= 4
+    data[chunk.chunk_start_offset + chunk.chunk_length // 2] ^= 4
     file.write_bytes(data)
     made = recover(path, tmp_path / 'new')
     assert made.damaged and all(text.startswith('run_1.mcap: ') for text in made.damaged) and not made.was_whole
