@@ -163,7 +163,7 @@ class TopicDrive(Drive):
     """Every input message makes one step, stamped as the message; missing rates are estimated."""
 
     COUNTED = ('received', 'lost', 'malformed', 'without_joint', 'bad_stamps', 'future', 'late', 'estimate_restarts',
-               'timeouts', 'faults')
+               'timeouts', 'deadlines_missed', 'faults')
 
     def start(self):
         """Subscribe. Raw bytes: they are what is recorded."""
@@ -177,8 +177,17 @@ class TopicDrive(Drive):
         self._sequence = Sequence(lambda: self._subscription.get_publisher_count())
         self._subscription = qos.create(
             self._node, 'subscription', resolve(self._topic.type), self._topic.topic, WithInfo(self._receive),
-            profile, raw=True, event_callbacks=SubscriptionEventCallbacks(matched=lambda _: self._sequence.forget()))
+            profile, raw=True, event_callbacks=self._events())
         self._timer = steady_timer(self._node, SLEEP, self._watch)
+
+    def _events(self):
+        events = SubscriptionEventCallbacks(matched=lambda _: self._sequence.forget())
+        if qos.has_override(self._node, 'subscription', self._topic.topic, 'deadline'):
+            events.deadline = self._deadline_missed      # not every middleware knows this event
+        return events
+
+    def _deadline_missed(self, info):
+        self.counts['deadlines_missed'] += info.total_count_change
 
     def stop(self):
         """Unsubscribe."""

@@ -22,6 +22,11 @@ def create(node, entity, message_type, topic, *given, **options):
     return make(message_type, topic, *given, **options, qos_overriding_options=QoSOverridingOptions(kinds))
 
 
+def has_override(node, entity, topic, policy):
+    """Return whether a policy of a topic is overridden."""
+    return node.has_parameter(f'{PREFIX}{node.resolve_topic_name(topic)}.{entity}.{policy}')
+
+
 def check(node, scene):
     """Raise InvalidParameter for an override that nothing of the node will ask for, or that has no such value."""
     topics = _topics(node, scene)
