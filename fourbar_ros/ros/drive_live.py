@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+import struct
 import time
 from typing import NamedTuple
 
@@ -68,7 +69,7 @@ def drive_live(path, node_name=None, rate=1.0, start=0.0, ros_args=()):
             raise BagError(f'{path}: {topic}: {why}')
     pace = Pace(rate)
     with Replayer(bag, ros_args=ros_args) as replayer:
-        live = _Live(replayer, outputs, origin.node, node_name or origin.node)
+        live = _Live(replayer, outputs, origin, node_name or origin.node)
         live.wait_until_found()
         changes = _Changes(live, bag, origin.scene, scene_topic, pace)
         changes.before(start)
@@ -181,8 +182,9 @@ class _Topic:
 class _Live:
     """The node on the other side."""
 
-    def __init__(self, replayer, outputs, recorded_node, node_name):
+    def __init__(self, replayer, outputs, origin, node_name):
         self._replayer, self._node = replayer, replayer.node
+        self._in_order, self._first, recorded_node = origin.in_order, None, origin.node
         self._executor = EventsExecutor()
         self._executor.add_node(self._node)
         self._topics = {topic: _Topic(replayer.bag.decoder(topic)) for topic in outputs}
@@ -240,12 +242,13 @@ class _Live:
     def send(self, raw):
         """Send one motion of the driven joint."""
         self._last = stamp_of(raw.data)
+        self._first = self._first or self._last
         self._input.publish(raw.data)
 
     def expect(self, raw):
-        """Keep what was recorded, if its motion was sent."""
+        """Keep what was recorded, if its motion was sent; in a bag of rosbag2 that may come later."""
         stamp = stamp_of(raw.data)
-        if stamp == self._last:
+        if stamp == self._last or not self._in_order and self._last and moment_of(stamp) >= moment_of(self._first):
             self._topics[raw.topic].expect(stamp, raw.data)
 
     def wait_for_the_rest(self, quiet=QUIET):
@@ -266,3 +269,8 @@ class _Live:
 def stamp_of(data):
     """Return the stamp of a message that begins with a header, as the bytes it has on the wire."""
     return bytes(data[4:12])
+
+
+def moment_of(stamp):
+    """Return such bytes as seconds and nanoseconds that can be compared."""
+    return struct.unpack('<iI', stamp)

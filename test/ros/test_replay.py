@@ -135,6 +135,25 @@ def test_readers_that_are_waited_for_hear_the_first_message(client, bag):
         assert stamps(heard) == stamps([r.message for r in records(bag, [topic])]), name
 
 
+def test_a_bag_of_rosbag2_drives_a_live_node_from_its_topics(run_node, client, bag, tmp_path):
+    """No word of the scene in its metadata; each step noted in the reverse order."""
+    told = [topic['topic_metadata'] for topic in Bag(bag).metadata()['topics_with_message_count']]
+    writer = BagWriter(tmp_path, 'rosbag2', [bags.channel(topic['name'], topic['type']) for topic in told], {})
+    numbers = {topic['name']: i for i, topic in enumerate(told)}
+    raws = list(Bag(bag).raw())
+    steps = [raws[1 + k * (len(raws) // STEPS):1 + (k + 1) * (len(raws) // STEPS)] for k in range(STEPS)]
+    for raw in raws[:1] + [raw for step in steps for raw in (step if step is steps[0] else step[::-1])]:
+        writer.clock.now = lambda raw=raw: raw.time
+        writer.write(numbers[raw.topic], raw.data)
+    path = writer.close()
+    assert not compare(path).problems()
+    run_node(FULL)
+    code, said = finished(fourbar('replay', path, '--inputs-only'), client)
+    lines = [line.split() for line in said.splitlines() if line.startswith('/')]
+    assert code == 0 and len(lines) == len(ALL_OUTPUTS), said
+    assert all(line[1:4] == [str(STEPS), '0', '0'] for line in lines), said
+
+
 def test_a_live_node_of_another_linkage_is_found_out(run_node, client, bag):
     run_node({**FULL, 'linkage.a2': 1.2000001}, name='other')
     code, said = finished(fourbar('replay', bag, '--inputs-only', '--node', '/other', '--rate', '2'), client)
