@@ -43,7 +43,7 @@ class FourBarNode(Node):
         self.drive = self._drive_of(scene.drive.source)(self, self.stream, self.recording)
         self.wrenches = self._wrench_inputs(scene)
         declare.watch(self, lambda: self.stream.scene, self.apply)
-        self.workers = {name: Worker(name) for name in
+        self.workers = {name: Worker(name, self.get_logger().error) for name in
                         dict.fromkeys(service.worker for service in interfaces.SERVICES.values()) if name}
         services.create(self)
         self._extrema = self._action_server()

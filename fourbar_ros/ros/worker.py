@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import threading
 from queue import SimpleQueue
+from traceback import format_exc
 
 from ..core import FourBarError
 
@@ -19,11 +20,13 @@ class Worker:
     ----------
     name : str
         Of the thread.
+    tell : callable
+        Called with a text when a job has raised: a fault of ours, or an answer that nobody takes.
 
     """
 
-    def __init__(self, name):
-        self._jobs, self._stopping = SimpleQueue(), False
+    def __init__(self, name, tell):
+        self._jobs, self._stopping, self._tell = SimpleQueue(), False, tell
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
 
@@ -43,7 +46,7 @@ class Worker:
         service.send_response = answer
 
     def do(self, job):
-        """Do a job, a callable that does not raise, after those that wait."""
+        """Do a job, a callable, after those that wait."""
         self._jobs.put(job)
 
     def check(self):
@@ -63,4 +66,7 @@ class Worker:
 
     def _run(self):
         while (job := self._jobs.get()) and not self._stopping:
-            job()
+            try:
+                job()
+            except Exception:                            # the next one is done all the same
+                self._tell(f'a fault in {self._thread.name}: {format_exc()}')

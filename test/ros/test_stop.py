@@ -1,6 +1,7 @@
 """Whatever signals come, and whenever: exit code 0, a whole bag, soon; nothing waits for a search or a disk."""
 import random
 import signal
+import threading
 import time
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from fourbar_ros import interfaces
 from fourbar_ros.bag.info import info
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.stop import SIGNALS, Stop
+from fourbar_ros.ros.worker import Abandoned, Worker
 from harness import ALL_OUTPUTS, PATIENCE
 from scenes import PAPER, RODS
 
@@ -157,3 +159,26 @@ def test_nothing_but_a_flag_is_set_in_a_handler():
     """The pattern that could hang the node is nowhere else."""
     for file in (Path(__file__).parents[2] / 'fourbar_ros').rglob('*.py'):
         assert file.name == 'stop.py' or 'signal.signal(' not in file.read_text(), file
+
+
+def test_a_worker_survives_a_job_that_raises_and_ends_within_one_that_checks():
+    said, done = [], threading.Event()
+    worker = Worker('test', said.append)
+    worker.do(lambda: 1 / 0)
+    worker.do(done.set)
+    assert done.wait(PATIENCE) and 'ZeroDivisionError' in said[0]
+
+    done.clear()
+
+    def search():
+        done.set()
+        try:
+            while True:
+                worker.check()
+        except Abandoned:
+            said.append('abandoned')
+    worker.do(search)
+    worker.do(lambda: said.append('never begun'))
+    assert done.wait(PATIENCE)
+    worker.stop(PATIENCE)
+    assert said[1:] == ['abandoned']
