@@ -30,7 +30,8 @@ def held(blocks):
     for i, found in enumerate(blocks):
         if i == {after}:
             print('waiting', flush=True)
-            time.sleep({patience})
+            for _ in range(round({patience} / 0.01)):       # a signal just before a long sleep would wait for its end
+                time.sleep(0.01)
         yield found
 real, walk = reader.Bag.blocks, scan.Scan.__iter__
 reader.Bag.blocks = lambda *args, **kwargs: held(real(*args, **kwargs))
