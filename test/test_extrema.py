@@ -9,6 +9,7 @@ import pytest
 
 from fourbar_ros.core import Bodies, Body, FourBar, InvalidParameter, MissingBodies, round_rod
 from fourbar_ros.core.extrema import find_extrema
+from fourbar_ros.core import many as many_module
 from fourbar_ros.core.many import find_extrema_many
 from fourbar_ros.core.quantities import Quantity, UnknownQuantity, known, point_acceleration, point_speed
 from fourbar_ros.core.sturm import count_extrema
@@ -504,6 +505,14 @@ def test_many_are_as_accurate_as_one_at_unequal_links(size):
                 else:
                     assert angle_between(many[name].theta1[row], e.theta1) <= 10 * EPS * (6 + e.condition)
                     assert many[name].value[row] == pytest.approx(e.value, rel=10 * EPS * (1 + e.value_condition))
+
+
+def test_many_are_seldom_searched_one_by_one(monkeypatch):
+    """Only at change points and where two values are equal but for their condition; ends at infinity are no such ties."""
+    alone = []
+    monkeypatch.setattr(many_module, 'find_extrema', lambda *arguments: alone.append(arguments) or [])
+    find_extrema_many(*np.random.default_rng(3).uniform(0.1, 1.0, (4, 3000)))
+    assert len(alone) < 10
 
 
 def test_many_in_arrays_of_two_dimensions():

@@ -115,8 +115,8 @@ def _decide_ties(name, part, lengths, mode, omega1):
     """Mark as global, where values are so near that their conditions decide, those that a single linkage has."""
     low, high = _of_each(np.minimum, part), _of_each(np.maximum, part)
     with np.errstate(invalid='ignore'):
-        gap = np.where(part.is_maximum, high - part.value, part.value - low)
-        near = ~part.is_global & (gap <= NEARLY * np.abs(np.where(part.is_maximum, high, low)))
+        best = np.where(part.is_maximum, high, low)
+        near = ~part.is_global & np.isfinite(best) & (np.abs(part.value - best) <= NEARLY * np.abs(best))
     for j in np.unique(part.index[near]).tolist():
         alone = find_extrema(FourBar(*lengths[:, j].tolist(), mode=int(mode[j])), name, float(omega1[j]))
         rows = np.nonzero(part.index == j)[0]
