@@ -189,3 +189,19 @@ def test_wrenches_are_counted_in_the_diagnostics(run_node, client):
         return {pair.key: pair.value for pair in heard[-1].status[0].values} if heard else {}
     client.until(lambda: int(values().get('wrench silences', 0)) >= 1, 'the count')
     assert values()['wrenches of another frame'] == '0'
+
+
+def test_each_part_of_a_split_bag_says_what_acts(run_node, client, tmp_path):
+    node = Loaded(run_node, client, external__timeout=0.0, recording__split_duration=0.5)
+    node.load(5.0, 1.0, -1.0)                            # once, before the bag
+    assert client.call('start_recording', name='run').success
+    end = time.monotonic() + 1.3
+    while time.monotonic() < end:
+        assert node.answer(0.3)[1].driving_torque == node.under(0.3, 5.0, 1.0, -1.0)
+        client.executor.spin_once(timeout_sec=0.05)
+    assert node.node.stop() == 0
+    parts = sorted((tmp_path / 'bags/run').glob('*.mcap'))
+    assert len(parts) > 1
+    for part in parts:
+        found = compare(part)
+        assert found.inputs and found.compared and found.largest == 0.0, part
