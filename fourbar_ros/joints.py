@@ -1,15 +1,16 @@
 """
 The joints as a JointState has them: joint = ratio * coordinate + offset, in and out.
 
-So for the rates and accelerations, joint' = ratio * coordinate'; and as power is the same on both sides,
-the effort of the joint is that of the coordinate over the ratio.
+So for the rates and accelerations, joint' = ratio * coordinate'; and as power is the same on both
+sides, the effort of the joint is that of the coordinate over the ratio.
 """
 from __future__ import annotations
 
 from math import isnan, nan
 from typing import NamedTuple
 
-NAMES = tuple(f'joint {i} {what}' for what in ('position', 'velocity', 'effort') for i in (1, 2, 3, 4))
+NAMES = tuple(f'joint {i} {what}' for what in ('position', 'velocity', 'effort')
+              for i in (1, 2, 3, 4))
 
 
 class Scale(NamedTuple):
@@ -18,9 +19,11 @@ class Scale(NamedTuple):
     ratio: float
     offset: float
 
-    def to_input(self, position: float, velocity: float, acceleration: float) -> tuple[float, float, float]:
+    def to_input(self, position: float, velocity: float,
+                 acceleration: float) -> tuple[float, float, float]:
         """Return the coordinate's motion from that of the joint; NaN stays NaN."""
-        return (position - self.offset) / self.ratio, velocity / self.ratio, acceleration / self.ratio
+        return ((position - self.offset) / self.ratio, velocity / self.ratio,
+                acceleration / self.ratio)
 
 
 class Joints:
@@ -47,7 +50,7 @@ class Joints:
         self._last = (nan,) * len(joints)
 
     def of(self, values) -> tuple[float, ...]:
-        """Return four positions, rates and efforts of the values of one sample, as :data:`NAMES` has them."""
+        """Return four positions, rates and efforts of one sample, as :data:`NAMES` has them."""
         scales = self._scales
         positions = tuple(s.ratio * values[i] + s.offset for s, i in zip(scales, self._positions))
         if self._holds:
@@ -56,4 +59,5 @@ class Joints:
             else:
                 self._last = positions
         return (*positions, *(s.ratio * values[i] for s, i in zip(scales, self._rates)),
-                *(0.0 if i is None else values[i] / s.ratio for s, i in zip(scales, self._efforts)))
+                *(0.0 if i is None else values[i] / s.ratio
+                  for s, i in zip(scales, self._efforts)))

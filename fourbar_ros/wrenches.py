@@ -1,5 +1,5 @@
 """
-Forces between linkages in a chain: what acts on a link from outside, and what a linkage does to its drive.
+Forces between linkages in a chain: what acts on a link from outside, what one does to its drive.
 
 All components are along the ground axes; couples and torques are counter-clockwise positive.
 """
@@ -32,11 +32,12 @@ UNKNOWN = Wrench(nan, nan, nan)
 
 def constant(scene, link: str) -> Wrench:
     """Return what the scene itself gives for a link."""
-    return Wrench(*(getattr(getattr(scene.linkage.external, link), name) for name in Wrench._fields))
+    applied = getattr(scene.linkage.external, link)
+    return Wrench(applied.force_x, applied.force_y, applied.couple)
 
 
 def in_silence(scene, link: str, last: Wrench | None) -> Wrench:
-    """Return what acts on a link while its topic is silent, ``last`` being the wrench that came last, if any."""
+    """Return what acts on a link while its topic is silent; ``last``: what came last, if any."""
     policy = scene.wrenches.when_silent
     if policy == 'unknown':
         return UNKNOWN
@@ -44,21 +45,21 @@ def in_silence(scene, link: str, last: Wrench | None) -> Wrench:
 
 
 def external(scene, acting: dict[str, Wrench]) -> External | None:
-    """Return the External of a scene with what acts on its links in place of the constants; None if not known."""
+    """Return the External of a scene with what acts in place of constants; None if not known."""
     if not all(wrench.is_known for wrench in acting.values()):
         return None
     given = scene.linkage.external._asdict()
-    return External(**{link: Applied(acting[link].force_x, acting[link].force_y, applied.along, applied.across,
-                                     acting[link].couple) if link in acting else applied
-                       for link, applied in given.items()})
+    for link, (force_x, force_y, couple) in acting.items():
+        given[link] = Applied(force_x, force_y, given[link].along, given[link].across, couple)
+    return External(**given)
 
 
 def drive_wrench(linkage, place: dict[str, int]) -> Callable[[tuple], tuple[float, float, float]]:
     """
     Return the function values -> (force_x, force_y, torque) of the linkage on its drive.
 
-    Minus the driving torque; minus the driving force along the slide: x of a slider-crank, the bar of an
-    inverted slider-crank. NaN where that is not known. ``place``: where values stand, by name.
+    Minus the driving torque; minus the driving force along the slide: x of a slider-crank, the bar
+    of an inverted slider-crank. NaN where that is not known. ``place``: where values stand.
     """
     drive = place['driving_force' if linkage.is_driven_by_slide else 'driving_torque']
 
@@ -70,5 +71,6 @@ def drive_wrench(linkage, place: dict[str, int]) -> Callable[[tuple], tuple[floa
         return -values[drive], 0.0 * abs(values[drive]), 0.0 * abs(values[drive])
 
     def push_along_bar(values):
-        return -values[drive] * values[place['cos_y']], -values[drive] * values[place['sin_y']], 0.0 * abs(values[drive])
+        force = -values[drive]
+        return force * values[place['cos_y']], force * values[place['sin_y']], 0.0 * abs(force)
     return turn if not linkage.is_driven_by_slide else push_along_bar if 'cos_y' in place else push

@@ -22,7 +22,8 @@ def scene_file(scene):
         shipped = Path(scene)
     if not shipped.is_file():
         known = ', '.join(sorted(file.stem for file in SCENES.glob('*.yaml')))
-        raise FileNotFoundError(f'scene:={scene}: no such file, and no scene of this name; known: {known}')
+        raise FileNotFoundError(f'scene:={scene}: no such file, and no scene of this name; '
+                                f'known: {known}')
     return str(shipped)
 
 
@@ -31,8 +32,8 @@ def node(context):
     return [Node(
         package='fourbar_ros', executable='fourbar_node', output='screen',
         name=LaunchConfiguration('name'), namespace=LaunchConfiguration('namespace'),
-        parameters=[scene_file(LaunchConfiguration('scene').perform(context)),
-                    {'use_sim_time': ParameterValue(LaunchConfiguration('use_sim_time'), value_type=bool)}],
+        parameters=[scene_file(LaunchConfiguration('scene').perform(context)), {
+            'use_sim_time': ParameterValue(LaunchConfiguration('use_sim_time'), value_type=bool)}],
         arguments=['--ros-args', '--log-level', LaunchConfiguration('log_level')])]
 
 
@@ -41,9 +42,10 @@ def generate_launch_description():
     names = sorted(file.stem for file in SCENES.glob('*.yaml'))
     return LaunchDescription([
         DeclareLaunchArgument('scene', default_value='paper',
-                              description=f'parameter file of the scene, or one of {", ".join(names)}'),
+                              description=f'scene: a parameter file, or {", ".join(names)}'),
         DeclareLaunchArgument('name', default_value='fourbar', description='name of the node'),
-        DeclareLaunchArgument('namespace', default_value='', description='namespace of the node and its topics'),
+        DeclareLaunchArgument('namespace', default_value='',
+                              description='namespace of the node and its topics'),
         DeclareLaunchArgument('use_sim_time', default_value='false', choices=['true', 'false'],
                               description='follow /clock'),
         DeclareLaunchArgument('log_level', default_value='info',

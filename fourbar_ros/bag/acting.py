@@ -17,7 +17,8 @@ class Acting:
 
     def __init__(self):
         self.wrenches = {}                               # by link, as a stepper keeps them
-        self._waiting, self._times = [], np.zeros(0)     # (place, link, Wrench); when they were logged [ns]
+        self._waiting = []                   # (place, link, Wrench)
+        self._times = np.zeros(0)            # when they were logged [ns]
 
     def take(self, by_name: dict) -> None:
         """Take the messages of a block that say what acts; ``by_name``: lists of Columns."""
@@ -25,7 +26,8 @@ class Acting:
         for name, link in APPLIED_ON.items():
             for columns in by_name.get(name, ()):
                 wrench = columns.tree.wrench
-                numbers = (part.tolist() for part in (wrench.force.x, wrench.force.y, wrench.torque.z))
+                numbers = (part.tolist()
+                           for part in (wrench.force.x, wrench.force.y, wrench.torque.z))
                 self._waiting += [(place, link, Wrench(*each))
                                   for place, *each in zip(columns.places.tolist(), *numbers)]
                 self._times = np.concatenate((self._times, columns.times))
@@ -39,7 +41,7 @@ class Acting:
             stepper.act(link, wrench)
 
     def is_settled(self, times: np.ndarray) -> np.ndarray:
-        """Return which motions, by the time they were logged, are not near a change of what acts."""
+        """Return which motions, by the time they were logged, are not near a change."""
         if not len(self._times):
             return np.ones(len(times), bool)
         after = np.searchsorted(self._times, times)

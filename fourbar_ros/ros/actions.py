@@ -14,12 +14,14 @@ class ExtremaServer(ActionServer):
     """
     The action server of a node; goals wait for the worker that also answers the service.
 
-    rclpy would execute a goal in the executor, which then could take neither inputs nor the request to cancel.
+    rclpy would execute a goal in the executor, which could then take neither inputs nor a request
+    to cancel.
     """
 
     def __init__(self, node):
         self._owner, self._worker = node, node.workers['search']
-        super().__init__(node, resolve(interfaces.FIND_EXTREMA.type), interfaces.FIND_EXTREMA.service, self._answer,
+        action = interfaces.FIND_EXTREMA
+        super().__init__(node, resolve(action.type), action.service, self._answer,
                          cancel_callback=lambda _: CancelResponse.ACCEPT)
 
     def notify_execute(self, goal_handle, execute_callback):
@@ -30,7 +32,7 @@ class ExtremaServer(ActionServer):
             except StopIteration:                        # a coroutine that never waits, at its end
                 pass
             except Exception:                            # the client is gone, or the node
-                self._owner.get_logger().debug(f'a goal of {interfaces.FIND_EXTREMA.name}: {format_exc()}')
+                self._owner.get_logger().debug(f'a goal of find_extrema: {format_exc()}')
         self._worker.do(run)
 
     def _answer(self, goal):
@@ -43,14 +45,16 @@ class ExtremaServer(ActionServer):
 
         def progress(quantity, mode, done, total, found):
             check()
-            goal.publish_feedback(kind.Feedback(quantity=quantity, mode=mode, done=done, total=total, found=found))
+            goal.publish_feedback(kind.Feedback(quantity=quantity, mode=mode, done=done,
+                                                total=total, found=found))
 
         result = kind.Result()
         try:
             result = Search(self._owner.stream.scene, goal.request, check).answer(result, progress)
-        except Exception as error:                       # a fault of ours: told, and the stream goes on
-            self._owner.get_logger().error(f'a fault in {interfaces.FIND_EXTREMA.name}: {format_exc()}')
-            result.result, result.message = result.RESULT_INVALID_REQUEST, f'a fault in the node, see its log: {error!r}'
+        except Exception as error:           # a fault of ours: told, and the stream goes on
+            self._owner.get_logger().error(f'a fault in find_extrema: {format_exc()}')
+            result.result = result.RESULT_INVALID_REQUEST
+            result.message = f'a fault in the node, see its log: {error!r}'
         if goal.is_cancel_requested:
             goal.canceled()
         elif result.result == result.RESULT_OK:

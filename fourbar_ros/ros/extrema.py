@@ -33,8 +33,8 @@ class Search:
         """
         Fill and return a response or result; errors are answers too.
 
-        With ``progress`` the quantities are searched one by one; it is called before each with its name, the
-        mode, the numbers of searches that are done and of all, and the number of extrema so far.
+        With ``progress`` the quantities are searched one by one; it is called before each with its
+        name, the mode, the numbers of searches done and of all, and that of extrema so far.
         """
         found, names = [], []
         try:
@@ -62,29 +62,33 @@ class Search:
     def _found(self, mode, quantities, velocity):
         from ..core.extrema import find_extrema          # not needed by a node that only streams
 
-        return find_extrema(self._scene.linkage.in_mode(mode), quantities, velocity, self._request.acceleration,
-                            self._request.certify, check=self._check)
+        linkage, request = self._scene.linkage.in_mode(mode), self._request
+        return find_extrema(linkage, quantities, velocity, request.acceleration, request.certify,
+                            check=self._check)
 
     def _checked(self):
         """Return (quantities, modes, velocity) of the request."""
         scene, request, linkage = self._scene, self._request, self._scene.linkage
-        velocity = request.velocity or (scene.drive.speed if scene.drive.source == 'timer' else 0.0)
+        turning = scene.drive.speed if scene.drive.source == 'timer' else 0.0
+        velocity = request.velocity or turning
         modes = _modes(request, linkage)
         if not isfinite(velocity) or velocity == 0.0:
             raise _BadRequest(f'velocity = {velocity!r}: must be a finite speed, not zero '
                               '(zero stands for the speed of the timer drive, if there is one)')
         if not isfinite(request.acceleration):
             raise _BadRequest(f'acceleration = {request.acceleration!r}: must be a finite number')
-        quantities = select(list(dict.fromkeys(request.quantities)), linkage, scene.point_quantities)
-        missing = [quantity.name for quantity in quantities if quantity.is_load and linkage.bodies is None]
+        names = list(dict.fromkeys(request.quantities))
+        quantities = select(names, linkage, scene.point_quantities)
+        missing = [quantity.name for quantity in quantities
+                   if quantity.is_load and linkage.bodies is None]
         if missing:
             raise _BadRequest(f'{missing[0]}: the scene has no masses')
         return quantities, modes, velocity
 
 
 def _modes(request, linkage):
-    modes = {request.MODE_OF_SCENE: (linkage.mode,), request.MODE_CROSSED: (1,), request.MODE_OPEN: (2,),
-             request.MODE_BOTH: (1, 2)}
+    modes = {request.MODE_OF_SCENE: (linkage.mode,), request.MODE_CROSSED: (1,),
+             request.MODE_OPEN: (2,), request.MODE_BOTH: (1, 2)}
     if request.mode not in modes:
         raise _BadRequest(f'mode = {request.mode}: must be 0 (of the scene), 1, 2 or 3 (both)')
     return modes[request.mode]
@@ -95,7 +99,8 @@ def _message(extremum):
     message.quantity, message.unit, message.mode = extremum.quantity, extremum.unit, extremum.mode
     message.kind = getattr(message, f'KIND_{extremum.kind.upper()}')
     message.place = getattr(message, f'PLACE_{extremum.place.upper().replace("-", "_")}')
-    message.side, message.is_global, message.proof = int(extremum.side), bool(extremum.is_global), extremum.proof
+    message.side, message.is_global = int(extremum.side), bool(extremum.is_global)
+    message.proof = extremum.proof
     for name in ('theta1', 'slide', 'value', 'condition', 'value_condition'):
         setattr(message, name, float(getattr(extremum, name)))
     return message

@@ -1,4 +1,4 @@
-"""Forces from outside: subscriptions to WrenchStamped, what acts when they are silent, what is said of it."""
+"""Forces from outside: topics of WrenchStamped, what acts in a silence, what is said of it."""
 from __future__ import annotations
 
 import time
@@ -22,8 +22,8 @@ class Applied:
     def __init__(self, node, link):
         topic = interfaces.APPLIED[link]
         self.name, self.data = topic.name, b''
-        self._publisher = qos.create(node, 'publisher', WrenchStamped, topic.topic,
-                                     QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self._publisher = qos.create(node, 'publisher', WrenchStamped, topic.topic, latched)
 
     def send(self, stamp, wrench, frame_id, recording):
         """Publish and record a Wrench."""
@@ -39,7 +39,7 @@ class WrenchInputs:
     """
     The wrench topics of a scene.
 
-    Counted for the diagnostics: messages that are no WrenchStamped, forces in another frame, silences.
+    Counted for the diagnostics: messages of no WrenchStamped, forces in other frames, silences.
     """
 
     COUNTED = ('wrenches_malformed', 'wrenches_of_another_frame', 'wrench_silences')
@@ -47,8 +47,9 @@ class WrenchInputs:
     def __init__(self, node, stream, recording):
         self._node, self._stream, self._recording = node, stream, recording
         self.counts = dict.fromkeys(self.COUNTED, 0)
-        self._heard, self._last = {}, {}                 # [s] of those that are not silent; wrench that came last
-        profile = QoSProfile(depth=interfaces.INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
+        self._heard, self._last = {}, {}     # [s] of those that are not silent; what came last
+        profile = QoSProfile(depth=interfaces.INPUT_DEPTH,
+                             reliability=ReliabilityPolicy.BEST_EFFORT)
         for link in stream.scene.wrenches.links:
             qos.create(node, 'subscription', WrenchStamped, interfaces.WRENCHES[link].topic,
                        partial(self._take, link), profile, raw=True)
@@ -64,13 +65,14 @@ class WrenchInputs:
         self._recording.write(interfaces.WRENCHES[link].name, data)
         try:
             message = deserialize_message(data, WrenchStamped)
-        except Exception:                                # whatever a foreign writer sends, the node goes on
+        except Exception:                    # whatever a foreign writer sends, the node goes on
             self._once('wrenches_malformed', link, 'a message that is no WrenchStamped')
             return
         force, torque = message.wrench.force, message.wrench.torque
         frame, ours = message.header.frame_id, self._stream.scene.frame_id
-        if frame not in ('', ours) and (force.x or force.y):     # a couple is the same in every frame of the plane
-            self._once('wrenches_of_another_frame', link, f'a force in the frame {frame!r}, this one is {ours!r}')
+        if frame not in ('', ours) and (force.x or force.y):   # a couple is the same in all
+            self._once('wrenches_of_another_frame', link,
+                       f'a force in the frame {frame!r}, this one is {ours!r}')
             return
         wrench = Wrench(force.x, force.y, torque.z)
         self._heard[link], self._last[link] = time.monotonic(), wrench
@@ -81,7 +83,8 @@ class WrenchInputs:
         self.counts[what] += 1
         if self.counts[what] == 1:
             self._node.get_logger().warning(
-                f'{interfaces.WRENCHES[link].topic}: {text} (said once; counted in the diagnostics)')
+                f'{interfaces.WRENCHES[link].topic}: {text} '
+                '(said once; counted in the diagnostics)')
 
     def _watch(self):
         limit, now = self._stream.scene.wrenches.timeout, time.monotonic()
@@ -90,7 +93,8 @@ class WrenchInputs:
                 del self._heard[link]
                 self.counts['wrench_silences'] += 1
                 self._be_silent(link)
-                self._node.get_logger().warning(f'{interfaces.WRENCHES[link].topic}: no wrench for {limit:g} s')
+                self._node.get_logger().warning(
+                    f'{interfaces.WRENCHES[link].topic}: no wrench for {limit:g} s')
 
     def _be_silent(self, link):
         wrench = in_silence(self._stream.scene, link, self._last.get(link))
