@@ -6,7 +6,8 @@ output link need about A and O4, the two moment equations give the force at B di
 
     F32 = (M3/a3 e_b + M2/a2 e_y) / sin(mu),     e_b, e_y: directions of coupler and output link,
 
-and every other reaction follows by subtraction.
+and every other reaction follows by subtraction. Moments about O1 are summed in parts that do not cancel:
+see :func:`needs_of_carried`.
 
 Assumed: rigid links moving in one plane; joints without clearance and without friction (a joint
 transmits a force through its centre and no couple); gravity uniform; external forces and couples
@@ -74,6 +75,63 @@ def about_first_joint(body, unit, gravity, applied=NOT_APPLIED):
             across * g_y + along * g_x + p_across * f_y + p_along * f_x)
 
 
+def needs_of_pivoted(link, cosine, sine, omega, alpha):
+    """
+    Return what the joint forces of a link that turns about a fixed joint add up to (x, y), and their moment about it.
+
+    Plain arithmetic, for whatever numbers motions are made of; so is :func:`needs_of_carried`.
+
+    Parameters
+    ----------
+    link : tuple
+        Of :func:`about_first_joint`, in its unit of length.
+    cosine, sine, omega, alpha : float
+        Direction of the link, its rate and acceleration.
+
+    """
+    along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = link
+    x, y = along * cosine - across * sine, along * sine + across * cosine
+    square = omega * omega
+    return (hold_x - alpha * y - square * x, hold_y + alpha * x - square * y,
+            inertia * alpha + by_cosine * cosine + by_sine * sine + couple)
+
+
+def needs_of_carried(link, mass, at_x, at_y, crank_omega, crank_alpha, cosine, sine, omega, alpha):
+    """
+    Return the same of a link whose first joint is the crank's pin A, in parts that do not cancel.
+
+    With r the mass times centre of gravity from A, the moments of the inertia forces are, about A and
+    (apart from that of its mass at A, m a1^2 alpha1, which is counted to the crank) about O1,
+
+        I alpha + (A . r) alpha1 + (A x r) omega1^2      and      (A . r) alpha - (A x r) omega^2.
+
+    Returns
+    -------
+    f_x, f_y : float
+        Sum of the joint forces.
+    about_a, about_o1 : float
+        Their moments about A and about O1, both without the terms of A x r.
+    aside : float
+        A x r: in sums of the two its factors nearly cancel where the link turns almost as fast as the
+        crank, unless omega - omega1 is a factor.
+
+    """
+    along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = link
+    x, y = along * cosine - across * sine, along * sine + across * cosine
+    square, crank_square = omega * omega, crank_omega * crank_omega
+    ahead, aside = at_x * x + at_y * y, at_x * y - at_y * x
+    return (hold_x - mass * (crank_alpha * at_y + crank_square * at_x) - alpha * y - square * x,
+            hold_y + mass * (crank_alpha * at_x - crank_square * at_y) + alpha * x - square * y,
+            inertia * alpha + ahead * crank_alpha + by_cosine * cosine + by_sine * sine + couple,
+            ahead * alpha + at_x * hold_y - at_y * hold_x, aside)
+
+
+def crank_with_pin(crank, mass, a1, unit, gravity):
+    """Return :func:`about_first_joint` of the crank, with the mass [kg unit] of the next link at its pin A in the inertia."""
+    along, across, inertia, *others = about_first_joint(crank, unit, gravity)
+    return (along, across, inertia + mass * a1 * a1, *others)
+
+
 @dialects
 def make_loads(a1, a2, a3, a4, bodies, gravity, external):
     """
@@ -84,38 +142,21 @@ def make_loads(a1, a2, a3, a4, bodies, gravity, external):
     that no square of a length can overflow.
     """
     unit = ldexp(1.0, frexp(max(a1, a2, a3, a4))[1])
+    a1, a2, a3, a4 = a1 / unit, a2 / unit, a3 / unit, a4 / unit
     crank, coupler, output = bodies
 
-    def loads(motion, a1=a1 / unit, a2=a2 / unit, a3=a3 / unit, a4=a4 / unit, unit=unit,
-              mass2=coupler.mass * unit, crank=about_first_joint(crank, unit, gravity),
+    def loads(motion, a1=a1, a2=a2, a3=a3, a4=a4, unit=unit, mass2=coupler.mass * unit,
+              crank=crank_with_pin(crank, coupler.mass * unit, a1, unit, gravity),
               coupler=about_first_joint(coupler, unit, gravity, external.coupler),
               output=about_first_joint(output, unit, gravity, external.output)):
-        (_, omega, alpha, _, _, _, _, _, _, _, omega4, alpha4, _, omega_b, alpha_b, _, dy, db, _,
+        (_, omega, alpha, _, omega2, _, _, _, _, _, omega4, alpha4, _, omega_b, alpha_b, _, dy, db, _,
          cos_x, sin_x, cos_b, sin_b, cos_y, sin_y, _, sin_mu) = motion
+        f1_x, f1_y, moment1 = needs_of_pivoted(crank, cos_x, sin_x, omega, alpha)
+        f2_x, f2_y, about_a, about_o1, aside = needs_of_carried(
+            coupler, mass2, a1 * cos_x, a1 * sin_x, omega, alpha, cos_b, sin_b, omega_b, alpha_b)
+        f3_x, f3_y, moment3 = needs_of_pivoted(output, cos_y, sin_y, omega4, alpha4)
 
-        # For each link: x, y = mass times centre of gravity, f = sum of its joint forces, and their
-        # moment about its first joint, without the drive's.
-        along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = crank
-        x, y = along * cos_x - across * sin_x, along * sin_x + across * cos_x
-        square = omega * omega
-        f1_x, f1_y = hold_x - alpha * y - square * x, hold_y + alpha * x - square * y
-        moment1 = inertia * alpha + by_cosine * cos_x + by_sine * sin_x
-        at_x, at_y = a1 * cos_x, a1 * sin_x     # A
-        a_x, a_y = -alpha * at_y - square * at_x, alpha * at_x - square * at_y
-
-        along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = coupler
-        x, y = along * cos_b - across * sin_b, along * sin_b + across * cos_b
-        square = omega_b * omega_b
-        f2_x = mass2 * a_x + hold_x - alpha_b * y - square * x
-        f2_y = mass2 * a_y + hold_y + alpha_b * x - square * y
-        moment2 = inertia * alpha_b + x * a_y - y * a_x + by_cosine * cos_b + by_sine * sin_b + couple
-
-        along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = output
-        x, y = along * cos_y - across * sin_y, along * sin_y + across * cos_y
-        square = omega4 * omega4
-        f3_x, f3_y = hold_x - alpha4 * y - square * x, hold_y + alpha4 * x - square * y
-        moment3 = inertia * alpha4 + by_cosine * cos_y + by_sine * sin_y + couple
-
+        moment2 = about_a + aside * (omega * omega)
         from_output, from_coupler = moment3 / (a3 * sin_mu), moment2 / (a2 * sin_mu)
         f32_x = from_output * cos_b + from_coupler * cos_y
         f32_y = from_output * sin_b + from_coupler * sin_y
@@ -124,10 +165,10 @@ def make_loads(a1, a2, a3, a4, bodies, gravity, external):
         f41_x, f41_y = f1_x - f21_x, f1_y - f21_y
         # These from the links, not from the reactions: inner forces much larger than the sums would
         # spoil them. The torque is that of virtual power, at unit speed of the crank.
-        carried = moment1 + at_x * f2_y - at_y * f2_x
-        torque = carried + moment2 * db + moment3 * dy
+        moment1 = moment1 + about_o1
+        torque = moment1 + about_a * db - aside * (omega_b * omega2) + moment3 * dy
         shaking_x, shaking_y = -(f1_x + f2_x + f3_x), -(f1_y + f2_y + f3_y)
-        shaking_moment = -(carried + moment2 + moment3 + a4 * f3_y)
+        shaking_moment = aside * (omega2 * (omega + omega_b)) - (moment1 + about_a + moment3 + a4 * f3_y)
         return (f41_x, f41_y, f21_x, f21_y, f32_x, f32_y, f43_x, f43_y,
                 hypot(f41_x, f41_y), hypot(f21_x, f21_y), hypot(f32_x, f32_y), hypot(f43_x, f43_y),
                 unit * torque, shaking_x, shaking_y, hypot(shaking_x, shaking_y), unit * shaking_moment)
