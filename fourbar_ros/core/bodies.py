@@ -2,10 +2,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite, pi
+from math import pi
 from typing import NamedTuple
 
-from .errors import InvalidParameter
+from .given import number
 
 
 @dataclass(frozen=True)
@@ -32,12 +32,10 @@ class Body:
 
     def __post_init__(self):
         for name in ('mass', 'inertia'):
-            value = getattr(self, name)
-            if not (isfinite(value) and value >= 0.0):
-                raise InvalidParameter(name, value, 'must be a finite number, zero or more')
+            value = number(name, getattr(self, name), 'must be a finite number, zero or more', least=0.0)
+            object.__setattr__(self, name, value)
         for name in ('cg_along', 'cg_across'):
-            if not isfinite(getattr(self, name)):
-                raise InvalidParameter(name, getattr(self, name), 'must be a finite number')
+            object.__setattr__(self, name, number(name, getattr(self, name)))
 
 
 @dataclass(frozen=True)
@@ -67,8 +65,7 @@ class Applied:
 
     def __post_init__(self):
         for name in ('force_x', 'force_y', 'along', 'across', 'couple'):
-            if not isfinite(getattr(self, name)):
-                raise InvalidParameter(name, getattr(self, name), 'must be a finite number')
+            object.__setattr__(self, name, number(name, getattr(self, name)))
 
 
 NOT_APPLIED = Applied()
@@ -87,9 +84,8 @@ def round_rod(length, density, radius):
         Length [m], density [kg/m^3], radius [m], all positive.
 
     """
-    for name, value in (('length', length), ('density', density), ('radius', radius)):
-        if not (isfinite(value) and value > 0.0):
-            raise InvalidParameter(name, value, 'must be a positive number')
+    length, density, radius = (number(name, value, 'must be a positive number', above=0.0) for name, value in
+                               (('length', length), ('density', density), ('radius', radius)))
     mass = density * pi * radius**2 * length
     return Body(mass, 0.5 * length, 0.0, mass * (3.0 * radius**2 + length**2) / 12.0)
 

@@ -35,13 +35,15 @@ def _array_where(condition, one, other):
     return np.where(condition, one, other)
 
 
-def _array_hypot(x, y):
+def array_hypot(x, y, out=None):
     """Return sqrt(x^2 + y^2), as fast as that where no square can be too large or too small."""
-    length = np.sqrt(x * x + y * y)
-    return length if 1e-140 < length.min() and length.max() < 1e150 else np.hypot(x, y)
+    square = x * x
+    square += y * y
+    length = np.sqrt(square, out=out)
+    return length if length.size and 1e-140 < length.min() and length.max() < 1e150 else np.hypot(x, y, out=out)
 
 
-_ARRAY = {'sin': np.sin, 'cos': np.cos, 'sqrt': np.sqrt, 'atan2': np.arctan2, 'hypot': _array_hypot,
+_ARRAY = {'sin': np.sin, 'cos': np.cos, 'sqrt': np.sqrt, 'atan2': np.arctan2, 'hypot': array_hypot,
           'fabs': np.abs, 'where': _array_where}
 _ANALYTIC = {**_ARRAY, 'atan2': lambda y, x: 0.0, 'hypot': lambda x, y: np.sqrt(x * x + y * y),
              'fabs': lambda x: np.where(x.real < 0.0, -x, x)}
@@ -111,6 +113,18 @@ def rebound(function, **names):
 def _global_names(code):
     """Return the names of globals and attributes in a function and those inside it."""
     return set(code.co_names).union(*(_global_names(inner) for inner in code.co_consts if hasattr(inner, 'co_names')))
+
+
+def _complex_angle(y, x):
+    """Return atan2 with its derivative."""
+    y, x = np.asarray(y), np.asarray(x)
+    return np.arctan2(y.real, x.real) + 1j * (x.real * y.imag - y.real * x.imag) / (x.real**2 + y.real**2)
+
+
+@cache
+def with_angles(factory):
+    """Return an analytic factory whose functions carry the derivatives of angles too."""
+    return rebound(factory, atan2=_complex_angle)
 
 
 @cache

@@ -14,7 +14,18 @@ def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str:
 
 
 class FourBarError(Exception):
-    """Base of every error this package raises on purpose."""
+    """Base of every error this package raises on purpose; they pass from process to process."""
+
+    def __reduce__(self):
+        return _again, (type(self), self.args, self.__dict__)
+
+
+def _again(kind, args, kept):
+    """Return an error that was pickled, from its message and what it keeps: not from what it was made of."""
+    error = kind.__new__(kind, *args)
+    error.args = args
+    error.__dict__.update(kept)
+    return error
 
 
 class InvalidParameter(FourBarError, ValueError):
@@ -22,7 +33,13 @@ class InvalidParameter(FourBarError, ValueError):
 
     def __init__(self, name, value, allowed):
         self.name, self.value, self.allowed = name, value, allowed
-        super().__init__(f'{name}: {allowed}' if value is None else f'{name} = {value!r}: {allowed}')
+        super().__init__(f'{name}: {allowed}' if value is None else f'{name} = {_short(value)}: {allowed}')
+
+
+def _short(value):
+    """Return a value as text: numbers as they are, long ones (arrays) on one line with their middle left out."""
+    text = ' '.join(repr(value).split())
+    return text if len(text) <= 100 else f'{text[:60]} ... {text[-30:]}'
 
 
 UNITS = {'theta1': 'rad', 'slide': 'm'}     # of what a mechanism can be driven by

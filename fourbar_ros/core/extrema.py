@@ -14,7 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from .errors import InvalidParameter
+from .given import number
 from .linkage import FourBar
+from .mechanism import Mechanism
 from .paths import input_paths
 from .quantities import Function, is_published, select
 from .rates import SAMPLES as RATE_SAMPLES
@@ -110,9 +112,9 @@ def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False, 
         By quantity, in the order asked, then by theta1 (by the slide if that is driven).
 
     """
-    for name, value in (('omega1', omega1), ('alpha1', alpha1)):
-        if not isfinite(value):
-            raise InvalidParameter(name, value, 'must be a finite number')
+    if not isinstance(linkage, Mechanism):
+        raise InvalidParameter('linkage', linkage, 'must be a mechanism: FourBar, SliderCrank or InvertedSlider')
+    omega1, alpha1 = number('omega1', omega1), number('alpha1', alpha1)
     quantities = _resolve(quantities, linkage)
     check()
     found = _search(linkage, quantities, omega1, alpha1, 1, conditions)

@@ -26,6 +26,7 @@ import numpy as np
 
 from .errors import InvalidParameter
 from .factors import bilinear_factors
+from .given import array, number
 
 # For each pair the factors of v_i^2 v_j^2, v_i^2, v_j^2, 1; the lengths in the coefficient of v_i v_j,
 # and that coefficient over their product: Eqs. (17), (18), (16), (19), (20), (21) of the slides.
@@ -175,17 +176,27 @@ def io_equation(lengths, i, j):
     if (min(i, j), max(i, j)) not in _TERMS:
         raise InvalidParameter('pair', (i, j), f'must be two different of the joints 1 to 4: {PAIRS}')
     *products, mixed_lengths, factor = _TERMS[min(i, j), max(i, j)]
+    lengths = four_lengths(lengths)
     factors = bilinear_factors(*lengths)
     both, first, second, constant = (getattr(factors, one) * getattr(factors, other) for one, other in products)
     mixed = factor * math.prod(lengths[n - 1] for n in mixed_lengths)
     if i > j:
         first, second = second, first
-    return IOEquation(i, j, both, first, second, mixed, constant, tuple(lengths))
+    return IOEquation(i, j, both, first, second, mixed, constant, lengths)
+
+
+def four_lengths(lengths):
+    """Return four finite numbers [m] as a tuple of floats, or raise InvalidParameter."""
+    try:
+        a1, a2, a3, a4 = lengths
+    except (TypeError, ValueError):
+        raise InvalidParameter('lengths', lengths, 'must be four numbers: a1, a2, a3, a4') from None
+    return tuple(number(f'a{i}', length) for i, length in enumerate((a1, a2, a3, a4), 1))
 
 
 def to_half_angle(theta, omega=0.0, alpha=0.0):
     """Return v = tan(theta/2) and its two time derivatives, Eqs. (34) and (36)."""
-    v = np.tan(0.5 * np.asarray(theta, float))
+    v = np.tan(0.5 * array('theta', theta))
     stretch = 0.5 * (1.0 + v * v)
     return v, stretch * omega, stretch * (alpha + omega**2 * v)
 
@@ -199,7 +210,7 @@ def from_half_angle(v, dv=0.0, ddv=0.0):
 
 def _powers(theta):
     """Return (sin^2, cos^2, sin cos) of the half-angle and their first and second derivatives by theta."""
-    half = 0.5 * np.asarray(theta, float)
+    half = 0.5 * array('theta', theta)
     sine, cosine = np.sin(half), np.cos(half)
     square, rest, product = sine * sine, cosine * cosine, sine * cosine
     slope = 0.5 * (cosine - sine) * (cosine + sine)

@@ -11,6 +11,7 @@ from .elliptic import POINTS_PER_FEATURE, half_turn, phases
 from .errors import InvalidParameter
 from .extrema import CONSTANT, MAXIMUM, RATES, find_extrema
 from .factors import difference_of_squares
+from .given import array
 from .kinematics import make_motion
 from .linkage import FourBar
 from .mechanism import CROSSED, OPEN
@@ -91,7 +92,13 @@ def find_extrema_many(a1, a2, a3, a4, mode=OPEN, omega1=1.0, progress=None):
         For 'omega4' and 'alpha4'.
 
     """
-    a1, a2, a3, a4, mode, omega1 = (v.ravel() for v in np.broadcast_arrays(a1, a2, a3, a4, mode, omega1))
+    given = dict(a1=a1, a2=a2, a3=a3, a4=a4, mode=mode, omega1=omega1)
+    columns = [array(name, value) for name, value in given.items()]
+    try:
+        a1, a2, a3, a4, mode, omega1 = (v.ravel() for v in np.broadcast_arrays(*columns))
+    except ValueError:
+        raise InvalidParameter(', '.join(given), [column.shape for column in columns],
+                               'must have shapes that broadcast') from None
     if not (np.isfinite(omega1) & (omega1 != 0.0)).all():
         raise InvalidParameter('omega1', omega1, 'must be finite, not zero')
     if not np.isin(mode, (CROSSED, OPEN)).all():

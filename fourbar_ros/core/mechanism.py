@@ -6,6 +6,8 @@ called for floats and arrays, with the same rules for all.
 """
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import fields as fields_of
 from dataclasses import replace
 from functools import cache, cached_property
 from math import frexp, isfinite, ldexp, nan, pi, remainder
@@ -14,12 +16,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .arrays import evaluate, recorded
+from .bodies import Applied, Bodies, Body, External
+from .dialects import with_angles
 from .errors import InvalidParameter, MissingBodies, OutOfRange, Toggle, in_words
+from .given import number, records
 
 CROSSED, OPEN = 1, 2     # assembly modes: sin(theta4 - beta) < 0, > 0 of a 4R linkage
 CRANK, SLIDE = 'crank', 'slide'     # inputs
 
-CHUNK = 12288            # samples a numpy evaluation takes at once: its temporaries stay in the cache
+LONGEST = 2.0**1000     # [m]
 EPS = 2.0**-52
 _new = tuple.__new__     # of a NamedTuple from a tuple: four times faster than its own constructor
 
@@ -98,8 +104,11 @@ class Mechanism:
             return
         if not self.is_driven_by_slide:
             raise InvalidParameter('stroke', self.stroke, 'only a driven slide has one')
-        if not (len(self.stroke) == 2 and all(map(isfinite, self.stroke)) and self.stroke[0] < self.stroke[1]):
-            raise InvalidParameter('stroke', self.stroke, 'must be [shortest, longest] of the slide, two finite numbers')
+        allowed = 'must be [shortest, longest] of the slide, two finite numbers'
+        low, high = _two_numbers('stroke', self.stroke, allowed)
+        if not low < high:
+            raise InvalidParameter('stroke', self.stroke, allowed)
+        object.__setattr__(self, 'stroke', (low, high))
         if not self.input_ranges:
             raise InvalidParameter('stroke', self.stroke, 'the links cannot close anywhere in it: '
                                    f'they do in {in_words(self.input_coordinate.position, self.closing_ranges)}')
@@ -111,24 +120,40 @@ class Mechanism:
         parts = ((max(low, self.stroke[0]), min(high, self.stroke[1])) for low, high in ranges)
         return tuple((low, high) for low, high in parts if low < high)
 
+    @cached_property
+    def _recorded(self):
+        return ByDialect(lambda with_loads: recorded(self, with_loads))
+
+    @cached_property
+    def _analytic_motion(self):
+        return self._make_motion(2, with_angles)
+
     def prepare(self):
         """Make the functions of one sample, as the first would; ArithmeticError or ValueError where numbers overflow."""
         return self._motion[0], self.bodies and self._loads[0]
 
     def _check(self, lengths, signed=()):
         """Refuse what no mechanism can have: lengths by name positive, signed ones finite."""
-        for name in lengths:
-            if not (isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
-                raise InvalidParameter(name, getattr(self, name), 'a length must be a positive number')
-        for name in signed:
-            if not isfinite(getattr(self, name)):
-                raise InvalidParameter(name, getattr(self, name), 'must be a finite number')
-        if self.mode not in (CROSSED, OPEN):
+        given = {name: number(name, getattr(self, name), 'a length must be a positive number', above=0.0)
+                 for name in lengths}
+        given.update((name, number(name, getattr(self, name))) for name in signed)
+        for name, value in given.items():
+            if abs(value) >= LONGEST:
+                raise InvalidParameter(name, value, f'must be shorter than {LONGEST:.3g} m: sums of lengths overflow')
+        if isinstance(self.mode, bool) or self.mode not in (CROSSED, OPEN):
             raise InvalidParameter('mode', self.mode, 'must be 1 (crossed) or 2 (open)')
         if self.input not in self.INPUTS:
             raise InvalidParameter('input', self.input, f'must be one of {", ".join(self.INPUTS)}')
-        if not (len(self.gravity) == 2 and all(map(isfinite, self.gravity))):
-            raise InvalidParameter('gravity', self.gravity, 'must be two finite numbers')
+        given.update(mode=int(self.mode), gravity=_two_numbers('gravity', self.gravity),
+                     external=records('external', self.external, Applied, External))
+        if self.bodies is not None:
+            given['bodies'] = records('bodies', self.bodies, Body, Bodies)
+        for name, value in given.items():
+            object.__setattr__(self, name, value)
+
+    def __getstate__(self):
+        """Return what was given: functions made on the way are made again where they are needed."""
+        return {field.name: getattr(self, field.name) for field in fields_of(self)}
 
     @property
     def sign(self):
@@ -188,7 +213,7 @@ class Mechanism:
         fields.update(zip(self.input_coordinate, (position, rate, acceleration)))
         return self.MOTION(**fields)
 
-    def motion(self, position, rate=0.0, acceleration=0.0):
+    def motion(self, position, rate=0.0, acceleration=0.0, fields=None):
         """
         Return the motion for given input, its rate and acceleration.
 
@@ -196,7 +221,11 @@ class Mechanism:
         ----------
         position, rate, acceleration : float or array_like
             Crank angle [rad] (any number of turns), [rad/s], [rad/s^2], or slide [m], [m/s], [m/s^2], as
-            ``input`` says; arrays are broadcast. Three floats take the fast scalar path.
+            ``input`` says; arrays are broadcast. Three floats take the fast scalar path; so do the samples of
+            short arrays (some twenty), those of longer ones may differ from it in their last bits.
+        fields : sequence of str, optional
+            Names of fields of the result: these alone, computed with no more than they need, as a tuple in
+            this order.
 
         Raises
         ------
@@ -204,12 +233,21 @@ class Mechanism:
             For a single value that is not finite, out of range, at a toggle. In arrays such samples
             are NaN in every field that depends on it.
 
+        Examples
+        --------
+        >>> from fourbar_ros import FourBar
+        >>> theta4, alpha4 = FourBar(0.4, 1.2, 0.8, 1.0).motion([0.5, 1.0], 25.0, fields=('theta4', 'alpha4'))
+        >>> alpha4.shape
+        (2,)
+
         """
+        if fields is not None:
+            return self._only(fields, (position, rate, acceleration), False)
         if not (type(position) is type(rate) is type(acceleration) is float):
             if _are_numbers(position, rate, acceleration):
-                return self.motion(float(position), float(rate), float(acceleration))
-            return self._evaluate_arrays(position, rate, acceleration, False)[0]
-        if (position + rate + acceleration) * 0.0 != 0.0:
+                return self.motion(*self._numbers(position, rate, acceleration))
+            return _new(self.MOTION, evaluate(self, (position, rate, acceleration), None, False))
+        if (position + rate * rate + acceleration) * 0.0 != 0.0:
             self._require_finite(position, rate, acceleration)
         try:
             return _new(self.MOTION, self._motion[0](position, rate, acceleration))
@@ -220,26 +258,41 @@ class Mechanism:
         """Return the loads; arguments and errors as in :meth:`motion`, or MissingBodies."""
         return self.step(position, rate, acceleration)[1]
 
-    def step(self, position, rate=0.0, acceleration=0.0):
-        """Return (motion, loads) together, at the cost of one; arguments as in :meth:`motion`."""
+    def step(self, position, rate=0.0, acceleration=0.0, fields=None):
+        """
+        Return (motion, loads) together, at the cost of one; arguments and errors as in :meth:`motion`.
+
+        ``fields``: names of fields of motion and loads, which alone are then computed and returned. MissingBodies
+        where loads are wanted of a mechanism without masses.
+        """
+        if fields is not None:
+            return self._only(fields, (position, rate, acceleration), True)
         if self.bodies is None:
             raise MissingBodies
         if not (type(position) is type(rate) is type(acceleration) is float):
             if _are_numbers(position, rate, acceleration):
-                return self.step(float(position), float(rate), float(acceleration))
-            return self._evaluate_arrays(position, rate, acceleration, True)
-        if (position + rate + acceleration) * 0.0 != 0.0:
+                return self.step(*self._numbers(position, rate, acceleration))
+            rows, count = evaluate(self, (position, rate, acceleration), None, True), len(self.MOTION._fields)
+            return _new(self.MOTION, rows[:count]), _new(self.LOADS, rows[count:])
+        if (position + rate * rate + acceleration) * 0.0 != 0.0:
             self._require_finite(position, rate, acceleration)
         try:
             motion = self._motion[0](position, rate, acceleration)
-            return _new(self.MOTION, motion), _new(self.LOADS, self._loads[0](motion))
+            loads = self._loads[0](motion)
         except (ValueError, ZeroDivisionError):
             raise self._why_no_motion(position) from None
+        if (loads[8] + loads[-1]) * 0.0 != 0.0:     # |F41| and the shaking moment: overflow reaches one of them
+            raise InvalidParameter(self.input_coordinate.rate, rate, 'so fast, or with such masses, that loads overflow')
+        return _new(self.MOTION, motion), _new(self.LOADS, loads)
 
     def _require_finite(self, *values):
         for name, value in zip(self.input_coordinate, values):
             if not isfinite(value):
                 raise InvalidParameter(name, value, 'must be a finite number')
+        raise InvalidParameter(self.input_coordinate.rate, values[1], 'so fast that its square overflows')
+
+    def _numbers(self, *values):
+        return [number(name, value) for name, value in zip(self.input_coordinate, values)]
 
     def _why_no_motion(self, position):
         """Return the error for an input at which a square root was not real or a sine zero."""
@@ -252,54 +305,39 @@ class Mechanism:
             return Toggle(name, position)
         return OutOfRange(name, position, self.input_ranges)
 
-    def _evaluate_arrays(self, position, rate, acceleration, with_loads):
-        kind = 2 if np.iscomplexobj(position) else 1
-        dtype = np.complex128 if kind == 2 else np.float64
-        inputs = np.broadcast_arrays(*(np.asarray(v, dtype) for v in (position, rate, acceleration)))
-        shape, size = inputs[0].shape, inputs[0].size
-        inputs = [v.reshape(-1) for v in inputs]
-        with np.errstate(invalid='ignore', divide='ignore', over='ignore', under='ignore'):
-            _keep_memory()
-            if size <= CHUNK:
-                rows = _own(self._fields(kind, inputs, with_loads), inputs)
-            else:
-                rows = [row for kind_of in (self.MOTION, self.LOADS)[:1 + with_loads]
-                        for row in np.empty((len(kind_of._fields), size), dtype)]
-                for start in range(0, size, CHUNK):
-                    part = slice(start, start + CHUNK)
-                    for row, values in zip(rows, self._fields(kind, [v[part] for v in inputs], with_loads)):
-                        row[part] = values
-        rows = [row.reshape(shape) for row in rows]
-        count = len(self.MOTION._fields)
-        return self.MOTION(*rows[:count]), self.LOADS(*rows[count:]) if with_loads else None
-
-    def _fields(self, kind, inputs, with_loads):
-        """Return the fields of motion, or of motion and loads, of arrays."""
-        motion = self._motion[kind](*inputs)
-        return motion + self._loads[kind](motion) if with_loads else motion
+    def _only(self, fields, given, with_loads):
+        """Return the fields of these names alone, as a tuple in their order."""
+        if isinstance(fields, Iterable) and not isinstance(fields, str):
+            fields = tuple(fields)
+        wanted, needs_loads = _places(type(self), fields, with_loads)
+        if needs_loads and self.bodies is None:
+            raise MissingBodies
+        if not _are_numbers(*given):
+            return tuple(evaluate(self, given, wanted, needs_loads))
+        motion, *loads = self.step(*given) if needs_loads else (self.motion(*given),)
+        values = sum(loads, tuple(motion))
+        return tuple([values[i] for i in wanted])
 
 
 @cache
-def _keep_memory():
-    """
-    Have blocks of up to 31 MB kept by the C library when they are freed, once and for all.
-
-    glibc gives each back to the system until it has seen one of that size freed; getting the pages again
-    would take longer than the formulas. The block is never touched, so it costs nothing.
-    """
-    np.empty(31 * 2**17)
-
-
-def _own(fields, inputs):
-    """Return fields as arrays of full size that share no memory with each other nor with the inputs."""
-    taken, rows = set(map(id, inputs)), []
-    for field in fields:
-        if id(field) in taken or np.shape(field) != inputs[0].shape:
-            field = np.array(np.broadcast_to(field, inputs[0].shape), inputs[0].dtype)
-        taken.add(id(field))
-        rows.append(field)
-    return rows
+def _places(kind, fields, with_loads):
+    """Return the places of fields among those of motion and loads, and whether any is a load."""
+    known = kind.MOTION._fields + (kind.LOADS._fields if with_loads else ())
+    for name in fields if isinstance(fields, tuple) else (fields,):
+        if name not in known or not isinstance(fields, tuple):
+            raise InvalidParameter('fields', name, f'must be some of {", ".join(known)}')
+    wanted = tuple(map(known.index, fields))
+    return wanted, any(i >= len(kind.MOTION._fields) for i in wanted)
 
 
 def _are_numbers(*values):
     return all(isinstance(value, Real) for value in values)
+
+
+def _two_numbers(name, given, allowed='must be two finite numbers (x, y)'):
+    """Return two numbers as a tuple of floats."""
+    try:
+        x, y = given
+    except (TypeError, ValueError):
+        raise InvalidParameter(name, given, allowed) from None
+    return number(name, x, allowed), number(name, y, allowed)

@@ -6,13 +6,14 @@ From the fields of a motion alone, so a point costs nothing until it is asked fo
 """
 from __future__ import annotations
 
-from math import hypot, isfinite, nan
+from math import hypot, nan
 from typing import NamedTuple
 
 import numpy as np
 
 from .dialects import dialects, where
 from .errors import InvalidParameter
+from .given import number
 from .inverted_slider import InvertedSlider
 from .slider_crank import SliderCrank
 
@@ -160,9 +161,7 @@ def point_motion(mechanism, motion, link, along, across=0.0):
     (2, 2)
 
     """
-    for name, value in (('along', along), ('across', across)):
-        if not isfinite(value):
-            raise InvalidParameter(name, value, 'must be a finite number')
+    along, across = number('along', along), number('across', across)
     shape = np.shape(motion.cos_x)
     if not shape:
         return PointMotion(*make_point.scalar(mechanism, link, along, across)(motion))

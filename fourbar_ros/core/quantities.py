@@ -1,7 +1,7 @@
 """What can be asked for by name: searched for extremes, tabulated, plotted."""
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 from typing import Callable, NamedTuple
 
 import numpy as np
@@ -47,19 +47,20 @@ class Function(NamedTuple):
 
 def point_speed(mechanism, link, along, across=0.0, name='point'):
     """Return the speed [m/s] of a point fixed to a link, see :mod:`.points`, as a quantity ``name.speed``."""
-    def speed(motion, loads):
-        _, _, v_x, v_y, _, _ = point_of(link_motion(mechanism, motion, link), along, across)
-        return np.sqrt(v_x * v_x + v_y * v_y)
-    return Function(f'{name}.speed', 'm/s', f'speed of the point ({along:g}, {across:g}) m of the {link}', speed)
+    return Function(f'{name}.speed', 'm/s', f'speed of the point ({along:g}, {across:g}) m of the {link}',
+                    partial(_length, mechanism, link, along, across, 2))
 
 
 def point_acceleration(mechanism, link, along, across=0.0, name='point'):
     """Return the magnitude of the acceleration [m/s^2] of such a point as a quantity ``name.acceleration``."""
-    def acceleration(motion, loads):
-        *_, a_x, a_y = point_of(link_motion(mechanism, motion, link), along, across)
-        return np.sqrt(a_x * a_x + a_y * a_y)
     return Function(f'{name}.acceleration', 'm/s^2', f'acceleration of the point ({along:g}, {across:g}) m of the {link}',
-                    acceleration)
+                    partial(_length, mechanism, link, along, across, 4))
+
+
+def _length(mechanism, link, along, across, first, motion, loads):
+    """Return the length of a vector that :func:`.point_of` returns, of which x is its ``first`` number."""
+    x, y = point_of(link_motion(mechanism, motion, link), along, across)[first:first + 2]
+    return np.sqrt(x * x + y * y)
 
 
 QUANTITIES = {quantity.name: quantity for quantity in (

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import replace
-from functools import cache
 from itertools import repeat
 from math import sqrt
 
 import numpy as np
 
-from .dialects import for_columns, rebound
+from .dialects import for_columns
+from .dialects import with_angles as angles_too
 from .errors import MissingBodies
 from .flat import REACH, flat_sides
 from .linkage import FourBar
@@ -41,16 +41,6 @@ class NoLoads:
         raise MissingBodies
 
 
-def _complex_angle(y, x):
-    """Return atan2 with its derivative: the dialect of :mod:`.dialects` leaves angles out."""
-    return np.arctan2(y.real, x.real) + 1j * (x.real * y.imag - y.real * x.imag) / (x.real**2 + y.real**2)
-
-
-@cache
-def _with_angles(factory):
-    return rebound(factory, atan2=_complex_angle)
-
-
 class Sampler:
     """
     Values and derivatives of some quantities of a mechanism in its mode.
@@ -70,7 +60,7 @@ class Sampler:
             raise MissingBodies
         self.unit, self.flats = linkage.input_unit, {}
         has_loads = linkage.bodies is not None and (self.needs_loads or with_angles)
-        motions = linkage._motion[1], (linkage._make_motion(2, _with_angles) if with_angles else linkage._motion[2])
+        motions = linkage._motion[1], (linkage._make_motion(2, angles_too) if with_angles else linkage._motion[2])
         self._functions = motions, (linkage._loads[1], linkage._loads[2]) if has_loads else (None, None)
 
     def enter(self, path):
@@ -92,7 +82,7 @@ class Sampler:
         for name, column in zip(linkage.LENGTHS, zip(*lengths)):
             object.__setattr__(linkage, name, np.array(column)[:, None])
         kind = 1 + self.IS_COMPLEX
-        motion = linkage._make_motion(kind, lambda factory: for_columns(_with_angles(factory) if self.with_angles
+        motion = linkage._make_motion(kind, lambda factory: for_columns(angles_too(factory) if self.with_angles
                                                                         and self.IS_COMPLEX else factory))
         loads = self._functions[1][0] and linkage._make_loads(kind, for_columns)
         sampler._functions = (motion,) * 2, (loads,) * 2

@@ -6,7 +6,7 @@ from math import isfinite, isinf, isnan, nan
 
 import numpy as np
 
-from .errors import OutOfRange, Toggle
+from .errors import InvalidParameter, OutOfRange, Toggle
 
 # The same numbers as the STATUS_ constants of fourbar_msgs/LinkageState (a test compares them).
 OK, OUT_OF_RANGE, INVALID_INPUT, TOGGLE, RATES_UNKNOWN, INPUT_TIMEOUT, LOADS_UNKNOWN = range(7)
@@ -38,6 +38,8 @@ def evaluate(mechanism, position, rate, acceleration, with_loads):
         else:
             motion, loads = mechanism.motion(*given), _none_of(mechanism.LOADS)
             is_finite = isfinite(sum(motion))
+    except InvalidParameter:     # numbers overflow
+        is_finite = False
     except OutOfRange:
         return OUT_OF_RANGE, mechanism.unknown(*given), _none_of(mechanism.LOADS)
     except Toggle:

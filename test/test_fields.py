@@ -1,0 +1,131 @@
+"""Some fields alone: the numbers of the whole, less work; short arrays; what a record does."""
+import numpy as np
+import pytest
+
+from fourbar_ros import Bodies, FourBar, InvalidParameter, MissingBodies, OutOfRange, round_rod
+from fourbar_ros.core import Applied, Body, External, InvertedSlider, SliderCrank
+from fourbar_ros.core import arrays, recorded
+from fourbar_ros.core.arrays import ONE_BY_ONE
+
+MASSES = Bodies(Body(1.0, 0.1, 0.02, 0.1), Body(2.0, 0.3, -0.1, 0.3), Body(1.5, 0.05, 0.1, 0.7))
+ACTING = {'bodies': MASSES, 'gravity': (1.0, -9.81), 'external': External(Applied(3.0, -4.0, 0.1, 0.2, 0.5), Applied(couple=7.0))}
+KINDS = [FourBar(0.4, 1.2, 0.8, 1.0, **ACTING), FourBar(0.9, 0.4, 0.8, 1.0, mode=1, **ACTING),
+         *(kind(0.4, 1.2, -0.1, mode=mode, input=driven, **ACTING) for kind in (SliderCrank, InvertedSlider)
+           for driven in ('crank', 'slide') for mode in (1, 2))]
+every_kind = pytest.mark.parametrize('mechanism', KINDS, ids=lambda m: f'{type(m).__name__}-{m.input}-{m.mode}')
+SIZES = (1, 5, ONE_BY_ONE, 2 * ONE_BY_ONE, 1000, recorded.CHUNK + 1)
+
+
+def names_of(mechanism):
+    return mechanism.MOTION._fields + mechanism.LOADS._fields
+
+
+def by_formula(mechanism, *given):
+    """Return all fields by the formulas on arrays, in one piece."""
+    given = [np.asarray(v, float) for v in np.broadcast_arrays(*given)]
+    with np.errstate(all='ignore'):
+        motion = mechanism._motion[1](*given)
+        return [np.broadcast_to(field, given[0].shape) for field in motion + mechanism._loads[1](motion)]
+
+
+@every_kind
+def test_a_program_gives_the_bits_of_the_formula(mechanism):
+    """Whether rate and acceleration are one number or one a sample; out of range too."""
+    rng = np.random.default_rng(601)
+    for size in (100, 1000):
+        x, w, a = rng.uniform(-4.0, 4.0, size), rng.normal(size=size), rng.normal(size=size)
+        for given in ((x, w, a), (x, 3.0, a), (x, w, 0.0), (x, 3.0, -2.0)):
+            for name, one, other in zip(names_of(mechanism), sum(mechanism.step(*given), ()), by_formula(mechanism, *given)):
+                assert np.array_equal(one, other, equal_nan=True), name
+
+
+@every_kind
+def test_chunks_give_the_bits_of_one_piece(mechanism, monkeypatch):
+    x = np.linspace(-3.0, 3.0, 1003)
+    whole = mechanism.step(x, 3.0, x)
+    monkeypatch.setattr(recorded, 'CHUNK', 128)
+    for one, other in zip(sum(mechanism.step(x, 3.0, x), ()), sum(whole, ())):
+        assert np.array_equal(one, other, equal_nan=True)
+
+
+@pytest.mark.parametrize('size', SIZES)
+@every_kind
+def test_fields_alone_are_those_of_the_whole(mechanism, size):
+    """To the last bit where both are computed the same way: all one by one or all at once."""
+    x, rng = np.linspace(0.3, 1.1, size), np.random.default_rng(602)
+    whole = dict(zip(names_of(mechanism), sum(mechanism.step(x, 3.0, -2.0), ())))
+    loose = 1e-12 * (ONE_BY_ONE >= size)
+    for names in (*((name,) for name in whole), tuple(whole)[::-1], tuple(rng.permutation(list(whole))[:9])):
+        found = mechanism.step(x, 3.0, -2.0, fields=names)
+        assert type(found) is tuple and len(found) == len(names)
+        for name, values in zip(names, found):
+            assert values.shape == (size,) and values.flags.owndata | (values.base is not None), name
+            scale = np.nanmax(np.abs(whole[name]), initial=0.0)
+            np.testing.assert_allclose(values, whole[name], rtol=0.0, atol=loose * scale, err_msg=name)
+
+
+@every_kind
+def test_fields_of_one_sample_are_floats(mechanism):
+    motion, loads = mechanism.step(0.9, 3.0, -2.0)
+    assert mechanism.step(0.9, 3.0, -2.0, fields=['f41', 'condition']) == (loads.f41, motion.condition)
+    assert mechanism.motion(0.9, 3.0, -2.0, fields=('condition',)) == (motion.condition,)
+    assert mechanism.motion(0.9, fields=()) == ()
+
+
+@every_kind
+def test_results_share_no_memory(mechanism):
+    x = np.linspace(0.3, 1.1, 100)
+    for size in (10, 100):
+        fields = sum(mechanism.step(x[:size], x[:size]), ())
+        for i, field in enumerate(fields):
+            field[:] = i
+        assert [field[-1] for field in fields] == list(range(len(fields))) and x[0] == 0.3
+
+
+@pytest.mark.parametrize('fields', ['theta4', ('theta4', 'theta5'), (1,), 5, ('f41', None)])
+def test_fields_that_are_none_are_refused(fields):
+    with pytest.raises(InvalidParameter, match='^fields'):
+        KINDS[0].step(0.9, fields=fields)
+
+
+def test_loads_are_no_fields_of_motion_and_need_masses():
+    with pytest.raises(InvalidParameter, match="^fields = 'f41'"):
+        KINDS[0].motion(0.9, fields=('f41',))
+    bare = FourBar(0.4, 1.2, 0.8, 1.0)
+    with pytest.raises(MissingBodies):
+        bare.step(np.zeros(3), fields=('f41',))
+    assert bare.step(0.9, fields=('theta4',)) == (bare.motion(0.9).theta4,)
+    with pytest.raises(OutOfRange):
+        FourBar(4.0, 3.0, 2.0, 8.0).motion(1.0, fields=('theta4',))
+
+
+@every_kind
+def test_short_arrays_are_the_numbers_of_single_samples(mechanism):
+    x = np.linspace(0.3, 1.1, 7)
+    fields = sum(mechanism.step(x, 3.0, -2.0), ())
+    for i, value in enumerate(x.tolist()):
+        try:
+            single = sum(mechanism.step(value, 3.0, -2.0), ())
+        except OutOfRange:      # then all are computed at once
+            return
+        assert tuple(field[i] for field in fields) == single
+
+
+def test_short_arrays_with_what_is_out_of_range_are_nan_there():
+    rocker = FourBar(4.0, 3.0, 2.0, 8.0, bodies=MASSES)
+    found = rocker.loads([0.1, 1.0, 0.2], 1.0)
+    assert all(np.isnan(field).tolist() == [False, True, False] for field in found)
+    assert np.isnan(rocker.step([np.inf, 0.1], 1.0, fields=('f41',))[0]).tolist() == [True, False]
+
+
+def test_a_record_is_made_once_for_a_kind_and_less_is_done_for_less():
+    one, other = (FourBar(a1, 1.2, 0.8, 1.0, bodies=Bodies(*(round_rod(0.5, 7750.0, 0.01) for _ in range(3))))
+                  for a1 in (0.4, 0.5))
+    (record, constants), (same, others) = (arrays.recorded(m, True) for m in (one, other))
+    assert record is same and constants != others
+    single = (False, True, True)
+    whole = recorded.program(record, arrays.range_of(record), single)
+    angle = recorded.program(record, (one.MOTION._fields.index('theta4'),), single)
+    assert len(angle.steps) < 0.25 * len(whole.steps)
+    with pytest.raises(TypeError, match='where'):
+        bool(recorded.Number(record, 0))

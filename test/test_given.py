@@ -1,0 +1,258 @@
+"""What is given: every public function converts it to doubles or refuses it by name."""
+import copy
+import pickle
+from datetime import datetime
+from decimal import Decimal
+from fractions import Fraction
+from math import inf, nan
+from multiprocessing import get_context
+
+import numpy as np
+import pytest
+
+from fourbar_ros import (Applied, Bodies, Body, External, FourBar, FourBarError, InvalidParameter, MissingBodies,
+                         OutOfRange, Toggle, round_rod)
+from fourbar_ros.bag import BagError
+from fourbar_ros.core import InvertedSlider, SliderCrank
+from fourbar_ros.core.extrema import find_extrema
+from fourbar_ros.core.io_equations import io_equation
+from fourbar_ros.core.many import find_extrema_many
+from fourbar_ros.core.points import point_motion
+from fourbar_ros.core.quantities import UnknownQuantity, point_acceleration, point_speed
+from fourbar_ros.draw import CannotDraw
+from fourbar_ros.scene import SceneError
+
+RODS = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8)))
+KINDS = [(FourBar, (0.4, 1.2, 0.8, 1.0), {}), (SliderCrank, (0.4, 1.2, 0.1), {}),
+         (SliderCrank, (0.4, 1.2, 0.1), {'input': 'slide'}), (InvertedSlider, (0.4, 1.2, 0.1), {}),
+         (InvertedSlider, (0.4, 1.2, 0.1), {'input': 'slide'})]
+every_kind = pytest.mark.parametrize('kind, lengths, more', KINDS)
+GIVEN = (1.2, 3.0, -2.0)
+ODD = ['1.0', b'1', None, True, 1j, datetime(2020, 1, 1), np.datetime64('2020'), Decimal(1), [1.0], object(),
+       np.array([1.0, 2.0]), np.ma.masked]
+odd = pytest.mark.parametrize('value', ODD, ids=lambda value: type(value).__name__)
+ARRAYS = [['1.0', '2.0'], [1.0, None], [None], [True, False], np.array(['2020'], 'M8[D]'), [[1.0], [1.0, 2.0]],
+          [datetime(2020, 1, 1)], np.array([1, 2], 'm8[s]')]
+odd_arrays = pytest.mark.parametrize('value', ARRAYS, ids=lambda value: type(value[0]).__name__)
+
+
+def with_rods(kind, lengths, more):
+    return kind(*lengths, bodies=RODS, gravity=(0.0, -9.81), external=External(Applied(1.0, 2.0)), **more)
+
+
+# --- numbers of other types ------------------------------------------------------------------------
+
+@pytest.mark.parametrize('made', [np.float32, np.float16, np.float64, np.longdouble, Fraction, lambda v: np.array(v, 'f4')])
+@every_kind
+def test_other_numbers_are_computed_with_as_doubles(kind, lengths, more, made):
+    """A float32 is the double it is equal to, not a precision to compute in."""
+    rounded = [float(made(v)) for v in lengths]
+
+    def bodies(of):
+        return Bodies(*[Body(*map(of, (2.0, 0.3, 0.1, 0.05)))] * 3)
+
+    one = kind(*map(made, lengths), bodies=bodies(made), gravity=(made(0.0), made(-9.81)),
+               external=External(Applied(*map(made, (1.1, 2.3, 0.7, 0.2, 0.9)))), **more)
+    plain = [float(made(v)) for v in (1.1, 2.3, 0.7, 0.2, 0.9)]
+    other = kind(*rounded, bodies=bodies(lambda v: float(made(v))), gravity=(0.0, float(made(-9.81))),
+                 external=External(Applied(*plain)), **more)
+    assert one == other and all(type(v) is float for v in (*one.lengths, *one.gravity, one.bodies.crank.mass))
+    assert one.step(*GIVEN) == other.step(*GIVEN)
+    given = [made(v) for v in GIVEN]
+    for part, expected in zip(one.step(*given), other.step(*map(float, given))):
+        if isinstance(given[0], np.ndarray):       # an array without dimensions stays one
+            assert all(value.shape == () and value.dtype == float for value in part)
+            np.testing.assert_allclose(part, expected, rtol=1e-13, atol=1e-13)
+        else:
+            assert part == expected and all(type(value) is float for value in part)
+
+
+@pytest.mark.parametrize('dtype', ['f2', 'f4', 'f8', 'i4', 'u1', '>f8', 'g'])
+@every_kind
+def test_other_arrays_are_computed_with_as_doubles(kind, lengths, more, dtype):
+    mechanism, values = with_rods(kind, lengths, more), np.array([1, 1, 1], dtype)
+    for one, other in zip(mechanism.step(values, 3.0), mechanism.step(values.astype(float), 3.0)):
+        for a, b in zip(one, other):
+            assert a.dtype == np.float64 and np.array_equal(a, b, equal_nan=True)
+
+
+# --- refused ---------------------------------------------------------------------------------------
+
+@odd
+@every_kind
+def test_what_is_no_number_is_refused_by_name(kind, lengths, more, value):
+    for i, name in enumerate(kind.LENGTHS):
+        with pytest.raises(InvalidParameter, match=f'^{name}'):
+            kind(*lengths[:i], value, *lengths[i + 1:], **more)
+    with pytest.raises(InvalidParameter, match='^gravity'):
+        kind(*lengths, gravity=(0.0, value), **more)
+
+
+@odd
+def test_what_is_no_number_is_refused_in_bodies_and_loads(value):
+    for name in ('mass', 'cg_along', 'cg_across', 'inertia'):
+        with pytest.raises(InvalidParameter, match=f'^{name}'):
+            Body(**{'mass': 1.0, name: value})
+    for name in ('force_x', 'force_y', 'along', 'across', 'couple'):
+        with pytest.raises(InvalidParameter, match=f'^{name}'):
+            Applied(**{name: value})
+    for name in ('length', 'density', 'radius'):
+        with pytest.raises(InvalidParameter, match=f'^{name}'):
+            round_rod(**{'length': 1.0, 'density': 1.0, 'radius': 0.1, name: value})
+
+
+@pytest.mark.parametrize('name, value', [
+    ('gravity', -9.81), ('gravity', None), ('gravity', (1.0,)), ('gravity', (0.0, nan)), ('gravity', 'xy'),
+    ('bodies', [1, 2, 3]), ('bodies', 5), ('bodies', RODS[:2]), ('external', None), ('external', (1.0, 2.0)),
+    ('mode', 3), ('mode', True), ('mode', None), ('mode', '2'), ('input', 'motor'), ('input', None)])
+@every_kind
+def test_what_is_no_such_thing_is_refused_by_name(kind, lengths, more, name, value):
+    if name in kind.__dataclass_fields__:      # the input of a four-bar is not a choice
+        with pytest.raises(InvalidParameter, match=f'^{name}'):
+            kind(*lengths, **{**more, name: value})
+
+
+@every_kind
+def test_lists_are_as_good_as_tuples(kind, lengths, more):
+    one = kind(*lengths, bodies=list(RODS), gravity=np.array([0.0, -9.81]), external=[Applied(), Applied()], **more)
+    other = kind(*lengths, bodies=RODS, gravity=(0.0, -9.81), **more)
+    assert one == other and hash(one) == hash(other) and one.mode is not True
+
+
+@pytest.mark.parametrize('call', ['motion', 'loads', 'step'])
+@odd_arrays
+@every_kind
+def test_arrays_that_are_no_numbers_are_refused(kind, lengths, more, value, call):
+    mechanism = with_rods(kind, lengths, more)
+    for i, name in enumerate(mechanism.input_coordinate):
+        given = [*GIVEN[:i], value, *GIVEN[i + 1:]]
+        with pytest.raises(InvalidParameter, match=f'^{name}'):
+            getattr(mechanism, call)(*given)
+
+
+@pytest.mark.parametrize('value', ['1.0', None, True, datetime(2020, 1, 1), Decimal(1), object()])
+@every_kind
+def test_a_single_input_that_is_no_number_is_refused(kind, lengths, more, value):
+    mechanism = with_rods(kind, lengths, more)
+    for i, name in enumerate(mechanism.input_coordinate):
+        with pytest.raises(InvalidParameter, match=f'^{name}'):
+            mechanism.step(*GIVEN[:i], value, *GIVEN[i + 1:])
+
+
+def test_shapes_that_do_not_fit_are_refused():
+    with pytest.raises(InvalidParameter, match=r'^theta1, omega1, alpha1 .*broadcast'):
+        with_rods(*KINDS[0]).motion(np.zeros(3), np.zeros(2))
+
+
+def test_other_functions_refuse_what_is_no_number():
+    linkage = with_rods(*KINDS[0])
+    for name in ('omega1', 'alpha1'):
+        for value in ('1', None, 1j, nan):
+            with pytest.raises(InvalidParameter, match=f'^{name}'):
+                find_extrema(linkage, ('omega4',), **{name: value})
+    with pytest.raises(InvalidParameter, match='^linkage'):
+        find_extrema('linkage')
+    with pytest.raises(InvalidParameter, match='^a2'):
+        find_extrema_many(0.4, ['1.2'], 0.8, 1.0)
+    with pytest.raises(InvalidParameter, match='^a1, a2'):
+        find_extrema_many([0.4, 0.5], [1.2, 1.1, 1.0], 0.8, 1.0)
+    with pytest.raises(InvalidParameter, match='^along'):
+        point_motion(linkage, linkage.motion(1.0), 'coupler', '0.2')
+    for lengths in (5.0, (1.0, 2.0, 3.0), None):
+        with pytest.raises(InvalidParameter, match='^lengths'):
+            io_equation(lengths, 1, 4)
+    with pytest.raises(InvalidParameter, match='^a2'):
+        io_equation((0.4, '1.2', 0.8, 1.0), 1, 4)
+    with pytest.raises(InvalidParameter, match='^theta'):
+        io_equation((0.4, 1.2, 0.8, 1.0), 1, 4).solve(['1.0'])
+
+
+# --- masks, no samples, complex steps, overflow ----------------------------------------------------
+
+@every_kind
+def test_masked_samples_are_nan(kind, lengths, more):
+    mechanism = with_rods(kind, lengths, more)
+    values = np.ma.masked_array([1.1, 1.2, 1.3], [False, True, False])
+    for masked, plain in zip(mechanism.step(values, 3.0), mechanism.step(values.data, 3.0)):
+        for a, b in zip(masked, plain):
+            assert a[[0, 2]] == pytest.approx(b[[0, 2]], rel=1e-15)     # hypot has another form beside NaN
+    assert np.isnan(mechanism.loads(values, 3.0).f41).tolist() == [False, True, False]
+
+
+@pytest.mark.parametrize('empty', [[], np.zeros(0), np.zeros((0, 3)), np.zeros((2, 0))])
+@every_kind
+def test_no_samples_give_none(kind, lengths, more, empty):
+    for part in with_rods(kind, lengths, more).step(empty, 1.0):
+        assert all(field.shape == np.shape(empty) and field.dtype == np.float64 for field in part)
+
+
+@every_kind
+def test_a_complex_step_differentiates_angles_too(kind, lengths, more):
+    mechanism = kind(*lengths, **more)
+    moved, plain = mechanism.motion(np.array([1.2]) + 1e-40j, 1.0), mechanism.motion(1.2, 1.0)
+    for joint in kind.JOINTS:
+        position = getattr(moved, joint.position)[0]
+        assert position.real == pytest.approx(getattr(plain, joint.position), rel=1e-14)
+        assert position.imag / 1e-40 == pytest.approx(getattr(plain, joint.rate), rel=1e-12, abs=1e-14)
+
+
+@every_kind
+def test_too_fast_is_said(kind, lengths, more):
+    mechanism = with_rods(kind, lengths, more)
+    rate = mechanism.input_coordinate.rate
+    for value in (1e160, -1e200, 1e155):
+        with pytest.raises(InvalidParameter, match=f'^{rate} = .*overflow'):
+            mechanism.loads(1.2, value)
+    assert np.isnan(mechanism.loads(np.array([1.2]), 1e160).shaking_moment[0])
+
+
+@pytest.mark.parametrize('power', [1000, 1022, 1023])
+@every_kind
+def test_too_long_is_said(kind, lengths, more, power):
+    for i, name in enumerate(kind.LENGTHS[:2]):
+        with pytest.raises(InvalidParameter, match=f'^{name}.*shorter than'):
+            kind(*lengths[:i], 2.0**power, *lengths[i + 1:], **more)
+
+
+# --- processes -------------------------------------------------------------------------------------
+
+ERRORS = [FourBarError('text'), InvalidParameter('mass', -1.0, 'must not be'), InvalidParameter('mass', None, 'is missing'),
+          OutOfRange('theta1', 3.0, ((-1.0, 1.0),)), Toggle('slide', 2.0), MissingBodies(), UnknownQuantity('x', ('y', 'z')),
+          BagError('no bag'), SceneError('no scene'), CannotDraw('no picture')]
+
+
+@pytest.mark.parametrize('again', [lambda v: pickle.loads(pickle.dumps(v)), copy.copy, copy.deepcopy])
+def test_errors_and_objects_are_the_same_after_a_copy(again):
+    for error in ERRORS:
+        same = again(error)
+        assert type(same) is type(error) and str(same) == str(error) and vars(same) == vars(error)
+    for kind in KINDS:
+        mechanism = with_rods(*kind)
+        result = mechanism.step(*GIVEN), mechanism.step(np.array(GIVEN), 1.0)
+        find_extrema(mechanism, ('f41',))
+        mechanism.classification, mechanism.input_ranges
+        same = again(mechanism)
+        assert same == mechanism and hash(same) == hash(mechanism) and same.step(*GIVEN) == result[0]
+        assert again(result[0]) == result[0] and type(again(result[1][0])) is kind[0].MOTION
+        for make in (point_speed, point_acceleration):
+            quantity = make(mechanism, 'coupler', 0.2)
+            assert again(quantity).of(*result[0]) == quantity.of(*result[0])
+    extrema = find_extrema(with_rods(*KINDS[0]), ('omega4',))
+    assert repr(again(extrema)) == repr(extrema)
+
+
+def _step(task):
+    mechanism, position = task
+    return mechanism.step(position, 1.0)
+
+
+def test_other_processes_get_mechanisms_and_return_results_and_errors():
+    mechanisms = [with_rods(*kind) for kind in KINDS]
+    here = [mechanism.step(1.2, 1.0) for mechanism in mechanisms]
+    rocker = FourBar(4.0, 3.0, 2.0, 8.0, bodies=RODS)
+    with get_context('spawn').Pool(2) as pool:
+        assert pool.map_async(_step, [(mechanism, 1.2) for mechanism in mechanisms]).get(120) == here
+        for task, kind in (((rocker, 3.0), OutOfRange), ((rocker, inf), InvalidParameter),
+                           ((FourBar(0.4, 1.2, 0.8, 1.0), 1.0), MissingBodies)):
+            with pytest.raises(kind):
+                pool.map_async(_step, [task]).get(120)
