@@ -8,6 +8,8 @@ from math import inf, pi
 from pathlib import Path
 from statistics import median
 
+from . import hard
+
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT), str(ROOT / 'test')]
 
@@ -22,7 +24,10 @@ SCALAR, SCALAR_MOTION = f'{OURS}, scalar', f'{OURS}, scalar, motion only'
 BATCHES = [f'{OURS}, batch of {count}' for count in (1000, 10000, 100000)]
 BATCH_MOTION = f'{BATCHES[1]}, motion only'
 STEP, UNITS = 'one step', ('math.sin', 'numpy.sin')
-SCALAR_LIMIT, BATCH_LIMIT = 100, 20     # in calls of math.sin, in elements of numpy.sin
+FIELDS = [f'{batch}, fields of the textbook' for batch in BATCHES]
+TEXTBOOK = [f'textbook numpy, batch of {count}' for count in (1000, 10000, 100000)]
+SCALAR_LIMIT, BATCH_LIMIT = 180, 20     # in bare calls of math.sin, in elements of numpy.sin
+FIELDS_LIMIT = 1.2                      # times the textbook script for its 15 outputs, in batches of 10000 and more
 
 
 # --- the case and the peers ------------------------------------------------------------------------
@@ -77,7 +82,8 @@ class Runner:
             self.process = subprocess.Popen([python, str(PEERS / f'run_{script}.py'), str(case)], text=True,
                                             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, cwd=folder,
                                             env=clean())
-        self.errors = self._read()
+        about = self._read()
+        self.errors, self.numpy = about['errors'], about['numpy']
 
     def _read(self):
         """Return the next JSON line; engines may print others. Raise RuntimeError if there is none."""
@@ -98,7 +104,7 @@ class Runner:
 
 
 def measure(rounds):
-    """Return errors {method: ...}, times {method: one a round}, and what was left out {peer: why}."""
+    """Return errors {method: ...}, times {method: one a round}, what was left out {peer: why}, {runner: its numpy}."""
     left_out = {line: why for line, why in install().items() if why}
     with tempfile.TemporaryDirectory() as folder:
         case = Path(folder) / 'case.json'
@@ -118,7 +124,8 @@ def measure(rounds):
                     times[name].append(took)
         for runner in runners:
             runner.close()
-    return errors, times, left_out
+        versions = {runner.name: runner.numpy for runner in runners}
+    return errors, times, left_out, versions
 
 
 # --- what is printed -------------------------------------------------------------------------------
@@ -145,14 +152,24 @@ def print_units(times):
     print('| motion and all loads | unit | cost | (lowest to highest round) | limit |\n| --- | --- | --- | --- | --- |')
     for name, unit, limit in [(STEP, UNITS[0], SCALAR_LIMIT)] + [(b, UNITS[1], BATCH_LIMIT) for b in BATCHES]:
         ratio = ratios(times, name, unit)
-        print(f'| {name} | {"calls of math.sin" if unit == UNITS[0] else "elements of numpy.sin"} | {median(ratio):.0f} '
+        print(f'| {name} | {"bare calls of math.sin" if unit == UNITS[0] else "elements of numpy.sin"} | {median(ratio):.0f} '
               f'| {min(ratio):.0f} to {max(ratio):.0f} | {limit} |')
     print()
 
 
+def print_textbook(times):
+    """Print what the same 15 outputs cost beside the textbook script."""
+    print('| the 15 outputs of the textbook script | times the script | (lowest to highest round) | limit |\n| --- | --- | --- | --- |')
+    for ours, theirs, limit in zip(FIELDS, TEXTBOOK, ('-', FIELDS_LIMIT, FIELDS_LIMIT)):
+        ratio = ratios(times, ours, theirs)
+        print(f'| {ours} | {median(ratio):.2f} | {min(ratio):.2f} to {max(ratio):.2f} | {limit} |')
+    single = ratios(times, SCALAR, 'textbook, one a call')
+    print(f'| {SCALAR}, all fields | {median(single):.2f} | {min(single):.2f} to {max(single):.2f} | - |\n')
+
+
 def print_verdict(errors, times):
     """Print for accuracies the cheapest engine that reaches them: forces, and motion only."""
-    engines = [name for name in errors if not name.startswith((OURS, '9x9')) and name not in (STEP, *UNITS)]
+    engines = [name for name in errors if not name.startswith((OURS, '9x9', 'textbook')) and name not in (STEP, *UNITS)]
     print('| to reach | cheapest engine | times our scalar | times our batch of 10000 |\n| --- | --- | --- | --- |')
     for what, key, single, batch in (('F41', 'f41', SCALAR, BATCHES[1]),
                                      ("theta4''", 'alpha4', SCALAR_MOTION, BATCH_MOTION)):
@@ -165,7 +182,7 @@ def print_verdict(errors, times):
     print()
 
 
-GROUPS = ((OURS, '#d62728', '*'), ('9x9 numpy', '#7f7f7f', 's'), ('fourbarhinge', '#8c564b', 'D'),
+GROUPS = ((OURS, '#d62728', '*'), ('textbook', '#000000', 'd'), ('9x9 numpy', '#7f7f7f', 's'), ('fourbarhinge', '#8c564b', 'D'),
           ('pylinkage', '#e377c2', 'v'), ('MuJoCo tree', '#1f77b4', 'o'), ('MuJoCo connect, default', '#17becf', 'x'),
           ('MuJoCo connect, hardest', '#17becf', 'o'),
           ('Pinocchio tree', '#2ca02c', '^'), ('Pinocchio constraintDynamics', '#98df8a', '^'),
@@ -200,14 +217,18 @@ def draw(errors, times):
 
 def main():
     """Print all tables and draw."""
-    errors, times, left_out = measure(ROUNDS)
+    errors, times, left_out, versions = measure(ROUNDS)
     print(f'Linkage {LENGTHS} m with its rods, mode 2, {OMEGA:g} rad/s, {SAMPLES} samples of one revolution. One thread, '
           f'CPU time, {ROUNDS} rounds in turn: medians, ratios within the same round. Errors against many digits: theta4 '
           'absolute, the others of the largest magnitude. Engines are called from Python, as a Python project would; '
           'steppers start exactly, the second of two turns is scored.\n')
+    print('numpy of the runners: ' + ', '.join(f'{name} {version}' for name, version in versions.items())
+          + '. Garbage collection is off while timing.\n')
     print_methods(errors, times)
+    print_textbook(times)
     print_verdict(errors, times)
     print_units(times)
+    hard.main()
     for peer, why in left_out.items():
         print(f'Left out: {peer}: {why}')
     draw(errors, times)

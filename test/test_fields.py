@@ -121,11 +121,34 @@ def test_short_arrays_with_what_is_out_of_range_are_nan_there():
 def test_a_record_is_made_once_for_a_kind_and_less_is_done_for_less():
     one, other = (FourBar(a1, 1.2, 0.8, 1.0, bodies=Bodies(*(round_rod(0.5, 7750.0, 0.01) for _ in range(3))))
                   for a1 in (0.4, 0.5))
-    (record, constants), (same, others) = (arrays.recorded(m, True) for m in (one, other))
+    (record, constants, zeros), (same, others, _) = (arrays.recorded(m, True) for m in (one, other))
     assert record is same and constants != others
     single = (False, True, True)
-    whole = recorded.program(record, arrays.range_of(record), single)
-    angle = recorded.program(record, (one.MOTION._fields.index('theta4'),), single)
+    whole = recorded.program(record, arrays.range_of(record), single, zeros)
+    angle = recorded.program(record, (one.MOTION._fields.index('theta4'),), single, zeros)
     assert len(angle.steps) < 0.25 * len(whole.steps)
     with pytest.raises(TypeError, match='where'):
         bool(recorded.Number(record, 0))
+
+
+SOME = Bodies(*(round_rod(0.5, 7750.0, 0.01) for _ in range(3)))
+NONE = Body(0.0)
+
+
+@pytest.mark.parametrize('acting', [
+    {'bodies': SOME}, {'bodies': SOME, 'gravity': (0.0, -9.81)}, {'bodies': Bodies(MASSES.crank, NONE, NONE)},
+    {'bodies': Bodies(NONE, Body(2.0), NONE)}, {'bodies': Bodies(NONE, NONE, Body(1.0, 0.1))},
+    {'bodies': Bodies(NONE, NONE, NONE)}, {'bodies': Bodies(NONE, NONE, NONE), 'external': External(Applied(couple=2.0))},
+    {'bodies': Bodies(NONE, NONE, NONE), 'external': External(output=Applied(1.0, 2.0))}])
+@pytest.mark.parametrize('mechanism', [FourBar(0.4, 1.2, 0.8, 1.0), FourBar(4.0, 3.0, 2.0, 8.0, mode=1), *(
+    kind(0.9, 0.4, -0.1, input=driven) for kind in (SliderCrank, InvertedSlider) for driven in ('crank', 'slide'))],
+    ids=lambda m: f'{type(m).__name__}-{m.input}')
+def test_what_adds_zero_may_be_left_out(mechanism, acting):
+    """The same numbers, and NaN where the formula has it, whichever masses and loads are zero."""
+    mechanism, x = type(mechanism)(*mechanism.lengths, mechanism.mode, **(
+        {} if isinstance(mechanism, FourBar) else {'input': mechanism.input}), **acting), np.linspace(-3.0, 3.0, 101)
+    for given in ((x, 3.0, -2.0), (x, np.cos(x), x), (x, 3.0, 0.0)):
+        for name, one, other in zip(names_of(mechanism), sum(mechanism.step(*given), ()), by_formula(mechanism, *given)):
+            assert np.array_equal(one, other, equal_nan=True), name
+        for name, other in zip(names_of(mechanism), by_formula(mechanism, *given)):
+            assert np.array_equal(mechanism.step(*given, fields=(name,))[0], other, equal_nan=True), name

@@ -1,6 +1,8 @@
-"""This package, the same by 9x9 systems in numpy, and the units: math.sin and numpy.sin."""
+"""This package, a textbook script and 9x9 systems in numpy, and the units: math.sin and numpy.sin."""
 import math
 import sys
+from collections import deque
+from itertools import repeat
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +11,7 @@ from common import Case, Method, serve
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from bench.naive import ARRAY, SCALAR, law_of_cosines, nine_by_nine  # noqa: E402
+from bench.textbook import FIELDS, textbook  # noqa: E402
 from fourbar_ros import Bodies, Body, FourBar  # noqa: E402
 
 case = Case()
@@ -35,9 +38,7 @@ def scalar_motion(theta1):
 
 
 def one_step(theta1):
-    step = linkage.step
-    for x in theta1.tolist():
-        step(x, omega, 0.0)
+    deque(map(linkage.step, theta1.tolist(), repeat(omega), repeat(0.0)), 0)
 
 
 def read_scalar(rows):
@@ -85,8 +86,21 @@ one_system = system(SCALAR)
 
 
 def math_sin(theta1):
-    for x in theta1.tolist():
-        math.sin(x)
+    deque(map(math.sin, theta1.tolist()), 0)      # bare calls: no loop in Python, no look-ups
+
+
+def only(theta1, rate, acceleration):
+    return linkage.step(theta1, rate, acceleration, fields=FIELDS)
+
+
+def by_textbook(theta1, rate, acceleration, m=ARRAY):
+    return textbook(linkage.lengths, sign, masses, theta1, rate, acceleration, m)
+
+
+def read_fields(found):
+    fields = dict(zip(FIELDS, found))
+    return {**{name: fields[name] for name in ('theta4', 'omega4', 'alpha4')},
+            'f41': np.stack((fields['f41_x'], fields['f41_y']), -1)}
 
 
 def nothing(_):
@@ -99,6 +113,11 @@ serve(case, [
     Method('fourbar_ros, scalar, motion only', scalar_motion, read_scalar),
     *(Method(f'fourbar_ros, batch of {count}', batch(linkage.step, count), read) for count in (1000, 10000, 100000)),
     Method('fourbar_ros, batch of 10000, motion only', batch(linkage.motion, 10000), read_motion),
+    *(Method(f'fourbar_ros, batch of {count}, fields of the textbook', batch(only, count), read_fields)
+      for count in (1000, 10000, 100000)),
+    *(Method(f'textbook numpy, batch of {count}', batch(by_textbook, count), read_fields) for count in (1000, 10000, 100000)),
+    Method('textbook, one a call', lambda theta1: [by_textbook(x, omega, 0.0, SCALAR) for x in theta1.tolist()],
+           lambda rows: read_fields(np.array(rows).T)),
     Method('9x9 numpy, one a call', lambda theta1: [one_system(x) for x in theta1.tolist()], read_systems),
     *(Method(f'9x9 numpy, batch of {count}', batch_system(count), read_system) for count in (1000, 100000)),
     Method('one step', one_step, nothing), Method('math.sin', math_sin, nothing),

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from functools import cache
 from itertools import chain, repeat
+from math import prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,13 +17,14 @@ if TYPE_CHECKING:
 
 # Samples for which numpy's calls of all operations of a formula take as long as the formula with floats does:
 # of fewer, or where fewer operations are needed, as many fewer, each sample is computed by itself.
-ONE_BY_ONE = 24
+ONE_BY_ONE = 30
 
 
 def recorded(mechanism: Mechanism, with_loads: bool) -> tuple:
-    """Return the record of a mechanism's motion, or motion and loads, and the constants to give to its programs."""
+    """Return the record of a mechanism's motion, or motion and loads, the constants of its programs, which are zero."""
     functions = [mechanism._motion[1], mechanism._loads[1]] if with_loads else [mechanism._motion[1]]
-    return record_of(functions), [value for function in functions for value in constants_of(function)]
+    constants = [value for function in functions for value in constants_of(function)]
+    return record_of(functions), constants, frozenset([i for i, value in enumerate(constants) if value == 0.0])
 
 
 def evaluate(mechanism: Mechanism, given: tuple, wanted: tuple[int, ...] | None, with_loads: bool) -> list[np.ndarray]:
@@ -39,15 +41,16 @@ def evaluate(mechanism: Mechanism, given: tuple, wanted: tuple[int, ...] | None,
 
     """
     inputs, shape = _inputs(mechanism, given)
-    size = int(np.prod(shape))
+    size = prod(shape)
     with np.errstate(all='ignore'):
         _keep_memory()
         if any(v.dtype.kind == 'c' for v in inputs):
             rows = _complex_rows(mechanism, inputs, shape, wanted, with_loads)
         else:
             inputs = [float(v) if i and not v.ndim else np.broadcast_to(v, shape).reshape(-1) for i, v in enumerate(inputs)]
-            record, constants = mechanism._recorded[with_loads]
-            chosen = program(record, range_of(record) if wanted is None else wanted, tuple([type(v) is float for v in inputs]))
+            record, constants, zeros = mechanism._recorded[with_loads]
+            single = tuple([type(v) is float for v in inputs])
+            chosen = program(record, range_of(record) if wanted is None else wanted, single, zeros)
             rows = _one_by_one(mechanism, inputs, wanted, with_loads) if (
                 0 < size * record.operations <= ONE_BY_ONE * len(chosen.steps)) else None
             if rows is None:
@@ -65,6 +68,8 @@ def _inputs(mechanism: Mechanism, given: tuple) -> tuple[list[np.ndarray], tuple
     """Return the inputs as arrays of real or (the position, for a complex step) complex doubles, and their common shape."""
     names = mechanism.input_coordinate
     inputs = [array(name, value, name == names.position) for name, value in zip(names, given)]
+    if not any(v.ndim for v in inputs[1:]):
+        return inputs, inputs[0].shape
     try:
         return inputs, np.broadcast_shapes(*(v.shape for v in inputs))
     except ValueError:

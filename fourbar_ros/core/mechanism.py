@@ -121,6 +121,13 @@ class Mechanism:
         return tuple((low, high) for low, high in parts if low < high)
 
     @cached_property
+    def _of_one(self):
+        """Return the functions of one sample: motion and loads; MissingBodies without masses."""
+        if self.bodies is None:
+            raise MissingBodies
+        return self._motion[0], self._loads[0]
+
+    @cached_property
     def _recorded(self):
         return ByDialect(lambda with_loads: recorded(self, with_loads))
 
@@ -267,8 +274,7 @@ class Mechanism:
         """
         if fields is not None:
             return self._only(fields, (position, rate, acceleration), True)
-        if self.bodies is None:
-            raise MissingBodies
+        motion_of, loads_of = self._of_one
         if not (type(position) is type(rate) is type(acceleration) is float):
             if _are_numbers(position, rate, acceleration):
                 return self.step(*self._numbers(position, rate, acceleration))
@@ -277,8 +283,8 @@ class Mechanism:
         if (position + rate * rate + acceleration) * 0.0 != 0.0:
             self._require_finite(position, rate, acceleration)
         try:
-            motion = self._motion[0](position, rate, acceleration)
-            loads = self._loads[0](motion)
+            motion = motion_of(position, rate, acceleration)
+            loads = loads_of(motion)
         except (ValueError, ZeroDivisionError):
             raise self._why_no_motion(position) from None
         if (loads[8] + loads[-1]) * 0.0 != 0.0:     # |F41| and the shaking moment: overflow reaches one of them

@@ -166,6 +166,41 @@ def shape_of(function: FunctionType) -> tuple:
     return function.__code__, shape(function.__defaults__)
 
 
+def _without_zeros(record: Record, zeros: frozenset[int]) -> tuple[list, list[int]]:
+    """Return the steps without products of zero and sums with zero, and for each place that of the same number."""
+    zero, steps, same = {record.first_constant + i for i in zeros}, list(record.steps), list(range(len(record.steps)))
+    for place, step in enumerate(record.steps):
+        if step is None:
+            continue
+        name, arguments = step[0], tuple([same[i] for i in step[1]])
+        steps[place] = name, arguments
+        is_zero = [i in zero for i in arguments]
+        if name == 'mul' and any(is_zero) or name in ('add', 'sub', 'neg') and all(is_zero):
+            same[place] = arguments[is_zero.index(True)]
+        elif name in ('add', 'sub') and is_zero[1]:
+            same[place] = arguments[0]
+        elif name == 'add' and is_zero[0]:
+            same[place] = arguments[1]
+    return steps, same
+
+
+def _carriers(steps: list, places: Sequence[int]) -> list[frozenset[int]]:
+    """Return for each result the inputs and roots it depends on: what makes it NaN out of range."""
+    found: list[frozenset[int]] = []
+    for place, step in enumerate(steps):
+        if step is None:
+            found.append(frozenset((place,)) if place < 3 else frozenset())
+        else:
+            carried = frozenset().union(*[found[i] for i in step[1]])
+            found.append(carried | {place} if step[0] == 'sqrt' else carried)
+    return [found[place] & _pose(steps) for place in places]
+
+
+def _pose(steps: list) -> frozenset[int]:
+    """Return the places of the position and of all roots: not of rate and acceleration, which may be multiplied by zero."""
+    return frozenset((0, *(place for place, step in enumerate(steps) if step is not None and step[0] == 'sqrt')))
+
+
 class Program:
     """
     The operations of a record that some results need.
@@ -177,23 +212,30 @@ class Program:
         Which results.
     single : sequence of 3 bools
         Which inputs are one number for all samples.
+    zeros : frozenset of int
+        Which constants are zero: what only adds zero is left out, unless a result would then no longer be NaN
+        where it should.
 
     """
 
-    def __init__(self, record: Record, wanted: Sequence[int], single: Sequence[bool]):
-        self._record, self._places = record, [record.results[i] for i in wanted]
+    def __init__(self, record: Record, wanted: Sequence[int], single: Sequence[bool], zeros: frozenset[int] = frozenset()):
+        self._record, results = record, [record.results[i] for i in wanted]
         self._is_single = [True] * len(record.steps)
         self._is_single[:3] = single
+        self._steps, same = _without_zeros(record, zeros)
+        self._places = [same[place] for place in results]
+        if _carriers(self._steps, self._places) != _carriers(record.steps, results):
+            self._steps, self._places = record.steps, results
         steps = self._needed()
         for place in steps:
-            self._is_single[place] = all(self._is_single[i] for i in record.steps[place][1])
+            self._is_single[place] = all(self._is_single[i] for i in self._steps[place][1])
         self._once = [self._once_step(place) for place in steps if self._is_single[place]]
         self._buffers: list[type] = []
         self.steps = self._allocate([place for place in steps if not self._is_single[place]])
 
     def _needed(self) -> list[int]:
         """Return the places of the operations that the results need, in order."""
-        steps, needed, left = self._record.steps, set(), list(self._places)
+        steps, needed, left = self._steps, set(), list(self._places)
         while left:
             place = left.pop()
             if place not in needed and steps[place] is not None:
@@ -202,16 +244,16 @@ class Program:
         return sorted(needed)
 
     def _once_step(self, place: int) -> tuple[int, Callable, tuple[int, ...]]:
-        name, arguments = self._record.steps[place]
+        name, arguments = self._steps[place]
         return place, _OPERATIONS[name][0], arguments
 
     def _allocate(self, places: list[int]) -> list[tuple[Callable, Callable]]:
         """Return (numpy's function, what takes its arguments from the values) of all steps; results own their places."""
         size = len(self._record.steps)
-        last = {i: place for place in places for i in self._record.steps[place][1]}
+        last = {i: place for place in places for i in self._steps[place][1]}
         results, where, free, found = set(self._places), {}, [], []
         for place in places:
-            name, arguments = self._record.steps[place]
+            name, arguments = self._steps[place]
             done = [where[i] for i in dict.fromkeys(arguments) if i in where and last[i] == place]
             done = [buffer for buffer in done if self._buffers[buffer] is float]
             if name not in _NOT_IN_PLACE:
@@ -276,6 +318,6 @@ def record_of(functions: Sequence[FunctionType]) -> Record:
 
 
 @cache
-def program(record: Record, wanted: tuple[int, ...], single: tuple[bool, ...]) -> Program:
+def program(record: Record, wanted: tuple[int, ...], single: tuple[bool, ...], zeros: frozenset[int]) -> Program:
     """Return the :class:`Program` of a record, made once."""
-    return Program(record, wanted, single)
+    return Program(record, wanted, single, zeros)

@@ -10,7 +10,7 @@ from math import fabs, frexp, hypot, ldexp
 from typing import NamedTuple
 
 from .dialects import dialects, where
-from .loads import about_first_joint, crank_with_pin, needs_of_carried, needs_of_pivoted
+from .loads import about_first_joint, crank_with_pin, needs_of_crank_and_carried, needs_of_pivoted
 
 
 class SliderLoads(NamedTuple):
@@ -55,24 +55,24 @@ def make_slider_crank_loads(a1, a2, e, is_crank, bodies, gravity, external):
     unit = ldexp(1.0, frexp(max(a1, a2, fabs(e)))[1])
     a1, a2, e = a1 / unit, a2 / unit, e / unit
     crank, coupler, slider = bodies
+    mass2, carried = coupler.mass * unit, about_first_joint(coupler, unit, gravity, external.coupler)
     _, across, _, hold_x, hold_y, couple, by_cosine, _ = about_first_joint(slider, unit, gravity, external.output)
 
     def loads(motion, a1=a1, a2=a2, e=e, unit=unit, per_unit=1.0 / unit, is_crank=is_crank,
-              mass2=coupler.mass * unit, mass3=slider.mass * unit,
-              crank=crank_with_pin(crank, coupler.mass * unit, a1, unit, gravity),
-              coupler=about_first_joint(coupler, unit, gravity, external.coupler),
+              mass2=mass2, mass3=slider.mass * unit, crank=crank_with_pin(crank, carried, mass2, a1, unit, gravity),
+              coupler=carried,
               across=across, hold_x=hold_x, hold_y=hold_y, at_rest=by_cosine + couple):
         (_, omega, alpha, _, omega2, _, _, _, _, slide, _, slide_acceleration, _, omega_b, alpha_b, _, dx, db, ds, _,
          cos_x, sin_x, cos_b, sin_b, _, sin_2) = motion
-        f1_x, f1_y, moment1 = needs_of_pivoted(crank, cos_x, sin_x, omega, alpha)
-        f2_x, f2_y, about_a, about_o1, aside = needs_of_carried(
-            coupler, mass2, a1 * cos_x, a1 * sin_x, omega, alpha, cos_b, sin_b, omega_b, alpha_b)
+        square, square_b = omega * omega, omega_b * omega_b
+        f1_x, f1_y, f2_x, f2_y, moment1, about_a, aside = needs_of_crank_and_carried(
+            crank, coupler, mass2, a1, cos_x, sin_x, square, alpha, cos_b, sin_b, square_b, alpha_b)
         growth = slide_acceleration * per_unit
         f3_x, f3_y, moment3 = mass3 * growth + hold_x, hold_y, at_rest - across * growth
 
-        moment1, moment2 = moment1 + about_o1, about_a + aside * (omega * omega)
+        moment2 = about_a + aside * square
         drive = unit * (moment1 * dx + about_a * db - aside * (omega_b * omega2) * dx) + f3_x * ds
-        carried = moment1 - aside * (omega_b * omega_b)
+        carried = moment1 - aside * square_b
         along_b, along_x = carried / a1, -moment2 / a2
         f32_x = where(is_crank, -f3_x, along_b * cos_b + along_x * cos_x) / where(is_crank, 1.0, sin_2)
         f32_y = where(is_crank, -along_x - sin_b * f3_x, along_b * sin_b + along_x * sin_x) / where(is_crank, cos_b, sin_2)
@@ -101,21 +101,21 @@ def make_inverted_loads(a1, a4, h, is_crank, bodies, gravity, external):
     unit = ldexp(1.0, frexp(max(a1, a4, fabs(h)))[1])
     a1, a4, h = a1 / unit, a4 / unit, h / unit
     crank, block, bar = bodies
+    mass2, carried = block.mass * unit, about_first_joint(block, unit, gravity, external.coupler)
 
     def loads(motion, a1=a1, a4=a4, h=h, unit=unit, per_unit=1.0 / unit, is_crank=is_crank,
-              mass2=block.mass * unit, crank=crank_with_pin(crank, block.mass * unit, a1, unit, gravity),
-              block=about_first_joint(block, unit, gravity, external.coupler),
+              mass2=mass2, crank=crank_with_pin(crank, carried, mass2, a1, unit, gravity), block=carried,
               bar=about_first_joint(bar, unit, gravity, external.output)):
         (_, omega, alpha, _, omega2, _, _, omega4, alpha4, slide, _, _, _, dx, dy, _, _,
          cos_x, sin_x, cos_y, sin_y, _, sin_2) = motion
-        f1_x, f1_y, moment1 = needs_of_pivoted(crank, cos_x, sin_x, omega, alpha)
-        f2_x, f2_y, about_a, about_o1, aside = needs_of_carried(
-            block, mass2, a1 * cos_x, a1 * sin_x, omega, alpha, cos_y, sin_y, omega4, alpha4)
-        f3_x, f3_y, moment3 = needs_of_pivoted(bar, cos_y, sin_y, omega4, alpha4)
+        square, square_4 = omega * omega, omega4 * omega4
+        f1_x, f1_y, f2_x, f2_y, moment1, about_a, aside = needs_of_crank_and_carried(
+            crank, block, mass2, a1, cos_x, sin_x, square, alpha, cos_y, sin_y, square_4, alpha4)
+        f3_x, f3_y, moment3 = needs_of_pivoted(bar, cos_y, sin_y, square_4, alpha4)
 
-        moment1, moment2 = moment1 + about_o1, about_a + aside * (omega * omega)
+        moment2 = about_a + aside * square
         drive = unit * (moment1 * dx + (about_a + moment3) * dy - aside * (omega4 * omega2) * dx)
-        carried, turning = moment1 - aside * (omega4 * omega4), moment2 + moment3
+        carried, turning = moment1 - aside * square_4, moment2 + moment3
         normal = (where(is_crank, -turning, h * carried / a1 - turning * sin_2)
                   / where(is_crank, slide * per_unit, a4 * sin_x))
         torque, force = where(is_crank, (drive, 0.0), (0.0, drive))
