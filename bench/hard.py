@@ -12,7 +12,8 @@ from .textbook import FIELDS, textbook
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / 'test')]
 
-OMEGA, SHOWN = 25.0, ('theta4', 'omega4', 'alpha4', 'f41')
+OMEGA, LEAST = 25.0, 1e-3     # [rad/s]; part of the input's rate or its square below which no value counts
+SHOWN = ('theta4', 'omega4', 'alpha4', 'f41')
 AROUND = 10.0**np.linspace(-9.0, 0.4, 40)
 NEAR_ZERO, NEAR_PI = np.concatenate((-AROUND[::-1], AROUND)), pi + np.concatenate((-AROUND[::-1], AROUND))
 EVENLY = 2.0 * pi * (np.arange(200) + 0.5) / 200
@@ -55,21 +56,19 @@ def errors(lengths, samples):
         fields['f41'] = fields['f41_x'] + 1j * fields['f41_y']
         wrong = [np.abs(np.angle(np.exp(1j * (fields['theta4'] - truth[0]))))]
         with np.errstate(all='ignore'):
-            wrong += [np.abs(fields[name] - true) / np.abs(true) for name, true in zip(SHOWN[1:], truth[1:])]
+            wrong += [np.abs(fields[name] - true) / np.maximum(np.abs(true), least)
+                      for name, true, least in zip(SHOWN[1:], truth[1:], (LEAST * OMEGA, LEAST * OMEGA**2, 0.0))]
         rows.append([error.max() if np.isfinite(error).all() else np.inf for error in wrong])
     return rows
 
 
-def main():
+def print_errors():
     """Print the table."""
     print('Where digits are lost: the largest errors of the textbook script and of ours at the same samples, theta4 in '
-          'rad, the others each of its own value. What the rounded data allow at all is in [accuracy](accuracy.md).\n')
+          f'rad, the others each of its own value (rates and accelerations of {LEAST:g} of the input\'s at least).'
+          ' What the rounded data allow at all is in [accuracy](accuracy.md).\n')
     print('| linkage | method | ' + ' | '.join(("theta4 [rad]", "theta4'", "theta4''", 'F41')) + ' |\n' + '| --- ' * 6 + '|')
     for name, (lengths, samples) in cases().items():
         for method, row in zip(('fourbar_ros', 'textbook'), errors(lengths, samples)):
             print(f'| {name} | {method} | ' + ' | '.join('not finite' if error == np.inf else f'{error:.1e}' for error in row) + ' |')
     print()
-
-
-if __name__ == '__main__':
-    main()

@@ -185,7 +185,7 @@ def print_verdict(errors, times):
 GROUPS = ((OURS, '#d62728', '*'), ('textbook', '#000000', 'd'), ('9x9 numpy', '#7f7f7f', 's'), ('fourbarhinge', '#8c564b', 'D'),
           ('pylinkage', '#e377c2', 'v'), ('MuJoCo tree', '#1f77b4', 'o'), ('MuJoCo connect, default', '#17becf', 'x'),
           ('MuJoCo connect, hardest', '#17becf', 'o'),
-          ('Pinocchio tree', '#2ca02c', '^'), ('Pinocchio constraintDynamics', '#98df8a', '^'),
+          ('MuJoCo rollout', '#9467bd', 'o'), ('Pinocchio tree', '#2ca02c', '^'), ('Pinocchio constraintDynamics', '#98df8a', '^'),
           ('Exudyn generalized', '#ff7f0e', 'P'), ('Exudyn trapezoidal', '#bcbd22', 'X'))
 
 
@@ -202,7 +202,7 @@ def draw(errors, times):
                             if name.startswith(group) and key in errors[name])
             if points or key == 'f41':
                 axis.loglog(*(zip(*points) if points else ([], [])), marker=marker, color=color, label=group,
-                            linestyle='-' if group.startswith(('Exudyn', 'MuJoCo connect, hardest')) else 'none', linewidth=0.8,
+                            linestyle='-' if group.startswith(('Exudyn', 'MuJoCo connect, hardest', 'MuJoCo rollout')) else 'none', linewidth=0.8,
                             markersize=14 if group == OURS else 8, zorder=3 if group == OURS else 2)
         axis.set_title(f'{title}: largest error over one revolution, of its peak')
         axis.set_xlabel('CPU time per sample [µs]')
@@ -228,7 +228,7 @@ def main():
     print_textbook(times)
     print_verdict(errors, times)
     print_units(times)
-    hard.main()
+    hard.print_errors()
     for peer, why in left_out.items():
         print(f'Left out: {peer}: {why}')
     draw(errors, times)

@@ -2,6 +2,7 @@
 import mujoco
 import numpy as np
 from common import Case, Method, serve
+from mujoco import rollout as runner
 from loop import read, run_tree
 
 case = Case()
@@ -15,17 +16,17 @@ def link(name, at, end, body, inside='', armature=0.0):
 <body name="{name}" pos="{at!r} 0 0">
   <joint name="{name}" axis="0 0 1" armature="{armature!r}"/>
   <inertial pos="{along!r} {across!r} 0" mass="{mass!r}" diaginertia="{inertia!r} {inertia!r} {inertia!r}"/>
-  <site name="{name}" pos="{end!r} 0 0"/>{inside}
+  <site name="{name}" pos="{end!r} 0 0"/>{'<site name="o1"/>' if name == 'crank' else ''}{inside}
 </body>'''
 
 
-def model(equality='', options='', armature=0.0):
+def model(equality='', options='', armature=0.0, sensors=''):
     a1, a2, a3, a4 = case.lengths
     crank, coupler, output = case.bodies
     tree = link('crank', 0.0, a1, crank, link('coupler', a1, a2, coupler), armature) + link('output', a4, a3, output)
     return mujoco.MjModel.from_xml_string(f'''
 <mujoco><compiler angle="radian"/><option gravity="0 0 0" {options}/>
-<worldbody>{tree}</worldbody><equality>{equality}</equality></mujoco>''')
+<worldbody>{tree}</worldbody><equality>{equality}</equality><sensor>{sensors}</sensor></mujoco>''')
 
 
 class Tree:
@@ -88,10 +89,43 @@ def connect(steps, hardest):
     return run
 
 
+def rollout(steps, hardest):
+    """Return the same stepping as one call of mujoco.rollout: all of it in C++, outputs by sensors."""
+    dt = case.step / case.omega / steps
+    solver = f'solref="{2.0 * dt!r} 1" solimp="0.9999 0.9999 0.001 0.5 2"' if hardest else ''
+    sensors = ('<force site="o1"/><frameangvel objtype="body" objname="output"/>'
+               '<frameangacc objtype="body" objname="output"/>')
+    loop = model(f'<connect site1="coupler" site2="output" {solver}/>',
+                 f'timestep="{dt!r}" integrator="RK4" iterations="20" tolerance="0"', FLYWHEEL, sensors)
+    data, count = mujoco.MjData(loop), 2 * len(case.theta1) * steps
+    data.qpos[:], data.qvel[:] = (x0, b0 - x0, y0), (dx0, db0 - dx0, dy0)
+    start = np.zeros(mujoco.mj_stateSize(loop, mujoco.mjtState.mjSTATE_FULLPHYSICS))
+    mujoco.mj_getState(loop, data, start, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+
+    def run(theta1):
+        state, sensed = runner.rollout(loop, data, start[None, :], nstep=count)
+        return state[0], sensed[0]
+    return run
+
+
+def read_rollout(found):
+    """States are those after a step, what the sensors say is from before it; the force is in the crank's frame."""
+    state, sensed = found
+    state = np.concatenate((np.array([[0.0, x0, b0 - x0, y0]]), state[:-1, :4]))
+    steps = len(state) // (2 * len(case.theta1))
+    state, sensed = state[::steps][len(case.theta1):], sensed[::steps][len(case.theta1):]
+    cosine, sine = np.cos(state[:, 1]), np.sin(state[:, 1])
+    fx, fy = sensed[:, 0], sensed[:, 1]
+    return {'theta4': state[:, 3], 'omega4': sensed[:, 5], 'alpha4': sensed[:, 8],
+            'f41': np.stack((cosine * fx - sine * fy, sine * fx + cosine * fy), -1)}
+
+
 methods = [Method(f'MuJoCo tree, loop closed to {tolerance:.0e} m', run_tree(Tree(), case, tolerance), read)
            for tolerance in (1e-3, 1e-9)]
 methods.append(Method('MuJoCo connect, default softness', connect(1, False), read, 2))
 methods += [
     Method(f'MuJoCo connect, hardest, {steps} step{"s" * (steps > 1)}', connect(steps, True), read, 2)
     for steps in (1, 4, 16)]
+methods += [Method(f'MuJoCo rollout, hardest, {steps} step{"s" * (steps > 1)}', rollout(steps, True), read_rollout, 2)
+            for steps in (1, 4, 16)]
 serve(case, methods)
