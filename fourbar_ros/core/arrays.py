@@ -22,7 +22,7 @@ ONE_BY_ONE = 30
 
 def recorded(mechanism: Mechanism, with_loads: bool) -> tuple:
     """Return the record of a mechanism's motion, or motion and loads, the constants of its programs, which are zero."""
-    functions = [mechanism._motion[1], mechanism._loads[1]] if with_loads else [mechanism._motion[1]]
+    functions = [mechanism._make_motion(1), *([mechanism._loads[1]] if with_loads else ())]
     constants = [value for function in functions for value in constants_of(function)]
     return record_of(functions), constants, frozenset([i for i, value in enumerate(constants) if value == 0.0])
 
@@ -41,7 +41,10 @@ def evaluate(mechanism: Mechanism, given: tuple, wanted: tuple[int, ...] | None,
 
     """
     inputs, shape = _inputs(mechanism, given)
-    size = prod(shape)
+    position, size = inputs[0], prod(shape)
+    if mechanism.stroke is not None:     # outside of it nothing is known, as where the links cannot close
+        low, high = mechanism.stroke
+        inputs[0] = np.where((position.real >= low) & (position.real <= high), position, np.nan)
     with np.errstate(all='ignore'):
         _keep_memory()
         if any(v.dtype.kind == 'c' for v in inputs):
@@ -55,6 +58,11 @@ def evaluate(mechanism: Mechanism, given: tuple, wanted: tuple[int, ...] | None,
                 0 < size * record.operations <= ONE_BY_ONE * len(chosen.steps)) else None
             if rows is None:
                 rows = chosen.run(inputs, constants, size)
+    if mechanism.stroke is not None:
+        place = mechanism.MOTION._fields.index(mechanism.input_coordinate.position)
+        for i, row in zip(range(len(rows)) if wanted is None else wanted, rows):
+            if i == place:
+                row[...] = np.broadcast_to(position, shape).reshape(-1)
     return [row.reshape(shape) for row in rows]
 
 
