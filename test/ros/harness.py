@@ -30,11 +30,16 @@ def fields_of(layout, output, message):
 
 
 class NodeProcess:
-    """fourbar_node with these parameters, after the code ``first``; what it says is kept in ``said``."""
+    """
+    fourbar_node with these parameters, after the code ``first``; what it says is kept in ``said``.
+
+    Silence is no timeout unless a test says so: on a slow machine its default would be one more message.
+    """
 
     def __init__(self, parameters, tmp_path, name='fourbar', remaps=(), first='', arguments=()):
         self.name = name
         file = tmp_path / f'{name}.yaml'
+        parameters = {'drive.timeout': 0.0, **parameters}
         file.write_text(json.dumps({'/**': {'ros__parameters': parameters}}))    # JSON is YAML
         remap = [part for rule in (f'__node:={name}', *remaps) for part in ('-r', rule)]
         run = ['-c', f'{first}\nimport sys; from fourbar_ros.ros.start import main; sys.exit(main())']
@@ -100,18 +105,24 @@ class Client:
         return self.node.create_publisher(resolve(topic.type), self.topic(topic, node), 100)
 
     def handshake(self, send, inbox='state'):
-        """Send until an answer comes on every listened topic, then forget the answers."""
+        """
+        Send until an answer comes on every listened topic, then forget the answers.
+
+        It ends when nothing more has come for ten times as long as an answer let wait, 0.3 to 3 s: one on
+        its way would be taken for an answer of the test.
+        """
         end = time.monotonic() + PATIENCE
         while not all(self.received.values()):
             assert time.monotonic() < end, f'no answer: {({k: len(v) for k, v in self.received.items()})}'
             send()
+            sent = time.monotonic()
             self.executor.spin_once(timeout_sec=0.05)
-        quiet = time.monotonic()
-        count = -1
-        while time.monotonic() - quiet < 0.3:          # until nothing of the handshake is under way
-            if (now := sum(map(len, self.received.values()))) != count:
-                count, quiet = now, time.monotonic()
+        last, wait = time.monotonic(), 10.0 * (time.monotonic() - sent)
+        count = sum(map(len, self.received.values()))
+        while (now := time.monotonic()) - last < max(0.3, min(wait, 3.0)):
             self.executor.spin_once(timeout_sec=0.05)
+            if (found := sum(map(len, self.received.values()))) != count:
+                wait, count, last = max(wait, 10.0 * (time.monotonic() - now)), found, time.monotonic()
         for messages in self.received.values():
             messages.clear()
 

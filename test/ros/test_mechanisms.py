@@ -46,7 +46,8 @@ def inputs_of(linkage, count):
 def test_the_same_outputs_services_and_bag(name, run_node, client, tmp_path):
     values, joints = MECHANISMS[name]
     parameters = {**values, **TIP, 'points.pin.link': 'crank', 'points.pin.along': 0.05, 'joint_names': joints,
-                  'drive.source': 'motion', 'outputs': list(OUTPUTS), 'recording.start': True, 'recording.name': 'run'}
+                  'drive.source': 'motion', 'drive.timeout': 0.0, 'outputs': list(OUTPUTS),
+                  'recording.start': True, 'recording.name': 'run'}
     its = scene.from_values(parameters)
     linkage, layout, stepper = its.linkage, its.layout, Stepper(its)
     run_node(parameters)
