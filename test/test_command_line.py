@@ -8,11 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import bags
 from fourbar_ros import FourBar, scene, scene_file
 from fourbar_ros.arguments import UsageError, check_node_arguments
 from fourbar_ros.cli import main
 from fourbar_ros.scene_file import SceneError, read_values
 from fourbar_ros.show import output_ranges
+from scenes import PAPER, RODS
 
 ROOT = Path(__file__).parent.parent
 LENGTHS = 'linkage: {a1: 0.4, a2: 1.2, a3: 0.8, a4: 1.0}'
@@ -113,6 +115,15 @@ def test_the_nearest_word_is_named(arguments, suggestion, capsys):
     assert code == 2 and f'did you mean {suggestion}?' in err
     if len(arguments) > 3:
         assert err.startswith(f'usage: fourbar {arguments[0]}')        # that of the verb
+
+
+@pytest.mark.parametrize('field, suggestion', [('state.omga4', 'state.omega4'),
+                                               ('stat.theta4', 'state.theta4'), ('loads.driving_torq', 'loads.driving_torque')])
+def test_the_nearest_field_of_a_bag_is_named(field, suggestion, tmp_path, capsys):
+    pytest.importorskip('matplotlib')
+    bag = bags.run(tmp_path, 'run', {**PAPER, **RODS, 'outputs': ['state', 'loads']}, [(0.1 * k, 25.0, 0.0) for k in range(5)])
+    code, _, err = said(capsys, 'bag', 'plot', str(bag), field, '-o', str(tmp_path / 'x.png'))
+    assert code == 1 and f'did you mean {suggestion}?' in err and len(err.splitlines()) == 1
 
 
 @pytest.mark.parametrize('name, suggestion', [('omga4', 'omega4'), ('shaking_frce', 'shaking_force'), ('F21', 'f21')])

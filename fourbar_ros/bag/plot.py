@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import re
+from difflib import get_close_matches
 
 import numpy as np
 
@@ -164,13 +165,16 @@ def _column(columns, field):
 
 def _advice(name, known):
     """Return what there is instead of a field that is not there."""
-    topic, dot, _ = name.partition('.')
+    topic, dot, field = name.partition('.')
     topic = topic.rsplit('/', 1)[-1]
+    names = known if topic not in known else [f'{topic}.{field}' for field in known[topic]]
+    close = get_close_matches(topic if topic not in known else f'{topic}.{field}', names, 1) if dot else []
+    guess = f'did you mean {close[0]}{"" if topic in known else "." + field}? ' if close else ''
     if topic in known:
-        return f'{topic} has {", ".join(known[topic])}'
+        return f'{guess}{topic} has {", ".join(known[topic])}'
     of = next((topic for topic, fields in known.items() if name in fields), None)
     hint = '' if dot else f'write TOPIC.FIELD, as {f"{of}.{name}" if of else "state.theta4"}; '
-    return f'{hint}topics are {", ".join(known)}'
+    return f'{guess}{hint}topics are {", ".join(known)}'
 
 
 def plot(path, names, out, progress=None):
