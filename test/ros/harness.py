@@ -17,7 +17,7 @@ from fourbar_ros.ros.messages import resolve
 
 # Requests that change nothing, to learn whether a service and its client have seen each other.
 HARMLESS = {'find_extrema': {'quantities': ['?']}, 'evaluate': {}, 'start_recording': {'name': '..'}}
-PATIENCE = 30.0       # [s] discovery takes 0.3 s mostly and 4 s sometimes; a slow machine more
+PATIENCE = 120.0      # [s] discovery takes 0.3 s mostly, 4 s sometimes; 30 s are too few beside 20 busy processes
 ALL_OUTPUTS = [name for name in interfaces.OUTPUTS if name != 'points']      # these need points in the scene
 
 
