@@ -178,6 +178,13 @@ def test_show_gives_all_components_of_forces_and_points(name, capsys):
         assert any(line.startswith(point) for line in lines)
 
 
+def test_zeros_are_not_printed_as_rounding(capsys):
+    _, out, _ = said(capsys, 'show', 'slider_crank')
+    rows = out.partition('\nf43 ')[2].partition('\n\n')[0].splitlines()
+    values = [next(word for word in row.split() if word.lstrip('-')[0].isdigit()) for row in rows]
+    assert values.count('0') == 4 and not any('e-' in value for value in values)
+
+
 # --- ranges ----------------------------------------------------------------------------------------
 
 @pytest.mark.parametrize('lengths', [(0.4, 1.2, 0.8, 1.0), (8.0, 14.0, 9.0, 17.0), (4.0, 3.0, 2.0, 8.0),
