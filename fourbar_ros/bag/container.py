@@ -45,7 +45,7 @@ class Container:
         self._chunk_indices, self._chunks = bytearray(), 0
         self._metadata_indices = []
         self._compressor = zstandard.ZstdCompressor()
-        self.last = {}                                 # newest sequence number, by channel
+        self.first, self.last = {}, {}                 # oldest and newest sequence number, by channel
         self._pending = {}                             # {encoded definition: chunks that hold it}, up to TOLD
         self._unchecked = set()                        # encoded definitions that no checksum covered
         self._clear()
@@ -105,6 +105,7 @@ class Container:
     def add_message(self, channel, sequence, time, data, published=None):
         """Take a message; arguments are trusted. It is in the file after the next :meth:`flush`."""
         self._index[channel] += (time, self._length)
+        self.first.setdefault(channel, sequence)
         self.last[channel] = sequence
         self._parts += (_MESSAGE.pack(Opcode.MESSAGE, 22 + len(data), channel, sequence, time,
                                       time if published is None else published), data)
@@ -131,10 +132,12 @@ class Container:
         """
         chunk = parse(Opcode.CHUNK, body)
         content, index = unpacked(chunk), defaultdict(list)
-        records, last = [], {}
+        records, first, last = [], {}, {}
         for offset, opcode, start, end in split(content):
             if opcode == IS_MESSAGE:
-                channel, last[channel], time, _ = MESSAGE.unpack_from(content, start)
+                channel, sequence, time, _ = MESSAGE.unpack_from(content, start)
+                first.setdefault(channel, sequence)
+                last[channel] = sequence
                 index[channel] += (time, offset)
             elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 records.append(parse(opcode, content[start:end]))
@@ -150,6 +153,7 @@ class Container:
                 entries[1::2] = [offset + len(front) for offset in entries[1::2]]
         if index:
             self._append_chunk(chunk, index)
+            self.first = {**first, **self.first}
             self.last.update(last)
             self._clear()
         return replaced

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import json
 from functools import partial
+from math import inf
 from pathlib import Path
 from typing import NamedTuple
 
@@ -99,6 +100,12 @@ def beside(path):
     return path.with_name((path.name if path.is_dir() else path.stem.removesuffix('_0')) + '_recovered')
 
 
+def first_of(numbers):
+    """Return the first of the sequence numbers [first, next] that a recorder tells, 0 if it does not."""
+    told = isinstance(numbers, list) and numbers and isinstance(numbers[0], int)
+    return numbers[0] if told else 0
+
+
 class _Copy:
     """The records of a Scan in a new Container."""
 
@@ -177,11 +184,13 @@ class _Copy:
         statistics = self._scan.ending.of(Statistics) if self._scan.ending else []
         had = statistics[0].channel_message_counts if statistics else {}
         told = {} if self._scan.complete or rosbag2.ENDED in about else {rosbag2.ENDED: NO_END}
-        repeated = rosbag2.repeated(about)
+        repeated, there = rosbag2.repeated(about), []
         for number, channel in container.channels.items():
             count, last = container.counts.get(number, 0), container.last.get(number)
             again = channel.topic in repeated          # one of them was counted in the part before
-            count = max(count - again, 0)
+            if again and container.first.get(number, inf) < first_of(numbers.get(channel.topic)):
+                there.append(channel.topic)
+                count -= 1
             missing = missing_of(numbers.get(channel.topic), count, last)
             is_numbered, missing = missing is not None, max(missing or 0, had.get(number, 0) - again - count)
             if is_numbered:
@@ -189,6 +198,8 @@ class _Copy:
                 numbers[channel.topic] = first, first + count + missing if end is None else end
             if missing:
                 self.missing[channel.topic] = missing
+        if repeated:
+            told[rosbag2.REPEATS] = json.dumps(there)
         if numbers:
             told[rosbag2.NUMBERS] = json.dumps(numbers)
         if self._scan.lost:
