@@ -11,6 +11,7 @@ import slider_reference
 
 from fourbar_ros.core import Applied, Bodies, Body, External, FourBar, InvertedSlider, SliderCrank
 from fourbar_ros.core.extrema import find_extrema
+from fourbar_ros.core.laurent import T, many_digits, quarter_turns
 from fourbar_ros.core.mechanism import CRANK, SLIDE
 from fourbar_ros.core.sturm import count_extrema
 
@@ -327,3 +328,23 @@ def test_decimal_lengths_that_are_one_rounding_off_a_change_point(lengths, mode,
 def test_lengths_that_no_scaling_may_round():
     found = find_extrema(FourBar(1.0, 2.0, 4.0, 5.0), 'omega4')
     assert [e.place for e in found] == ['one-sided', 'one-sided', 'interior']
+
+
+# --- the number type ---------------------------------------------------------------------------------------------------
+
+def test_series_divide_zero_by_zero():
+    """Quotients, roots and angles of numbers that vanish, against their Taylor coefficients."""
+    with many_digits():
+        sine, cosine = T.sin(), (quarter_turns(2) + T).cos()
+        ones = sine * sine + cosine * cosine
+        assert (ones.order, ones.c) == (0, [1]) and cosine < -0.5
+        quotient = (T - sine) / (T * T * T)
+        assert [float(quotient._at(i)) for i in range(4)] == pytest.approx([1 / 6, 0.0, -1 / 120, 0.0], abs=1e-18)
+        root = (sine * sine).sqrt()
+        assert root.order == 1 and not (root - sine).c
+        pole = (cosine + 2.0) / (3.0 * T)
+        assert pole.order == -1 and pole > 1e300 and pole * 0.0 < 1.0
+        with pytest.raises(ValueError):
+            sine.sqrt()
+        with pytest.raises(ZeroDivisionError):
+            1.0 / (ones - 1.0)
