@@ -102,7 +102,6 @@ def _interior(sampler, path, values, slopes, state, rows, with_conditions):
     value, noise = sampler.values_and_noise(place, row)
     conditions = (sampled_conditions(sampler, root, row, spacing) if with_conditions
                   else np.full((2, row.size), nan))
-    conditions = conditions[0], np.where(value == 0.0, inf, conditions[1])
     return [Found(*fields[:4], 0, False, *fields[4:])
             for fields in zip(*(v.tolist() for v in (row, place, value, sense, *conditions, noise)))]
 
