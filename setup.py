@@ -13,7 +13,7 @@ setup(
     version='0.1.0',
     packages=find_packages(include=[NAME, NAME + '.*']) + SCENES,
     package_dir={SCENES[0]: 'config', SCENES[1]: 'config/published'},
-    package_data={NAME: ['*.yaml', 'py.typed'], SCENES[0]: ['*.yaml'], SCENES[1]: ['*.yaml']},
+    package_data={NAME: ['py.typed'], f'{NAME}.reproduction': ['*.yaml'], SCENES[0]: ['*.yaml'], SCENES[1]: ['*.yaml']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + NAME]),
         ('share/' + NAME, ['package.xml']),
@@ -55,7 +55,7 @@ setup(
     license_files=['LICENSE'],
     entry_points={
         'console_scripts': [
-            'fourbar = fourbar_ros.cli:main',
+            'fourbar = fourbar_ros.cli.main:main',
             'fourbar_node = fourbar_ros.optional:node',
             'fourbar_demo = fourbar_ros.optional:demo',
         ],

@@ -11,7 +11,7 @@ from rclpy.experimental import EventsExecutor
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
-from fourbar_ros.interfaces import OUTPUTS
+from fourbar_ros.scene.topics import OUTPUTS
 from fourbar_ros.ros.messages import resolve
 
 

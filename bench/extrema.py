@@ -13,8 +13,8 @@ from rich.console import Console
 from rich.progress import track
 
 from fourbar_ros import Bodies, FourBar, round_rod
-from fourbar_ros.core.extrema import RATES, find_extrema
-from fourbar_ros.core.many import find_extrema_many
+from fourbar_ros.extrema.find import RATES, find_extrema
+from fourbar_ros.extrema.batch import find_extrema_many
 
 from . import rivals
 from .shaking import crank_rockers

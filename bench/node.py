@@ -220,8 +220,8 @@ def imports():
     """Print how long imports take in a fresh Python."""
     print('| import, in a fresh Python | wall time [ms] | over that of rclpy |')
     print('| --- | --- | --- |')
-    modules = {'nothing': 'sys', 'fourbar_ros.core (no ROS)': 'fourbar_ros.core', 'rclpy': 'rclpy',
-               'the node': 'fourbar_ros.ros.node', 'the node and its recorder': 'fourbar_ros.ros.node, fourbar_ros.bag.writer'}
+    modules = {'nothing': 'sys', 'fourbar_ros and numpy (no ROS)': 'fourbar_ros.mechanisms.kinds', 'rclpy': 'rclpy',
+               'the node': 'fourbar_ros.ros.node.node', 'the node and its recorder': 'fourbar_ros.ros.node.node, fourbar_ros.bag.recorder'}
     took = {what: [] for what in modules}
     for _ in range(2 * ROUNDS + 1):
         for what, module in modules.items():

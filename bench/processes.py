@@ -52,7 +52,7 @@ def ours(outputs=KINEMATICS, **parameters):
     values = {**PAPER, 'outputs': outputs, **{name.replace('__', '.'): value for name, value in parameters.items()}}
     file = Path(tempfile.mkdtemp()) / 'scene.yaml'
     file.write_text(json.dumps({'/**': {'ros__parameters': values}}))
-    return Child('fourbar', '-m', 'fourbar_ros.ros.node', '--ros-args', '--params-file', str(file),
+    return Child('fourbar', '-m', 'fourbar_ros.ros.node.node', '--ros-args', '--params-file', str(file),
                  '-r', 'joint_states:=/fourbar/joint_states')
 
 
@@ -89,7 +89,7 @@ class Listener:
         self._thread.start()
 
     def _subscribe(self, output, topic):
-        from fourbar_ros.interfaces import OUTPUTS
+        from fourbar_ros.scene.topics import OUTPUTS
         from fourbar_ros.ros.messages import resolve
         kind = resolve(OUTPUTS[output].type)
         if output == 'state':

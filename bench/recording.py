@@ -29,9 +29,9 @@ def rss():
 def steps():
     """Return (values, channels, about, [[bytes of every topic] of every step of a period])."""
     import bags
-    from fourbar_ros import interfaces
-    from fourbar_ros import scene as scenes
-    from fourbar_ros.stepper import Stepper
+    from fourbar_ros.scene import topics as interfaces
+    from fourbar_ros.scene import scene as scenes
+    from fourbar_ros.pipeline.stepper import Stepper
     from scenes import PAPER, RODS
     scene = scenes.from_values({**PAPER, **RODS, 'drive.speed': 25.0, 'outputs': [name for name in interfaces.OUTPUTS if name != 'points']})
     topics = [interfaces.DRIVEN, *scene.topics.values()]
@@ -53,7 +53,7 @@ def stamped(step, k):
 
 def fill_ours(folder, channels, about, messages):
     """Write messages as the node does; return CPU seconds a message: in the caller, in all."""
-    from fourbar_ros.bag.writer import BagWriter
+    from fourbar_ros.bag.recorder import BagWriter
     writer = BagWriter(folder, '', channels, about, sync_period=0.0)
     begin, caller = time.process_time(), 0.0
     for step in messages:
@@ -147,7 +147,7 @@ def measured(what, count, rows):
 
 def write_long(folder, channels, about, messages, total):
     """Write a long bag as fast as it goes; return (path, memory at each tenth [MB])."""
-    from fourbar_ros.bag.writer import QUEUE_MESSAGES, BagWriter
+    from fourbar_ros.bag.recorder import QUEUE_MESSAGES, BagWriter
     # A chunk in 5 ms here is about one in 0.1 s of the run.
     writer = BagWriter(folder, 'long', channels, about, flush_period=0.005, sync_period=0.0)
     memory = []

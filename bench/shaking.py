@@ -8,7 +8,7 @@ import numpy as np
 from rich.progress import track
 
 from fourbar_ros import Bodies, FourBar, round_rod
-from fourbar_ros.core.many import find_extrema_many
+from fourbar_ros.extrema.batch import find_extrema_many
 
 LINKAGES = 50_000
 SAMPLES = 360                     # of a revolution; a parabola through the highest three locates the peak

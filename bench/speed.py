@@ -37,7 +37,7 @@ def write_case(file):
     import mpmath as mp
     from reference import loads_of, motion_of
 
-    from fourbar_ros.core.bodies import round_rod
+    from fourbar_ros.mechanics.bodies import round_rod
     bodies = [(b.mass, b.cg_along, b.cg_across, b.inertia)
               for b in (round_rod(length, DENSITY, RADIUS) for length in LENGTHS[:3])]
     theta1 = [2.0 * pi * k / SAMPLES for k in range(SAMPLES)]

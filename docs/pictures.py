@@ -17,7 +17,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from fourbar_ros.core import CROSSED, OPEN, FourBar, InvertedSlider, SliderCrank  # noqa: E402
+from fourbar_ros import CROSSED, OPEN, FourBar, InvertedSlider, SliderCrank  # noqa: E402
 
 LENGTHS = (0.4, 1.2, 0.8, 1.0)      # the paper's linkage [m]
 THETA1 = radians(60.0)

@@ -11,10 +11,19 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from fourbar_ros.core.kinds import KINDS  # noqa: E402
-from fourbar_ros.core.quantities import QUANTITIES, known  # noqa: E402
-from fourbar_ros.interfaces import APPLIED, DRIVEN, FIND_EXTREMA, INPUTS, OUTPUTS, SCENE, SERVICES, WRENCHES  # noqa: E402
-from fourbar_ros.parameters import PARAMETERS, POINT, REQUIRED  # noqa: E402
+from fourbar_ros.mechanisms.kinds import KINDS  # noqa: E402
+from fourbar_ros.mechanisms.quantities import QUANTITIES, known  # noqa: E402
+from fourbar_ros.scene.topics import (
+    APPLIED,
+    DRIVEN,
+    FIND_EXTREMA,
+    INPUTS,
+    OUTPUTS,
+    SCENE,
+    SERVICES,
+    WRENCHES,
+)  # noqa: E402
+from fourbar_ros.scene.parameters import PARAMETERS, POINT, REQUIRED  # noqa: E402
 
 PAGE = ROOT / 'docs' / 'node.md'
 

@@ -1,6 +1,6 @@
 """``python -m fourbar_ros`` is ``fourbar``."""
 import sys
 
-from .cli import main
+from fourbar_ros.cli.main import main
 
 sys.exit(main())

@@ -4,7 +4,7 @@ from __future__ import annotations
 import sys
 from importlib import import_module
 
-from .core import FourBarError
+from fourbar_ros.errors import FourBarError
 
 BAGS = 'pip install mcap lz4 zstandard'
 INSTALL = {'mcap': BAGS, 'lz4': BAGS, 'zstandard': BAGS, 'matplotlib': 'pip install matplotlib',
@@ -43,9 +43,9 @@ def _command(name: str, module: str) -> int:
 
 def node() -> int:
     """``fourbar_node``."""
-    return _command('fourbar_node', 'fourbar_ros.ros.start')
+    return _command('fourbar_node', 'fourbar_ros.ros.node.start')
 
 
 def demo() -> int:
     """``fourbar_demo``."""
-    return _command('fourbar_demo', 'fourbar_ros.ros.demo')
+    return _command('fourbar_demo', 'fourbar_ros.ros.clients.demo')

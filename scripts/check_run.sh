@@ -14,10 +14,9 @@ fi
 # A scene that cannot be is said now too, where the environment is there already.
 if [ -x .venv/bin/python ] && [ -e .venv/setup/ros ] && .venv/bin/python -c 'import numpy, rich, yaml' 2>/dev/null; then
   .venv/bin/python -c 'import sys
-from fourbar_ros import scene
-from fourbar_ros.core import FourBarError
+from fourbar_ros import FourBarError, load_scene
 try:
-    scene.load(sys.argv[1])
+    load_scene(sys.argv[1])
 except FourBarError as error:
     sys.exit(f"SCENE: {error}")' "$scene"
 fi

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from fourbar_ros import interfaces
-from fourbar_ros import scene as scenes
+from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.scene import scene as scenes
 from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.writer import BagWriter, Channel
-from fourbar_ros.stepper import Stepper
+from fourbar_ros.bag.recorder import BagWriter, Channel
+from fourbar_ros.pipeline.stepper import Stepper
 
 ROOT = Path(__file__).parent.parent
 STORE = get_typestore(Stores.ROS2_JAZZY)

@@ -10,9 +10,9 @@ import mpmath as mp
 import numpy as np
 from reference import EPS, condition, cross
 
-from fourbar_ros.core import Applied, Bodies, Body, External
-from fourbar_ros.core.inverted_slider import InvertedSlider
-from fourbar_ros.core.slider_crank import SliderCrank
+from fourbar_ros import Applied, Bodies, Body, External
+from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
+from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
 
 KINDS = ((SliderCrank, 'crank'), (SliderCrank, 'slide'), (InvertedSlider, 'crank'), (InvertedSlider, 'slide'))
 FIELDS = {SliderCrank: ('theta1', 'beta', 'slide', 'theta2', 'omega1', 'omega_beta', 'slide_velocity', 'omega2',

@@ -17,7 +17,7 @@ import pytest
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recover import recover
-from fourbar_ros.bag.writer import BITE, FLUSH_PERIOD
+from fourbar_ros.bag.recorder import BITE, FLUSH_PERIOD
 from test_bag_writer import PATIENCE, assert_every_reader_takes, numbers
 
 # One flush, and the thread being woken: both wait for a processor, which on a busy machine takes a while.
@@ -31,7 +31,7 @@ CHILD = '''
 import mmap, struct, sys, time
 sys.path.insert(0, {test!r})
 import bags
-from fourbar_ros.bag.writer import BagWriter
+from fourbar_ros.bag.recorder import BagWriter
 kind, rate = {kind!r}, {rate!r}
 with open({log!r}, 'r+b') as file:
     log = mmap.mmap(file.fileno(), 0)

@@ -11,13 +11,13 @@ from mcap.writer import CompressionType, Writer
 import bags
 from bags import MOTION, motion
 from fourbar_ros.bag import BagError, rosbag2
-from fourbar_ros.bag.container import Container
+from fourbar_ros.bag.mcap_writer import Container
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recover import recover
 from fourbar_ros.bag.mcap_records import HEAD, encoded
-from fourbar_ros.bag.scan import MAGIC
-from fourbar_ros.bag.writer import BagWriter
+from fourbar_ros.bag.mcap_scan import MAGIC
+from fourbar_ros.bag.recorder import BagWriter
 from test_bag_writer import assert_every_reader_takes, numbers
 
 COUNT = 700

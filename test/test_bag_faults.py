@@ -12,11 +12,11 @@ import pytest
 
 import bags
 from bags import MOTION, motion
-from fourbar_ros.bag import container
+from fourbar_ros.bag import mcap_writer as container
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.writer import BagWriter
-from fourbar_ros.cli import main
+from fourbar_ros.bag.recorder import BagWriter
+from fourbar_ros.cli.main import main
 
 PATIENCE = 60.0
 COUNT = 6000
@@ -24,7 +24,7 @@ COUNT = 6000
 WAITING = '''
 import sys, time
 from fourbar_ros.bag import reader, scan
-from fourbar_ros.cli import main
+from fourbar_ros.cli.main import main
 reader.BLOCK = 1000
 def held(blocks):
     for i, found in enumerate(blocks):
@@ -66,7 +66,7 @@ def arguments_of(verb, bag, out):
 def test_a_disk_that_is_full_is_one_line_and_leaves_nothing(bag, tmp_path, verb, limit):
     if verb == 'parquet':
         pytest.importorskip('pyarrow')
-    code = f'import sys; from fourbar_ros.cli import main; sys.exit(main({arguments_of(verb, bag, tmp_path / "deep/out")!r}))'
+    code = f'import sys; from fourbar_ros.cli.main import main; sys.exit(main({arguments_of(verb, bag, tmp_path / "deep/out")!r}))'
     done = subprocess.run([sys.executable, '-B', '-c', code], capture_output=True, text=True, timeout=PATIENCE, check=False,
                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
     assert done.returncode == 1 and done.stderr.startswith('fourbar: ') and done.stderr.count('\n') == 1, done.stderr
@@ -113,7 +113,7 @@ def test_what_exists_is_not_touched_and_an_unknown_topic_leaves_nothing(bag, tmp
 
 
 def test_a_file_that_is_removed_while_it_is_recorded_is_noticed(tmp_path, monkeypatch):
-    from fourbar_ros.bag import writer as writer_module
+    from fourbar_ros.bag import recorder as writer_module
     monkeypatch.setattr(writer_module, 'SPACE_PERIOD', 0.0)
     for name, spoil in (('removed', lambda path: (path / f'{path.name}_0.mcap').unlink()),
                         ('replaced', lambda path: (path / 'other').rename(path / f'{path.name}_0.mcap')),
@@ -139,7 +139,7 @@ def test_why_a_bag_ended_is_in_it_even_where_there_is_no_room_for_its_end(tmp_pa
 import resource, sys, time
 sys.path[:0] = [{str(Path(__file__).parent)!r}]
 import bags
-from fourbar_ros.bag.writer import BagError, BagWriter
+from fourbar_ros.bag.recorder import BagError, BagWriter
 writer = BagWriter({str(tmp_path)!r}, 'run', [bags.MOTION], dict(), flush_period=0.01)
 resource.setrlimit(resource.RLIMIT_FSIZE, (SIZE, SIZE))
 end = time.monotonic() + {PATIENCE}

@@ -24,8 +24,8 @@ from fourbar_ros.bag.info import info
 from fourbar_ros.bag.mcap_records import HEAD, encoded
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recover import recover
-from fourbar_ros.bag.scan import MAGIC
-from fourbar_ros.cli import main
+from fourbar_ros.bag.mcap_scan import MAGIC
+from fourbar_ros.cli.main import main
 
 STRING, JOINTS, IMAGE = 'std_msgs/msg/String', 'sensor_msgs/msg/JointState', 'sensor_msgs/msg/Image'
 CUSTOM = 'custom_data'
@@ -112,7 +112,7 @@ def test_pictures_are_one_column_of_bytes_and_texts_one_column_however_long(tmp_
 LIMITED = '''
 import resource, sys
 from fourbar_ros.bag import diff, export, info, plot, recompute, recover
-from fourbar_ros.cli import main
+from fourbar_ros.cli.main import main
 if {arguments!r}[-1] == "parquet":
     import pyarrow.parquet
 taken = next(int(line.split()[1]) << 10 for line in open('/proc/self/status') if line.startswith('VmSize'))

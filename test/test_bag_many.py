@@ -10,8 +10,8 @@ import bags
 from fourbar_ros.bag import BagError
 from fourbar_ros.bag.many import bags_below, each
 from fourbar_ros.bag.info import info
-from fourbar_ros.bag.writer import Split
-from fourbar_ros.cli import main
+from fourbar_ros.bag.recorder import Split
+from fourbar_ros.cli.main import main
 from scenes import PAPER
 
 VALUES = {**PAPER, 'outputs': ['state', 'joint_states'], 'drive.source': 'motion'}

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 import bags
-from fourbar_ros import interfaces
-from fourbar_ros import scene as scenes
+from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.scene import scene as scenes
 from fourbar_ros.bag import BagError
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import compare
-from fourbar_ros.bag.writer import BagWriter
-from fourbar_ros.cli import main
-from fourbar_ros.interfaces import OUTPUTS
-from fourbar_ros.stepper import Stepper
+from fourbar_ros.bag.recorder import BagWriter
+from fourbar_ros.cli.main import main
+from fourbar_ros.scene.topics import OUTPUTS
+from fourbar_ros.pipeline.stepper import Stepper
 from scenes import PAPER, ROCKER, RODS, TIP
 
 FULL = {**PAPER, **RODS, **TIP, 'outputs': list(OUTPUTS), 'drive.source': 'motion'}

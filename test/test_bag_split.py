@@ -13,16 +13,16 @@ from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
 
 import bags
-from fourbar_ros.bag import BagError, rosbag2, scan
-from fourbar_ros.bag import writer as writer_module
+from fourbar_ros.bag import BagError, rosbag2, mcap_scan as scan
+from fourbar_ros.bag import recorder as writer_module
 from fourbar_ros.bag.diff import diff
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import compare, scene_of
 from fourbar_ros.bag.recover import recover
-from fourbar_ros.bag.replay import play
-from fourbar_ros.bag.writer import BagWriter, Split
-from fourbar_ros.interfaces import OUTPUTS
+from fourbar_ros.bag.playback import play
+from fourbar_ros.bag.recorder import BagWriter, Split
+from fourbar_ros.scene.topics import OUTPUTS
 from scenes import PAPER, ROCKER, RODS, TIP
 
 FULL = {**PAPER, **RODS, **TIP, 'outputs': list(OUTPUTS), 'drive.source': 'motion'}
@@ -273,7 +273,7 @@ def test_a_killed_recorder_leaves_whole_parts_and_a_cut_one(tmp_path):
 import sys, time
 sys.path.insert(0, {str(bags.ROOT / 'test')!r})
 import bags
-from fourbar_ros.bag.writer import BagWriter, Split
+from fourbar_ros.bag.recorder import BagWriter, Split
 writer = BagWriter({str(tmp_path)!r}, 'run', [bags.MOTION], {{}}, split=Split(duration=0.15))
 k = 0
 while True:

@@ -12,19 +12,19 @@ import numpy as np
 import pytest
 
 import bags
-from fourbar_ros.bag import BagError, container, reader
+from fourbar_ros.bag import BagError, mcap_writer as container, reader
 from fourbar_ros.bag.cdr import Decoder
 from fourbar_ros.bag.diff import diff
 from fourbar_ros.bag.export import export
 from fourbar_ros.bag.plot import plot, series, thinned
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recompute import compare, distance
-from fourbar_ros.bag.replay import Pace, play, span
-from fourbar_ros.bag.scan import MAGIC
-from fourbar_ros.bag.writer import BagWriter
-from fourbar_ros.cli import main
-from fourbar_ros.interfaces import OUTPUTS
-from fourbar_ros.verbs.replay import status_line
+from fourbar_ros.bag.playback import Pace, play, span
+from fourbar_ros.bag.mcap_scan import MAGIC
+from fourbar_ros.bag.recorder import BagWriter
+from fourbar_ros.cli.main import main
+from fourbar_ros.scene.topics import OUTPUTS
+from fourbar_ros.cli.replay import status_line
 from scenes import PAPER, ROCKER, RODS, TIP
 
 STEPS = 400
@@ -429,7 +429,7 @@ def test_a_foreign_bag_is_not_recomputed_but_said_to_be_foreign(tmp_path):
 
 
 def test_the_scene_of_a_bag_is_a_parameter_file_again(bag, tmp_path, capsys):
-    from fourbar_ros import scene as scenes
+    from fourbar_ros.scene import scene as scenes
     assert main(['bag', 'scene', str(bag)]) == 0
     (tmp_path / 'again.yaml').write_text(capsys.readouterr().out)
     again, told = scenes.load(tmp_path / 'again.yaml'), json.loads(Bag(bag).metadata()['custom_data']['scene'])
@@ -441,7 +441,7 @@ def test_every_verb_explains_itself_with_ros_and_mcap_blocked():
     for verb in ([], ['bag'], ['replay'], ['record'], *(['bag', a] for a in ('info', 'recover', 'recompute', 'export',
                                                                              'plot', 'diff', 'scene'))):
         code = f'import sys; sys.modules.update(rclpy=None, mcap=None, matplotlib=None)\n' \
-               f'from fourbar_ros.cli import main; main({[*verb, "--help"]!r})'
+               f'from fourbar_ros.cli.main import main; main({[*verb, "--help"]!r})'
         done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=False)
         assert done.returncode == 0 and len(done.stdout) > 200, done.stderr
 
@@ -499,7 +499,7 @@ def test_play_follows_its_pace(tmp_path):
 
 
 def test_keys_are_read_from_a_terminal_as_they_are_pressed():
-    code = ('import time, sys\nfrom fourbar_ros.keyboard import Keyboard\nfound = []\n'
+    code = ('import time, sys\nfrom fourbar_ros.ros.clients.keyboard import Keyboard\nfound = []\n'
             'with Keyboard() as keyboard:\n    print(keyboard.is_there, flush=True)\n'
             '    end = time.monotonic() + 30\n'
             '    while len(found) < 5 and time.monotonic() < end:\n        found += keyboard.pressed()\n'

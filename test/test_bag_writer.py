@@ -13,11 +13,11 @@ from rosbags.highlevel import AnyReader
 
 import bags
 from bags import MOTION, motion
-from fourbar_ros.bag import writer as writer_module
+from fourbar_ros.bag import recorder as writer_module
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recover import recover
-from fourbar_ros.bag.writer import BagError, BagWriter
+from fourbar_ros.bag.recorder import BagError, BagWriter
 
 PATIENCE = 30.0
 
@@ -241,7 +241,7 @@ FULL = '''
 import resource, sys, time
 sys.path[:0] = [{test!r}]
 import bags
-from fourbar_ros.bag.writer import BagError, BagWriter
+from fourbar_ros.bag.recorder import BagError, BagWriter
 import os
 resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000))
 told = []

@@ -9,11 +9,11 @@ import pytest
 import reference
 import slider_reference
 
-from fourbar_ros.core import Applied, Bodies, Body, External, FourBar, InvertedSlider, SliderCrank
-from fourbar_ros.core.extrema import find_extrema
-from fourbar_ros.core.laurent import T, many_digits, quarter_turns
-from fourbar_ros.core.mechanism import CRANK, SLIDE
-from fourbar_ros.core.sturm import count_extrema
+from fourbar_ros import Applied, Bodies, Body, External, FourBar, InvertedSlider, SliderCrank
+from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.numerics.laurent import T, many_digits, quarter_turns
+from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
+from fourbar_ros.extrema.four_bar_rates.exact_count import count_extrema
 
 EPS = 2.0**-52
 KINDS = [(FourBar, CRANK), (SliderCrank, CRANK), (SliderCrank, SLIDE), (InvertedSlider, CRANK), (InvertedSlider, SLIDE)]

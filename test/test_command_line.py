@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 import bags
-from fourbar_ros import FourBar, scene, scene_file
-from fourbar_ros.arguments import UsageError, check_node_arguments
-from fourbar_ros.cli import main
-from fourbar_ros.scene_file import SceneError, read_values
-from fourbar_ros.show import output_ranges
+from fourbar_ros import FourBar
+from fourbar_ros.scene import scene, files as scene_file
+from fourbar_ros.scene.arguments import UsageError, check_node_arguments
+from fourbar_ros.cli.main import main
+from fourbar_ros.scene.files import SceneError, read_values
+from fourbar_ros.report.tables import output_ranges
 from scenes import PAPER, RODS
 
 ROOT = Path(__file__).parent.parent
@@ -128,7 +129,7 @@ def test_the_nearest_field_of_a_bag_is_named(field, suggestion, tmp_path, capsys
 
 @pytest.mark.parametrize('name, suggestion', [('omga4', 'omega4'), ('shaking_frce', 'shaking_force'), ('F21', 'f21')])
 def test_the_nearest_quantity_is_named(name, suggestion):
-    from fourbar_ros.core.quantities import UnknownQuantity, select
+    from fourbar_ros.mechanisms.quantities import UnknownQuantity, select
     with pytest.raises(UnknownQuantity, match=f'did you mean {suggestion}'):
         select([name], FourBar(0.4, 1.2, 0.8, 1.0))
 
@@ -239,7 +240,7 @@ def test_a_picture_is_where_it_is_said_to_be(tmp_path, capsys):
     (['replay', 'x'], 'rclpy', 'fourbar replay needs ROS 2: source a ROS 2')])
 def test_what_to_install_is_said_in_one_line(command, blocked, hint):
     done = subprocess.run([sys.executable, '-c', f'import sys; sys.modules[{blocked!r}] = None\n'
-                           f'from fourbar_ros.cli import main; sys.exit(main({command}))'],
+                           f'from fourbar_ros.cli.main import main; sys.exit(main({command}))'],
                           capture_output=True, text=True, cwd=ROOT, check=False)
     assert done.returncode == 1 and hint in done.stderr and len(done.stderr.splitlines()) == 1, done.stderr
 

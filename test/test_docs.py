@@ -23,8 +23,8 @@ def test_every_field_of_every_message_has_its_unit_or_meaning():
 
 
 def test_every_module_and_message_field_is_named_as_in_the_core():
-    from fourbar_ros.core.points import PointMotion
-    from fourbar_ros.records import LOADS_FIELDS, STATE_FIELDS
+    from fourbar_ros.mechanisms.points import PointMotion
+    from fourbar_ros.pipeline.message_fields import LOADS_FIELDS, STATE_FIELDS
 
     def fields(name):
         words = [line.split('#')[0].split() for line in (ROOT / f'msg_defs/msg/{name}.msg').read_text().splitlines()]

@@ -9,14 +9,14 @@ import pytest
 import slider_reference
 from test_points import four_bars
 
-from fourbar_ros.core import Bodies, Body, FourBar
-from fourbar_ros.core.points import point_motion
-from fourbar_ros.core.inverted_slider import InvertedSlider
-from fourbar_ros.core.slider_crank import SliderCrank
-from fourbar_ros.draw import joints, renamed, significant
-from fourbar_ros.polygons import acceleration_polygon, velocity_polygon
-from fourbar_ros.scene import load
-from fourbar_ros.sheet import nice
+from fourbar_ros import Bodies, Body, FourBar
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
+from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+from fourbar_ros.report.drawing import joints, renamed, significant
+from fourbar_ros.report.polygons import acceleration_polygon, velocity_polygon
+from fourbar_ros.scene.scene import load
+from fourbar_ros.report.sheet import nice
 
 ROOT = Path(__file__).parent.parent
 
@@ -76,7 +76,7 @@ BODIES = Bodies(Body(1.0, 0.1, 0.0, 0.01), Body(2.0, 0.2, 0.0, 0.02), Body(1.0, 
     (InvertedSlider(0.4, 1.2, 0.1, bodies=BODIES), 1.0), (SliderCrank(0.4, 1.2, input='slide', bodies=BODIES), 1.0)])
 def test_pictures_have_equal_scales_and_all_labels(mechanism, value):
     pytest.importorskip('matplotlib')
-    from fourbar_ros.draw import make_figure
+    from fourbar_ros.report.drawing import make_figure
     motion, loads = mechanism.step(value, 5.0, 1.0)
     figure = make_figure(mechanism, motion, loads, 'title')
     figure.canvas.draw()
@@ -92,7 +92,7 @@ def test_pictures_have_equal_scales_and_all_labels(mechanism, value):
 
 def test_an_arrow_is_as_long_as_its_scale_bar_says():
     pytest.importorskip('matplotlib')
-    from fourbar_ros.draw import make_figure
+    from fourbar_ros.report.drawing import make_figure
     mechanism = FourBar(0.4, 1.2, 0.8, 1.0)
     figure = make_figure(mechanism, mechanism.motion(1.0, 25.0))
     velocities = figure.axes[1]
@@ -110,7 +110,7 @@ def test_a_scene_is_drawn_with_all_that_it_has(name, at, texts):
     pytest.importorskip('matplotlib')
     from matplotlib.patches import Wedge
 
-    from fourbar_ros.draw import make_figure
+    from fourbar_ros.report.drawing import make_figure
     its = load(name)
     motion, loads = its.linkage.step(at, its.drive.speed)
     figure = make_figure(its.linkage, motion, loads, 'title', {n: tuple(p) for n, p in its.points.items()})
@@ -166,7 +166,7 @@ def test_the_command(tmp_path):
 @pytest.mark.parametrize('arguments', [('draw', 'config/paper.yaml', '--at', '60', '-o', 'pose.svg'),
                                        ('reproduce', '--html', 'page.html')], ids=lambda arguments: arguments[0])
 def test_without_matplotlib_one_line_says_what_to_install(monkeypatch, capsys, arguments):
-    from fourbar_ros.cli import main
+    from fourbar_ros.cli.main import main
     monkeypatch.chdir(ROOT)
     monkeypatch.setitem(sys.modules, 'matplotlib', None)
     assert main(list(arguments)) == 1

@@ -4,8 +4,8 @@ import math
 import numpy as np
 import pytest
 
-from fourbar_ros import scene
-from fourbar_ros.estimator import MEMORY, RateEstimator, estimator_of
+from fourbar_ros.scene import scene
+from fourbar_ros.pipeline.rate_estimator import MEMORY, RateEstimator, estimator_of
 from scenes import PAPER, RODS
 
 EPS = np.finfo(float).eps

@@ -7,12 +7,18 @@ import mpmath
 import numpy as np
 import pytest
 
-from fourbar_ros.core import Bodies, Body, FourBar, InvalidParameter, MissingBodies, round_rod
-from fourbar_ros.core.extrema import find_extrema
-from fourbar_ros.core import many as many_module
-from fourbar_ros.core.many import find_extrema_many
-from fourbar_ros.core.quantities import Quantity, UnknownQuantity, known, point_acceleration, point_speed
-from fourbar_ros.core.sturm import count_extrema
+from fourbar_ros import Bodies, Body, FourBar, InvalidParameter, MissingBodies, round_rod
+from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.extrema import batch as many_module
+from fourbar_ros.extrema.batch import find_extrema_many
+from fourbar_ros.mechanisms.quantities import (
+    Quantity,
+    UnknownQuantity,
+    known,
+    point_acceleration,
+    point_speed,
+)
+from fourbar_ros.extrema.four_bar_rates.exact_count import count_extrema
 
 EPS = 2.0**-52
 PAPER = (0.4, 1.2, 0.8, 1.0)

@@ -5,10 +5,11 @@ from extrema_reference import descartes, Polynomial
 import numpy as np
 import pytest
 
-from fourbar_ros.core import Bodies, Body, FourBar, InvertedSlider, SliderCrank, round_rod, sturm
-from fourbar_ros.core import extrema as module
-from fourbar_ros.core.extrema import find_extrema
-from fourbar_ros.core.quantities import known, point_speed
+from fourbar_ros import Bodies, Body, FourBar, InvertedSlider, SliderCrank, round_rod
+from fourbar_ros.extrema.four_bar_rates import exact_count as sturm
+from fourbar_ros.extrema import find as module
+from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.mechanisms.quantities import known, point_speed
 
 PAPER = (0.4, 1.2, 0.8, 1.0)
 RATES = ('omega4', 'alpha4')

@@ -3,9 +3,10 @@ import numpy as np
 import pytest
 
 from fourbar_ros import Bodies, FourBar, InvalidParameter, MissingBodies, OutOfRange, round_rod
-from fourbar_ros.core import Applied, Body, External, InvertedSlider, SliderCrank
-from fourbar_ros.core import arrays, recorded
-from fourbar_ros.core.arrays import ONE_BY_ONE
+from fourbar_ros import Applied, Body, External, InvertedSlider, SliderCrank
+from fourbar_ros.mechanisms import evaluation as arrays
+from fourbar_ros.numerics import recorded
+from fourbar_ros.mechanisms.evaluation import ONE_BY_ONE
 
 MASSES = Bodies(Body(1.0, 0.1, 0.02, 0.1), Body(2.0, 0.3, -0.1, 0.3), Body(1.5, 0.05, 0.1, 0.7))
 ACTING = {'bodies': MASSES, 'gravity': (1.0, -9.81), 'external': External(Applied(3.0, -4.0, 0.1, 0.2, 0.5), Applied(couple=7.0))}

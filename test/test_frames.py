@@ -6,9 +6,17 @@ import numpy as np
 import pytest
 from reference import EPS
 
-from fourbar_ros.core.frames import (acceleration_terms, apparent_angular_acceleration, coincident_acceleration,
-                                     coriolis_acceleration, path_acceleration, relative_acceleration,
-                                     relative_velocity, rolling_contact, turned)
+from fourbar_ros.mechanics.moving_frames import (
+    acceleration_terms,
+    apparent_angular_acceleration,
+    coincident_acceleration,
+    coriolis_acceleration,
+    path_acceleration,
+    relative_acceleration,
+    relative_velocity,
+    rolling_contact,
+    turned,
+)
 
 ORDERS = (0, 1, 2)
 

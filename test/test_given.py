@@ -10,17 +10,28 @@ from multiprocessing import get_context
 import numpy as np
 import pytest
 
-from fourbar_ros import (Applied, Bodies, Body, External, FourBar, FourBarError, InvalidParameter, MissingBodies,
-                         OutOfRange, Toggle, round_rod)
+from fourbar_ros import (
+    Applied,
+    Bodies,
+    Body,
+    External,
+    FourBar,
+    FourBarError,
+    InvalidParameter,
+    MissingBodies,
+    OutOfRange,
+    Toggle,
+    round_rod,
+)
 from fourbar_ros.bag import BagError
-from fourbar_ros.core import InvertedSlider, SliderCrank
-from fourbar_ros.core.extrema import find_extrema
-from fourbar_ros.core.io_equations import io_equation
-from fourbar_ros.core.many import find_extrema_many
-from fourbar_ros.core.points import point_motion
-from fourbar_ros.core.quantities import UnknownQuantity, point_acceleration, point_speed
-from fourbar_ros.draw import CannotDraw
-from fourbar_ros.scene import SceneError
+from fourbar_ros import InvertedSlider, SliderCrank
+from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.mechanisms.four_bar.io_equations import io_equation
+from fourbar_ros.extrema.batch import find_extrema_many
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.mechanisms.quantities import UnknownQuantity, point_acceleration, point_speed
+from fourbar_ros.report.drawing import CannotDraw
+from fourbar_ros.scene.scene import SceneError
 
 RODS = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8)))
 KINDS = [(FourBar, (0.4, 1.2, 0.8, 1.0), {}), (SliderCrank, (0.4, 1.2, 0.1), {}),

@@ -7,11 +7,24 @@ import pytest
 import slider_reference as reference
 from slider_reference import EPS, exact
 
-from fourbar_ros.core import Applied, Bodies, Body, External, InvalidParameter, MissingBodies, OutOfRange, Toggle
-from fourbar_ros.core.frames import coincident_acceleration, relative_acceleration, relative_velocity
-from fourbar_ros.core.inverted_slider import InvertedSlider
-from fourbar_ros.core.mechanism import CRANK, SLIDE
-from fourbar_ros.core.slider_crank import SliderCrank
+from fourbar_ros import (
+    Applied,
+    Bodies,
+    Body,
+    External,
+    InvalidParameter,
+    MissingBodies,
+    OutOfRange,
+    Toggle,
+)
+from fourbar_ros.mechanics.moving_frames import (
+    coincident_acceleration,
+    relative_acceleration,
+    relative_velocity,
+)
+from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
+from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
+from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
 
 KINDS = [(InvertedSlider, CRANK), (InvertedSlider, SLIDE)]
 MASSES = Bodies(Body(1.0, 0.1, 0.02, 0.1), Body(2.0, 0.3, -0.1, 0.3), Body(1.5, 0.05, 0.1, 0.7))

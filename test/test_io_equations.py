@@ -13,9 +13,14 @@ from reference import EPS, FreeBody, nine_by_nine, random_lengths
 from test_kinematics import angle_difference
 
 from fourbar_ros import CROSSED, OPEN, Bodies, Body, FourBar, InvalidParameter, round_rod
-from fourbar_ros.core import io_equations
-from fourbar_ros.core.factors import bilinear_factors
-from fourbar_ros.core.io_equations import PAIRS, from_half_angle, io_equation, to_half_angle
+from fourbar_ros.mechanisms.four_bar import io_equations
+from fourbar_ros.mechanisms.four_bar.half_angle import bilinear_factors
+from fourbar_ros.mechanisms.four_bar.io_equations import (
+    PAIRS,
+    from_half_angle,
+    io_equation,
+    to_half_angle,
+)
 
 ALL_PAIRS = PAIRS + tuple((j, i) for i, j in PAIRS)
 OPPOSITE = {1: 3, 2: 4, 3: 1, 4: 2}

@@ -4,10 +4,10 @@ import random
 
 import pytest
 
-from fourbar_ros import scene as scenes
-from fourbar_ros.core import InvalidParameter
-from fourbar_ros.joints import Scale
-from fourbar_ros.stepper import Stepper
+from fourbar_ros.scene import scene as scenes
+from fourbar_ros import InvalidParameter
+from fourbar_ros.pipeline.joints import Scale
+from fourbar_ros.pipeline.stepper import Stepper
 from scenes import PAPER, RODS, ROCKER
 
 LOADS = {**PAPER, **RODS, 'outputs': ['joint_states', 'loads']}

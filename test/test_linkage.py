@@ -7,7 +7,16 @@ import numpy as np
 import pytest
 from reference import EPS, pose, random_lengths
 
-from fourbar_ros import CROSSED, OPEN, Body, FourBar, InvalidParameter, OutOfRange, Toggle, round_rod
+from fourbar_ros import (
+    CROSSED,
+    OPEN,
+    Body,
+    FourBar,
+    InvalidParameter,
+    OutOfRange,
+    Toggle,
+    round_rod,
+)
 
 
 @pytest.mark.parametrize('lengths, name', [

@@ -17,7 +17,7 @@ from slider_reference import pieces
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar
 from fourbar_ros.bag import recompute
-from fourbar_ros.core import FourBarError
+from fourbar_ros import FourBarError
 
 KINDS = {'four-bar': FourBar, **{f'{kind.__name__} driven at its {driven}': (kind, driven)
                                  for kind, driven in slider_reference.KINDS}}

@@ -7,8 +7,19 @@ import numpy as np
 import pytest
 from reference import EPS, free_bodies, nine_by_nine, pose, random_lengths, reactions
 
-from fourbar_ros import (Applied, Bodies, Body, CROSSED, External, FourBar, InvalidParameter, Loads, MissingBodies,
-                         OPEN, round_rod)
+from fourbar_ros import (
+    Applied,
+    Bodies,
+    Body,
+    CROSSED,
+    External,
+    FourBar,
+    InvalidParameter,
+    Loads,
+    MissingBodies,
+    OPEN,
+    round_rod,
+)
 
 PAPER = FourBar(0.4, 1.2, 0.8, 1.0, mode=OPEN,
                 bodies=Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8))))

@@ -1,7 +1,7 @@
 """What a command line asks for last, whatever type rcl prefers."""
 import pytest
 
-from fourbar_ros.overrides import Asked, asked, is_ignored
+from fourbar_ros.scene.overrides import Asked, asked, is_ignored
 
 
 @pytest.fixture

@@ -7,10 +7,17 @@ import pytest
 import slider_reference
 from reference import EPS, pose, random_lengths
 
-from fourbar_ros.core import CROSSED, OPEN, FourBar, InvalidParameter
-from fourbar_ros.core.inverted_slider import InvertedSlider
-from fourbar_ros.core.points import (LINKS, acceleration_image, link_motion, point_motion, vector, velocity_image)
-from fourbar_ros.core.slider_crank import SliderCrank
+from fourbar_ros import CROSSED, OPEN, FourBar, InvalidParameter
+from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
+from fourbar_ros.mechanisms.points import (
+    LINKS,
+    acceleration_image,
+    link_motion,
+    point_motion,
+    vector,
+    velocity_image,
+)
+from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
 
 
 def four_bars(seed, count):

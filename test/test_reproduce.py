@@ -11,11 +11,31 @@ import slider_reference
 import yaml
 from reference import EPS, pose
 
-from fourbar_ros import __version__, published
-from fourbar_ros.core.points import point_motion
-from fourbar_ros.mechanism_panel import significant
-from fourbar_ros.reproduce import DOCUMENTS, agrees, count, footnotes, is_reading, print_tables, reproduce
-from fourbar_ros.verdicts import AGREES, ASSUMED, DIFFERS, DRAWN, GARBLED, MISPRINT, MISSING, ROUNDED, VERDICTS, WRONG
+from fourbar_ros import __version__
+from fourbar_ros.reproduction import published
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.report.mechanism_panel import significant
+from fourbar_ros.reproduction.reproduce import (
+    DOCUMENTS,
+    agrees,
+    count,
+    footnotes,
+    is_reading,
+    print_tables,
+    reproduce,
+)
+from fourbar_ros.reproduction.verdicts import (
+    AGREES,
+    ASSUMED,
+    DIFFERS,
+    DRAWN,
+    GARBLED,
+    MISPRINT,
+    MISSING,
+    ROUNDED,
+    VERDICTS,
+    WRONG,
+)
 
 ROOT = Path(__file__).parent.parent
 
@@ -207,7 +227,7 @@ class Page(HTMLParser):
 
 def test_the_page_holds_all_and_loads_nothing(sections):
     pytest.importorskip('matplotlib')
-    from fourbar_ros.figures import page
+    from fourbar_ros.reproduction.figures import page
     text = page(sections, '2026-01-31')
     found = Page(text)
     assert found.loaded == [] and found.count['table'] == len(sections)
@@ -227,7 +247,7 @@ def test_the_page_holds_all_and_loads_nothing(sections):
                                               ('example_7_5', 'v_a', 1), ('example_7_5', 'coriolis', 2)])
 def test_figures_have_the_units_and_letters_of_their_tables(name, row, panel):
     pytest.importorskip('matplotlib')
-    from fourbar_ros import figures
+    from fourbar_ros.reproduction import figures
     figure, _ = getattr(figures, name)()
     value = significant(abs(getattr(published, name)()[row]))
     letter = '{Cor}' if row == 'coriolis' else row[-1].upper()
@@ -264,6 +284,6 @@ def test_the_command(tmp_path):
 
 def test_the_tables_need_no_matplotlib():
     done = subprocess.run([sys.executable, '-c', 'import sys; sys.modules["matplotlib"] = None\n'
-                           'from fourbar_ros.reproduce import reproduce; import fourbar_ros.draw; reproduce()'],
+                           'from fourbar_ros.reproduction.reproduce import reproduce; import fourbar_ros.report.drawing; reproduce()'],
                           capture_output=True, text=True, cwd=ROOT, check=False)
     assert done.returncode == 0, done.stderr

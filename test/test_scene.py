@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from fourbar_ros import scene
-from fourbar_ros.core import InvalidParameter
-from fourbar_ros.parameters import PARAMETERS, REQUIRED
+from fourbar_ros.scene import scene
+from fourbar_ros import InvalidParameter
+from fourbar_ros.scene.parameters import PARAMETERS, REQUIRED
 from scenes import PAPER, RODS
 
 CONFIG = Path(__file__).parent.parent / 'config'
@@ -93,7 +93,7 @@ def test_a_file_that_is_no_scene_is_refused_with_its_name(tmp_path, text, reason
 
 
 def test_scene_check_explains_and_refuses(tmp_path, capsys):
-    from fourbar_ros.cli import main
+    from fourbar_ros.cli.main import main
     assert main(['scene', 'check', str(CONFIG / 'paper.yaml')]) == 0
     said = capsys.readouterr().out
     assert '25 rad/s' in said and '~/shaking_wrench' in said and 'motion and loads' in said
@@ -107,7 +107,7 @@ def test_scene_check_explains_and_refuses(tmp_path, capsys):
 
 
 def test_scene_check_lists_what_was_given_in_units_of_what_is_driven(tmp_path, capsys):
-    from fourbar_ros.cli import main
+    from fourbar_ros.cli.main import main
     file = tmp_path / 'scene.yaml'
     file.write_text((CONFIG / 'cylinder.yaml').read_text().replace('source: motion ', 'source: timer '))
     assert main(['scene', 'check', str(file)]) == 0

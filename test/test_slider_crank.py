@@ -7,10 +7,19 @@ import pytest
 import slider_reference as reference
 from slider_reference import EPS, exact
 
-from fourbar_ros.core import Applied, Bodies, Body, External, InvalidParameter, MissingBodies, OutOfRange, Toggle
-from fourbar_ros.core.frames import relative_acceleration, relative_velocity
-from fourbar_ros.core.mechanism import CRANK, SLIDE
-from fourbar_ros.core.slider_crank import SliderCrank
+from fourbar_ros import (
+    Applied,
+    Bodies,
+    Body,
+    External,
+    InvalidParameter,
+    MissingBodies,
+    OutOfRange,
+    Toggle,
+)
+from fourbar_ros.mechanics.moving_frames import relative_acceleration, relative_velocity
+from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
+from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
 
 KINDS = [(SliderCrank, CRANK), (SliderCrank, SLIDE)]
 MASSES = Bodies(Body(1.0, 0.1, 0.02, 0.1), Body(2.0, 0.3, -0.1, 0.3), Body(1.5, 0.05, 0.1, 0.7))
@@ -277,7 +286,7 @@ def test_only_the_slider_has_a_mass():
 
 def test_a_long_output_link_makes_a_slider_of_the_four_bar():
     """The modes are those of a 4R whose output link is very long, below the guide: theta4 = pi/2."""
-    from fourbar_ros.core import FourBar
+    from fourbar_ros import FourBar
     a1, a2, e, far = 0.1, 0.3, 0.02, 1e6
     for mode in (1, 2):
         slider = SliderCrank(a1, a2, e, mode)

@@ -5,11 +5,17 @@ from math import inf, isfinite, isnan, nan, pi
 import numpy as np
 import pytest
 
-from fourbar_ros.core import Bodies, Body, FourBar, InvalidParameter, InvertedSlider, SliderCrank
-from fourbar_ros.core.extrema import find_extrema
-from fourbar_ros.core.mechanism import CRANK, SLIDE
-from fourbar_ros.core.paths import TooNarrow
-from fourbar_ros.core.quantities import UnknownQuantity, known, point_acceleration, point_speed, select
+from fourbar_ros import Bodies, Body, FourBar, InvalidParameter, InvertedSlider, SliderCrank
+from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
+from fourbar_ros.extrema.input_paths import TooNarrow
+from fourbar_ros.mechanisms.quantities import (
+    UnknownQuantity,
+    known,
+    point_acceleration,
+    point_speed,
+    select,
+)
 
 EPS = 2.0**-52
 KINDS = [(SliderCrank, CRANK), (SliderCrank, SLIDE), (InvertedSlider, CRANK), (InvertedSlider, SLIDE)]

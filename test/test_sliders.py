@@ -3,7 +3,7 @@ import pytest
 import slider_reference as reference
 from slider_reference import FAMILIES, KINDS
 
-from fourbar_ros.core import SliderCrank
+from fourbar_ros import SliderCrank
 
 every_kind = pytest.mark.parametrize('kind', KINDS, ids=lambda kind: f'{kind[0].__name__}-{kind[1]}')
 

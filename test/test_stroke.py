@@ -5,14 +5,14 @@ import numpy as np
 import pytest
 import slider_reference
 
-from fourbar_ros import scene
-from fourbar_ros.core import FourBarError, InvalidParameter, OutOfRange, Toggle
-from fourbar_ros.core.extrema import INTERIOR, LIMIT, find_extrema
-from fourbar_ros.core.inverted_slider import InvertedSlider
-from fourbar_ros.core.quantities import select
-from fourbar_ros.core.slider_crank import SliderCrank
-from fourbar_ros.core.status import OK, OUT_OF_RANGE, RATES_UNKNOWN, evaluate
-from fourbar_ros.stepper import Stepper
+from fourbar_ros.scene import scene
+from fourbar_ros import FourBarError, InvalidParameter, OutOfRange, Toggle
+from fourbar_ros.extrema.find import INTERIOR, LIMIT, find_extrema
+from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
+from fourbar_ros.mechanisms.quantities import select
+from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+from fourbar_ros.pipeline.status import OK, OUT_OF_RANGE, RATES_UNKNOWN, evaluate
+from fourbar_ros.pipeline.stepper import Stepper
 
 CYLINDER = {'linkage.kind': 'inverted_slider', 'linkage.input': 'slide', 'linkage.a1': 1.2, 'linkage.a4': 1.6}
 EPS = 2.0**-52

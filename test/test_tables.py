@@ -7,7 +7,7 @@ import pytest
 from rich.console import Console
 
 import bags
-from fourbar_ros.tables import plain_table
+from fourbar_ros.report.terminal import plain_table
 from scenes import PAPER, RODS
 from terminals import ROOT, numbers, python, shown
 

@@ -4,10 +4,10 @@ import random
 
 import pytest
 
-from fourbar_ros import scene as scenes
-from fourbar_ros.core.status import LOADS_UNKNOWN, OK, OUT_OF_RANGE
-from fourbar_ros.stepper import Stepper
-from fourbar_ros.wrenches import UNKNOWN, Wrench, constant, in_silence
+from fourbar_ros.scene import scene as scenes
+from fourbar_ros.pipeline.status import LOADS_UNKNOWN, OK, OUT_OF_RANGE
+from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.pipeline.wrenches import UNKNOWN, Wrench, constant, in_silence
 from scenes import PAPER, RODS, ROCKER
 
 FROM_TOPIC = {'external.output.from_topic': True, 'external.coupler.from_topic': True}

@@ -4,7 +4,7 @@ Bags in the layout of rosbag2: written, read, repaired, recomputed; no ROS neede
 Downward: container and scan (the MCAP file), rosbag2 (what lies around it), cdr (bytes to numbers),
 reader and writer, then what is done with a bag: recover, recompute, export, diff, plot, replay.
 """
-from ..core import FourBarError
+from fourbar_ros.errors import FourBarError
 
 
 class BagError(FourBarError):

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import BagError
+from fourbar_ros.bag import BagError
 
 DEPTH = 64                  # of definitions within each other
 FIELDS = 10_000             # that may take no byte of a message: empty arrays, structures

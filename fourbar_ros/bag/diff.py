@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import BagError
-from .reader import Bag
-from .recompute import Difference, distance
+from fourbar_ros.bag import BagError
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recompute import Difference, distance
 
 
 class TopicDiff(NamedTuple):

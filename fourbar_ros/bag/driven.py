@@ -5,9 +5,9 @@ from math import inf, isnan, nan
 
 import numpy as np
 
-from .. import joints
-from ..estimator import estimator_of
-from ..records import driven_of, is_time
+from fourbar_ros.pipeline import joints
+from fourbar_ros.pipeline.rate_estimator import estimator_of
+from fourbar_ros.pipeline.message_fields import driven_of, is_time
 
 FIELDS = ('position', 'velocity', 'acceleration')
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from . import BagError
-from .formats import Csv, Npz, Parquet
-from .reader import Bag
-from .whole import workshop
+from fourbar_ros.bag import BagError
+from fourbar_ros.bag.formats import Csv, Npz, Parquet
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.whole import workshop
 
 BYTES = ('u1', 'i1')        # formats of elements whose arrays are pictures, clouds and the like
 FORMATS = ('csv', 'npz', 'parquet')

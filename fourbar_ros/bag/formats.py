@@ -6,7 +6,7 @@ import zipfile
 
 import numpy as np
 
-from . import BagError
+from fourbar_ros.bag import BagError
 
 ROWS = 1 << 16          # of a column are in memory at once when it goes into the .npz
 

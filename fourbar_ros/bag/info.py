@@ -5,10 +5,10 @@ from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
 
-from . import BagError, rosbag2
-from .mcap_records import in_short
-from .reader import Bag
-from .recompute import scene_of
+from fourbar_ros.bag import BagError, rosbag2
+from fourbar_ros.bag.mcap_records import in_short
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recompute import scene_of
 
 
 class TopicInfo(NamedTuple):

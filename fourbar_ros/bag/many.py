@@ -6,8 +6,8 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
-from ..core import FourBarError
-from . import BagError, rosbag2
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.bag import BagError, rosbag2
 
 
 def bags_below(paths):

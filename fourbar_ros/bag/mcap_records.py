@@ -11,7 +11,7 @@ from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, DataEnd, Header, Metadata, MetadataIndex, Schema, Statistics
 
-from . import BagError
+from fourbar_ros.bag import BagError
 
 HEAD = Struct('<BQ')                # opcode and length of every record
 IS_MESSAGE = int(Opcode.MESSAGE)     # compares in a tenth of the time

@@ -4,11 +4,11 @@ from __future__ import annotations
 import json
 from typing import NamedTuple
 
-from .. import interfaces
-from .. import scene as scenes
-from ..core import FourBarError
-from . import BagError, rosbag2
-from .reader import Bag
+from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.scene import scene as scenes
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.bag import BagError, rosbag2
+from fourbar_ros.bag.reader import Bag
 
 SCENE_TYPE = interfaces.SCENE.type
 

@@ -6,10 +6,10 @@ from difflib import get_close_matches
 
 import numpy as np
 
-from . import BagError
-from .export import table
-from .origin import topic_types
-from .reader import Bag
+from fourbar_ros.bag import BagError
+from fourbar_ros.bag.export import table
+from fourbar_ros.bag.origin import topic_types
+from fourbar_ros.bag.reader import Bag
 
 WIDTH, HEIGHT, DPI = 9.0, 2.4, 100      # [in] a picture, and each of its axes; pixels an inch
 POINTS = int(2 * WIDTH * DPI)           # stretches of a curve that are drawn by their extremes: two a pixel

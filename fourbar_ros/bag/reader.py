@@ -18,10 +18,19 @@ from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.records import Channel, MetadataIndex, Schema, Statistics
 
-from . import BagError, rosbag2
-from .cdr import Decoder
-from .mcap_records import HEAD, IS_MESSAGE, MESSAGE, Damaged, message_of, parse, split, unpacked
-from .scan import MAGIC, Scan, chunk_index, ending, is_being_written
+from fourbar_ros.bag import BagError, rosbag2
+from fourbar_ros.bag.cdr import Decoder
+from fourbar_ros.bag.mcap_records import (
+    HEAD,
+    IS_MESSAGE,
+    MESSAGE,
+    Damaged,
+    message_of,
+    parse,
+    split,
+    unpacked,
+)
+from fourbar_ros.bag.mcap_scan import MAGIC, Scan, chunk_index, ending, is_being_written
 
 BLOCK = 20_000          # messages that are decoded together: large for numpy, small for the memory
 BLOCK_BYTES = 1 << 24   # and no more bytes than these, but for one chunk: pictures are large

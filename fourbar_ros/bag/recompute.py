@@ -13,18 +13,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .. import estimator
-from .. import scene as scenes
-from ..core.status import INPUT_TIMEOUT, OK
-from ..interfaces import DRIVEN, INPUTS
-from ..records import driven_of
-from ..stepper import Stepper
-from . import BagError, rosbag2
-from .acting import UNSETTLED, Acting
-from .driven import Driven, inputs_of
-from .matching import Tally, Window, in_order
-from .origin import origin_of, scene_of
-from .reader import Bag, Record
+from fourbar_ros.pipeline import rate_estimator as estimator
+from fourbar_ros.scene import scene as scenes
+from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK
+from fourbar_ros.scene.topics import DRIVEN, INPUTS
+from fourbar_ros.pipeline.message_fields import driven_of
+from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.bag import BagError, rosbag2
+from fourbar_ros.bag.acting import UNSETTLED, Acting
+from fourbar_ros.bag.driven import Driven, inputs_of
+from fourbar_ros.bag.matching import Tally, Window, in_order
+from fourbar_ros.bag.origin import origin_of, scene_of
+from fourbar_ros.bag.reader import Bag, Record
 
 __all__ = ['Difference', 'Recomputed', 'compare', 'distance', 'recompute', 'scene_of']
 

@@ -11,13 +11,13 @@ from mcap import __version__ as mcap_version
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema, Statistics
 
-from .. import __version__
-from . import BagError, rosbag2
-from .container import Container
-from .info import missing_of
-from .mcap_records import LARGEST, MESSAGE, OURS, SEAL, Damaged, in_short, parse
-from .scan import Scan, is_being_written
-from .whole import workshop
+from fourbar_ros import __version__
+from fourbar_ros.bag import BagError, rosbag2
+from fourbar_ros.bag.mcap_writer import Container
+from fourbar_ros.bag.info import missing_of
+from fourbar_ros.bag.mcap_records import LARGEST, MESSAGE, OURS, SEAL, Damaged, in_short, parse
+from fourbar_ros.bag.mcap_scan import Scan, is_being_written
+from fourbar_ros.bag.whole import workshop
 
 PROFILE = 'ros2'        # of a file whose header is damaged
 NO_END = 'without an end: a crash, a kill, a power cut or a full disk'
@@ -74,7 +74,7 @@ def recover(path, out=None, progress=None):
 
     """
     if len(rosbag2.files_of(path)) > 1:
-        from .recover_parts import recover_parts
+        from fourbar_ros.bag.recover_parts import recover_parts
         return recover_parts(path, Path(out) if out else beside(path), progress)
     source = rosbag2.file_of(path)
     if is_being_written(source):

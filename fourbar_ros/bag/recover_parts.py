@@ -6,8 +6,8 @@ import tempfile
 
 import yaml
 
-from . import BagError, rosbag2
-from .recover import Recovered, recover
+from fourbar_ros.bag import BagError, rosbag2
+from fourbar_ros.bag.recover import Recovered, recover
 
 
 def recover_parts(path, out, progress=None):

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import yaml
 
-from . import BagError
+from fourbar_ros.bag import BagError
 
 VERSION = 9
 NOT_STARTED = 2**63 - 1     # rosbag2's starting time of a bag without messages

@@ -7,7 +7,7 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from . import BagError
+from fourbar_ros.bag import BagError
 
 
 @contextlib.contextmanager

@@ -6,7 +6,7 @@ from math import nan
 
 from builtin_interfaces.msg import Time
 
-from ..records import PASSIVE_EFFORT
+from fourbar_ros.pipeline.message_fields import PASSIVE_EFFORT
 
 Stamp = tuple[int, int]         # as in a message, without making one: seconds, nanoseconds
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
 
-from .. import interfaces
-from ..bag.rosbag2 import Channel
+from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.bag.rosbag2 import Channel
 
 _BUILT_IN = {'bool', 'byte', 'char', 'float32', 'float64', 'int8', 'uint8', 'int16', 'uint16', 'int32',
              'uint32', 'int64', 'uint64', 'string', 'wstring'}
@@ -16,7 +16,7 @@ _FIELD = re.compile(r'^([A-Za-z][\w/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+\w')
 
 
 def channel(topic, name):
-    """Return the bag's Channel of a :class:`~fourbar_ros.interfaces.Topic` under its resolved name."""
+    """Return the bag's Channel of a :class:`~fourbar_ros.scene.topics.Topic` under its resolved name."""
     is_input = topic in interfaces.INPUTS.values() or topic in interfaces.WRENCHES.values()
     depth = 1 if topic.latched else interfaces.INPUT_DEPTH if is_input else interfaces.QUEUE_DEPTH
     return Channel(name, topic.type, definition(topic.type), type_hash(topic.type), depth, topic.latched)

@@ -12,7 +12,7 @@ import rclpy
 from rclpy.experimental import EventsExecutor
 from rclpy.qos import QoSProfile
 
-from fourbar_ros import interfaces
+from fourbar_ros.scene import topics as interfaces
 from fourbar_ros.ros.messages import resolve
 
 # Requests that change nothing, to learn whether a service and its client have seen each other.
@@ -42,9 +42,9 @@ class NodeProcess:
         parameters = {'drive.timeout': 0.0, **parameters}
         file.write_text(json.dumps({'/**': {'ros__parameters': parameters}}))    # JSON is YAML
         remap = [part for rule in (f'__node:={name}', *remaps) for part in ('-r', rule)]
-        run = ['-c', f'{first}\nimport sys; from fourbar_ros.ros.start import main; sys.exit(main())']
+        run = ['-c', f'{first}\nimport sys; from fourbar_ros.ros.node.start import main; sys.exit(main())']
         self.process = subprocess.Popen(
-            [sys.executable, *(run if first else ['-m', 'fourbar_ros.ros.start']),
+            [sys.executable, *(run if first else ['-m', 'fourbar_ros.ros.node.start']),
              '--ros-args', '--params-file', str(file), *remap, *arguments],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=tmp_path, env=os.environ)
         self.said = ''

@@ -8,10 +8,10 @@ from fourbar_msgs.msg import LinkageState, Motion
 from geometry_msgs.msg import WrenchStamped
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from fourbar_ros import interfaces, scene
+from fourbar_ros.scene import topics as interfaces, scene
 from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recompute import compare
-from fourbar_ros.core import Applied, External
+from fourbar_ros import Applied, External
 from scenes import PAPER, RODS, SLIDES_7_6
 
 LOADED = {**PAPER, **RODS, 'outputs': ['state', 'loads'], 'drive.source': 'motion', 'drive.timeout': 0.0}

@@ -9,7 +9,7 @@ from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recompute import compare
 from fourbar_ros.bag.recover import recover
-from fourbar_ros.bag.writer import BITE, FLUSH_PERIOD
+from fourbar_ros.bag.recorder import BITE, FLUSH_PERIOD
 from harness import ALL_OUTPUTS
 from scenes import PAPER, RODS
 from test_bag_crash import SLACK

@@ -9,8 +9,8 @@ SCRIPT = '''
 import json, sys
 import rclpy
 from rclpy.parameter import Parameter
-import fourbar_ros.core.linkage as linkage
-from fourbar_ros.ros.node import FourBarNode
+import fourbar_ros.mechanisms.four_bar.four_bar as linkage
+from fourbar_ros.ros.node.node import FourBarNode
 from fourbar_ros.ros.messages import sec_nanosec
 
 calls = []
@@ -39,9 +39,9 @@ for k in range(5):
     node.stream.step(sec_nanosec(k), 0.1 * k, 1.0, 0.0)
 topics = sorted(name for name, _ in node.get_publisher_names_and_types_by_node('fourbar', '/'))
 print(json.dumps({'calls': calls, 'topics': topics,
-                  'bag': [m for m in sys.modules if m.startswith(('fourbar_ros.bag', 'fourbar_ros.ros.inputs'))],
-                  'imported': [m for m in ('scipy', 'mcap', 'matplotlib', 'rich', 'fourbar_ros.core.extrema',
-                                        'importlib.metadata', 'fourbar_ros.bag.writer')
+                  'bag': [m for m in sys.modules if m.startswith(('fourbar_ros.bag', 'fourbar_ros.ros.node.inputs'))],
+                  'imported': [m for m in ('scipy', 'mcap', 'matplotlib', 'rich', 'fourbar_ros.extrema.find',
+                                        'importlib.metadata', 'fourbar_ros.bag.recorder')
                                if m in sys.modules]}))
 node.close()
 listener.destroy_node()

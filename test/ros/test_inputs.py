@@ -7,7 +7,7 @@ from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import LinkageState, Motion
 from sensor_msgs.msg import JointState
 
-from fourbar_ros import scene
+from fourbar_ros.scene import scene
 from scenes import PAPER, ROCKER
 
 NANOSECONDS = 10**9

@@ -5,7 +5,7 @@ import pytest
 from fourbar_msgs.msg import LinkageState, Motion
 from sensor_msgs.msg import JointState
 
-from fourbar_ros import scene
+from fourbar_ros.scene import scene
 from fourbar_ros.bag.recompute import compare
 from harness import ALL_OUTPUTS
 from scenes import PAPER, RODS, ROCKER

@@ -5,12 +5,12 @@ import random
 import pytest
 from fourbar_msgs.msg import LinkageState, Motion
 
-from fourbar_ros import scene
+from fourbar_ros.scene import scene
 from fourbar_ros.bag.recompute import compare
-from fourbar_ros.core.extrema import find_extrema
-from fourbar_ros.core.quantities import known, select
-from fourbar_ros.interfaces import OUTPUTS
-from fourbar_ros.stepper import Stepper
+from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.mechanisms.quantities import known, select
+from fourbar_ros.scene.topics import OUTPUTS
+from fourbar_ros.pipeline.stepper import Stepper
 from harness import ALL_OUTPUTS, fields_of
 from scenes import PAPER, RODS, TIP
 from test_inputs import set_parameters

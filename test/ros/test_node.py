@@ -8,9 +8,9 @@ from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import LinkageState, Motion
 from sensor_msgs.msg import JointState
 
-from fourbar_ros import scene
-from fourbar_ros.core import status as codes
-from fourbar_ros.core.extrema import find_extrema
+from fourbar_ros.scene import scene
+from fourbar_ros.pipeline import status as codes
+from fourbar_ros.extrema.find import find_extrema
 from harness import ALL_OUTPUTS, fields_of
 from scenes import PAPER, RODS, ROCKER, SLIDES_7_6, SLIDES_7_7
 

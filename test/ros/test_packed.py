@@ -7,14 +7,14 @@ import pytest
 from fourbar_msgs.msg import LinkageState
 from rclpy.serialization import deserialize_message, serialize_message
 
-from fourbar_ros import interfaces, scene
+from fourbar_ros.scene import topics as interfaces, scene
 from fourbar_ros.bag.cdr import Definition, Layout
-from fourbar_ros.core.status import STATUS_NAMES
-from fourbar_ros.interfaces import OUTPUTS
-from fourbar_ros.ros import packed
+from fourbar_ros.pipeline.status import STATUS_NAMES
+from fourbar_ros.scene.topics import OUTPUTS
+from fourbar_ros.ros.node import packed
 from fourbar_ros.ros.messages import filler, resolve, set_constants
 from fourbar_ros.ros.schemas import definition
-from fourbar_ros.stepper import Stepper
+from fourbar_ros.pipeline.stepper import Stepper
 from scenes import TIP
 from test_mechanisms import MECHANISMS
 

@@ -10,9 +10,9 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
-from fourbar_ros import records
-from fourbar_ros.ros import inputs
-from fourbar_ros.ros.inputs import Reader
+from fourbar_ros.pipeline import message_fields as records
+from fourbar_ros.ros.node import inputs
+from fourbar_ros.ros.node.inputs import Reader
 
 MOTION, JOINTS = 'fourbar_msgs/msg/Motion', 'sensor_msgs/msg/JointState'
 STAMPS = Time(), Time(sec=2**31 - 1, nanosec=999_999_999), Time(sec=-1, nanosec=2**32 - 1)

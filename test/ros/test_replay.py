@@ -13,7 +13,7 @@ from std_msgs.msg import String
 import bags
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recompute import compare
-from fourbar_ros.bag.writer import BagWriter
+from fourbar_ros.bag.recorder import BagWriter
 from harness import ALL_OUTPUTS, PATIENCE
 from scenes import PAPER, RODS, TIP
 
@@ -94,7 +94,7 @@ def test_the_scene_of_a_bag_runs_a_node(client, bag, tmp_path):
     code, text = finished(fourbar('bag', 'scene', bag), client)
     assert code == 0
     (tmp_path / 'again.yaml').write_text(text)
-    node = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.start', '--ros-args', '--params-file',
+    node = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node.start', '--ros-args', '--params-file',
                              str(tmp_path / 'again.yaml'), '-r', '__node:=again'], env=os.environ, cwd=tmp_path)
     try:
         client.until(lambda: node.poll() is not None or 'again' in client.node.get_node_names(), 'the node')

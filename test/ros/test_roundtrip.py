@@ -14,9 +14,9 @@ from mcap_ros2.decoder import DecoderFactory
 from rclpy.serialization import serialize_message
 from rosbags.highlevel import AnyReader
 
-from fourbar_ros import interfaces
+from fourbar_ros.scene import topics as interfaces
 from fourbar_ros.bag.reader import records
-from fourbar_ros.bag.writer import BagWriter
+from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.schemas import channel
 from test_bag import plain

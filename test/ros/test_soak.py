@@ -17,7 +17,7 @@ from fourbar_msgs.msg import LinkageState, Motion
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
 
-from fourbar_ros import scene
+from fourbar_ros.scene import scene
 from harness import ALL_OUTPUTS, NodeProcess
 from scenes import PAPER, RODS
 from test_inputs import set_parameters

@@ -6,7 +6,7 @@ import sys
 import pytest
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
-from fourbar_ros import scene
+from fourbar_ros.scene import scene
 from harness import PATIENCE
 from scenes import PAPER
 from test_inputs import set_parameters
@@ -14,7 +14,7 @@ from test_inputs import set_parameters
 
 def start(tmp_path, *arguments):
     """Run the node until it refuses; return (exit code, the line of its own)."""
-    done = subprocess.run([sys.executable, '-m', 'fourbar_ros.ros.start', *arguments], cwd=tmp_path, text=True,
+    done = subprocess.run([sys.executable, '-m', 'fourbar_ros.ros.node.start', *arguments], cwd=tmp_path, text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=2 * PATIENCE, check=False)
     assert 'Traceback' not in done.stdout
     line, = (line for line in done.stdout.splitlines() if line.startswith('fourbar_node:'))

@@ -10,11 +10,11 @@ import pytest
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import Motion
 
-from fourbar_ros import interfaces
+from fourbar_ros.scene import topics as interfaces
 from fourbar_ros.bag.info import info
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.stop import SIGNALS, Stop
-from fourbar_ros.ros.worker import Abandoned, Worker
+from fourbar_ros.ros.node.worker import Abandoned, Worker
 from harness import ALL_OUTPUTS, PATIENCE
 from scenes import PAPER, RODS
 

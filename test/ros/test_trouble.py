@@ -12,8 +12,8 @@ from fourbar_msgs.msg import LinkageState, Motion
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
-from fourbar_ros.ros.quiet import QuietLog
-from fourbar_ros.ros.sequence import Sequence
+from fourbar_ros.ros.node.quiet_log import QuietLog
+from fourbar_ros.ros.node.sequence import Sequence
 from scenes import PAPER
 from test_inputs import NANOSECONDS, answers, set_parameters, stamped
 
@@ -37,7 +37,7 @@ def heard(client):
 
 SLOW = '''
 import time
-from fourbar_ros.ros.stream import Stream
+from fourbar_ros.ros.node.stream import Stream
 step = Stream.step
 Stream.step = lambda self, *given: (time.sleep(0.001), step(self, *given))
 '''

@@ -1,0 +1,333 @@
+"""
+Walk through an MCAP file record by record: finished, cut by a crash, still being written, or damaged.
+
+The library's readers want the index at the end of a file, which a crash never writes; its stream reader
+takes 4 us a message, this one less than 1. Neither asks whether a record is what it says. Here the lengths
+inside a record must fill it, and where they do not, the walk goes on at the next record that is whole.
+"""
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+import re
+import zlib
+from struct import Struct
+from typing import NamedTuple
+
+from mcap.opcode import Opcode
+from mcap.records import MetadataIndex, Statistics
+
+from fourbar_ros.bag import BagError
+from fourbar_ros.bag.mcap_records import (
+    HEAD,
+    IS_MESSAGE,
+    OURS,
+    SHAPES,
+    TYPES,
+    WRONG_TIMES,
+    Damaged,
+    filled,
+    parse,
+    split,
+    tells_its_times,
+)
+
+MAGIC = b'\x89MCAP0\r\n'
+_LOOSE = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})      # what can be in a chunk as well
+_END = Struct('<BQQQI8s')           # the footer and the magic behind it
+_CHUNK_INDEX, _ENTRY = Struct('<QQQQI'), Struct('<HQ')     # head of a chunk's index; of a channel in it
+_FIRST_WINDOW, _WINDOW = 1 << 12, 1 << 22      # [bytes] what is searched at once, at first and at most
+
+
+class Ending(NamedTuple):
+    """How a finished file ends: where its summary begins, records of that, and what is wrong with it."""
+
+    start: int
+    records: tuple
+    damage: str = ''
+
+    def of(self, kind):
+        """Return the records of a type."""
+        return [record for record in self.records if isinstance(record, kind)]
+
+    @property
+    def is_chunked(self):
+        """Return whether no message is outside of a chunk; False if that is not told."""
+        return any(told.chunk_count or not told.message_count for told in self.of(Statistics))
+
+
+def ending(file):
+    """Return the Ending of an open file, None if it was not finished."""
+    at = os.fstat(file.fileno()).st_size - _END.size
+    if at < len(MAGIC):
+        return None
+    file.seek(at)
+    tail = file.read(_END.size)
+    opcode, length, start, _, crc, magic = _END.unpack(tail)
+    is_footer = (opcode, length) == (Opcode.FOOTER, 20)
+    if not is_footer and magic != MAGIC:
+        return None
+    start = start or at
+    if not is_footer or magic != MAGIC or not len(MAGIC) <= start <= at:
+        return Ending(0, (), f'at byte {at}: the last bytes of the file are wrong')
+    file.seek(start)
+    summary = file.read(at - start)
+    if crc not in (0, zlib.crc32(tail[:25], zlib.crc32(summary))):
+        return Ending(0, (), f'at byte {at}: the index at the end of the file has a wrong checksum')
+    try:
+        found = Ending(start, tuple(parse(opcode, summary[begin:end])
+                                    for _, opcode, begin, end in split(summary) if opcode in TYPES))
+        if any(place.offset + place.length > start for place in found.of(MetadataIndex)):
+            raise Damaged('the index at the end of the file leads nowhere')
+        return found
+    except Damaged as error:           # of a writer without checksums
+        return Ending(0, (), f'at byte {start}: {error}')
+
+
+def chunk_index(file, end):
+    """
+    Return [(offset, first log time, last log time, channels)] of the chunks of a file with a sound Ending.
+
+    None if there is no index of all chunks, or messages lie outside of them.
+    """
+    told = end.of(Statistics) if end and not end.damage else []
+    if not told or not told[0].chunk_count:
+        return None
+    file.seek(end.start)
+    summary = file.read(os.fstat(file.fileno()).st_size - _END.size - end.start)
+    found = [_place(summary, begin) for _, opcode, begin, _ in split(summary) if opcode == Opcode.CHUNK_INDEX]
+    good = len(found) == told[0].chunk_count and all(place[0] < end.start for place in found)
+    return sorted(found, key=lambda place: place[0]) if good else None
+
+
+def _place(summary, begin):
+    first, last, offset, _, size = _CHUNK_INDEX.unpack_from(summary, begin)
+    begin += _CHUNK_INDEX.size
+    return offset, first, last, {number for number, _ in _ENTRY.iter_unpack(summary[begin:begin + size])}
+
+
+class Scan:
+    """
+    Iterate over (offset, opcode, body) of the data section of an open file.
+
+    Bytes that are no record are (offset, None, what is wrong), up to where the next record begins.
+
+    Parameters
+    ----------
+    file : binary file
+    wait : callable, optional
+        Called when the file ends early, returns whether to look again: for a bag being written.
+    damage : list, optional
+        Where to add what is wrong.
+
+    Attributes
+    ----------
+    end : int
+        Offset behind the last record, or behind damage.
+    complete : bool
+        Whether the file was finished; False for one that was cut or is still being written.
+    ending : Ending or None
+    damage : list of str
+        What is wrong with the file: where and why. The caller adds what it finds in the records.
+    lost : int
+        Bytes that are damaged.
+
+    """
+
+    def __init__(self, file, wait=None, damage=None):
+        self._file, self._wait = file, wait
+        self.end, self.complete, self.lost = 0, False, 0
+        self.damage = [] if damage is None else damage
+        self._known = len(self.damage)
+        self.ending = ending(file)
+        if self.ending and self.ending.damage:
+            self.damage.append(self.ending.damage)
+        self._limit = self.ending.start if self.ending else 0      # of the data section; 0: not known
+        self._chunked = bool(self._limit) and self.ending.is_chunked
+        self._chunks, self._until, self._is_ours = {}, 0, False
+
+    def __iter__(self):
+        if not self._there(len(MAGIC), wait=True):
+            return
+        self._file.seek(0)
+        magic = self._file.read(len(MAGIC))
+        if magic != MAGIC:
+            if not self._limit and not self._record_at(len(MAGIC)):
+                raise BagError(f'{self._file.name}: not an MCAP file')
+            self.damage.append('at byte 0: the first bytes of the file are wrong')
+        self.end, crc = len(MAGIC), zlib.crc32(magic)
+        while self._limit == 0 or self.end < self._limit:
+            offset, found = self.end, self._record_at(self.end, wait=True)
+            if found is None:
+                self.end = self._next(offset)
+                if self.end == offset:
+                    return                     # cut
+                yield offset, None, self.spoil(offset, 'the type or a length of a record is wrong')
+                continue
+            head, opcode, body = found
+            self.end += len(head) + len(body)
+            if opcode == Opcode.DATA_END:
+                self._finish(offset, parse(opcode, body).data_section_crc, crc)
+                return
+            crc = zlib.crc32(body, zlib.crc32(head, crc))
+            self._chunked |= opcode == Opcode.CHUNK
+            if self._is_sound(offset, opcode, body):
+                yield offset, opcode, body
+        self.complete = True                   # without the mark for the end of the data, which is damage
+
+    def only(self, offsets):
+        """Yield the records at these offsets, which the index tells; the rest is not looked at."""
+        for offset in offsets:
+            found = self._record_at(offset)
+            self.end = offset + HEAD.size + len(found[2]) if found else offset + HEAD.size
+            if found is None:
+                yield offset, None, self.spoil(offset, 'the index leads to no record')
+            else:
+                yield offset, *found[1:]
+        self.complete = True
+
+    def spoil(self, offset, why):
+        """Note that the bytes from an offset up to ``end`` are damaged; returns why."""
+        self.damage.append(f'at byte {offset}: {why}')
+        self.lost += self.end - offset
+        return why
+
+    def admit(self, offset, chunk, times):
+        """
+        Note what is wrong with the place of a sound Chunk and with the times it tells, given its log times.
+
+        Raises Damaged for a copy of an earlier one. Our recorder's log times never go back.
+        """
+        if not tells_its_times(chunk, times):
+            self.damage.append(f'at byte {offset}: {WRONG_TIMES}')
+        first, last = (min(times), max(times)) if times else (0, 0)
+        key = first, last, chunk.uncompressed_size, chunk.uncompressed_crc or zlib.crc32(chunk.data)
+        other = self._chunks.setdefault(key, offset)
+        if times and other != offset and (self._is_ours or first < last):
+            raise Damaged(f'a copy of the chunk at byte {other}')
+        if self._is_ours and first < self._until and times:
+            self.damage.append(f'at byte {offset}: chunk is out of order: its messages are older than '
+                               'those before it')
+        self._until = max(self._until, last)
+
+    def is_followed_by_zeros(self):
+        """Return whether the file was not finished and only zeros follow, as a power cut leaves them."""
+        self._file.seek(self.end)
+        rest = self._file.read(_WINDOW) if not self.ending else b''
+        return bool(rest) and not rest.strip(b'\0')
+
+    def _is_sound(self, offset, opcode, body):
+        """Return whether a header can be read and metadata, whose checksum is its own, is as it was written."""
+        try:
+            if opcode == Opcode.HEADER:
+                self._is_ours = parse(opcode, body).library.startswith(OURS)
+            return opcode != Opcode.METADATA or bool(parse(opcode, body))
+        except Damaged as error:
+            self.spoil(offset, error)
+            return False
+
+    def _finish(self, offset, told, crc):
+        """Compare the checksum of the data; what changed is in no chunk if nothing was found before."""
+        self.ending = ending(self._file)       # it may be new
+        self.complete = self.ending is not None
+        if len(self.damage) == self._known and told not in (0, crc):
+            self.damage.append(f'from byte 0 to {offset}: the data have a wrong checksum, but no chunk has: a '
+                               'message index, the header or the checksum itself has changed, or a chunk is missing')
+
+    def _there(self, end, wait=False):
+        """Return whether the file reaches up to this offset."""
+        def there():
+            return os.fstat(self._file.fileno()).st_size >= end
+
+        while not there():
+            if not (wait and self._wait and self._wait()) and not there():     # its writer may just have finished
+                return False
+        return True
+
+    def _record_at(self, offset, wait=False):
+        """Return (head, opcode, body) of the record at an offset, None if there is no whole one."""
+        if not self._there(offset + HEAD.size, wait):
+            return None
+        self._file.seek(offset)
+        head = self._file.read(HEAD.size)
+        opcode, length = HEAD.unpack(head)
+        end = offset + HEAD.size + length
+        if not self._may_be(offset, opcode, end) or not self._there(end, wait):
+            return None
+        self._file.seek(offset + HEAD.size)
+        body = self._file.read(length)
+        whole = filled(opcode, length, lambda number, at: number.unpack_from(body, at)[0]) == length
+        return (head, opcode, body) if whole else None
+
+    def _may_start(self, offset, size, opcode, length):
+        """Return whether a whole record can be here, asking the file for no more than its lengths."""
+        begin = offset + HEAD.size
+        if begin + length > size or not self._may_be(offset, opcode, begin + length):
+            return False
+        return filled(opcode, length, lambda number, at: self._number(number, begin + at)) == length
+
+    def _number(self, number, at):
+        found = os.pread(self._file.fileno(), number.size, at)
+        return number.unpack(found)[0] if len(found) == number.size else 0
+
+    def _may_be(self, offset, opcode, end):
+        """Return whether a record of this kind can be here."""
+        if self._limit and (end > self._limit or (opcode == Opcode.DATA_END) != (end == self._limit)):
+            return False
+        if (opcode == Opcode.HEADER) != (offset == len(MAGIC)):
+            return False
+        # A message index that lost one bit looks like a message.
+        return opcode in SHAPES or opcode == IS_MESSAGE and not self._chunked
+
+    def _next(self, offset):
+        """Return where the first whole record behind a damaged one is, the offset itself if there is none."""
+        size = self._limit or os.fstat(self._file.fileno()).st_size
+        if offset + HEAD.size > size or self._record_at(offset):       # its writer has just completed it
+            return offset
+        self._file.seek(offset)
+        opcode, length = HEAD.unpack(self._file.read(HEAD.size))
+        # Of the two lengths, its own and that of its content, one bit spoils one.
+        ends = {offset + HEAD.size + length}
+        if opcode in SHAPES:
+            begin = offset + HEAD.size
+            ends.add(begin + filled(opcode, length, lambda number, at: self._number(number, begin + at)))
+        for end in sorted(ends):
+            if offset < end <= size and (end == size or self._record_at(end)):
+                return end
+        loose = not self._chunked and opcode != Opcode.CHUNK
+        return self._search(offset + 1, size, loose) or self._limit or offset
+
+    def _search(self, begin, size, loose):
+        """Return where the next whole record is, 0 for nowhere; ``loose``: also of the kinds that are in chunks."""
+        kinds = bytes(kind for kind in (*SHAPES, IS_MESSAGE) if loose or kind not in _LOOSE)
+        pattern = re.compile(b'[' + re.escape(kinds) + rb'](?=.{5}\0{3})', re.DOTALL)      # shorter than 1 TiB
+        window = _FIRST_WINDOW
+        while begin < size:
+            self._file.seek(begin)
+            part = self._file.read(window + HEAD.size)
+            for match in pattern.finditer(part, 0, window):
+                at = match.start()
+                found = HEAD.unpack_from(part, at) if at + HEAD.size <= len(part) else None
+                if found and self._may_start(begin + at, size, *found) and self._record_at(begin + at):
+                    return begin + at
+            begin, window = begin + window, min(2 * window, _WINDOW)
+        return 0
+
+
+def mark_as_being_written(file):
+    """Lock an open file; the lock goes with the process, so it tells a crashed bag from a living one."""
+    with contextlib.suppress(OSError):       # file systems without locks
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def is_being_written(path):
+    """Return whether a recorder has this file open."""
+    with open(path, 'rb') as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+        except OSError:
+            pass
+        return False

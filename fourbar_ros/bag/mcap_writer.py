@@ -1,0 +1,261 @@
+"""
+Write an MCAP file that is whole up to the last flush, whatever happens after it.
+
+The record types are the mcap library's, the order is ours: one append per flush, undone if the disk
+refuses it, so that the file can always be finished in place. (The library's own Writer counts messages
+that never reached the disk and cannot be asked to forget them; it also takes 3 us a message.)
+"""
+from __future__ import annotations
+
+import struct
+import zlib
+from collections import defaultdict
+
+import zstandard
+from mcap.opcode import Opcode
+from mcap.records import (Channel, Chunk, ChunkIndex, DataEnd, Footer, Header, Metadata, MetadataIndex, Schema,
+                          Statistics, SummaryOffset)
+
+from fourbar_ros.bag.mcap_records import (
+    HEAD,
+    IS_MESSAGE,
+    MESSAGE,
+    SEAL,
+    Damaged,
+    encoded,
+    parse,
+    seal,
+    split,
+    tells_its_times,
+    unpacked,
+)
+from fourbar_ros.bag.mcap_scan import MAGIC
+
+CHUNK_SIZE = 1 << 20          # [bytes] a chunk is closed at this size, flush or not
+# So many chunks hold a schema or channel: under their checksum, and if one is hit, in the other.
+TOLD = 2
+_MESSAGE = struct.Struct('<BQHIQQ')
+_INDEX = struct.Struct('<BQHI')
+
+
+class Container:
+    """
+    An MCAP file being written; ``file`` is an unbuffered binary file at its beginning.
+
+    Every method leaves a file of whole records, also when it raises OSError.
+    """
+
+    def __init__(self, file, profile, library):
+        self._file = file
+        self.size = 0                                  # [bytes] what is in the file for good
+        self._crc = 0
+        self.schemas, self.channels = {}, {}
+        self.counts = defaultdict(int)                 # messages in the file, by channel
+        self.start, self.end = None, 0                 # [ns] log times of the first and the last of them
+        # Encoded, since an hour has 36 000 of them: 5 MB, as objects it would be 40.
+        self._chunk_indices, self._chunks = bytearray(), 0
+        self._metadata_indices = []
+        self._compressor = zstandard.ZstdCompressor()
+        self.first, self.last = {}, {}                 # oldest and newest sequence number, by channel
+        self._pending = {}                             # {encoded definition: chunks that hold it}, up to TOLD
+        self._unchecked = set()                        # encoded definitions that no checksum covered
+        self._clear()
+        self._append(MAGIC + encoded(Header(profile, library)))
+
+    def add_schema(self, name, text, encoding='ros2msg'):
+        """Return the number of a new schema; it is written with the next messages."""
+        schema = Schema(len(self.schemas) + 1, text.encode(), encoding, name)
+        self._define(self.schemas, schema)
+        return schema.id
+
+    def add_channel(self, topic, schema, metadata):
+        """Return the number of a new channel of CDR messages; it is written with the next messages."""
+        channel = Channel(len(self.channels) + 1, topic, 'cdr', metadata, schema)
+        self._define(self.channels, channel)
+        return channel.id
+
+    def copy(self, record, checked=True):
+        """
+        Take a Schema or Channel of another file under the number it has; again is no error.
+
+        One that a checksum covers (``checked``) takes the place of one that none did, as long as no message
+        was written under it; returns whether it did. Any other difference raises Damaged.
+        """
+        known = self.schemas if isinstance(record, Schema) else self.channels
+        if isinstance(record, Channel) and record.schema_id not in (0, *self.schemas):
+            raise Damaged(f'the schema of {record.topic} is missing')
+        other, data = known.get(record.id), encoded(record)
+        if other == record:
+            if checked:
+                self._unchecked.discard(data)
+            return False
+        replaces = other is not None and checked and self._forget(encoded(other))
+        if other is not None and not replaces:
+            raise Damaged(f'{type(record).__name__.lower()} {record.id} is another one than before')
+        if not checked:
+            self._unchecked.add(data)
+        self._define(known, record)
+        return replaces
+
+    def _forget(self, data):
+        """Forget an encoded definition that no checksum covered and no chunk holds; return whether it is one."""
+        is_free = data in self._unchecked and self._pending.get(data) == 0 and not self._index
+        if is_free:
+            del self._pending[data]
+        return is_free
+
+    def add_metadata(self, name, values):
+        """Write a metadata record behind all messages so far."""
+        self.flush()
+        sealed = Metadata(name=name, metadata={**values, SEAL: ''})
+        sealed.metadata[SEAL] = seal(sealed)
+        offset, record = self.size, encoded(sealed)
+        self._append(record)
+        self._metadata_indices.append(MetadataIndex(offset, len(record), name))
+
+    def add_message(self, channel, sequence, time, data, published=None):
+        """Take a message; arguments are trusted. It is in the file after the next :meth:`flush`."""
+        self._index[channel] += (time, self._length)
+        self.first.setdefault(channel, sequence)
+        self.last[channel] = sequence
+        self._parts += (_MESSAGE.pack(Opcode.MESSAGE, 22 + len(data), channel, sequence, time,
+                                      time if published is None else published), data)
+        self._length += 31 + len(data)
+        if self._length > CHUNK_SIZE:
+            self.flush()
+
+    def flush(self):
+        """Write what was taken as one chunk; on OSError the file is as before and the messages are gone."""
+        if not self._index:
+            return
+        content, index = b''.join(self._parts), self._index
+        try:
+            self._append_chunk(self._chunk(content), index)
+        finally:
+            self._clear()
+
+    def copy_chunk(self, body, admit):
+        """
+        Write a chunk of another file, its index and times made anew.
+
+        ``admit(chunk, log times)`` is called before anything is written. Returns the definitions in it that
+        took the place of damaged ones; raises Damaged before anything is written.
+        """
+        chunk = parse(Opcode.CHUNK, body)
+        content, index = unpacked(chunk), defaultdict(list)
+        records, first, last = [], {}, {}
+        for offset, opcode, start, end in split(content):
+            if opcode == IS_MESSAGE:
+                channel, sequence, time, _ = MESSAGE.unpack_from(content, start)
+                first.setdefault(channel, sequence)
+                last[channel] = sequence
+                index[channel] += (time, offset)
+            elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                records.append(parse(opcode, content[start:end]))
+        known = self.channels.keys() | {r.id for r in records if isinstance(r, Channel)}
+        if not index.keys() <= known:
+            raise Damaged('chunk has messages of an unknown channel')
+        admit(chunk, times_of(index))
+        replaced = [record for record in records if self.copy(record)]
+        front = self._front({encoded(record) for record in records})
+        if front and index:
+            chunk = self._chunk(front + content)
+            for entries in index.values():
+                entries[1::2] = [offset + len(front) for offset in entries[1::2]]
+        if index:
+            self._append_chunk(chunk, index)
+            self.first = {**first, **self.first}
+            self.last.update(last)
+            self._clear()
+        return replaced
+
+    def finish(self):
+        """Write the end: statistics and indices. On OSError the file is as before, without an end."""
+        self.flush()
+        if not self._chunks:
+            self._append(self._front())                # no message, but a reader may ask for the topics
+        end = encoded(DataEnd(self._crc))
+        start = self.size + len(end)
+        parts, offsets = bytearray(), []
+        statistics = Statistics(
+            attachment_count=0, schema_count=len(self.schemas), channel_count=len(self.channels),
+            chunk_count=self._chunks, metadata_count=len(self._metadata_indices),
+            message_count=sum(self.counts.values()), channel_message_counts=dict(self.counts),
+            message_start_time=self.start or 0, message_end_time=self.end)
+        for opcode, content in ((Opcode.SCHEMA, encoded(*self.schemas.values())),
+                                (Opcode.CHANNEL, encoded(*self.channels.values())),
+                                (Opcode.STATISTICS, encoded(statistics)), (Opcode.CHUNK_INDEX, self._chunk_indices),
+                                (Opcode.METADATA_INDEX, encoded(*self._metadata_indices))):
+            if content:
+                offsets.append(SummaryOffset(opcode, start + len(parts), len(content)))
+            parts += content
+        offset_start = start + len(parts)
+        summary = parts + encoded(*offsets)
+        crc = zlib.crc32(HEAD.pack(Opcode.FOOTER, 20) + struct.pack('<QQ', start, offset_start),
+                         zlib.crc32(summary))
+        self._append(b''.join((end, summary, encoded(Footer(start, offset_start, crc)), MAGIC)))
+
+    # --------------------------------------------------------------------------------------------
+
+    def _clear(self):
+        front = self._front()
+        self._parts, self._length, self._index = [front], len(front), defaultdict(list)
+
+    def _front(self, without=()):
+        """Return the definitions that the next chunk has to hold, but for those that are in it already."""
+        return b''.join(data for data in self._pending if data not in without)
+
+    def _chunk(self, content):
+        return Chunk('zstd', self._compressor.compress(content), 0, 0, zlib.crc32(content), len(content))
+
+    def _define(self, known, record):
+        self.flush()
+        known[record.id] = record
+        if isinstance(record, Channel) and record.schema_id:
+            self._pending[encoded(self.schemas[record.schema_id])] = 0
+        self._pending.pop(encoded(record), None)       # behind its schema
+        self._pending[encoded(record)] = 0
+        self._clear()
+
+    def _append_chunk(self, chunk, index):
+        """Write a Chunk, its times, and its message index {channel: [time, offset, time, offset, ...]}."""
+        times = times_of(index)
+        chunk.message_start_time, chunk.message_end_time = min(times), max(times)
+        record = encoded(chunk)
+        parts, at, offsets = [record], self.size + len(record), {}
+        for channel, entries in index.items():
+            offsets[channel] = at
+            size = 8 * len(entries)
+            parts.append(_INDEX.pack(Opcode.MESSAGE_INDEX, 6 + size, channel, size)
+                         + struct.pack(f'<{len(entries)}Q', *entries))
+            at += len(parts[-1])
+        offset = self.size
+        self._append(b''.join(parts))
+        self._chunks += 1
+        self._pending = {data: told + 1 for data, told in self._pending.items() if told + 1 < TOLD}
+        self._chunk_indices += encoded(ChunkIndex(
+            len(record), offset, chunk.compression, len(chunk.data), chunk.message_end_time,
+            at - offset - len(record), offsets, chunk.message_start_time, chunk.uncompressed_size))
+        for channel, entries in index.items():
+            self.counts[channel] += len(entries) // 2
+        low = chunk.message_start_time
+        self.start = low if self.start is None else min(self.start, low)
+        self.end = max(self.end, chunk.message_end_time)
+
+    def _append(self, data):
+        """Write all of it or, on OSError, nothing."""
+        view = memoryview(data)
+        try:
+            while view:
+                view = view[self._file.write(view):]
+        except OSError:
+            self._file.truncate(self.size)
+            self._file.seek(self.size)
+            raise
+        self._crc = zlib.crc32(data, self._crc)
+        self.size += len(data)
+
+
+def times_of(index):
+    """Return all log times of a message index {channel: [time, offset, time, offset, ...]}."""
+    return [time for entries in index.values() for time in entries[::2]]

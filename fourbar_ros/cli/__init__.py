@@ -1,0 +1,1 @@
+"""The ``fourbar`` command, one module a verb."""

@@ -1,0 +1,43 @@
+"""``fourbar draw``: a scene in one pose, with forces and polygons."""
+from __future__ import annotations
+
+import argparse
+
+from fourbar_ros.cli.show import pose
+
+EPILOG = """\
+examples:
+  fourbar draw paper --at 60 -o pose.pdf
+  fourbar draw slides_7_6 --at 60 --speed 10 --acceleration 100 -o example_7_6.svg
+"""
+
+
+def add(verbs):
+    """Add the verb."""
+    draw = verbs.add_parser(
+        'draw', help='picture of a scene in one pose: linkage with forces, velocity and acceleration polygons',
+        description='Draw the linkage with the forces at its joints, and its velocity and acceleration polygons, '
+                    'to scale. Needs matplotlib.',
+        epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
+    draw.add_argument('scene', metavar='SCENE', help='parameter file (YAML), or name of a shipped scene, as paper')
+    pose(draw, 'input angle [degrees], or slide [m]', is_required=True)
+    draw.add_argument('-o', '--out', metavar='FILE', required=True, help='picture: .png, .svg, .pdf')
+    draw.set_defaults(run=_draw)
+
+
+def _draw(arguments):
+
+    from fourbar_ros.scene import scene as scenes
+    from fourbar_ros.report.drawing import make_figure, save
+    from fourbar_ros.report.poses import step_at
+    from fourbar_ros.report.tables import class_name, mode_name, rate_unit
+    scene = scenes.load(arguments.scene)
+    linkage = scene.linkage.in_mode(arguments.mode or scene.linkage.mode)
+    speed = scene.drive.speed if arguments.speed is None else arguments.speed
+    _, motion, loads = step_at(linkage, arguments.at, speed, arguments.acceleration)
+    pose = f'{linkage.input_coordinate.position} {arguments.at:.8g} {"m" if linkage.is_driven_by_slide else "deg"}'
+    unit = rate_unit(linkage)
+    title = ', '.join([class_name(linkage), pose, f'{speed:g} {unit}', *([f'{arguments.acceleration:g} {unit}^2']
+                       if arguments.acceleration else []), f'assembly mode {mode_name(linkage)}'])
+    points = {name: tuple(point) for name, point in scene.points.items()}
+    print(save(make_figure(linkage, motion, loads, title, points), arguments.out))

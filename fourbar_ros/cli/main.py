@@ -1,0 +1,94 @@
+"""The ``fourbar`` command; each verb is a module of :mod:`fourbar_ros.cli`."""
+from __future__ import annotations
+
+import argparse
+import contextlib
+import signal
+import sys
+import threading
+
+from fourbar_ros import __version__
+from fourbar_ros.scene.arguments import Parser
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.optional import MissingPackage
+from fourbar_ros.cli import bag, draw, record, replay, reproduce, scene, show
+
+VERBS = (show, scene, bag, record, replay, draw, reproduce)
+DESCRIPTION = """\
+Planar four-bars, slider-cranks and inverted slider-cranks: motion, loads and extrema of a scene;
+recorded runs. Needs no ROS, but for record and replay, which talk to a node.
+
+A scene is a ROS 2 parameter file, or the name of one of config/; the same file runs the node,
+  fourbar_node --ros-args --params-file SCENE
+"""
+EPILOG = """\
+examples:
+  fourbar show paper                           class, limits, extrema, loads of a scene that comes with it
+  fourbar show paper --mode 1                  of the other assembly mode
+  fourbar show my.yaml --at 60                 your own scene, and its state at 60 degrees
+  fourbar show slides_7_6 --at 60 --acceleration 100
+  fourbar show cylinder --at 1.5               a boom and its cylinder, 1.5 m long
+  fourbar scene check paper                    what a node with this scene does, and its cost
+  fourbar bag info bags/run                    what is in a bag
+  fourbar bag recompute bags/run               every recorded value computed again
+  fourbar replay bags/run --rate 2             published once more, twice as fast
+
+exit codes: 0 good; 1 an error, said in one line; 2 bad arguments; 3 done, but the bag is cut, lossy or
+different (see the help of the verb)
+"""
+
+
+def parser():
+    """Return the argument parser; every verb sets ``run``, which returns an exit code or None."""
+    top = Parser(prog='fourbar', description=DESCRIPTION, epilog=EPILOG,
+                 formatter_class=argparse.RawDescriptionHelpFormatter)
+    top.add_argument('--version', action='version', version=f'fourbar {__version__}')
+    verbs = top.add_subparsers(dest='verb', required=True, metavar='VERB')
+    for verb in VERBS:
+        verb.add(verbs)
+    return top
+
+
+def main(args=None):
+    """Run one verb and return the exit code; an error is one line on stderr."""
+    arguments = parser().parse_args(args)
+    try:
+        with _terminable():
+            return arguments.run(arguments) or 0
+    except FourBarError as error:
+        print(f'fourbar: {error}', file=sys.stderr)
+        return 1
+    except ModuleNotFoundError as error:
+        if not MissingPackage.explains(error):
+            raise
+        print(f'fourbar: {MissingPackage(f"fourbar {arguments.verb}", error)}', file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:                 # the reader of our output has gone: head, less
+        sys.stderr.close()
+    except OSError as error:
+        print(f'fourbar: {error.filename or arguments.verb}: {error.strerror or error}', file=sys.stderr)
+        return 1
+    return 0
+
+
+@contextlib.contextmanager
+def _terminable():
+    """Let SIGTERM and SIGHUP end a verb as Ctrl-C does, so that nothing half-made is left; exit code 128 + number."""
+    def end(number, _):
+        raise SystemExit(128 + number)
+
+    old = {}
+    if threading.current_thread() is threading.main_thread():
+        old = {number: signal.signal(number, end) for number in (signal.SIGTERM, signal.SIGHUP)
+               if signal.getsignal(number) is signal.SIG_DFL}       # not of nohup
+    try:
+        yield
+    finally:
+        for number, handler in old.items():
+            signal.signal(number, handler)
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,128 @@
+"""``fourbar replay``: publish a recorded run again, or drive a live node with it."""
+from __future__ import annotations
+
+import argparse
+import time
+from contextlib import contextmanager, nullcontext
+
+from fourbar_ros.scene.arguments import not_negative, positive
+from fourbar_ros.cli.bag import BAD
+
+REFRESH = 0.1       # [s] between two looks at the clock of the bag
+DESCRIPTION = """\
+Publish the messages of a bag again, with their original timing, on their topics and with their quality of
+service. BAG may be finished, cut, or still being written. Needs ROS 2 and the packages of the message
+types; what is not installed is left out, and said. In a terminal: space pauses, the right arrow sends the
+next message, up and down change the rate by a tenth.
+"""
+EPILOG = """\
+examples:
+  fourbar replay bags/run                              as it was
+  fourbar replay bags/run --rate 0.1 --start 12        slowly, from second 12 on
+  fourbar replay bags/run --clock --loop               for nodes with use_sim_time
+  fourbar replay bags/run --topics /joint_states
+  fourbar replay bags/run --ros-args -r /joint_states:=/old/joint_states
+
+  fourbar bag scene bags/run > again.yaml              a live node does the same run again:
+  fourbar_node --ros-args --params-file again.yaml &
+  fourbar replay bags/run --inputs-only                and its answers are compared with the recorded ones
+
+exit codes: 0 good; 1 an error; 2 bad arguments; 3 with --inputs-only: an answer differs or is missing
+"""
+
+
+def add(verbs):
+    """Add the verb."""
+    replay = verbs.add_parser('replay', help='publish a recorded run again, or drive a live node with it',
+                              description=DESCRIPTION, epilog=EPILOG,
+                              formatter_class=argparse.RawDescriptionHelpFormatter)
+    replay.add_argument('bag', metavar='BAG', help='folder of a bag or .mcap file')
+    replay.add_argument('--rate', type=positive, default=1.0, metavar='X', help='times as fast, default 1')
+    replay.add_argument('--start', type=not_negative, default=0.0, metavar='S', help='leave out the first seconds')
+    replay.add_argument('--loop', action='store_true', help='again and again')
+    replay.add_argument('--follow', action='store_true', help='of a bag being written: go on until it is finished')
+    replay.add_argument('--clock', nargs='?', type=positive, const=100.0, metavar='HZ',
+                        help='publish the time of the bag on /clock, at this rate (default 100)')
+    replay.add_argument('--delay', type=not_negative, default=1.0, metavar='S',
+                        help='at least so long readers may take to find the topics, default 1; those that are seen '
+                             'are waited for, 0: not at all')
+    replay.add_argument('--readers', type=int, default=0, metavar='N',
+                        help='begin when so many readers are matched, however long it takes')
+    replay.add_argument('--topics', nargs='+', metavar='TOPIC', help='only these')
+    replay.add_argument('--inputs-only', action='store_true',
+                        help='send only the motion of the input to a live node, compare what it answers')
+    replay.add_argument('--node', metavar='NAME', help='that node; default: the one that was recorded')
+    replay.add_argument('--tolerance', type=not_negative, default=0.0, metavar='X',
+                        help='with --inputs-only: largest difference that is none, default 0')
+    replay.add_argument('--ros-args', nargs=argparse.REMAINDER, default=[], help='for ROS, as remappings')
+    replay.set_defaults(run=_replay)
+
+
+def _replay(arguments):
+    ros_args = ['--ros-args', *arguments.ros_args] if arguments.ros_args else []
+    if arguments.inputs_only:
+        return _inputs_only(arguments, ros_args)
+    from fourbar_ros.bag.playback import FASTER, Pace, span
+    from fourbar_ros.ros.clients.keyboard import Keyboard
+    from fourbar_ros.ros.clients.replay import replay
+    pace = Pace(arguments.rate)
+    first, last = span(arguments.bag)
+    actions = {'space': lambda: pace.pause(not pace.is_paused), 'right': pace.step,
+               'up': lambda: pace.change(FASTER), 'down': lambda: pace.change(1.0 / FASTER)}
+    with Keyboard() as keyboard, _status(first, last, pace, keyboard.is_there) as show:
+        def on_tick(now):
+            for key in keyboard.pressed():
+                actions.get(key, lambda: None)()
+            show(now)
+        count = replay(arguments.bag, arguments.topics, arguments.rate, arguments.start, arguments.loop,
+                       arguments.follow, arguments.clock, arguments.delay, ros_args, pace, on_tick, arguments.readers)
+    print(f'{count} messages published')
+    return 0
+
+
+@contextmanager
+def _status(first, last, pace, has_keys):
+    """Say what is played; gives the function that shows the time of the bag [ns] on a terminal, ten times a second."""
+    from datetime import datetime
+
+    from rich.console import Console
+    from rich.live import Live
+
+    def date(moment):
+        return datetime.fromtimestamp(moment * 1e-9).astimezone().isoformat(' ', 'milliseconds')
+    if last is not None:
+        print(f'{(last - first) * 1e-9:.3f} s, from {date(first)} to {date(last)}', flush=True)
+    console = Console(stderr=True, highlight=False)
+    shown = 0.0
+    if has_keys and console.is_terminal:
+        print('space: pause, right: next message, up and down: faster and slower', flush=True)
+    with Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else nullcontext() as live:
+        def show(now):
+            nonlocal shown, first
+            if live and time.monotonic() - shown > REFRESH:
+                shown, first = time.monotonic(), now if first is None else first
+                live.update(status_line(now, first, last, pace), refresh=True)
+        yield show
+
+
+def status_line(now, first, last, pace):
+    """Return where a replay is: time of the bag, of how much, what is left, how fast."""
+    text = f'{(now - first) * 1e-9:.1f} s'
+    if last is not None:
+        left = max(last - now, 0) * 1e-9
+        text += f' of {(last - first) * 1e-9:.1f} s, {left / pace.rate:.1f} s left'
+    return f'{text}, rate {pace.rate:.3g}' + (', paused' if pace.is_paused else '')
+
+
+def _inputs_only(arguments, ros_args):
+    from fourbar_ros.ros.clients.rerun import drive_live
+    from fourbar_ros.report.tables import make_console, plain_table
+    found = drive_live(arguments.bag, arguments.node, arguments.rate, arguments.start, ros_args)
+    table = plain_table('', ('topic', 'answers>', 'missing>', 'largest difference>', 'field'))
+    for answer in found.answers:
+        table.add_row(answer.topic, str(answer.messages), str(answer.missing), f'{answer.largest:g}', answer.field)
+    make_console().print(table)
+    for note in found.notes:
+        print(note)
+    good = all(not answer.missing and answer.largest <= arguments.tolerance for answer in found.answers)
+    return 0 if any(answer.messages for answer in found.answers) and good else BAD

@@ -1,0 +1,1 @@
+"""All extrema of any quantity over the input, with proofs on demand."""

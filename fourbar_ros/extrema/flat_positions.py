@@ -1,0 +1,153 @@
+"""
+Motion and loads next to the flat position of an exact change point, where their formulas are 0/0.
+
+On either side of it, in one mode, all are Laurent series of the distance t (:mod:`fourbar_ros.numerics.laurent`). Within a part
+of their radius of convergence they are evaluated, for real or complex t, with all their digits, however small t is.
+"""
+from __future__ import annotations
+
+from functools import cached_property
+from math import frexp, pi
+from types import SimpleNamespace
+from typing import NamedTuple
+
+import numpy as np
+
+from fourbar_ros.extrema.four_bar_rates.input_paths import InputPath
+from fourbar_ros.numerics.laurent import (
+    TERMS,
+    Length,
+    T,
+    converted,
+    many_digits,
+    of_series,
+    quarter_turns,
+    series,
+)
+
+# Series are used up to this part of their scale, which is one to two times the distance of the next singularity:
+# what they leave out is 2^-60 of the first term, times a small power of TERMS.
+REACH = 2.0**-4
+
+
+class Fields(NamedTuple):
+    """
+    Series of the fields of a motion or of loads in t, in units of a scale.
+
+    Parameters
+    ----------
+    order : ndarray of int, shape (series,)
+        The lowest power of each.
+    c : ndarray, shape (TERMS, series, 1)
+    partner : list of int
+        Number of the series that with this one makes a length, or -1: it is a field by itself. Such
+        partners stand after all fields.
+    varies : ndarray of bool, shape (fields,)
+        Whether the field is more than a constant.
+
+    """
+
+    order: np.ndarray
+    c: np.ndarray
+    partner: list[int]
+    varies: np.ndarray
+
+    def at(self, t: np.ndarray) -> np.ndarray:
+        """Return the fields at t, shape (fields, t.size)."""
+        values = np.zeros((self.order.size, t.size), t.dtype)
+        for c in self.c[::-1]:
+            values = values * t + c
+        with np.errstate(all='ignore'):
+            for order in np.unique(self.order).tolist():
+                values[self.order == order] *= t**order if order >= 0 else (1.0 / t)**-order
+            return np.stack([row if other < 0 else np.sqrt(row * row + values[other] * values[other])
+                             for row, other in zip(values, self.partner)])
+
+
+class FlatSide:
+    """
+    Series of motion and loads on one side of a flat position, in the mode of a mechanism.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        At an exact change point.
+    rates : tuple of 2 floats
+        Rate and acceleration of the input.
+    place : float
+        The flat position, in the input's unit.
+    side : int
+        +1: inputs above it, -1: below.
+
+    """
+
+    def __init__(self, mechanism, rates: tuple[float, float], place: float, side: int):
+        self._mechanism, self._rates, self.place, self.side = mechanism, rates, place, side
+        self._is_angle = not mechanism.is_driven_by_slide
+        others = (self._turned(z / mechanism.input_unit - place) for z in mechanism.singular_inputs)
+        self._scale = 2.0**frexp(min([1.0, *filter(None, map(abs, others))]))[1]
+
+    def _turned(self, difference):
+        """Return a difference of two inputs, or of arrays of them, the short way round."""
+        return difference - 2.0 * pi * np.round(difference.real / (2.0 * pi)) if self._is_angle else difference
+
+    def distance(self, x: np.ndarray) -> np.ndarray:
+        """Return how far inputs, in the input's unit, are on this side, in units of the scale of the series."""
+        return self.side * self._turned(x - self.place) / self._scale
+
+    @cached_property
+    def motion(self) -> Fields:
+        """Return the series of the motion."""
+        with many_digits():
+            return _fields(self._motion)
+
+    @cached_property
+    def loads(self) -> Fields | None:
+        """Return the series of the loads, if there are bodies."""
+        if self._mechanism.bodies is None:
+            return None
+        motion = self._motion
+        with many_digits():
+            return _fields(type(self._mechanism)._make_loads(self._exact, 1, of_series)(motion))
+
+    @cached_property
+    def _exact(self) -> SimpleNamespace:
+        """Return the data of the mechanism as constant series."""
+        own = self._mechanism
+        return SimpleNamespace(
+            lengths=[series(length) for length in own.lengths], sign=own.sign, input=own.input,
+            input_unit=own.input_unit, gravity=converted(own.gravity, series),
+            bodies=converted(tuple(own.bodies or ()), series), external=converted(own.external, series))
+
+    @cached_property
+    def _motion(self) -> tuple:
+        with many_digits():
+            start = quarter_turns(round(self.place / (0.5 * pi)) if self._is_angle else 0)
+            x = self._mechanism.input_unit * (start + self.side * self._scale * T)
+            return type(self._mechanism)._make_motion(self._exact, 1, of_series)(x, *map(series, self._rates))
+
+    def state(self, t: np.ndarray, with_loads: bool) -> list[np.ndarray]:
+        """Return the fields of motion and loads at distances in units of the scale, each of shape (fields, t.size)."""
+        return [fields.at(t) for fields in (self.motion, self.loads)[:1 + with_loads]]
+
+
+def flat_sides(mechanism, rates: tuple[float, float], path: InputPath) -> dict[int, FlatSide]:
+    """Return the :class:`FlatSide` of each end of a path that is a flat position; by the side, +1 at its lower end."""
+    return {side: FlatSide(mechanism, rates, end.x, side)
+            for side, end in ((1, path.low), (-1, path.high)) if end and end.is_flat}
+
+
+def _fields(values: tuple) -> Fields:
+    """Return the :class:`Fields` of series, lengths and numbers."""
+    rows = [series(v.x if isinstance(v, Length) else v) for v in values]
+    partner, varies = [-1] * len(rows), []
+    for i, v in enumerate(values):
+        size = rows[i] if not isinstance(v, Length) else v.x * v.x + v.y * v.y
+        varies.append(bool(size.c) and (size.order != 0 or len(size.c) > 1))
+        if isinstance(v, Length):
+            partner[i] = len(rows)
+            rows.append(series(v.y))
+    c = np.zeros((TERMS, len(rows), 1))
+    for i, row in enumerate(rows):
+        c[:len(row.c), i, 0] = [float(v) for v in row.c]
+    return Fields(np.array([row.order if row.c else 0 for row in rows]), c, partner, np.array(varies))

@@ -1,0 +1,1 @@
+"""Rate and acceleration of the output of a 4R at constant input rate."""

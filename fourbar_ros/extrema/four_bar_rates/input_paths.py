@@ -1,0 +1,196 @@
+"""
+Sample points of the input angle that resolve any 4R linkage: uniform in the elliptic parameter u.
+
+With x = theta1 and du = dx / (a2 a3 sin mu), tan(x/2) is a Jacobi function of u: of
+
+    (d tan(x/2) / du)^2 = (s1b + s1 tan^2(x/2)) (s2 + s2b tan^2(x/2)) / 16,
+
+s1 = (a2+a3)^2 - (a1+a4)^2, s1b = (a2+a3)^2 - (a1-a4)^2, s2 = (a1-a4)^2 - (a2-a3)^2 and s2b = (a1+a4)^2
+- (a2-a3)^2, products of the bilinear factors. All quantities of the linkage are smooth in u at one
+scale: near a change point, where they change within sqrt(gap) in x, equal steps in u need only
+log(1/gap) points; at a toggle, u passes from one assembly mode into the other without a root.
+
+Input ranges are symmetric about theta1 = 0, so the points of 0 < theta1 < pi give all.
+"""
+from __future__ import annotations
+
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+
+from fourbar_ros.mechanisms.four_bar.half_angle import difference_of_squares, scaled
+
+# At a change point itself the period of u is infinite. There the branches are smooth in x, so the
+# points of a linkage that clears the flat position by this much (of 4 a1 a4) serve.
+CLEARANCE = 2.0**-6
+# Points added towards a toggle, each twice as close as the one before, and towards a flat position, every second
+# one twice as close. The last are 1e-6 in u from a toggle and 1e-12 in x from either, where x itself has four
+# digits left.
+TOGGLE_POINTS, FLAT_POINTS = 14, 64
+# Samples for each unit of u; counts.
+POINTS_PER_FEATURE = 4
+
+
+class End(NamedTuple):
+    """
+    End of an input path: a toggle, or (``is_flat``) the flat position of a change point, or
+    (``is_regular``) the end of a stroke, where nothing is singular.
+    """
+
+    x: float
+    is_flat: bool
+    is_regular: bool = False
+
+
+class InputPath(NamedTuple):
+    """
+    A range of the input in which a mechanism moves smoothly in one assembly mode.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Inputs inside the range, in the order of motion; a full turn in [-pi, pi]: after pi comes -pi.
+    low, high : End or None
+        Where it begins and ends; None for full turns: after the last point comes the first.
+    first, last : int
+        Indices of the points half a step of u from ``low`` and ``high``; between them steps are equal.
+
+    """
+
+    x: np.ndarray
+    low: End | None
+    high: End | None
+    first: int
+    last: int
+
+    @property
+    def is_closed(self):
+        """Return whether the path is a full turn."""
+        return self.low is None
+
+
+def landen_steps(m1):
+    """
+    Return the steps of the descending Landen transformation for the complementary parameter m1 = 1 - m.
+
+    ``m1`` is a float or an array. Written in the complementary modulus, with sums of positive terms
+    only, it loses nothing for m1 -> 0. Six digits will do, but relative to m for m -> 0.
+    """
+    steps, modulus, smallest = [], m1**0.5, float(np.min(m1))**0.5
+    while not steps or smallest < 1.0 - 1e-3:
+        next_one = 1.0 / (1.0 + modulus)
+        steps.append(((1.0 - modulus) * next_one, 2.0 * modulus * next_one))
+        modulus, smallest = 2.0 * modulus**0.5 * next_one, 2.0 * smallest**0.5 / (1.0 + smallest)
+    return steps[::-1]
+
+
+def jacobi(sine, cosine, steps):
+    """Return sn, cn, dn of u at the phase pi u/(2 K), given by its sine and cosine."""
+    sn, cn, dn = sine, cosine, sine * sine + cosine * cosine
+    for k, k1 in steps:
+        square = sn * sn
+        scale = 1.0 / (1.0 + k * square)
+        sn, cn, dn = (1.0 + k) * sn * scale, cn * dn * scale, (k1 + k * cn * cn) * scale
+    return sn, cn, dn
+
+
+def half_turn(s1, s2, k, crosses_out, crosses_in):
+    """
+    Return K, one unit of it in u, and theta1/2 as a function: numerator and denominator of its tangent.
+
+    Its arguments are the sine and cosine of pi t/2, t from 0 at the lower end of theta1 in [0, pi] to 1
+    at the upper end, uniform in u. K is the length of that in units of u in which quantities have
+    features no narrower than about one.
+
+    Parameters
+    ----------
+    s1, s2, k : float or ndarray
+        Not zero; k = 4 a1 a4.
+    crosses_out, crosses_in : bool
+        Whether s1 > 0, so that theta1 reaches pi, and s2 > 0, so that it reaches 0.
+
+    """
+    s1b, s2b = s1 + k, s2 + k
+    p, q = abs(s1 * s2), s1b * s2b
+    a, b, c, d = abs(s1)**0.5, s1b**0.5, abs(s2)**0.5, s2b**0.5
+    q = q if crosses_out == crosses_in else p + q
+    steps, unit = landen_steps(p / q), 4.0 / q**0.5
+
+    period = 0.5 * pi
+    for step, _ in steps:
+        period = period * (1.0 + step)
+
+    def crank(sine, cosine):
+        sn, cn, _ = jacobi(sine, cosine, steps)
+        return c * sn, d * cn
+
+    def through_zero(sine, cosine):
+        return b * jacobi(cosine, sine, steps)[1], a
+
+    def through_pi(sine, cosine):
+        return c, d * jacobi(sine, cosine, steps)[1]
+
+    def apart(sine, cosine):
+        return b * jacobi(cosine, sine, steps)[2], a
+
+    if crosses_out:
+        return period, unit, crank if crosses_in else through_pi
+    return period, unit, through_zero if crosses_in else apart
+
+
+def phases(count, low_is_toggle, high_is_toggle):
+    """
+    Return the arguments of the function of :func:`half_turn` for equal steps of u: sines, cosines; the step of t.
+
+    They include a toggle, and leave half a step where the motion goes on symmetrically.
+    """
+    first, last = 0.5 * (not low_is_toggle), 0.5 * (not high_is_toggle)
+    step = 1.0 / (count - 1 + first + last)
+    t = (np.arange(count) + first) * step
+    return np.sin(0.5 * pi * t), np.sin(0.5 * pi * (1.0 - t)), step
+
+
+def input_paths(linkage, points):
+    """
+    Return the list of :class:`InputPath` that make up the motion of a linkage in its mode.
+
+    ``points`` is the least number of points of a full turn, without those added at the ends.
+    """
+    a1, a2, a3, a4 = scaled(linkage.lengths)
+    k = 4.0 * a1 * a4
+    s1, s2 = difference_of_squares(a2, a3, a1, a4), difference_of_squares(a1, -a4, a2, -a3)
+    low_end, high_end = linkage.input_ranges[-1]
+    low = End(max(low_end, 0.0), s2 == 0.0) if s2 <= 0.0 else None
+    high = End(min(high_end, pi), s1 == 0.0) if s1 <= 0.0 else None
+    s1, s2 = s1 or CLEARANCE * k, s2 or CLEARANCE * k
+
+    period, _, half = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
+    count = int(max(points // 2, POINTS_PER_FEATURE * period))
+    before, after = closer_points(low, count), closer_points(high, count)
+    phase = 0.5 * pi * np.concatenate((before[::-1], (np.arange(count) + 0.5) / count, 1.0 - after))
+    x = 2.0 * np.arctan2(*half(np.sin(phase), np.cos(phase)))
+
+    # Nearer to a toggle than this, x has no digits left for the distance.
+    beyond = [np.abs(x - end.x) < 2.0**-40 * end.x if end else np.zeros(x.shape, bool)
+              for end in (low, high)]
+    before, after = before.size - beyond[0].sum(), after.size - beyond[1].sum()
+    x = x[~(beyond[0] | beyond[1])]
+    if low and high:
+        return [InputPath(-x[::-1], _mirror(high), _mirror(low), after, x.size - 1 - before),
+                InputPath(x, low, high, before, x.size - 1 - after)]
+    if low:
+        return [InputPath(np.concatenate((x, -x[::-1])), low, _mirror(low), before, 2 * x.size - 1 - before)]
+    return [InputPath(np.concatenate((-x[::-1], x)), _mirror(high), high, after, 2 * x.size - 1 - after)]
+
+
+def closer_points(end, count):
+    """Return the parameters t of the points added at an end at t = 0, outwards, to ``count`` in [0, 1]."""
+    if end is None:
+        return np.zeros(0)
+    octaves = 0.5 * np.arange(1, 1 + FLAT_POINTS) if end.is_flat else np.arange(1.0, 1 + TOGGLE_POINTS)
+    return 0.5 / count * 2.0**-octaves
+
+
+def _mirror(end):
+    return end and End(-end.x, end.is_flat)

@@ -1,0 +1,226 @@
+"""
+Extremes of the output's rate and acceleration at constant input rate: one linkage in plain floats.
+
+With x = theta1, y = theta4, b = beta and u the elliptic parameter of :mod:`fourbar_ros.extrema.four_bar_rates.input_paths`, the derivatives
+
+    X = dx/du = a2 a3 sin(y-b),    Y = dy/du = a1 a2 sin(x-b),    B = db/du = a1 a3 sin(x-y)
+
+are sines, and by the loop so are their differences, X - B = a3 a4 sin(y), Y - B = a1 a4 sin(x). Then dy/dx =
+Y/X, d2y/dx2 = g/X^3, d3y/dx3 = k/X^5 with g = Y_u X - Y X_u and k = g_u X - 3 g X_u, smooth
+everywhere, toggles included. The roots of g are the extremes of theta4', those of k the extremes of
+theta4''. Two roots of g have one of k between them, so that only k can hide pairs of roots between
+samples, and is looked at closely.
+"""
+from __future__ import annotations
+
+from functools import cache
+from math import atan2, cos, fabs, inf, nan, sin, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from fourbar_ros.numerics.dialects import dialects, where
+from fourbar_ros.extrema.four_bar_rates.input_paths import POINTS_PER_FEATURE, half_turn, phases
+from fourbar_ros.mechanisms.four_bar.half_angle import (
+    difference_of_squares,
+    half_angle_coefficients,
+    scaled,
+)
+from fourbar_ros.mechanisms.four_bar.motion import make_motion
+from fourbar_ros.numerics.roots import (
+    first_guess,
+    fold,
+    intervals_of_one,
+    look_closer,
+    newton_root,
+    turn_after,
+)
+from fourbar_ros.extrema.sensitivity import rate_changes
+
+# Of a full turn, at least. Half as many have missed nothing in 280 000 linkages of all kinds.
+SAMPLES = 24
+# A root may be moved by at most this [rad] to that of the more accurate formula.
+POLISH = 2.0**-12
+
+
+@dialects
+def sines(sh, ch, constants):
+    """
+    Return g, g_u, k, k_u, X, Y at sh, ch = sin, cos(theta1/2).
+
+    ``constants`` are those of :func:`sine_constants`; the pose is found as in
+    :func:`~fourbar_ros.mechanisms.four_bar.motion.make_motion`. u is in units of 1/(a2 a3): X = sin(y-b).
+    """
+    s1, s2, k, yA, yB, yC, yD, yM, bA, bB, bC, bD, bM, r13, r42, half, sign = constants
+    ss, cc, sc = sh * sh, ch * ch, sh * ch
+    u, w = s1 + k * cc, s2 + k * ss
+    root = sign * sqrt(fabs(u * w))       # at a toggle u or w may round to less than zero
+    m = yM * sc
+    n, d = where(m * root > 0.0, (yB * ss + yD * cc, m + root), (m - root, yA * ss + yC * cc))
+    scale = r42 / (n * n + d * d)
+    cy, XB = (d - n) * (d + n) * scale, 2.0 * n * d * scale        # a3 a4 cos(y), X - B
+    m = bM * sc
+    n, d = where(m * root < 0.0, (bB * ss + bD * cc, m - root), (m + root, bA * ss + bC * cc))
+    scale = r13 / (n * n + d * d)
+    cY, Y = (d - n) * (d + n) * scale, -2.0 * n * d * scale        # a1 a2 cos(x-b)
+    cX, X = 0.5 * half * (u - w), half * root                      # a2 a3 cos(y-b)
+    cx, YB = 0.5 * half * k * (cc - ss), half * k * sc             # a1 a4 cos(x), Y - B
+    Xu = cX * YB
+    Yu = cY * XB
+    P, Q = cY * cy - XB * XB, cX * cx - YB * YB                    # Y_uu/Y, X_uu/X
+    XY, PQ = X * Y, P - Q
+    g, gu = Yu * X - Y * Xu, XY * PQ
+    guu = (Xu * Y + X * Yu) * PQ + XY * (X * YB * (3.0 * cx + cX) - Y * XB * (3.0 * cy + cY))
+    return g, gu, gu * X - 3.0 * g * Xu, guu * X - 2.0 * gu * Xu - 3.0 * g * X * Q, X, Y
+
+
+def sine_constants(a1, a2, a3, a4, sign):
+    """Return the constants of :func:`sines`; the largest length should be about one."""
+    yA, yB, yC, yD, yM = half_angle_coefficients(a1, a2, a3, a4)
+    bA, bB, bC, bD, bM = half_angle_coefficients(-a4, a3, -a2, -a1)       # of b - x
+    return (difference_of_squares(a2, a3, a1, a4), difference_of_squares(a1, -a4, a2, -a3),
+            4.0 * a1 * a4, yA, yB, yC, yD, yM, bA, bB, bC, bD, -bM, a1 / a3, a4 / a2, 0.5 / (a2 * a3), sign)
+
+
+class RateExtremum(NamedTuple):
+    """An extreme of theta4' or theta4'': theta1 [rad] and value; conditions as in :mod:`fourbar_ros.extrema.sensitivity`."""
+
+    theta1: float
+    value: float
+    is_maximum: bool
+    condition: float
+    value_condition: float
+
+
+class Node(NamedTuple):
+    """Where g or k is known: theta1 [rad], its value, the step of Newton's method (NaN: not known)."""
+
+    theta1: float
+    value: float
+    step: float
+
+
+def rate_extrema(linkage, samples=SAMPLES, with_conditions=True):
+    """
+    Return the extremes of theta4' and of theta4'' at constant input rate, and the signs at the toggles.
+
+    For one linkage in its mode; not at change points.
+
+    Returns
+    -------
+    extrema : tuple of 2 lists of RateExtremum
+        Of theta4' and of theta4''. The conditions are NaN if not wanted.
+    toggles : list of (float, int, bool, bool)
+        theta1 [rad]; +1 where a range begins and -1 where it ends; whether theta4' and whether theta4''
+        go to plus infinity.
+
+    """
+    constants = sine_constants(*scaled(linkage.lengths), linkage.sign)
+    upward = linkage.sign > 0.0       # X > 0: signs of g and k are those of theta4'' and theta4'''
+    motion = make_motion.scalar(*linkage.lengths, linkage.sign)
+    extrema, toggles = ([], []), []
+    for x, step, is_closed in _paths(constants, linkage.input_ranges[-1], samples // 2):
+        states = [sines.scalar(sin(0.5 * v), cos(0.5 * v), constants) for v in x]
+        if not is_closed:
+            for i, side in ((0, 1), (-1, -1)):
+                g, Y = states[i][0], states[i][-1]
+                toggles.append((x[i], side, (Y > 0.0) is upward, (g > 0.0) is upward))
+        inside = [[] for _ in x]       # roots of k after each sample, as nodes of g
+        for i, falls, theta1, state in _roots_of_k(x, states, step / 3.0, is_closed, constants):
+            extrema[1].append(_extremum(linkage, motion, 1, theta1, falls is upward, state, with_conditions))
+            inside[i].append(_node(theta1, 0, state))
+        for falls, theta1, state in _roots_of_g(x, states, inside, is_closed, constants):
+            extrema[0].append(_extremum(linkage, motion, 0, theta1, falls is upward, state, with_conditions))
+    return extrema, toggles
+
+
+def _node(x, which, state):
+    """Return the :class:`Node` of g (which = 0) or k (2)."""
+    value, slope, X = state[which], state[which + 1], state[4]
+    return Node(x, value, value * X / slope if slope else inf)
+
+
+def _root(which, a, b, constants):
+    """Return the root of g or k between nodes of different sign, and the :func:`sines` there."""
+    def at(x):
+        state = sines.scalar(sin(0.5 * x), cos(0.5 * x), constants)
+        value, slope = state[which], state[which + 1]
+        return value, value * state[4] / slope if slope else inf, state
+
+    guess = first_guess.scalar(a.theta1, b.theta1, a.value, b.value, a.step, b.step)
+    return newton_root(at, a.theta1, b.theta1, a.value, guess)
+
+
+def _roots_of_k(x, states, third, is_closed, constants):
+    """Yield (interval, whether k falls, theta1, sines) of the roots of k; ``third``: of a step of u."""
+    def k_at(x, _):
+        return np.array([sines.scalar(sin(0.5 * v), cos(0.5 * v), constants)[2] for v in x.tolist()])
+
+    k, rise = [state[2] for state in states], [third * state[3] for state in states]
+    for i, is_plain in intervals_of_one(k, rise, is_closed):
+        j = (i + 1) % len(x)
+        xa, xb = x[i], turn_after(x[j], x[i])
+        if is_plain:
+            pairs = (_node(xa, 2, states[i]), _node(xb, 2, states[j])),
+        else:
+            _, *parts = look_closer(k_at, np.zeros(1, int), np.array([xa]), np.array([xb]))
+            pairs = ((Node(xa, fa, nan), Node(xb, fb, nan)) for xa, xb, fa, fb in zip(*(v.tolist() for v in parts)))
+        for a, b in pairs:
+            yield i, a.value >= 0.0, *_root(2, a, b, constants)
+
+
+def _roots_of_g(x, states, inside, is_closed, constants):
+    """Yield (whether g falls, theta1, sines) of the roots of g: between samples and roots of k."""
+    positive = [state[0] >= 0.0 for state in states]
+    for i, j in enumerate([*range(1, len(x)), *[0] * is_closed]):
+        if not inside[i] and positive[i] is positive[j]:
+            continue
+        chain = [_node(x[i], 0, states[i]), *sorted(inside[i]), _node(turn_after(x[j], x[i]), 0, states[j])]
+        for a, b in zip(chain, chain[1:]):
+            if (a.value >= 0.0) is not (b.value >= 0.0):
+                yield a.value >= 0.0, *_root(0, a, b, constants)
+
+
+def _extremum(linkage, motion, order, x, is_maximum, state, with_conditions):
+    """Return the :class:`RateExtremum` at a root of g (order 0) or k (1)."""
+    g, gu, k, ku, X, Y = state
+    fields = motion(x, 1.0, 0.0)
+    curvature = ku / X**6 if order else k / X**5      # the first derivative that is not zero there
+    if order == 0:
+        # theta4'' of motion() is more accurate than g where lengths are very unequal
+        correction = fields[11] / curvature if curvature else inf
+        if abs(correction) < POLISH:
+            x = x - correction
+            fields = motion(x, 1.0, 0.0)
+    theta1, value = fold(x), fields[10 + order]
+    if not with_conditions:
+        return RateExtremum(theta1, value, is_maximum, nan, nan)
+    changes = rate_changes(linkage.lengths, fields, 0.0 if order else curvature)
+    place, size = changes[order + 1], changes[order]
+    return RateExtremum(theta1, value, is_maximum, place / abs(curvature) if curvature else inf,
+                        size / abs(value) if value else inf)
+
+
+def _paths(constants, last_range, count):
+    """Return theta1 of the samples of each path, toggles included, their step in u, and whether it is closed."""
+    s1, s2, k, *_, half, sign = constants
+    period, unit, at = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
+    count = int(max(count, POINTS_PER_FEATURE * period))
+    pairs, step = _phases(count, s2 < 0.0, s1 < 0.0)
+    x = [2.0 * atan2(*at(*pair)) for pair in pairs]
+    step = sign * step * period * unit * 0.5 / half
+    if s2 < 0.0:
+        x[0] = last_range[0]
+    if s1 < 0.0:
+        x[-1] = last_range[1]
+    mirrored = [-v for v in reversed(x)]
+    if s2 > 0.0:
+        return [(mirrored + x, step, s1 > 0.0)]
+    return [(x + mirrored, step, False)] if s1 > 0.0 else [(mirrored, step, False), (x, step, False)]
+
+
+@cache
+def _phases(*arguments):
+    """Return the pairs of :func:`~fourbar_ros.extrema.four_bar_rates.input_paths.phases` as floats, and the step."""
+    sines, cosines, step = phases(*arguments)
+    return list(zip(sines.tolist(), cosines.tolist())), step

@@ -1,0 +1,225 @@
+"""
+Proof that a quantity has no other extremes than those found: interval branch and bound.
+
+The formulas of motion and loads are evaluated once more, in ball arithmetic (Arb, by the optional package
+python-flint) on power series in theta1. Taylor's formula, with coefficients at the middle of a piece of
+the input range and the last one over the whole piece, then encloses dQ/dtheta1 and d2Q/dtheta1^2. A
+piece over which the first cannot vanish has no extreme; one over which the second cannot vanish has one if the
+first changes sign from end to end, and none otherwise; others are halved.
+"""
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+from fourbar_ros.numerics.dialects import rebound, where
+from fourbar_ros.numerics.laurent import converted
+from fourbar_ros.extrema.sampling import NoLoads
+
+PRECISION = 80        # [bit]
+ORDER = 6             # of Taylor's formula
+MOST_PIECES = 10000   # then it gives up: some seconds
+
+
+class Series:
+    """
+    Enclosure of the Taylor coefficients of a quantity over a piece of the input range.
+
+    A thin cover of ``flint.arb_series``; numpy functions like ``np.sqrt`` find its methods.
+    """
+
+    __slots__ = ('series',)
+
+    def __init__(self, series):
+        self.series = series
+
+    @property
+    def real(self):
+        """Return the middle of the value: to choose between forms of a formula that are both right."""
+        return self.series[0].mid()
+
+    def sin(self):
+        return Series(self.series.sin())
+
+    def cos(self):
+        return Series(self.series.cos())
+
+    def sqrt(self):
+        return Root(self.series)
+
+    def __neg__(self):
+        return Series(-self.series)
+
+    def __pow__(self, exponent):
+        return Series(self.series ** exponent)
+
+
+class Root(Series):
+    """
+    The root of a series, taken only where it is calculated with.
+
+    It has its extremes where its square has them: also where that is zero and the root has a kink, as the magnitude of
+    a force along one line has where the force changes its sense.
+    """
+
+    __slots__ = ('square',)
+
+    def __init__(self, square):
+        self.square = square
+
+    @property
+    def series(self):
+        return self.square.sqrt()
+
+
+def _operator(name):
+    def operate(self, other):
+        return Series(getattr(self.series, name)(getattr(other, 'series', other)))
+    return operate
+
+
+for _name in ('add', 'radd', 'sub', 'rsub', 'mul', 'rmul', 'truediv', 'rtruediv'):
+    setattr(Series, f'__{_name}__', _operator(f'__{_name}__'))
+
+
+def _series(value):
+    """Return the series of a value, which may be a constant."""
+    import flint
+
+    return value.series if isinstance(value, Series) else flint.arb_series([value])
+
+
+def _squared_or_plain(value):
+    """Return the series of a value, or of the square of a root: with extremes at the same places."""
+    return value.square if isinstance(value, Root) else _series(value)
+
+
+def _atan2(y, x):
+    """Return the angle of two series: its derivative is (x y' - y x') / (x^2 + y^2)."""
+    y, x = _series(y), _series(x)
+    rate = (x * y.derivative() - y * x.derivative()) / (x * x + y * y)
+    return Series(rate.integral() + type(y[0]).atan2(y[0], x[0]))
+
+
+def _fabs(v):
+    """Return |v|; of a series by its middle, for forms that are right whatever the sign."""
+    return abs(v) if not isinstance(v, Series) else -v if v.real < 0 else v
+
+
+# The names that the formulas use, for exact lengths and enclosures. Balls need no scaling.
+_NAMES = {'fsum': sum, 'where': where, 'frexp': lambda v: (v, 0), 'ldexp': lambda v, exponent: v,
+          'sin': Series.sin, 'cos': Series.cos, 'sqrt': Series.sqrt, 'atan2': _atan2,
+          'hypot': lambda x, y: (x * x + y * y).sqrt(), 'fabs': _fabs}
+
+
+def _enclosing(factory, with_angles):
+    """Return a factory of motions or loads for exact constants and enclosures."""
+    angles = {} if with_angles else {'atan2': lambda y, x: 0.0}
+    return rebound(factory, **{**_NAMES, **angles})
+
+
+def count_extrema(sampler, path, check=lambda: None):
+    """
+    Return how many extremes each quantity of a sampler certainly has between the samples of a path.
+
+    Parameters
+    ----------
+    sampler : .sampling.Sampler
+    path : .elliptic.InputPath
+    check : callable
+        Called before every piece; what it raises ends the count.
+
+    Returns
+    -------
+    list of (int or None)
+        None: not decided within the number of pieces allowed.
+
+    Raises
+    ------
+    ImportError
+        python-flint is not installed.
+    TypeError, AttributeError
+        A user's function cannot be evaluated on enclosures.
+
+    """
+    import flint
+
+    precision, cap = flint.ctx.prec, flint.ctx.cap
+    flint.ctx.prec, flint.ctx.cap = PRECISION, ORDER + 1
+    try:
+        return _count(_evaluator(sampler, flint), _pieces(path, flint.arb), len(sampler.quantities),
+                      check)
+    finally:
+        flint.ctx.prec, flint.ctx.cap = precision, cap
+
+
+def _evaluator(sampler, flint):
+    """Return the function (ball of theta1, rows) -> enclosures of dQ/dtheta1 and half d2Q/dtheta1^2."""
+    linkage = sampler.linkage
+    exact = SimpleNamespace(lengths=[flint.arb(length) for length in linkage.lengths], sign=linkage.sign,
+                            input=linkage.input, input_unit=flint.arb(1), gravity=converted(linkage.gravity, flint.arb),
+                            bodies=converted(tuple(linkage.bodies or ()), flint.arb),
+                            external=converted(linkage.external, flint.arb))
+    motion = type(linkage)._make_motion(exact, 1, lambda factory: _enclosing(factory, sampler.with_angles))
+    loads = linkage.bodies and type(linkage)._make_loads(exact, 1, lambda factory: _enclosing(factory, False))
+    unit = flint.arb(sampler.unit)
+    rates = [flint.arb(rate) for rate in sampler.rates]
+    unknown = [flint.arb('nan')] * (ORDER + 1)
+
+    def coefficients(ball, rows):
+        """Return the Taylor coefficients of quantities ``rows`` about any point of the ball."""
+        try:
+            fields = motion(Series(flint.arb_series([unit * ball, unit])), *rates)
+            state = linkage.MOTION(*fields), linkage.LOADS(*loads(fields)) if loads else NoLoads()
+            values = [_squared_or_plain(sampler.quantities[row].of(*state)) for row in rows]
+        except ValueError:                   # a divisor may vanish: nothing is known
+            return [unknown] * len(rows)
+        return [[value[i] for i in range(ORDER + 1)] for value in values]
+    return coefficients
+
+
+def _pieces(path, arb):
+    """Return the pieces (low, high) between samples as balls of little or no width."""
+    x = path.x.tolist()
+    points = [arb(v) if v >= x[0] else arb(v) + 2 * arb.pi() for v in x]
+    if path.is_closed:
+        points.append(points[0] + 2 * arb.pi())
+    return list(zip(points, points[1:]))
+
+
+def _slopes(at_middle, over_piece, offset):
+    """Return enclosures of the first and second derivative from Taylor coefficients."""
+    slope = curvature = 0
+    for i in range(ORDER, 0, -1):
+        coefficient = over_piece[i] if i == ORDER else at_middle[i]
+        slope = slope * offset + i * coefficient
+        if i > 1:
+            curvature = curvature * offset + i * (i - 1) * coefficient
+    return slope, curvature
+
+
+def _count(coefficients, pieces, size, check):
+    """Return the number of sign changes of dQ/dtheta1 in all pieces, for each row; None if not decided."""
+    counts, work, done = [0] * size, [(*piece, tuple(range(size))) for piece in reversed(pieces)], 0
+    while work:
+        check()
+        low, high, rows = work.pop()
+        whole = low.union(high)
+        middle = whole.mid()
+        undecided, monotone = [], []
+        for row, *both in zip(rows, coefficients(middle, rows), coefficients(whole, rows)):
+            slope, curvature = _slopes(*both, whole - middle)
+            if slope.contains(0):
+                (undecided if curvature.contains(0) else monotone).append(row)
+        if monotone:
+            for row, before, after in zip(monotone, coefficients(low, monotone), coefficients(high, monotone)):
+                if before[1].contains(0) or after[1].contains(0):
+                    undecided.append(row)
+                elif (before[1] > 0) is not (after[1] > 0):
+                    counts[row] += 1
+        done += 1
+        if undecided:
+            work += [(middle, high, undecided), (low, middle, undecided)]
+        if done > MOST_PIECES:
+            break
+    open_rows = {row for *_, rows in work for row in rows}
+    return [None if row in open_rows else count for row, count in enumerate(counts)]

@@ -1,0 +1,248 @@
+"""
+Quantities of a mechanism and their derivatives with respect to its input, at many points at once.
+
+The derivative is exact: a complex step through the same formulas that compute the quantity.
+"""
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import replace
+from itertools import repeat
+from math import sqrt
+
+import numpy as np
+
+from fourbar_ros.numerics.dialects import for_columns
+from fourbar_ros.numerics.dialects import with_angles as angles_too
+from fourbar_ros.errors import MissingBodies
+from fourbar_ros.extrema.flat_positions import REACH, flat_sides
+from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
+from fourbar_ros.mechanisms.quantities import Quantity
+from fourbar_ros.numerics.roots import EPS, fold
+
+# Complex step: its square vanishes beside one, and it is nothing beside the distance of any sample
+# from a toggle or a flat position.
+STEP = 2.0**-200
+# Step of real differences of fourth order, in samples: their error is about that of rounding.
+DIFFERENCE = 2.0**-6
+
+
+def _with_part(fields, chosen, values):
+    """Return fields, of which some may be numbers, as arrays with other values in a part of them."""
+    whole = np.stack(np.broadcast_arrays(*fields, chosen)[:-1]).astype(values.dtype)
+    whole[:, chosen] = values
+    return whole
+
+
+class NoLoads:
+    """Stands for the loads of a linkage without masses."""
+
+    def __getattr__(self, name):
+        raise MissingBodies
+
+
+class Sampler:
+    """
+    Values and derivatives of some quantities of a mechanism in its mode.
+
+    The input x is in units of :attr:`~fourbar_ros.mechanisms.mechanism.Mechanism.input_unit`. Next to the flat positions at the ends of
+    the path that was given to :meth:`enter` motion and loads come from series, see :mod:`fourbar_ros.extrema.flat_positions`.
+    """
+
+    IS_COMPLEX = True   # the steps by which quantities are differentiated
+    TURN = 2.0**-24     # step of real differences of derivatives, in samples: little enough for Newton's method
+
+    def __init__(self, linkage, quantities, omega1, alpha1, with_angles=False):
+        self.linkage, self.quantities, self.rates = linkage, quantities, (omega1, alpha1)
+        self.with_angles = with_angles
+        self.needs_loads = any(q.is_load for q in quantities)
+        if self.needs_loads and linkage.bodies is None:
+            raise MissingBodies
+        self.unit, self.flats = linkage.input_unit, {}
+        has_loads = linkage.bodies is not None and (self.needs_loads or with_angles)
+        motions = linkage._motion[1], (linkage._make_motion(2, angles_too) if with_angles else linkage._motion[2])
+        self._functions = motions, (linkage._loads[1], linkage._loads[2]) if has_loads else (None, None)
+
+    def enter(self, path):
+        """Take the flat positions of an :class:`~fourbar_ros.extrema.four_bar_rates.input_paths.InputPath` into account."""
+        self.flats = flat_sides(self.linkage, self.rates, path)
+
+    def of(self, linkage):
+        """Return the same for another linkage."""
+        return type(self)(linkage, self.quantities, *self.rates, self.with_angles)
+
+    def with_lengths(self, lengths, x, row):
+        """Return :meth:`at` for mechanisms of other lengths, shapes (n, mechanisms)."""
+        others = [replace(self.linkage, **dict(zip(self.linkage.LENGTHS, changed))) for changed in lengths]
+        if not isinstance(self.linkage, FourBar):
+            return [np.stack(parts, axis=1) for parts in zip(*(self.of(other).at(x, row) for other in others))]
+        # Of a 4R all at once: the formulas take columns of lengths.
+        sampler, linkage = copy(self), copy(others[0])
+        sampler.flats = {}          # of a change point: the others are none
+        for name, column in zip(linkage.LENGTHS, zip(*lengths)):
+            object.__setattr__(linkage, name, np.array(column)[:, None])
+        kind = 1 + self.IS_COMPLEX
+        motion = linkage._make_motion(kind, lambda factory: for_columns(angles_too(factory) if self.with_angles
+                                                                        and self.IS_COMPLEX else factory))
+        loads = self._functions[1][0] and linkage._make_loads(kind, for_columns)
+        sampler._functions = (motion,) * 2, (loads,) * 2
+        return sampler.at(np.tile(x, (len(lengths), 1)), row)
+
+    def fold(self, x):
+        """Return inputs as they are reported: angles in [0, 2 pi)."""
+        return x if self.linkage.is_driven_by_slide else fold(x)
+
+    def state(self, x):
+        """Return (motion, loads) at real or complex x."""
+        motion, loads = (functions[x.dtype.kind == 'c'] for functions in self._functions)
+        with np.errstate(all='ignore'):
+            fields = motion(self.unit * x, *self.rates)
+            state = [fields, loads(fields)] if loads else [fields]
+        for flat in self.flats.values():
+            t = flat.distance(x)
+            near = (t.real > 0.0) & (t.real < REACH)
+            if near.any():
+                beside = flat.state(t[near], bool(loads))
+                state = [_with_part(part, near, values) for part, values in zip(state, beside)]
+        return self._named(state)
+
+    def _named(self, state):
+        """Return (motion, loads) of their fields."""
+        return (self.linkage.MOTION(*state[0]), self.linkage.LOADS(*state[1]) if len(state) > 1 else NoLoads())
+
+    def limits(self, side):
+        """
+        Return the quantities at the flat position that the path has on this side, with infinities.
+
+        They are read off so near that all terms of a series but the first are less than rounding, and once
+        more nearer still: a pole has grown then, a zero fallen.
+        """
+        t = np.array((2.0**-60, 2.0**-80))
+        state = self._named(self.flats[side].state(t, self._functions[1][0] is not None))
+        with np.errstate(all='ignore'):
+            one, other = self._rows(state, t).T
+            growth = np.abs(other / one)
+        return np.where(growth > 2.0**10, np.copysign(np.inf, other), np.where(growth > 2.0**-10, other, 0.0))
+
+    def varies_next_to(self, side):
+        """Return whether each quantity is more than a constant on this side; True where that is not known."""
+        flat = self.flats[side]
+        varies = dict(zip(self.linkage.MOTION._fields, flat.motion.varies))
+        if self.needs_loads:
+            varies.update(zip(self.linkage.LOADS._fields, flat.loads.varies))
+        return np.array([not isinstance(q, Quantity) or varies[q.name] for q in self.quantities])
+
+    def values(self, x):
+        """Return the quantities at x, shape (quantities, *x.shape)."""
+        state = self.state(x)
+        with np.errstate(all='ignore'):
+            return self._rows(state, x)
+
+    def _rows(self, state, x):
+        rows = np.empty((len(self.quantities), *x.shape), x.dtype)
+        for row, quantity in zip(rows, self.quantities):
+            row[:] = quantity.of(*state)
+        return rows
+
+    def sample(self, x):
+        """Return values and derivatives at the samples of a path."""
+        values = self.values(x + 1j * STEP)
+        return values.real, values.imag / STEP
+
+    def at(self, x, row):
+        """Return value and derivative of quantity ``row[i]`` at x[i], or, shape (n, linkages), at x[:, i]."""
+        values = self.values(x + 1j * STEP)[row, ..., np.arange(row.size)]
+        return values.real, values.imag / STEP
+
+    def values_and_noise(self, x, row):
+        """
+        Return quantity ``row[i]`` at x[i], zero where it is less than its rounding error, and a bound of that.
+
+        At exact change points that is not known: zero.
+        """
+        state, i = self.state(x), np.arange(row.size)
+        with np.errstate(all='ignore'):
+            value = self._rows(state, x)[row, i]
+        noise = np.zeros(row.size) if self.flats else 0.25 * self.noise(state)[row, i]
+        return np.where(np.abs(value) <= noise, 0.0, value), noise
+
+    def slope(self, x, row):
+        """Return the derivative of quantity ``row[i]`` at x[i]."""
+        return self.at(x, row)[1]
+
+    def newton(self, x, row, spacing):
+        """Return the derivative of quantity ``row[i]`` at x[i], and the step of Newton's method to its zero."""
+        turn = self.TURN * spacing
+        here, there = np.split(self.slope(np.concatenate((x, x + turn)), np.tile(row, 2)), 2)
+        with np.errstate(divide='ignore', invalid='ignore'):
+            return here, here * turn / (there - here)
+
+    def noise(self, state):
+        """
+        Return a bound of the rounding errors of each quantity, shape (quantities, n).
+
+        By the sizes of the terms it is a sum of, as far as they are known: of a balanced linkage the
+        shaking force is the noise of the joint reactions.
+        """
+        motion, loads = state
+        sine = self.linkage.transmission_sine(motion).real
+        scales = self.linkage.term_sizes(motion, *self.rates)
+        if self.needs_loads:
+            scales['N'] = force = sum(abs(f.real) for f in (loads.f41, loads.f21, loads.f32, loads.f43))
+            scales['N m'] = max(map(abs, self.linkage.lengths)) * force
+        rows = np.stack([np.broadcast_to(scales.get(q.unit, 0.0), sine.shape) for q in self.quantities])
+        return 64.0 * EPS * rows / np.minimum(np.abs(sine), 1.0)
+
+
+class DifferenceSampler(Sampler):
+    """The same for functions without a complex step (abs, max, a table): derivatives by differences."""
+
+    IS_COMPLEX = False
+    TURN = DIFFERENCE
+
+    def __init__(self, linkage, quantities, omega1, alpha1, with_angles=True):
+        super().__init__(linkage, quantities, omega1, alpha1, with_angles)
+        self._x = None      # samples of the path in rising order
+
+    def of(self, linkage):
+        other = super().of(linkage)
+        other._x = self._x
+        return other
+
+    def _rows(self, state, x):
+        try:
+            return super()._rows(state, x)
+        except (TypeError, ValueError):       # a function of plain numbers: one sample at a time
+            motions, loads = (zip(*(np.broadcast_to(f, x.shape).ravel().tolist() for f in part))
+                              if isinstance(part, tuple) else repeat(part) for part in state)
+            states = [(self.linkage.MOTION(*v), self.linkage.LOADS(*w) if isinstance(w, tuple) else w)
+                      for v, w in zip(motions, loads)]
+            return np.reshape([[q.of(*s) for s in states] for q in self.quantities], (-1, *x.shape)).astype(float)
+
+    def sample(self, x):
+        self._x = x[np.argsort(x)]
+        return self.values(x), np.stack([self.slope(x, np.full(x.size, row))
+                                         for row in range(len(self.quantities))])
+
+    def step(self, x):
+        """Return the step of differences at x: a part of the distance between the samples around it."""
+        i = np.clip(np.searchsorted(self._x, x), 1, self._x.size - 1)
+        return DIFFERENCE * (self._x[i] - self._x[i - 1])
+
+    def at(self, x, row):
+        h = self.step(x)
+        points = np.concatenate((x, x + h, x - h, x + 2.0 * h, x - 2.0 * h), axis=-1)
+        value, *around = np.split(self.values(points)[np.tile(row, 5), ..., np.arange(5 * row.size)], 5)
+        return value, (8.0 * (around[0] - around[1]) - (around[2] - around[3])) / (12.0 * h.T)
+
+    def polish(self, x, row, sense):
+        """Return x, or where it is a kink the place of the extreme by golden section around x."""
+        low, high = x - 4.0 * self.step(x), x + 4.0 * self.step(x)
+        part, i = 0.5 * (sqrt(5.0) - 1.0), np.arange(x.size)
+        for _ in range(56):
+            one, other = high - part * (high - low), low + part * (high - low)
+            keeps_low = sense * self.values(one)[row, i] > sense * self.values(other)[row, i]
+            low, high = np.where(keeps_low, low, one), np.where(keeps_low, other, high)
+        better = 0.5 * (low + high)
+        gain = sense * (self.values(better)[row, i] - self.values(x)[row, i])
+        return np.where(gain > 64.0 * EPS * np.abs(self.values(x)[row, i]), better, x)

@@ -1,0 +1,1 @@
+"""One rigid body in the plane."""

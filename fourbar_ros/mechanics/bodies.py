@@ -1,0 +1,105 @@
+"""What is given for a link, in its own frame: origin at its first joint, x to its second joint."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import NamedTuple
+
+from fourbar_ros.numerics.given import number
+
+
+@dataclass(frozen=True)
+class Body:
+    """
+    Rigid body of one link.
+
+    The first joint is O1 for the crank, A for the coupler and O4 for the output link.
+
+    Parameters
+    ----------
+    mass : float
+        Mass [kg], zero or more.
+    cg_along, cg_across : float
+        Centre of gravity from the first joint, along the link and to its left [m].
+    inertia : float
+        Moment of inertia about the centre of gravity [kg m^2], zero or more.
+    """
+
+    mass: float
+    cg_along: float = 0.0
+    cg_across: float = 0.0
+    inertia: float = 0.0
+
+    def __post_init__(self):
+        for name in ('mass', 'inertia'):
+            value = number(name, getattr(self, name), 'must be a finite number, zero or more', least=0.0)
+            object.__setattr__(self, name, value)
+        for name in ('cg_along', 'cg_across'):
+            object.__setattr__(self, name, number(name, getattr(self, name)))
+
+
+@dataclass(frozen=True)
+class Applied:
+    """
+    External force and couple on a link.
+
+    The force acts at a point fixed in the link; its direction, like that of gravity, is constant along
+    the ground axes (x from O1 to O4), whatever the link does.
+
+    Parameters
+    ----------
+    force_x, force_y : float
+        Force [N].
+    along, across : float
+        Where it acts: from the first joint (A of the coupler, O4 of the output link), along the link
+        and to its left [m].
+    couple : float
+        Couple, counter-clockwise positive [N m].
+    """
+
+    force_x: float = 0.0
+    force_y: float = 0.0
+    along: float = 0.0
+    across: float = 0.0
+    couple: float = 0.0
+
+    def __post_init__(self):
+        for name in ('force_x', 'force_y', 'along', 'across', 'couple'):
+            object.__setattr__(self, name, number(name, getattr(self, name)))
+
+
+NOT_APPLIED = Applied()
+
+
+def round_rod(length, density, radius):
+    """
+    Body of a uniform round rod between its two joints.
+
+    m = rho pi r^2 L, I = m (3 r^2 + L^2)/12 (solid cylinder about a transverse axis), centre of
+    gravity at half length: the links of the paper's Table 1.
+
+    Parameters
+    ----------
+    length, density, radius : float
+        Length [m], density [kg/m^3], radius [m], all positive.
+
+    """
+    length, density, radius = (number(name, value, 'must be a positive number', above=0.0) for name, value in
+                               (('length', length), ('density', density), ('radius', radius)))
+    mass = density * pi * radius**2 * length
+    return Body(mass, 0.5 * length, 0.0, mass * (3.0 * radius**2 + length**2) / 12.0)
+
+
+class Bodies(NamedTuple):
+    """Mass properties of the three moving links."""
+
+    crank: Body
+    coupler: Body
+    output: Body
+
+
+class External(NamedTuple):
+    """What acts on coupler and output link from outside."""
+
+    coupler: Applied = NOT_APPLIED
+    output: Applied = NOT_APPLIED

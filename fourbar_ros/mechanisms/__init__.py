@@ -1,0 +1,1 @@
+"""Planar mechanisms, a folder a kind."""

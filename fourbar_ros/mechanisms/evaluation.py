@@ -1,0 +1,123 @@
+"""A mechanism evaluated for arrays of inputs: few samples one by one, many by a recorded program."""
+from __future__ import annotations
+
+from functools import cache
+from itertools import chain, repeat
+from math import prod
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.numerics.given import array
+from fourbar_ros.numerics.recorded import constants_of, program, record_of
+
+if TYPE_CHECKING:
+    from fourbar_ros.mechanisms.mechanism import Mechanism
+
+# Samples for which numpy's calls of all operations of a formula take as long as the formula with floats does:
+# of fewer, or where fewer operations are needed, as many fewer, each sample is computed by itself.
+ONE_BY_ONE = 30
+
+
+def recorded(mechanism: Mechanism, with_loads: bool) -> tuple:
+    """Return the record of a mechanism's motion, or motion and loads, the constants of its programs, which are zero."""
+    functions = [mechanism._make_motion(1), *([mechanism._loads[1]] if with_loads else ())]
+    constants = [value for function in functions for value in constants_of(function)]
+    return record_of(functions), constants, frozenset([i for i, value in enumerate(constants) if value == 0.0])
+
+
+def evaluate(mechanism: Mechanism, given: tuple, wanted: tuple[int, ...] | None, with_loads: bool) -> list[np.ndarray]:
+    """
+    Return fields of motion, or of motion and loads, as arrays of the inputs' common shape.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    given : tuple of 3
+        Position, rate, acceleration; array_like.
+    wanted : tuple of int, optional
+        Which of the fields; None: all.
+
+    """
+    inputs, shape = _inputs(mechanism, given)
+    position, size = inputs[0], prod(shape)
+    if mechanism.stroke is not None:     # outside of it nothing is known, as where the links cannot close
+        low, high = mechanism.stroke
+        inputs[0] = np.where((position.real >= low) & (position.real <= high), position, np.nan)
+    with np.errstate(all='ignore'):
+        _keep_memory()
+        if any(v.dtype.kind == 'c' for v in inputs):
+            rows = _complex_rows(mechanism, inputs, shape, wanted, with_loads)
+        else:
+            inputs = [float(v) if i and not v.ndim else np.broadcast_to(v, shape).reshape(-1) for i, v in enumerate(inputs)]
+            record, constants, zeros = mechanism._recorded[with_loads]
+            single = tuple([type(v) is float for v in inputs])
+            chosen = program(record, range_of(record) if wanted is None else wanted, single, zeros)
+            rows = _one_by_one(mechanism, inputs, wanted, with_loads) if (
+                0 < size * record.operations <= ONE_BY_ONE * len(chosen.steps)) else None
+            if rows is None:
+                rows = chosen.run(inputs, constants, size)
+    if mechanism.stroke is not None:
+        place = mechanism.MOTION._fields.index(mechanism.input_coordinate.position)
+        for i, row in zip(range(len(rows)) if wanted is None else wanted, rows):
+            if i == place:
+                row[...] = np.broadcast_to(position, shape).reshape(-1)
+    return [row.reshape(shape) for row in rows]
+
+
+@cache
+def range_of(record: Any) -> tuple[int, ...]:
+    """Return the places of all results of a record."""
+    return tuple(range(len(record.results)))
+
+
+def _inputs(mechanism: Mechanism, given: tuple) -> tuple[list[np.ndarray], tuple[int, ...]]:
+    """Return the inputs as arrays of real or (the position, for a complex step) complex doubles, and their common shape."""
+    names = mechanism.input_coordinate
+    inputs = [array(name, value, name == names.position) for name, value in zip(names, given)]
+    if not any(v.ndim for v in inputs[1:]):
+        return inputs, inputs[0].shape
+    try:
+        return inputs, np.broadcast_shapes(*(v.shape for v in inputs))
+    except ValueError:
+        raise InvalidParameter(', '.join(names), ', '.join(str(v.shape) for v in inputs),
+                               'must have shapes that broadcast') from None
+
+
+def _one_by_one(mechanism: Mechanism, inputs: list, wanted: tuple[int, ...] | None, with_loads: bool) -> Any:
+    """Return the rows computed with floats, or None if any sample has no finite result: numpy knows infinities."""
+    motion, loads = mechanism._motion[0], mechanism._loads[0] if with_loads else None
+    columns = [repeat(v) if type(v) is float else v.tolist() for v in inputs]
+    try:
+        found = [motion(*sample) for sample in zip(*columns)]
+        if loads:
+            found = [fields + loads(fields) for fields in found]
+    except (ValueError, ZeroDivisionError):
+        return None
+    if wanted is not None:
+        found = [[fields[i] for i in wanted] for fields in found]
+    rows = np.fromiter(chain.from_iterable(found), float).reshape(len(found), -1).T.copy()
+    return list(rows) if np.isfinite(rows).all() else None
+
+
+def _complex_rows(mechanism: Mechanism, inputs: list, shape: tuple, wanted: tuple[int, ...] | None,
+                  with_loads: bool) -> list[np.ndarray]:
+    """Return the rows of a complex step; angles carry their derivatives."""
+    inputs = [np.broadcast_to(v.astype(complex), shape).reshape(-1) for v in inputs]
+    fields = mechanism._analytic_motion(*inputs)
+    if with_loads:
+        fields += mechanism._loads[2](fields)
+    fields = fields if wanted is None else [fields[i] for i in wanted]
+    return [np.array(np.broadcast_to(field, inputs[0].shape), complex) for field in fields]
+
+
+@cache
+def _keep_memory() -> None:
+    """
+    Have blocks of up to 31 MB kept by the C library when they are freed, once and for all.
+
+    glibc gives each back to the system until it has seen one of that size freed; getting the pages again
+    would take longer than the formulas. The block is never touched, so it costs nothing.
+    """
+    np.empty(31 * 2**17)

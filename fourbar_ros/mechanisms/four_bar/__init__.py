@@ -1,0 +1,1 @@
+"""The planar 4R linkage."""

@@ -1,0 +1,226 @@
+"""The planar 4R linkage: lengths, assembly mode, masses; what it is, how far it moves, how it moves."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import acos, asin, asinh, atan2, fsum, pi, sqrt
+from typing import NamedTuple
+
+from fourbar_ros.mechanics.bodies import Bodies, External
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanisms.four_bar.half_angle import difference_of_squares, scaled
+from fourbar_ros.mechanisms.four_bar.motion import Motion, make_motion
+from fourbar_ros.mechanisms.four_bar.loads import Loads, make_loads
+from fourbar_ros.mechanisms.mechanism import (
+    CRANK,
+    OPEN,
+    THETA1,
+    THETA2,
+    THETA3,
+    THETA4,
+    Mechanism,
+)
+
+# Signs of (a4 - a1 + a3 - a2, a4 - a1 - a3 + a2, a2 + a3 - a4 - a1) for the eight basic planar 4R
+# linkages: McCarthy and Soh, Geometric Design of Linkages, whose first two are exchanged here. Of a
+# non-Grashof linkage the name says through which of 0 and pi theta1 and theta4 swing.
+_CLASSES = {
+    (1, 1, 1): 'Grashof crank-rocker',
+    (-1, -1, 1): 'Grashof double-crank',
+    (-1, 1, -1): 'Grashof rocker-crank',
+    (1, -1, -1): 'Grashof double-rocker',
+    (-1, -1, -1): 'non-Grashof 0-0 double-rocker',
+    (-1, 1, 1): 'non-Grashof pi-0 double-rocker',
+    (1, -1, 1): 'non-Grashof pi-pi double-rocker',
+    (1, 1, -1): 'non-Grashof 0-pi double-rocker',
+}
+
+
+class DeadPoint(NamedTuple):
+    """Crank and coupler in line, one behind the other (stretched) or folded; angles in [rad]."""
+
+    theta1: float
+    theta4: float
+    stretched: bool
+
+
+def _squares_of_half(one, other, a3, a4):
+    """Return 4 r a4 times (sin^2, cos^2) of half the angle at O1 of the triangle r = one + other, a3, a4."""
+    return (fsum((a3, -one, -other, a4)) * fsum((a3, one, other, -a4)),
+            fsum((one, other, a4, -a3)) * fsum((one, other, a4, a3)))
+
+
+def _ranges(a1, a2, a3, a4):
+    """Return the ranges of the angle at which a1 leaves the ground link; see FourBar.input_ranges."""
+    a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
+    s1 = difference_of_squares(a2, a3, a1, a4)
+    s2 = difference_of_squares(a1, -a4, a2, -a3)
+    far = 2.0 * atan2(sqrt(difference_of_squares(a2, a3, a1, -a4)), sqrt(-s1)) if s1 < 0.0 else pi
+    near = 2.0 * atan2(sqrt(-s2), sqrt(difference_of_squares(a1, a4, a2, -a3))) if s2 < 0.0 else 0.0
+    if s1 >= 0.0:
+        return ((-pi, pi),) if s2 >= 0.0 else ((near, 2.0 * pi - near),)
+    return ((-far, far),) if s2 >= 0.0 else ((-far, -near), (near, far))
+
+
+@dataclass(frozen=True)
+class FourBar(Mechanism):
+    """
+    Planar four-bar linkage O1-A-B-O4 with four revolute joints.
+
+    O1 = (0, 0), O4 = (a4, 0). Angles are counter-clockwise, theta1 and theta4 absolute at the ground
+    pivots (theta4 is the direction from O4 to B), beta the absolute direction from A to B.
+
+    Parameters
+    ----------
+    a1, a2, a3, a4 : float
+        Lengths of input link, coupler, output link and ground [m], positive; the longest must be
+        shorter than the other three together.
+    mode : int
+        Assembly mode: 2 (open) has sin(theta4 - beta) > 0, 1 (crossed) < 0. It is part of the linkage,
+        never guessed from an earlier pose.
+    bodies : Bodies, optional
+        Masses; without them there are no loads.
+    gravity : tuple of 2 floats
+        Field of gravity (x, y) [m/s^2].
+    external : External
+        Forces and couples on coupler and output link.
+
+    Raises
+    ------
+    InvalidParameter
+        Naming the parameter, its value and what is allowed.
+
+    """
+
+    a1: float
+    a2: float
+    a3: float
+    a4: float
+    mode: int = OPEN
+    bodies: Bodies | None = None
+    gravity: tuple[float, float] = (0.0, 0.0)
+    external: External = External()
+
+    LENGTHS = ('a1', 'a2', 'a3', 'a4')
+    LINK_LENGTHS = {'crank': 'a1', 'coupler': 'a2', 'output': 'a3'}
+    MARGIN_SIGNS = ((-1, -1, 1, 1), (-1, 1, -1, 1), (-1, 1, 1, -1))
+    input = CRANK
+    INPUTS, OUTPUTS = {CRANK: THETA1}, {CRANK: (THETA4, 'velocity_ratio')}
+    JOINTS = (THETA1, THETA2, THETA3, THETA4)
+    MOTION, LOADS = Motion, Loads
+
+    def __post_init__(self):
+        self._check(('a1', 'a2', 'a3', 'a4'))
+        lengths = self.lengths
+        longest = max(lengths)
+        if fsum(lengths + (-longest, -longest)) <= 0.0:
+            raise InvalidParameter(f'a{lengths.index(longest) + 1}', longest,
+                                   'the links cannot close: it must be shorter than the other three '
+                                   f'together ({fsum(lengths + (-longest,))!r})')
+
+    @property
+    def lengths(self):
+        """Return (a1, a2, a3, a4) [m]."""
+        return (self.a1, self.a2, self.a3, self.a4)
+
+    # --- what it is -----------------------------------------------------------------------------
+
+    @cached_property
+    def change_point_margin(self):
+        """
+        Return the smallest of |a1+a4-a2-a3|, |a1+a2-a3-a4|, |a1+a3-a2-a4| over the perimeter.
+
+        Zero: a change point, where both assembly modes meet and the linkage can leave its mode.
+        """
+        return min(map(abs, self._margins)) / fsum(self.lengths)
+
+    @cached_property
+    def _margins(self):
+        a1, a2, a3, a4 = self.lengths
+        return (fsum((a4, -a1, a3, -a2)), fsum((a4, -a1, -a3, a2)), fsum((a2, a3, -a4, -a1)))
+
+    @cached_property
+    def classification(self):
+        """Return the Grashof type by name; 'change point' where the sums of two links are equal."""
+        if 0.0 in self._margins:
+            return 'change point'
+        return _CLASSES[tuple(1 if margin > 0.0 else -1 for margin in self._margins)]
+
+    @cached_property
+    def input_ranges(self):
+        """
+        Return the ranges of theta1 in which the linkage can be assembled [rad].
+
+        Tuple of (low, high): one range (-pi, pi) when the crank turns fully, one through 0 or one
+        through pi (high > pi), or two. At an end that is no full turn, coupler and output link are in
+        line (toggle).
+        """
+        return _ranges(*self.lengths)
+
+    @property
+    def singular_inputs(self):
+        """
+        Return the complex theta1 where coupler and output link are in line, or A is as far as that from O4, q = 0.
+
+        A list of toggles (real), flat positions of change points (real) and others, as
+        :attr:`.SliderCrank.singular_inputs`; accurate to about 1e-8 next to change points.
+        """
+        a1, a2, a3, a4 = scaled(self.lengths)
+        root = 2.0 * sqrt(a1 * a4)
+        s1, s2 = difference_of_squares(a2, a3, a1, a4), difference_of_squares(a1, -a4, a2, -a3)
+        far, near = sqrt(abs(s1)) / root, sqrt(abs(s2)) / root
+        far = complex(pi, 2.0 * asinh(far)) if s1 >= 0.0 else complex(2.0 * acos(min(far, 1.0)))
+        near = complex(0.0, 2.0 * asinh(near)) if s2 >= 0.0 else complex(2.0 * asin(min(near, 1.0)))
+        return [far, -far, near, -near, complex(0.0, 2.0 * asinh(abs(a1 - a4) / root))]
+
+    @cached_property
+    def output_ranges(self):
+        """
+        Return the ranges of theta4 over all poses of both modes, as :attr:`input_ranges`.
+
+        At an end that is no full turn, crank and coupler are in line: a dead point of the output.
+        """
+        ranges = []
+        for low, high in _ranges(self.a3, self.a2, self.a1, self.a4):     # seen from O4, of pi - theta4
+            low, high = pi - high, pi - low
+            turn = 2.0 * pi if low >= pi else 0.0
+            ranges.append((low - turn, high - turn))
+        return ((-pi, pi),) if ranges == [(0.0, 2.0 * pi)] else tuple(sorted(ranges))
+
+    @cached_property
+    def dead_points(self):
+        """
+        Return where theta4 turns back in this mode: its rate is zero at any speed of the crank.
+
+        Tuple of up to two :class:`DeadPoint`, in the order of theta1. Between theirs lie the theta4 of
+        a crank-rocker.
+        """
+        points = []
+        for stretched, r in ((True, (self.a1, self.a2)), (False, (self.a1, -self.a2))):
+            inner, outer = _squares_of_half(*r, self.a3, self.a4)
+            # |A B| and r count negative together where B lies behind O1
+            if inner * outer > 0.0:
+                side = self.sign if stretched else -self.sign
+                theta1 = side * 2.0 * atan2(sqrt(abs(inner)), sqrt(abs(outer)))
+                side = side if sum(r) > 0.0 else -side
+                theta4 = side * 2.0 * atan2(sqrt(difference_of_squares(self.a3, self.a4, *r)),
+                                            sqrt(difference_of_squares(*r, self.a4, -self.a3)))
+                points.append(DeadPoint(theta1, theta4, stretched))
+        return tuple(sorted(points))
+
+    # --- how it moves ---------------------------------------------------------------------------
+
+    def _make_motion(self, dialect, change=lambda factory: factory):
+        return change(make_motion[dialect])(*self.lengths, self.sign)
+
+    def _make_loads(self, dialect, change=lambda factory: factory):
+        return change(make_loads[dialect])(*self.lengths, self.bodies, self.gravity, self.external)
+
+    def transmission_sine(self, motion):
+        """Return a number that is zero where the dyad is in line, at most one: sin(mu)."""
+        return motion.sin_mu
+
+    def term_sizes(self, motion, rate, acceleration):
+        """Return {unit: size} of the terms that rates and accelerations are sums of, for noise bounds."""
+        gain = min(1.0, self.a1 / min(self.a2, self.a3))
+        return {'rad/s': gain * abs(rate), 'rad/s^2': gain * (abs(acceleration) + rate**2)}

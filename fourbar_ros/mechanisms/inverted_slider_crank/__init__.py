@@ -1,0 +1,1 @@
+"""The inverted slider-crank."""

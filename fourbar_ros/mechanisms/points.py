@@ -1,0 +1,186 @@
+"""
+Any point fixed to any link of any mechanism: path, velocity, acceleration, and its polygon's image.
+
+A point is given as a centre of gravity is: along the link from its first joint, and across to its left.
+From the fields of a motion alone, so a point costs nothing until it is asked for.
+"""
+from __future__ import annotations
+
+from math import hypot, nan
+from typing import NamedTuple
+
+import numpy as np
+
+from fourbar_ros.numerics.dialects import dialects, where
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.numerics.given import number
+from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
+from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+
+CRANK, COUPLER, OUTPUT = LINKS = ('crank', 'coupler', 'output')
+
+
+class LinkMotion(NamedTuple):
+    """
+    Motion of a link: of its first joint (O1, A; O4, or B of a slider) and its turning.
+
+    Floats, arrays or any numbers that the fields of the motion are.
+    """
+
+    x: float                  # [m] of the first joint
+    y: float
+    v_x: float                # [m/s]
+    v_y: float
+    a_x: float                # [m/s^2]
+    a_y: float
+    cosine: float             # direction of the link
+    sine: float
+    omega: float              # [rad/s]
+    alpha: float              # [rad/s^2]
+
+    @property
+    def direction(self):
+        """Return the direction of the link as a unit vector of shape (..., 2)."""
+        return vector(self.cosine, self.sine)
+
+
+class PointMotion(NamedTuple):
+    """
+    Motion of a point; each field a float, or an array of the input's shape.
+
+    The tangential and normal acceleration are the parts along the velocity and to its left; they and the
+    curvature are NaN where the point rests.
+    """
+
+    x: float                  # [m]
+    y: float
+    velocity_x: float         # [m/s]
+    velocity_y: float
+    acceleration_x: float     # [m/s^2]
+    acceleration_y: float
+    speed: float              # [m/s]
+    tangential_acceleration: float     # [m/s^2] d speed / dt, Eq. (2)
+    normal_acceleration: float         # [m/s^2] speed^2 times curvature
+    curvature: float          # [1/m] of the path, positive where it turns left
+
+    @property
+    def place(self):
+        """Return the place as a vector of shape (..., 2) [m]."""
+        return vector(self.x, self.y)
+
+    @property
+    def velocity(self):
+        """Return the velocity as a vector of shape (..., 2) [m/s]."""
+        return vector(self.velocity_x, self.velocity_y)
+
+    @property
+    def acceleration(self):
+        """Return the acceleration as a vector of shape (..., 2) [m/s^2]."""
+        return vector(self.acceleration_x, self.acceleration_y)
+
+
+def vector(x, y):
+    """Return components of one shape (...) as vectors of shape (..., 2)."""
+    return np.stack(np.broadcast_arrays(x, y), axis=-1)
+
+
+def link_motion(mechanism, motion, link):
+    """
+    Return the :class:`LinkMotion` of 'crank', 'coupler' or 'output'.
+
+    Parameters
+    ----------
+    mechanism : FourBar, SliderCrank or InvertedSlider
+    motion : Motion of that mechanism
+        One sample or arrays.
+    link : str
+        As in Bodies: the coupler of an inverted slider is its block, the output of a slider-crank its
+        slider, of an inverted one its bar.
+
+    """
+    if link not in LINKS:
+        raise InvalidParameter('link', link, f'must be one of {", ".join(LINKS)}')
+    crank = LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_x, motion.sin_x, motion.omega1, motion.alpha1)
+    if link == CRANK:
+        return crank
+    if isinstance(mechanism, SliderCrank):
+        if link == OUTPUT:
+            return LinkMotion(motion.slide, mechanism.offset, motion.slide_velocity, 0.0,
+                              motion.slide_acceleration, 0.0, 1.0, 0.0, 0.0, 0.0)
+    elif link == OUTPUT:
+        return LinkMotion(mechanism.a4, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_y, motion.sin_y, motion.omega4, motion.alpha4)
+    at_a = point_of(crank, mechanism.a1)
+    if isinstance(mechanism, InvertedSlider):
+        return LinkMotion(*at_a, motion.cos_y, motion.sin_y, motion.omega4, motion.alpha4)
+    return LinkMotion(*at_a, motion.cos_b, motion.sin_b, motion.omega_beta, motion.alpha_beta)
+
+
+def point_of(link, along, across=0.0):
+    """
+    Return (x, y, v_x, v_y, a_x, a_y) of a point of a LinkMotion, slides Eq. (6).
+
+    Plain arithmetic, for whatever numbers the LinkMotion is made of.
+    """
+    x0, y0, v_x, v_y, a_x, a_y, cosine, sine, omega, alpha = link
+    x, y = along * cosine - across * sine, along * sine + across * cosine
+    square = omega * omega
+    return (x0 + x, y0 + y, v_x - omega * y, v_y + omega * x,
+            a_x - alpha * y - square * x, a_y + alpha * x - square * y)
+
+
+@dialects
+def make_point(mechanism, link, along, across):
+    """Return the function (motion) -> fields of :class:`PointMotion` for a point fixed to a link."""
+    def point(motion, mechanism=mechanism, link=link, along=along, across=across):
+        x, y, v_x, v_y, a_x, a_y = point_of(link_motion(mechanism, motion, link), along, across)
+        speed = hypot(v_x, v_y)
+        moves = speed * speed > 0.0     # the square of less underflows
+        tangential = where(moves, (a_x * v_x + a_y * v_y) / speed, nan)
+        normal = where(moves, (a_y * v_x - a_x * v_y) / speed, nan)
+        return (x, y, v_x, v_y, a_x, a_y, speed, tangential, normal, where(moves, normal / (speed * speed), nan))
+    return point
+
+
+def point_motion(mechanism, motion, link, along, across=0.0):
+    """
+    Return the :class:`PointMotion` of a point fixed to a link.
+
+    Parameters
+    ----------
+    mechanism, motion, link
+        As for :func:`link_motion`.
+    along, across : float
+        From the first joint of the link along it and to its left [m].
+
+    Examples
+    --------
+    >>> from fourbar_ros import FourBar
+    >>> linkage = FourBar(0.4, 1.2, 0.8, 1.0)
+    >>> middle = point_motion(linkage, linkage.motion([0.0, 0.5], 25.0), 'coupler', 0.6, 0.2)
+    >>> middle.place.shape
+    (2, 2)
+
+    """
+    along, across = number('along', along), number('across', across)
+    shape = np.shape(motion.cos_x)
+    if not shape:
+        return PointMotion(*make_point.scalar(mechanism, link, along, across)(motion))
+    with np.errstate(divide='ignore', invalid='ignore'):
+        fields = make_point.array(mechanism, link, along, across)(motion)
+    return PointMotion(*(np.broadcast_to(field, shape) for field in fields))
+
+
+def velocity_image(omega):
+    """Return (scale [1/s], turn [rad]) of the velocity image of a link: |omega|, +-90 deg."""
+    return np.abs(omega), np.copysign(0.5 * np.pi, omega)
+
+
+def acceleration_image(omega, alpha):
+    """
+    Return (scale [1/s^2], turn [rad]) of the acceleration image of a link.
+
+    The link's figure, sqrt(omega^4 + alpha^2) times as large and turned by 180 deg - atan(alpha/omega^2)
+    counter-clockwise, is the figure of its points in the acceleration polygon (slides, after Eq. (6)).
+    """
+    square = np.square(omega)
+    return np.hypot(square, alpha), np.pi - np.arctan2(alpha, square)

@@ -1,0 +1,117 @@
+"""What can be asked for by name: searched for extremes, tabulated, plotted."""
+from __future__ import annotations
+
+from functools import cache, partial
+from typing import Callable, NamedTuple
+
+import numpy as np
+
+from fourbar_ros.errors import FourBarError, nearest
+from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
+from fourbar_ros.mechanisms.points import link_motion, point_of
+
+
+class UnknownQuantity(FourBarError, KeyError):
+    """A mechanism has no quantity of this name; the message names the nearest or lists all."""
+
+    def __init__(self, name, known):
+        self.name = name
+        super().__init__(f'unknown quantity {name!r}{nearest(name, known)}')
+
+    def __str__(self):
+        return self.args[0]
+
+
+class Quantity(NamedTuple):
+    """A number that a mechanism has for each input: a field of its motion or, if ``is_load``, of its loads."""
+
+    name: str
+    unit: str
+    text: str
+    is_load: bool
+
+    def of(self, motion, loads):
+        """Return its value from what :meth:`FourBar.step` returns."""
+        return getattr(loads if self.is_load else motion, self.name)
+
+
+class Function(NamedTuple):
+    """A number given as a function (Motion, Loads) -> value, for floats and arrays, real and complex."""
+
+    name: str
+    unit: str
+    text: str
+    of: Callable
+    is_load: bool = False     # not known; without masses, loads raise MissingBodies when used
+
+
+def point_speed(mechanism, link, along, across=0.0, name='point'):
+    """Return the speed [m/s] of a point fixed to a link, see :mod:`fourbar_ros.mechanisms.points`, as a quantity ``name.speed``."""
+    return Function(f'{name}.speed', 'm/s', f'speed of the point ({along:g}, {across:g}) m of the {link}',
+                    partial(_length, mechanism, link, along, across, 2))
+
+
+def point_acceleration(mechanism, link, along, across=0.0, name='point'):
+    """Return the magnitude of the acceleration [m/s^2] of such a point as a quantity ``name.acceleration``."""
+    return Function(f'{name}.acceleration', 'm/s^2', f'acceleration of the point ({along:g}, {across:g}) m of the {link}',
+                    partial(_length, mechanism, link, along, across, 4))
+
+
+def _length(mechanism, link, along, across, first, motion, loads):
+    """Return the length of a vector that :func:`.point_of` returns, of which x is its ``first`` number."""
+    x, y = point_of(link_motion(mechanism, motion, link), along, across)[first:first + 2]
+    return np.sqrt(x * x + y * y)
+
+
+QUANTITIES = {quantity.name: quantity for quantity in (
+    Quantity('omega4', 'rad/s', 'angular velocity of the output link', False),
+    Quantity('alpha4', 'rad/s^2', 'angular acceleration of the output link', False),
+    Quantity('omega1', 'rad/s', 'angular velocity of a crank that is not driven', False),
+    Quantity('alpha1', 'rad/s^2', 'angular acceleration of a crank that is not driven', False),
+    Quantity('omega_beta', 'rad/s', 'angular velocity of the coupler', False),
+    Quantity('alpha_beta', 'rad/s^2', 'angular acceleration of the coupler', False),
+    Quantity('slide_velocity', 'm/s', 'velocity of a slider that is not driven', False),
+    Quantity('slide_acceleration', 'm/s^2', 'acceleration of a slider that is not driven', False),
+    Quantity('shaking_force', 'N', 'magnitude of the force on the ground', True),
+    Quantity('shaking_moment', 'N m', 'moment on the ground about O1', True),
+    Quantity('driving_torque', 'N m', 'torque of the drive on a driven crank', True),
+    Quantity('driving_force', 'N', 'force of the drive along a driven slide', True),
+    Quantity('f41', 'N', 'magnitude of the reaction at O1', True),
+    Quantity('f21', 'N', 'magnitude of the reaction at A', True),
+    Quantity('f32', 'N', 'magnitude of the reaction at B, or of the bar on its block', True),
+    Quantity('f43', 'N', 'magnitude of the reaction at O4, or of the guide', True),
+    Quantity('guide_force', 'N', 'force of the guide, square to it', True),
+    Quantity('guide_couple', 'N m', 'couple of the guide', True),
+)}
+
+
+# What one kind of input makes given, or nothing.
+_NOT_OF = {CRANK: ('omega1', 'alpha1', 'driving_force'),
+           SLIDE: ('slide_velocity', 'slide_acceleration', 'driving_torque')}
+
+
+@cache
+def known(kind, driven=CRANK):
+    """Return {name: Quantity} of what a kind of mechanism has, driven at its crank or slide."""
+    return {name: quantity for name, quantity in QUANTITIES.items() if name not in _NOT_OF[driven]
+            and name in (kind.LOADS if quantity.is_load else kind.MOTION)._fields}
+
+
+def is_published(quantity):
+    """Return whether this is one of the quantities with a name."""
+    return QUANTITIES.get(quantity.name) is quantity
+
+
+def select(names, mechanism, others=()):
+    """
+    Return the quantities of these names, or all that a mechanism has (without loads if it has no masses).
+
+    ``others``: more quantities that have a name, as those of a scene's points.
+    """
+    available = known(type(mechanism), mechanism.input) | {quantity.name: quantity for quantity in others}
+    for name in names:
+        if name not in available:
+            raise UnknownQuantity(name, available)
+    if names:
+        return [available[name] for name in names]
+    return [quantity for quantity in available.values() if mechanism.bodies is not None or not quantity.is_load]

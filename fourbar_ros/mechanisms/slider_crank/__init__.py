@@ -1,0 +1,1 @@
+"""The offset slider-crank."""

@@ -1,0 +1,1 @@
+"""Numbers, roots and enclosures; nothing here knows a mechanism."""

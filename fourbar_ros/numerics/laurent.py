@@ -1,0 +1,248 @@
+"""
+Laurent series of one variable t > 0, t -> 0, to many digits: a number type in which 0/0 is a quotient.
+
+At the flat position of an exact change point all that moves is a quotient of numbers that vanish there.
+Put into the formulas of motion and loads, series leave no doubt about the limit: common powers of t cancel, a root
+of t^2 is t, and the sign of a number is that of its first term. Coefficients have :data:`DIGITS`
+decimal digits; one that is nothing beside the terms it is a sum of is exactly zero, so that the data of a
+mechanism, taken to the last bit, decide what vanishes and what does not.
+"""
+from __future__ import annotations
+
+import math
+from contextlib import contextmanager
+from decimal import Context, Decimal, localcontext
+from types import SimpleNamespace
+from typing import Iterator
+
+from fourbar_ros.numerics.dialects import rebound, where
+
+DIGITS = 80
+TERMS = 20                        # kept of a series that does not end
+NOTHING = Decimal('1e-50')        # of the terms of a sum: what is left then is zero
+_CONTEXT = Context(prec=DIGITS, Emax=10**9, Emin=-10**9)
+# pi/2, three digits short: its small multiples are exact
+_QUARTER = Decimal('1.5707963267948966192313216916397514420985846996875529104874722961539082031')
+
+
+@contextmanager
+def many_digits() -> Iterator[None]:
+    """Calculate with :data:`DIGITS` digits, in this thread."""
+    with localcontext(_CONTEXT):
+        yield
+
+
+def _sum(terms: list[Decimal]) -> Decimal:
+    """Return a sum, zero if nothing but rounding is left."""
+    total = sum(terms)
+    return total if abs(total) > NOTHING * sum(map(abs, terms)) else Decimal(0)
+
+
+class Laurent:
+    """
+    The series t^order (c[0] + c[1] t + ...), c[0] not zero, known up to, without, t^end.
+
+    ``end`` is infinite if it has no more terms; c is empty if none is known, or there is none: zero.
+    Comparisons are those of the values for t -> 0. To be used within :func:`many_digits`.
+    """
+
+    __slots__ = ('order', 'c', 'end')
+
+    def __init__(self, c: list[Decimal], order: int = 0, end: float = math.inf):
+        first = next((i for i, v in enumerate(c) if v), len(c))
+        c, self.order = c[first:first + TERMS + 1], order + first
+        if len(c) > TERMS:
+            c, end = c[:TERMS], min(end, self.order + TERMS)
+        while c and not c[-1]:
+            c.pop()
+        if not c:
+            self.order = end if end < math.inf else 0
+        self.c, self.end = c, end
+
+    def _at(self, i: int) -> Decimal:
+        """Return the coefficient of t^i."""
+        i -= self.order
+        return self.c[i] if 0 <= i < len(self.c) else Decimal(0)
+
+    def _is_nothing(self) -> bool:
+        return not self.c and self.end == math.inf
+
+    def _unit(self) -> list[Decimal]:
+        """Return as many coefficients from c[0] on as are known, at most :data:`TERMS`."""
+        if not self.c:
+            raise ZeroDivisionError
+        number = int(min(TERMS, self.end - self.order))
+        return self.c + [Decimal(0)] * (number - len(self.c))
+
+    def _end_of_unit(self) -> float:
+        return math.inf if len(self.c) == 1 and self.end == math.inf else min(TERMS, self.end - self.order)
+
+    @property
+    def real(self) -> Laurent:
+        return self
+
+    def __add__(self, other):
+        other = series(other)
+        end = min(self.end, other.end)
+        low = min(self.order, other.order)
+        high = max(self.order + len(self.c), other.order + len(other.c))
+        return Laurent([_sum([self._at(i), other._at(i)]) for i in range(low, int(min(high, end)))], low, end)
+
+    def __neg__(self):
+        return Laurent([-v for v in self.c], self.order, self.end)
+
+    def __sub__(self, other):
+        return self + -series(other)
+
+    def __rsub__(self, other):
+        return series(other) + -self
+
+    def __mul__(self, other):
+        other = series(other)
+        if self._is_nothing() or other._is_nothing():
+            return Laurent([])
+        order, end = self.order + other.order, min(self.end + other.order, other.end + self.order)
+        number = int(min(len(self.c) + len(other.c) - 1, end - order, TERMS + 1)) if self.c and other.c else 0
+        one, two = ([(i, v) for i, v in enumerate(s.c) if v] for s in (self, other))
+        terms = [[] for _ in range(number)]
+        for i, a in one:
+            for j, b in two:
+                if i + j >= number:
+                    break
+                terms[i + j].append(a * b)
+        return Laurent([_sum(row) if row else Decimal(0) for row in terms], order, end)
+
+    def __truediv__(self, other):
+        return self * series(other)._inverse()
+
+    def __rtruediv__(self, other):
+        return series(other) * self._inverse()
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __pow__(self, exponent: int):
+        return math.prod([self] * exponent, start=series(1.0))
+
+    def _inverse(self) -> Laurent:
+        c = self._unit()
+        first, inverse = 1 / c[0], [1 / c[0]]
+        if self._end_of_unit() == math.inf:
+            return Laurent(inverse, -self.order)
+        for k in range(1, len(c)):
+            inverse.append(-first * _sum([c[i] * inverse[k - i] for i in range(1, k + 1)]))
+        return Laurent(inverse, -self.order, -self.order + self._end_of_unit())
+
+    def sqrt(self) -> Laurent:
+        """Return the root, positive for t > 0; ValueError where it is not real or has half a power of t."""
+        if not self.c:
+            return Laurent([], 0, self.end if self._is_nothing() else self.end // 2)
+        if self.c[0] < 0 or self.order % 2:
+            raise ValueError('math domain error')
+        c, order = self._unit(), self.order // 2
+        root = [c[0].sqrt()]
+        if self._end_of_unit() == math.inf:
+            return Laurent(root, order)
+        for k in range(1, len(c)):
+            root.append(_sum([c[k], *(-root[i] * root[k - i] for i in range(1, k))]) / (2 * root[0]))
+        return Laurent(root, order, order + self._end_of_unit())
+
+    def _sine_and_cosine(self) -> tuple[Laurent, Laurent]:
+        """Return those of an angle that is a multiple of pi/2 for t = 0."""
+        quarters = int((self._at(0) / _QUARTER).to_integral_value())
+        rest = self - Laurent([_QUARTER * quarters])
+        if rest.c and rest.order < 1:
+            raise ValueError('an angle of which only multiples of pi/2 are expected')
+        slope, sine, cosine = [rest._at(i + 1) * (i + 1) for i in range(TERMS)], [Decimal(0)], [Decimal(1)]
+        for k in range(TERMS):      # s' = c phi', c' = -s phi'
+            sine, cosine = (sine + [sum(slope[i] * cosine[k - i] for i in range(k + 1)) / (k + 1)],
+                            cosine + [-sum(slope[i] * sine[k - i] for i in range(k + 1)) / (k + 1)])
+        sine, cosine = (Laurent(c[:TERMS], 0, TERMS) for c in (sine, cosine))
+        for _ in range(quarters % 4):
+            sine, cosine = cosine, -sine
+        return sine, cosine
+
+    def sin(self) -> Laurent:
+        return self._sine_and_cosine()[0]
+
+    def cos(self) -> Laurent:
+        return self._sine_and_cosine()[1]
+
+    def __abs__(self):
+        return -self if self < 0.0 else self
+
+    def __float__(self):
+        return float(self._at(0))
+
+    def __lt__(self, other):
+        difference = self - other
+        return bool(difference.c) and difference.c[0] < 0
+
+    def __gt__(self, other):
+        return series(other) < self
+
+    def __ge__(self, other):
+        return not self < other
+
+    def __le__(self, other):
+        return not self > other
+
+    def derivative(self) -> Laurent:
+        return Laurent([(self.order + i) * v for i, v in enumerate(self.c)], self.order - 1, self.end - 1)
+
+    def integral(self) -> Laurent:
+        """Return that without a constant; the series has no term 1/t, which is not checked."""
+        return Laurent([v / (self.order + i + 1) if v else v for i, v in enumerate(self.c)], self.order + 1, self.end + 1)
+
+
+T = Laurent([Decimal(1)], 1)
+
+
+class Length:
+    """The length of a vector of two series: no series itself, as it may be nearly zero next to t = 0."""
+
+    def __init__(self, x: Laurent, y: Laurent):
+        self.x, self.y = x, y
+
+
+def series(value: Laurent | Decimal | float) -> Laurent:
+    """Return a number as a series."""
+    return value if isinstance(value, Laurent) else Laurent([Decimal(value)])
+
+
+def quarter_turns(number: int) -> Laurent:
+    """Return a multiple of pi/2 of which sines and cosines are exact."""
+    return Laurent([_QUARTER * number])
+
+
+def converted(record, number):
+    """Return a record, or nested ones, with ``number(value)`` in place of each float."""
+    if isinstance(record, float | int):
+        return number(record)
+    if isinstance(record, tuple) and not hasattr(record, '_fields'):
+        return tuple(converted(value, number) for value in record)
+    fields = record._asdict() if hasattr(record, '_fields') else vars(record)
+    return SimpleNamespace(**{name: converted(value, number) for name, value in fields.items()})
+
+
+def _atan2(y, x) -> Laurent:
+    """Return the angle of two series: its derivative is (x y' - y x') / (x^2 + y^2)."""
+    y, x = series(y), series(x)
+    rate = (x * y.derivative() - y * x.derivative()) / (x * x + y * y)
+    low = min(s.order for s in (x, y) if s.c)
+    sine, cosine = (float(s._at(low)) for s in (y, x))
+    return rate.integral() + math.atan2(sine or (-0.0 if y < 0.0 else 0.0), cosine)
+
+
+def _ldexp(v, exponent: int) -> Laurent:
+    return series(v) * Decimal(2)**exponent
+
+
+# The names that the formulas use. With sin(x/2) a series nothing needs to be added to it.
+_NAMES = {'fsum': lambda values: sum(values), 'where': where, 'frexp': lambda v: math.frexp(float(v)), 'ldexp': _ldexp,
+          'sin': Laurent.sin, 'cos': Laurent.cos, 'sqrt': Laurent.sqrt, 'atan2': _atan2, 'hypot': Length, 'fabs': abs,
+          'INFINITESIMAL': 0.0}
+
+
+def of_series(factory):
+    """Return a factory of motions or loads, of :mod:`fourbar_ros.numerics.dialects`, as one for series."""
+    return rebound(factory, **_NAMES)

@@ -1,0 +1,323 @@
+"""
+A formula recorded once and replayed on arrays: only what was asked for, in buffers that stay in the cache.
+
+:class:`Number` is one more kind of number for the formulas: arithmetic with it writes down what is done. From
+that record a :class:`Program` takes the operations that some results need, does those of single numbers
+once, gives each of the others numpy's function and a buffer, and uses a buffer again when nothing needs
+its content any more. Operations, their order and so their results are those of the formula on arrays.
+
+A record belongs to a kind of mechanism, not to one: the constants of a formula, which are the defaults of
+its function, are given at each run.
+"""
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable, Sequence
+from functools import cache
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+
+from fourbar_ros.numerics.dialects import array_hypot, rebound
+
+CHUNK = 12288     # most samples at a time
+
+# For each operation the function of floats and that of arrays, whose last argument is where the result goes.
+_OPERATIONS: dict[str, tuple[Callable, Callable]] = {
+    'add': (operator.add, np.add), 'sub': (operator.sub, np.subtract), 'mul': (operator.mul, np.multiply),
+    'truediv': (operator.truediv, np.true_divide), 'neg': (operator.neg, np.negative),
+    'gt': (operator.gt, np.greater), 'lt': (operator.lt, np.less), 'sin': (math.sin, np.sin), 'cos': (math.cos, np.cos),
+    'sqrt': (math.sqrt, np.sqrt), 'atan2': (math.atan2, np.arctan2), 'fabs': (math.fabs, np.abs),
+    'hypot': (math.hypot, array_hypot), 'where': (lambda condition, one, other: one if condition else other, None)}
+_CONDITIONS = ('gt', 'lt')
+_NOT_IN_PLACE = ('where', 'hypot')     # they read their arguments after they began to write
+
+
+def _where(condition: np.ndarray, one: Any, other: Any, out: np.ndarray) -> None:
+    np.copyto(out, other)
+    np.copyto(out, one, where=condition)
+
+
+_OPERATIONS['where'] = _OPERATIONS['where'][0], _where
+
+
+class Number:
+    """A number that is not known yet: its place in a record."""
+
+    __slots__ = ('place', 'record')
+
+    def __init__(self, record: Record, place: int):
+        self.record, self.place = record, place
+
+    @property
+    def real(self) -> Number:
+        """Return itself: recorded numbers are real."""
+        return self
+
+    def __bool__(self) -> bool:
+        raise TypeError('formulas choose with where(), not with if')
+
+
+def _method(name: str, is_reflected: bool) -> Callable:
+    if is_reflected:
+        return lambda self, other: self.record.add(name, other, self)
+    return lambda self, *others: self.record.add(name, self, *others)
+
+
+for _name in ('add', 'sub', 'mul', 'truediv', 'neg', 'gt', 'lt'):
+    setattr(Number, f'__{_name}__', _method(_name, False))
+    if _name in ('add', 'sub', 'mul', 'truediv'):
+        setattr(Number, f'__r{_name}__', _method(_name, True))
+
+
+def _function(name: str) -> Callable:
+    def call(*values: Any) -> Any:
+        known = [value for value in values if isinstance(value, Number)]
+        return known[0].record.add(name, *values) if known else _OPERATIONS[name][0](*values)
+    return call
+
+
+def _choice(condition: Any, one: Any, other: Any) -> Any:
+    if isinstance(condition, bool):
+        return one if condition else other
+    if isinstance(one, tuple):
+        return tuple(_choice(condition, a, b) for a, b in zip(one, other))
+    return condition.record.add('where', condition, one, other)
+
+
+_NAMES = {name: _function(name) for name in ('sin', 'cos', 'sqrt', 'atan2', 'fabs', 'hypot')} | {'where': _choice}
+
+
+class Record:
+    """
+    What functions do to three inputs: motion(x, rate, acceleration), then, if given, loads(motion).
+
+    ``steps``: for each place (operation, places of its arguments), or None for what is given: the inputs, the
+    constants of the functions, numbers in their text (``known``: {place: value}). ``results``: places.
+    """
+
+    def __init__(self, functions: Sequence[FunctionType]):
+        self.steps: list[tuple[str, tuple[int, ...]] | None] = []
+        self.known: dict[int, float] = {}
+        given: Any = [self._given() for _ in range(3)]
+        self.first_constant = len(self.steps)
+        formulas = [self._formula(function) for function in functions]
+        self.end_of_constants = len(self.steps)
+        self.results: list[int] = []
+        for formula in formulas:
+            given = formula(*given)
+            self.results += [self._place(value) for value in given]
+            given = (given,)
+        self.operations = sum(step is not None for step in self.steps)
+
+    def add(self, name: str, *values: Any) -> Number:
+        """Write down an operation and return its result."""
+        self.steps.append((name, tuple([self._place(value) for value in values])))
+        return Number(self, len(self.steps) - 1)
+
+    def _given(self) -> Number:
+        self.steps.append(None)
+        return Number(self, len(self.steps) - 1)
+
+    def _place(self, value: Any) -> int:
+        if not isinstance(value, Number):
+            value, number = self._given(), value
+            self.known[value.place] = number
+        return value.place
+
+    def _formula(self, function: FunctionType) -> FunctionType:
+        """Return a function of recorded numbers whose constants are recorded numbers too."""
+        copy = rebound(function, **_NAMES)
+        copy.__defaults__ = self._constant(function.__defaults__)
+        return copy
+
+    def _constant(self, value: Any) -> Any:
+        if isinstance(value, tuple):
+            return tuple([self._constant(item) for item in value])
+        if isinstance(value, FunctionType):
+            return self._formula(value)
+        return value if isinstance(value, bool) else self._given()
+
+
+def constants_of(function: FunctionType) -> list[float]:
+    """Return the constants of a function in the order in which a :class:`Record` takes them."""
+    found: list[float] = []
+
+    def collect(value: Any) -> None:
+        if isinstance(value, tuple):
+            for item in value:
+                collect(item)
+        elif isinstance(value, FunctionType):
+            collect(value.__defaults__)
+        elif not isinstance(value, bool):
+            found.append(value)
+    collect(function.__defaults__)
+    return found
+
+
+def shape_of(function: FunctionType) -> tuple:
+    """Return what two functions have in common that differ in their constants only."""
+    def shape(value: Any) -> Any:
+        if isinstance(value, tuple):
+            return tuple([shape(item) for item in value])
+        return shape_of(value) if isinstance(value, FunctionType) else value if isinstance(value, bool) else None
+    return function.__code__, shape(function.__defaults__)
+
+
+def _without_zeros(record: Record, zeros: frozenset[int]) -> tuple[list, list[int]]:
+    """Return the steps without products of zero and sums with zero, and for each place that of the same number."""
+    zero, steps, same = {record.first_constant + i for i in zeros}, list(record.steps), list(range(len(record.steps)))
+    for place, step in enumerate(record.steps):
+        if step is None:
+            continue
+        name, arguments = step[0], tuple([same[i] for i in step[1]])
+        steps[place] = name, arguments
+        is_zero = [i in zero for i in arguments]
+        if name == 'mul' and any(is_zero) or name in ('add', 'sub', 'neg') and all(is_zero):
+            same[place] = arguments[is_zero.index(True)]
+        elif name in ('add', 'sub') and is_zero[1]:
+            same[place] = arguments[0]
+        elif name == 'add' and is_zero[0]:
+            same[place] = arguments[1]
+    return steps, same
+
+
+def _carriers(steps: list, places: Sequence[int]) -> list[frozenset[int]]:
+    """Return for each result the inputs and roots it depends on: what makes it NaN out of range."""
+    found: list[frozenset[int]] = []
+    for place, step in enumerate(steps):
+        if step is None:
+            found.append(frozenset((place,)) if place < 3 else frozenset())
+        else:
+            carried = frozenset().union(*[found[i] for i in step[1]])
+            found.append(carried | {place} if step[0] == 'sqrt' else carried)
+    return [found[place] & _pose(steps) for place in places]
+
+
+def _pose(steps: list) -> frozenset[int]:
+    """Return the places of the position and of all roots: not of rate and acceleration, which may be multiplied by zero."""
+    return frozenset((0, *(place for place, step in enumerate(steps) if step is not None and step[0] == 'sqrt')))
+
+
+class Program:
+    """
+    The operations of a record that some results need.
+
+    Parameters
+    ----------
+    record : Record
+    wanted : sequence of int
+        Which results.
+    single : sequence of 3 bools
+        Which inputs are one number for all samples.
+    zeros : frozenset of int
+        Which constants are zero: what only adds zero is left out, unless a result would then no longer be NaN
+        where it should.
+
+    """
+
+    def __init__(self, record: Record, wanted: Sequence[int], single: Sequence[bool], zeros: frozenset[int] = frozenset()):
+        self._record, results = record, [record.results[i] for i in wanted]
+        self._is_single = [True] * len(record.steps)
+        self._is_single[:3] = single
+        self._steps, same = _without_zeros(record, zeros)
+        self._places = [same[place] for place in results]
+        if _carriers(self._steps, self._places) != _carriers(record.steps, results):
+            self._steps, self._places = record.steps, results
+        steps = self._needed()
+        for place in steps:
+            self._is_single[place] = all(self._is_single[i] for i in self._steps[place][1])
+        self._once = [self._once_step(place) for place in steps if self._is_single[place]]
+        self._buffers: list[type] = []
+        self.steps = self._allocate([place for place in steps if not self._is_single[place]])
+
+    def _needed(self) -> list[int]:
+        """Return the places of the operations that the results need, in order."""
+        steps, needed, left = self._steps, set(), list(self._places)
+        while left:
+            place = left.pop()
+            if place not in needed and steps[place] is not None:
+                needed.add(place)
+                left += steps[place][1]
+        return sorted(needed)
+
+    def _once_step(self, place: int) -> tuple[int, Callable, tuple[int, ...]]:
+        name, arguments = self._steps[place]
+        return place, _OPERATIONS[name][0], arguments
+
+    def _allocate(self, places: list[int]) -> list[tuple[Callable, Callable]]:
+        """Return (numpy's function, what takes its arguments from the values) of all steps; results own their places."""
+        size = len(self._record.steps)
+        last = {i: place for place in places for i in self._steps[place][1]}
+        results, where, free, found = set(self._places), {}, [], []
+        for place in places:
+            name, arguments = self._steps[place]
+            done = [where[i] for i in dict.fromkeys(arguments) if i in where and last[i] == place]
+            done = [buffer for buffer in done if self._buffers[buffer] is float]
+            if name not in _NOT_IN_PLACE:
+                free += done
+            if place not in results:
+                if free and name not in _CONDITIONS:
+                    where[place] = free.pop()
+                else:
+                    where[place] = len(self._buffers)
+                    self._buffers.append(bool if name in _CONDITIONS else float)
+            if name in _NOT_IN_PLACE:
+                free += done
+            taken = [size + where[i] if i in where else i for i in (*arguments, place)]
+            found.append((_OPERATIONS[name][1], operator.itemgetter(*taken)))
+        return found
+
+    def run(self, inputs: Sequence[Any], constants: list[float], size: int) -> list[np.ndarray]:
+        """Return the results for arrays of inputs, each (size,) or a float, as arrays that own their memory."""
+        record = self._record
+        values: list[Any] = [None] * len(record.steps)
+        for place, value in record.known.items():
+            values[place] = value
+        values[record.first_constant:record.end_of_constants] = constants
+        values[:3] = inputs
+        for place, function, arguments in self._once:
+            values[place] = function(*[values[i] for i in arguments])
+        rows = [np.empty(size) for _ in self._places]
+        count = -(-size // -(-size // CHUNK)) if size else 1     # chunks of equal size
+        buffers = [np.empty(count, kind) for kind in self._buffers]
+        many = [i for i in range(3) if not self._is_single[i]]
+        for start in range(0, size, count):
+            part = slice(start, start + count)
+            work = values + (buffers if start + count <= size else [b[:size - start] for b in buffers])
+            for i in many:
+                work[i] = inputs[i][part]
+            self._replay(work, [row[part] for row in rows])
+        return rows
+
+    def _replay(self, values: list[Any], rows: list[np.ndarray]) -> None:
+        own = {}
+        for place, row in zip(self._places, rows):
+            if place >= self._record.end_of_constants and not self._is_single[place]:
+                own.setdefault(place, row)
+        for place, row in own.items():
+            values[place] = row
+        for function, arguments in self.steps:
+            function(*arguments(values))
+        for place, row in zip(self._places, rows):
+            if own.get(place) is not row:     # an input, one number, or a result twice
+                row[...] = values[place]
+
+
+_records: dict[tuple, Record] = {}
+
+
+def record_of(functions: Sequence[FunctionType]) -> Record:
+    """Return the record of functions that differ from others in their constants only, made once."""
+    key = tuple([shape_of(function) for function in functions])
+    if key not in _records:
+        _records[key] = Record(functions)
+    return _records[key]
+
+
+@cache
+def program(record: Record, wanted: tuple[int, ...], single: tuple[bool, ...], zeros: frozenset[int]) -> Program:
+    """Return the :class:`Program` of a record, made once."""
+    return Program(record, wanted, single, zeros)

@@ -1,0 +1,271 @@
+"""
+All sign changes of sampled functions: one function in plain floats, or many brackets at once.
+
+Zero counts as positive. Angles are given in order; a smaller one after a larger one is a turn later.
+"""
+from __future__ import annotations
+
+from math import isfinite, nan, pi
+
+import numpy as np
+
+from fourbar_ros.numerics.dialects import dialects, where
+
+EPS = 2.0**-52
+# Below this angle [rad] roots are found to an absolute tolerance: 0 has no last bit.
+SMALL = 2.0**-12
+# Parts of an interval at a closer look.
+PARTS = 8
+# Part of the sample by which the cubic is allowed to be wrong.
+CAUTION = 0.25
+# By how much the error of a step of Newton's method may exceed its square over the width of the bracket.
+SAFETY = 64.0
+# A dip is looked into as long as its lowest sample is less than this part of how much the parabola bends in a step.
+DEEP = 0.25
+# Halvings of a dip before it is taken for a touching point without a sign change.
+HALVINGS = 26
+
+
+def turn_after(x, start):
+    """Return the angle x as the one that comes after ``start``, less than half a turn away."""
+    return x + 2.0 * pi * (x < start - pi)
+
+
+def fold(x):
+    """Return angles, an array or a float of at most a turn less or more, in [0, 2 pi)."""
+    if isinstance(x, float):
+        x = x + 2.0 * pi if x < 0.0 else x - 2.0 * pi if x >= 2.0 * pi else x + 0.0
+        return x if x < 2.0 * pi else 0.0      # a tiny negative angle rounds to the full turn
+    x = np.where(x < 0.0, x + 2.0 * pi, np.where(x >= 2.0 * pi, x - 2.0 * pi, x + 0.0))
+    return np.where(x < 2.0 * pi, x, 0.0)
+
+
+def turns_back(f, rise):
+    """Return whether the Bernstein coefficient beside a sample has, or nearly has, the other sign."""
+    return ((1.0 - CAUTION) * f + rise >= 0.0) != (f >= 0.0)
+
+
+def intervals_with_roots(f, rise, is_closed):
+    """
+    Return (i, column, is_plain) of the intervals between samples that have roots, or may have two more.
+
+    Hermite's cubic through two samples has as many roots as its Bernstein coefficients change sign, or less
+    by two. One root is plain; where there could be more, also if the inner coefficients were a little smaller,
+    the interval needs a closer look. Where one sample is so small for its slope that the sign changes in an
+    interval without a root, so do both intervals beside it.
+
+    Parameters
+    ----------
+    f, rise : ndarray, shape (n, m)
+        At equal steps, and a third of what f rises in one at its slope.
+    is_closed : bool
+        After the last sample comes the first.
+
+    """
+    if is_closed:
+        f, rise = (np.concatenate((v, v[:1])) for v in (f, rise))
+    positive = f >= 0.0
+    changes = positive[1:] != positive[:-1]
+    one, other = turns_back(f[:-1], rise[:-1]), turns_back(f[1:], -rise[1:])
+    doubtful = changes & one & other
+    if (one | other).any():
+        small = np.zeros(f.shape, bool)
+        small[:-1] = one & ~changes
+        small[1:] |= other & ~changes
+        if is_closed:
+            small[[0, -1]] = small[0] | small[-1]
+        doubtful |= small[:-1] | small[1:]
+    i, column = np.nonzero(changes | doubtful)
+    return i, column, ~doubtful[i, column]
+
+
+def intervals_of_one(f, rise, is_closed):
+    """Return (i, is_plain) as :func:`intervals_with_roots`, of one function in plain floats: lists."""
+    positive = [v >= 0.0 for v in f]
+    turning = [abs(r) >= (1.0 - CAUTION) * abs(v) for v, r in zip(f, rise)]      # one way or the other
+    following = [*range(1, len(f)), *[0] * is_closed]
+    found, small = [], set()
+    for i, j in enumerate(following):
+        one = turning[i] and turns_back(f[i], rise[i])
+        other = turning[j] and turns_back(f[j], -rise[j])
+        if positive[i] is not positive[j]:
+            found.append((i, not (one and other)))
+        elif one or other:
+            small.update((i,) * one + (j,) * other)
+    if not small:
+        return found
+    plain = dict(found)
+    return [(i, plain.get(i, False) and i not in small and j not in small)
+            for i, j in enumerate(following) if i in plain or i in small or j in small]
+
+
+def rises(f, is_closed):
+    """Return a third of the slopes of samples at equal steps, each from five of them."""
+    if is_closed:
+        f = np.concatenate((f[-2:], f, f[:2]))
+    else:
+        f = np.concatenate((_beyond(f)[::-1], f, _beyond(f[::-1])))
+    return (8.0 * (f[3:-1] - f[1:-3]) - (f[4:] - f[:-4])) / 36.0
+
+
+def _beyond(f):
+    """Return the two samples before the first, by cubics."""
+    one = 4.0 * (f[0] + f[2]) - 6.0 * f[1] - f[3]
+    return np.stack((one, 4.0 * (one + f[1]) - 6.0 * f[0] - f[2]))
+
+
+def look_closer(function, row, xa, xb):
+    """
+    Return brackets (which, xa, xb, fa, fb) of the roots in intervals that may have several.
+
+    Each interval is cut in :data:`PARTS`, and where |f| then has a minimum between equal signs, halved on.
+    ``function(x, row)`` evaluates the rows given; ``which``: the index of the interval.
+    """
+    # one part more on either side: a minimum may be at an end
+    x = xa + (xb - xa) * (np.arange(-1, PARTS + 2)[:, None] / PARTS)
+    x[-2] = xb
+    f = function(x.ravel(), np.tile(row, len(x))).reshape(x.shape)
+    positive, size = f >= 0.0, np.abs(f)
+    changes = positive[1:] != positive[:-1]
+    i, which = np.nonzero(changes[1:-1])
+    found = [(which, x[i + 1, which], x[i + 2, which], f[i + 1, which], f[i + 2, which])]
+    i, which = np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] < size[2:]) & ~changes[1:] & ~changes[:-1])
+    xs, fs = ([v[i + j, which] for j in range(3)] for v in (x, f))
+    for _ in range(HALVINGS):
+        going = _may_touch(xs, fs)
+        which, xs, fs = which[going], [v[going] for v in xs], [v[going] for v in fs]
+        if not which.size:
+            break
+        mids = 0.5 * (xs[0] + xs[1]), 0.5 * (xs[1] + xs[2])
+        f_mids = np.split(function(np.concatenate(mids), np.tile(row[which], 2)), 2)
+        xs = np.stack((xs[0], mids[0], xs[1], mids[1], xs[2]))
+        fs = np.stack((fs[0], f_mids[0], fs[1], f_mids[1], fs[2]))
+        positive = fs >= 0.0
+        changes = positive[1:] != positive[:-1]
+        i, j = np.nonzero(changes & (xs[:-1] >= xa[which]) & (xs[1:] <= xb[which]))
+        found.append((which[j], xs[i, j], xs[i + 1, j], fs[i, j], fs[i + 1, j]))
+        on = np.nonzero(~changes.any(axis=0))[0]
+        middle = 1 + np.argmin(np.abs(fs[1:4, on]), axis=0)
+        which, xs, fs = which[on], [xs[middle + j, on] for j in (-1, 0, 1)], [fs[middle + j, on] for j in (-1, 0, 1)]
+    return [np.concatenate(parts) for parts in zip(*found)]
+
+
+def _may_touch(xs, fs):
+    """
+    Return whether the function may have roots between three samples of one sign.
+
+    The parabola through them comes down to half the middle one, or the middle one is so low between the others
+    that the error of the parabola's slope, unknown, may have hidden that.
+    """
+    left, right = xs[1] - xs[0], xs[2] - xs[1]
+    slope_left, slope_right = (fs[1] - fs[0]) / left, (fs[2] - fs[1]) / right
+    curvature = (slope_right - slope_left) / (left + right)
+    slope = (slope_left * right + slope_right * left) / (left + right)
+    return ((slope * slope > 2.0 * abs(fs[1] * curvature))
+            | (np.abs(fs[1]) < DEEP * np.abs(curvature) * np.minimum(left, right)**2))
+
+
+@dialects
+def first_guess(xa, xb, fa, fb, step_a, step_b):
+    """
+    Return where a root is by the inverse of f, interpolated with values and slopes (Hermite).
+
+    That is the mean of the points of Newton's method from both ends, x - step, and of the secant. Without steps
+    (NaN), or outside, it is the secant's.
+    """
+    part = fa / (fa - fb)
+    rest = 1.0 - part
+    secant = xa + part * (xb - xa)
+    x = rest * rest * (xa - step_a) + part * part * (xb - step_b) + 2.0 * part * rest * secant
+    return where((x > xa) & (x < xb), x, secant)
+
+
+def find_brackets(function, x, f, rise, is_closed):
+    """
+    Return brackets (i, row, xa, xb, fa, guess) of all roots of sampled functions, hidden pairs included.
+
+    Parameters
+    ----------
+    function : callable
+        (x, row) -> f of the rows given, or a positive multiple.
+    x : callable
+        (i, row) -> where sample i of the row is [rad], and a third of what x rises in a step there.
+    f, rise, is_closed
+        As in :func:`intervals_with_roots`; ``i`` counts the interval after the last sample as the last.
+
+    """
+    i, row, is_plain = intervals_with_roots(f, rise, is_closed)
+    j = (i + 1) % len(f)
+    (xa, turn_a), (xb, turn_b) = x(i, row), x(j, row)
+    xb, fa, fb = turn_after(xb, xa), f[i, row], f[j, row]
+    with np.errstate(all='ignore'):
+        guess = first_guess.array(xa, xb, fa, fb, fa * turn_a / rise[i, row], fb * turn_b / rise[j, row])
+    brackets = i, row, xa, xb, fa, guess
+    if is_plain.all():
+        return brackets
+    which, *closer = look_closer(function, *(v[~is_plain] for v in (row, xa, xb)))
+    others = i[~is_plain][which], row[~is_plain][which], *_guessed(*closer)
+    return [np.concatenate((v[is_plain], w)) for v, w in zip(brackets, others)]
+
+
+def _guessed(xa, xb, fa, fb):
+    return xa, xb, fa, first_guess.array(xa, xb, fa, fb, nan, nan)
+
+
+def newton_roots(function, row, xa, xb, fa, x):
+    """
+    Return the root of a function in each bracket, to the last bits of x, all together.
+
+    Newton's method, with bisection wherever that leaves the bracket or does not halve its step. The last step
+    is not looked at again: its error is about its square over the width of the bracket.
+
+    Parameters
+    ----------
+    function : callable
+        (x, row) -> f and the step f/f'.
+    row : ndarray
+        Of each bracket.
+    xa, xb, fa, x : ndarray
+        Where f changes its sign, its value at the first of them, and a first guess.
+
+    """
+    root, todo, width = x.copy(), np.arange(x.size), xb - xa
+    positive, last = fa >= 0.0, width
+    while todo.size:
+        f, step = function(x, row)
+        before = (f >= 0.0) == positive
+        xa, xb = np.where(before, x, xa), np.where(before, xb, x)
+        better = x - step
+        is_newton = (better >= xa) & (better <= xb) & (2.0 * np.abs(step) <= last)
+        better = np.where(is_newton, better, 0.5 * (xa + xb))
+        tolerance = EPS * np.maximum(np.abs(better), SMALL)
+        done = np.where(is_newton, SAFETY * step * step <= tolerance * width, xb - xa <= 2.0 * tolerance)
+        done |= ~np.isfinite(f)              # overflow: no root to be found
+        last, x = np.abs(better - x), better
+        root[todo] = x
+        if done.any():
+            going = ~done
+            todo, row, xa, xb, x, last, width, positive = (
+                v[going] for v in (todo, row, xa, xb, x, last, width, positive))
+    return root
+
+
+def newton_root(function, xa, xb, fa, x):
+    """Return as :func:`newton_roots`, in plain floats; ``function(x)`` -> f, step and anything; with its last."""
+    width = last = xb - xa
+    positive = fa >= 0.0
+    while True:
+        f, step, state = function(x)
+        if (f >= 0.0) is positive:
+            xa = x
+        else:
+            xb = x
+        better = x - step
+        is_newton = xa <= better <= xb and 2.0 * abs(step) <= last
+        if not is_newton:
+            better = 0.5 * (xa + xb)
+        tolerance = EPS * max(abs(better), SMALL)
+        if not isfinite(f) or (SAFETY * step * step <= tolerance * width if is_newton
+                               else xb - xa <= 2.0 * tolerance):
+            return better, state
+        last, x = abs(better - x), better

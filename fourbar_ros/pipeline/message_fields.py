@@ -1,0 +1,119 @@
+"""
+Which number goes into which field of which message, once, for the node and for recomputing a bag.
+
+A value is named by its field in the mechanism's motion or loads, or NAME.FIELD of the motion of a point.
+"""
+from __future__ import annotations
+
+from functools import cache
+from math import nan
+from typing import NamedTuple
+
+from fourbar_ros.pipeline import joints, wrenches
+from fourbar_ros.mechanisms.four_bar.loads import Loads
+from fourbar_ros.mechanisms.four_bar.motion import Motion
+from fourbar_ros.mechanisms.mechanism import THETA1, TRAVEL
+from fourbar_ros.mechanisms.points import PointMotion
+from fourbar_ros.mechanisms.slider_loads import SliderLoads
+
+# Fields of LinkageState; what a mechanism does not have is NaN there. omega_beta says the coupler's ratio.
+STATE_FIELDS = (*(name for name in Motion._fields[:Motion._fields.index('condition') + 1] if name != 'coupler_ratio'),
+                *TRAVEL)
+LOADS_FIELDS = tuple(dict.fromkeys(Loads._fields + SliderLoads._fields))
+PASSIVE_EFFORT = 0.0                                   # frictionless joints
+_EFFORTS = {THETA1: 'driving_torque', TRAVEL: 'driving_force'}
+
+
+class Layout(NamedTuple):
+    """
+    Where the numbers of a mechanism and its points go.
+
+    ``fields``: {output: {field of the message: name of the value, or a tuple of names}}, a None standing for
+    the effort of a passive joint; ``absent``: {output: fields that are always NaN}; ``place``: where a
+    value stands in the tuple (*motion, *loads, *motion of the first point, ..., *drive wrench, *joints); ``joints``: a
+    coordinate and the name of its drive, None if it has none, for each joint.
+    """
+
+    fields: dict
+    absent: dict
+    place: dict
+    joints: tuple
+
+    def expected(self, output, values):
+        """Return {field: number or tuple of numbers} of one output message, or of many: values are then arrays."""
+        def pick(source):
+            if isinstance(source, tuple):
+                return tuple(map(pick, source))
+            return PASSIVE_EFFORT if source is None else values[self.place[source]]
+
+        return {**{field: pick(source) for field, source in self.fields[output].items()},
+                **dict.fromkeys(self.absent.get(output, ()), nan)}
+
+    def in_use(self, output):
+        """Return the places of all values that an output has."""
+        return {self.place[name] for source in self.fields[output].values()
+                for name in (source if isinstance(source, tuple) else (source,)) if name is not None}
+
+
+@cache
+def layout(kind, driven, points=(), with_effort=True, own_joints=False, with_drive=False):
+    """
+    Return the :class:`Layout` of a kind of mechanism, driven at its crank or slide, with named points.
+
+    ``with_effort``: joint_states have it; ``own_joints``: what they show are values of :mod:`fourbar_ros.pipeline.joints`, not
+    those of the motion; ``with_drive``: with the drive wrench of :mod:`fourbar_ros.pipeline.wrenches`.
+    """
+    names = kind.MOTION._fields + kind.LOADS._fields
+    output, ratio = kind.OUTPUTS[driven]
+    motion = ('position', 'velocity', 'acceleration')
+    fields = {
+        'driven': dict(zip(motion, kind.INPUTS[driven])),
+        'output': dict(zip(motion, output)),
+        'state': {'velocity_ratio': ratio, **{name: name for name in STATE_FIELDS if name in names}},
+        'loads': {name: name for name in LOADS_FIELDS if name in names},
+        'shaking_wrench': {'wrench.force.x': 'shaking_force_x', 'wrench.force.y': 'shaking_force_y',
+                           'wrench.torque.z': 'shaking_moment'},
+        'joint_states': _joint_states(kind, with_effort, own_joints),
+        **{f'points/{point}': {name: f'{point}.{name}' for name in PointMotion._fields} for point in points},
+    }
+    absent = {'state': tuple(name for name in STATE_FIELDS if name not in fields['state']),
+              'loads': tuple(name for name in LOADS_FIELDS if name not in names)}
+    names += tuple(f'{point}.{name}' for point in points for name in PointMotion._fields)
+    if with_drive:
+        fields['drive_wrench'] = dict(zip(('wrench.force.x', 'wrench.force.y', 'wrench.torque.z'), wrenches.NAMES))
+    names += (wrenches.NAMES if with_drive else ()) + (joints.NAMES if own_joints else ())
+    return Layout(fields, absent, {name: i for i, name in enumerate(names)},
+                  tuple((joint, _EFFORTS.get(joint)) for joint in kind.JOINTS))
+
+
+def _joint_states(kind, with_effort, own):
+    if own:
+        fields = {what: joints.NAMES[4 * i:4 * i + 4] for i, what in enumerate(('position', 'velocity', 'effort'))}
+    else:
+        fields = {'position': tuple(joint.position for joint in kind.JOINTS),
+                  'velocity': tuple(joint.rate for joint in kind.JOINTS),
+                  'effort': tuple(_EFFORTS.get(joint) for joint in kind.JOINTS)}
+    if not with_effort:
+        del fields['effort']                             # empty in the message: not known
+    return fields
+
+
+def driven_of(message, joint=''):
+    """
+    Return (position, velocity, acceleration) from a Motion or of a joint of a JointState.
+
+    NaN for what the message does not have; None if it does not have the joint.
+    """
+    if not hasattr(message, 'name'):
+        return message.position, message.velocity, message.acceleration
+    try:
+        i = message.name.index(joint)
+        position = message.position[i]
+    except (ValueError, IndexError):
+        return None
+    return position, message.velocity[i] if i < len(message.velocity) else nan, nan
+
+
+def is_time(sec, nanosec):
+    """Return whether a stamp is a time: a node replaces others, and stamps of 0, by the time at which they come."""
+    return (sec >= 0) & (nanosec < 10**9)

@@ -1,0 +1,58 @@
+"""One evaluation that never raises: a status says what the numbers are worth."""
+from __future__ import annotations
+
+from functools import cache
+from math import isfinite, isinf, isnan, nan
+
+import numpy as np
+
+from fourbar_ros.errors import InvalidParameter, OutOfRange, Toggle
+
+# The same numbers as the STATUS_ constants of fourbar_msgs/LinkageState (a test compares them).
+OK, OUT_OF_RANGE, INVALID_INPUT, TOGGLE, RATES_UNKNOWN, INPUT_TIMEOUT, LOADS_UNKNOWN = range(7)
+STATUS_NAMES = ('ok', 'out of range', 'invalid input', 'toggle', 'rates unknown', 'input timeout', 'loads unknown')
+
+
+@cache
+def _none_of(fields):
+    """Return a NamedTuple of this type of which nothing is known."""
+    return fields(*[nan] * len(fields._fields))
+
+
+def evaluate(mechanism, position, rate, acceleration, with_loads):
+    """
+    Return (status, motion, loads): what does not exist is NaN, loads are all NaN if not asked for.
+
+    INVALID_INPUT stands for an input that is NaN, for infinity, and for speeds so high that a result
+    overflows; RATES_UNKNOWN for a rate or acceleration that is NaN: what does not depend on it is valid.
+    """
+    given = position, rate, acceleration
+    if not isfinite(position) or isinf(rate) or isinf(acceleration):
+        return INVALID_INPUT, mechanism.unknown(*given), _none_of(mechanism.LOADS)
+    if isnan(rate) or isnan(acceleration):
+        return _partly(RATES_UNKNOWN, mechanism, *given)
+    try:
+        if with_loads:
+            motion, loads = mechanism.step(*given)
+            is_finite = isfinite(sum(motion) + sum(loads))
+        else:
+            motion, loads = mechanism.motion(*given), _none_of(mechanism.LOADS)
+            is_finite = isfinite(sum(motion))
+    except InvalidParameter:     # numbers overflow
+        is_finite = False
+    except OutOfRange:
+        return OUT_OF_RANGE, mechanism.unknown(*given), _none_of(mechanism.LOADS)
+    except Toggle:
+        return _partly(TOGGLE, mechanism, *given)
+    if is_finite:
+        return OK, motion, loads
+    return INVALID_INPUT, mechanism.unknown(*given), _none_of(mechanism.LOADS)
+
+
+def _partly(status, mechanism, position, rate, acceleration):
+    """Return the answer where not all of the motion exists: what is infinite or undefined is NaN."""
+    motion = mechanism.motion(np.array([position]), rate, acceleration)
+    if isnan(motion.transmission_angle[0]):
+        return OUT_OF_RANGE, mechanism.unknown(position, rate, acceleration), _none_of(mechanism.LOADS)
+    values = [float(field[0]) for field in motion]
+    return (status, mechanism.MOTION(*[value if isfinite(value) else nan for value in values]), _none_of(mechanism.LOADS))

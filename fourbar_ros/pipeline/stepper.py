@@ -1,0 +1,95 @@
+"""One scene, one input after the other, with what the scene wants where the linkage cannot be assembled."""
+from __future__ import annotations
+
+from math import nan, nextafter
+
+from fourbar_ros.pipeline import joints, wrenches
+from fourbar_ros.mechanisms.points import PointMotion, make_point
+from fourbar_ros.pipeline.status import INVALID_INPUT, LOADS_UNKNOWN, OK, OUT_OF_RANGE, evaluate
+
+_UNBOUNDED = ('_ratio', 'condition', '_velocity', '_acceleration')      # at a limit, besides omega and alpha
+_NO_POINT = (nan,) * len(PointMotion._fields)
+
+
+class Stepper:
+    """
+    Evaluates inputs of one scene in order.
+
+    Out of range its policy holds: 'none' (nothing is known), 'hold' (the last good values again), or
+    'clamp' (the pose at the nearest limit; rates and loads are unbounded there, so NaN). The status says
+    OUT_OF_RANGE in any case.
+
+    Parameters
+    ----------
+    scene : Scene
+    acting : dict, optional
+        A :class:`~fourbar_ros.pipeline.wrenches.Wrench` for each link that a topic loads; not given: as before the first.
+
+    """
+
+    def __init__(self, scene, acting=None):
+        self._scene = scene
+        self.linkage, self._policy = scene.linkage, scene.drive.out_of_range
+        self._points = [make_point.scalar(scene.linkage, *point) for point in scene.points.values()]
+        self._good = None
+        self._limits = None
+        self._joints = None if scene.joint_states.are_plain else joints.Joints(scene.layout, scene.joint_states)
+        self._nothing = (nan,) * (len(scene.layout.place) - (len(joints.NAMES) if self._joints else 0))
+        self._drive_wrench = (wrenches.drive_wrench(scene.linkage, scene.layout.place)
+                              if 'drive_wrench' in scene.outputs else None)
+        self.acting, self._loads_unknown = {}, False
+        for link in scene.wrenches.links:
+            self.act(link, (acting or {}).get(link) or wrenches.in_silence(scene, link, None))
+
+    def act(self, link, wrench):
+        """Have a Wrench act on a link from the next step on."""
+        self.acting[link] = wrench
+        external = wrenches.external(self._scene, self.acting)
+        self._loads_unknown = external is None and self._scene.needs_loads
+        if external is not None:
+            self.linkage = self.linkage.with_external(external)
+
+    def step(self, position, rate, acceleration, with_loads, with_points):
+        """Return (status, values): values are (*motion, *loads, *the motion of each point, *what the layout adds)."""
+        status, motion, loads = evaluate(self.linkage, position, rate, acceleration,
+                                         with_loads and not self._loads_unknown)
+        if self._loads_unknown and status == OK:
+            status = LOADS_UNKNOWN
+        values = self._completed((*motion, *loads, *self._of_points(motion, with_points)))
+        if self._policy == 'hold':
+            if status in (OK, LOADS_UNKNOWN):
+                self._good = values
+            elif status in (OUT_OF_RANGE, INVALID_INPUT) and self._good:
+                values = self._good
+        elif self._policy == 'clamp' and status == OUT_OF_RANGE:
+            values = self._at_limit(position)
+        return status, values
+
+    def silence(self):
+        """Return values of which nothing is known but what is held."""
+        return self._nothing + self._joints.of(self._nothing) if self._joints else self._nothing
+
+    def _completed(self, values):
+        if self._drive_wrench:
+            values += self._drive_wrench(values)
+        return values + self._joints.of(values) if self._joints else values
+
+    def _of_points(self, motion, wanted):
+        return [value for point in self._points for value in (point(motion) if wanted else _NO_POINT)]
+
+    def _at_limit(self, position):
+        if self._limits is None:
+            self._limits = [_inside(self.linkage, end, toward) for low, high in self.linkage.input_ranges
+                            for end, toward in ((low, high), (high, low))]
+        nearest = min(self._limits, key=lambda limit: abs(self.linkage.distance(position, limit)))
+        _, motion, loads = evaluate(self.linkage, nearest, nan, nan, False)
+        motion = motion._replace(**{name: nan for name in motion._fields
+                                    if name.startswith(('omega', 'alpha')) or name.endswith(_UNBOUNDED)})
+        return self._completed((*motion, *loads, *self._of_points(motion, True)))
+
+
+def _inside(linkage, end, toward):
+    """Return the float nearest to the end of a range at which the linkage can be assembled."""
+    while evaluate(linkage, end, 0.0, 0.0, False)[0] == OUT_OF_RANGE and end != toward:
+        end = nextafter(end, toward)
+    return end

@@ -1,0 +1,76 @@
+"""
+Forces between linkages in a chain: what acts on a link from outside, what one does to its drive.
+
+All components are along the ground axes; couples and torques are counter-clockwise positive.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import isfinite, nan
+from typing import NamedTuple
+
+from fourbar_ros.mechanics.bodies import Applied, External
+
+NAMES = ('drive wrench force_x', 'drive wrench force_y', 'drive wrench torque')
+
+
+class Wrench(NamedTuple):
+    """Force [N] at the point of the scene and couple [N m] on a link; NaN: not known."""
+
+    force_x: float
+    force_y: float
+    couple: float
+
+    @property
+    def is_known(self) -> bool:
+        """Return whether it can be computed with."""
+        return all(map(isfinite, self))
+
+
+UNKNOWN = Wrench(nan, nan, nan)
+
+
+def constant(scene, link: str) -> Wrench:
+    """Return what the scene itself gives for a link."""
+    applied = getattr(scene.linkage.external, link)
+    return Wrench(applied.force_x, applied.force_y, applied.couple)
+
+
+def in_silence(scene, link: str, last: Wrench | None) -> Wrench:
+    """Return what acts on a link while its topic is silent; ``last``: what came last, if any."""
+    policy = scene.wrenches.when_silent
+    if policy == 'unknown':
+        return UNKNOWN
+    return last if policy == 'hold' and last is not None else constant(scene, link)
+
+
+def external(scene, acting: dict[str, Wrench]) -> External | None:
+    """Return the External of a scene with what acts in place of constants; None if not known."""
+    if not all(wrench.is_known for wrench in acting.values()):
+        return None
+    given = scene.linkage.external._asdict()
+    for link, (force_x, force_y, couple) in acting.items():
+        given[link] = Applied(force_x, force_y, given[link].along, given[link].across, couple)
+    return External(**given)
+
+
+def drive_wrench(linkage, place: dict[str, int]) -> Callable[[tuple], tuple[float, float, float]]:
+    """
+    Return the function values -> (force_x, force_y, torque) of the linkage on its drive.
+
+    Minus the driving torque; minus the driving force along the slide: x of a slider-crank, the bar
+    of an inverted slider-crank. NaN where that is not known. ``place``: where values stand.
+    """
+    drive = place['driving_force' if linkage.is_driven_by_slide else 'driving_torque']
+
+    def turn(values):
+        nothing = 0.0 * abs(values[drive])               # NaN where the drive is not known
+        return nothing, nothing, -values[drive]
+
+    def push(values):
+        return -values[drive], 0.0 * abs(values[drive]), 0.0 * abs(values[drive])
+
+    def push_along_bar(values):
+        force = -values[drive]
+        return force * values[place['cos_y']], force * values[place['sin_y']], 0.0 * abs(force)
+    return turn if not linkage.is_driven_by_slide else push_along_bar if 'cos_y' in place else push

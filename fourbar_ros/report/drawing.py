@@ -1,0 +1,106 @@
+"""
+A mechanism in a pose with its forces, and its velocity and acceleration polygons, to scale.
+
+What a teacher draws on the board. Only the functions that draw import matplotlib.
+"""
+from __future__ import annotations
+
+from math import hypot
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.report.mechanism_panel import draw_mechanism, joints, renamed, significant  # noqa: F401
+from fourbar_ros.report.polygons import O1, acceleration_polygon, velocity_polygon
+from fourbar_ros.report.sheet import Sheet
+
+STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 11, 'svg.hashsalt': 'fourbar_ros',
+         'svg.fonttype': 'path'}
+LEAST = 0.004          # arrows shorter than this share of the longest are left out
+PART, SUM = '#a02c2c', '#1f4e8c'      # dark enough for print in grey
+
+
+class Units(NamedTuple):
+    """Units of a drawing, each as (text, size in SI)."""
+
+    length: tuple[str, float] = ('m', 1.0)
+    speed: tuple[str, float] = ('m/s', 1.0)
+    acceleration: tuple[str, float] = ('m/s$^2$', 1.0)
+
+
+class CannotDraw(FourBarError, ValueError):
+    """The picture cannot be made or written; the message says why."""
+
+
+def need_matplotlib(what):
+    """Raise CannotDraw if matplotlib is missing."""
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        raise CannotDraw(f'{what} needs matplotlib: pip install matplotlib') from None
+
+
+def draw_polygon(axes, arrows, title, unit, names=None):
+    """Draw a polygon to scale: sums from the pole, parts in a chain, every magnitude below it in a unit (text, size in SI)."""
+    unit, size = unit
+    arrows = [arrow._replace(start=arrow.start / size, vector=arrow.vector / size, label=renamed(arrow.label, names or {}))
+              for arrow in arrows]
+    longest = max(hypot(*arrow.vector) for arrow in arrows)
+    # a part that is all of its sum is not drawn twice
+    sums = [arrow for arrow in arrows if arrow.is_sum]
+    shown = [arrow for arrow in arrows if hypot(*arrow.vector) > LEAST * longest and (arrow.is_sum or not any(
+        np.allclose(arrow.vector, other.vector, 0.0, LEAST * longest) and np.allclose(arrow.start, other.start)
+        for other in sums))]
+    sheet = Sheet(axes, [O1] + [point for arrow in shown for point in (arrow.start, arrow.start + arrow.vector)],
+                  f'{title} [{unit}]')
+    for arrow in shown:
+        sheet.arrow(arrow.start, arrow.vector, *((SUM, 2.0) if arrow.is_sum else (PART, 1.4)))
+        sheet.occupy(arrow.start, arrow.start + arrow.vector)
+    axes.plot(0.0, 0.0, 'o', ms=5, mfc='w', mec='k', zorder=7)
+    if not shown:
+        axes.annotate('all zero', O1, (8, 0), textcoords='offset points', va='center')
+        return
+    sheet.label('o', sheet.around(O1), 'k')
+    for arrow in shown:
+        sheet.label(arrow.label, sheet.beside(arrow.start, arrow.vector), SUM if arrow.is_sum else PART)
+    sheet.scale(unit)
+    sheet.write([f'${arrow.label}$ = {significant(hypot(*arrow.vector))}' for arrow in shown])
+
+
+def make_figure(mechanism, motion, loads=None, title='', points=None, names=None, units=Units()):
+    """
+    Return a matplotlib Figure of three panels: mechanism, velocity and acceleration polygon.
+
+    ``points``, ``names``: see :func:`~fourbar_ros.report.mechanism_panel.draw_mechanism`; ``units`` of lengths and polygons.
+    """
+    need_matplotlib('draw')
+    import matplotlib
+    from matplotlib.figure import Figure
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(12.6, 6.2 if loads else 5.6))
+        axes = figure.subplots(1, 3)
+        figure.subplots_adjust(left=0.01, right=0.99, bottom=0.34 if loads else 0.24, top=0.89, wspace=0.06)
+        figure.suptitle(title, x=0.012, y=0.98, ha='left', fontsize=13, fontweight='bold')
+        below = '   $F_{ij}$: force of link $i$ on link $j$' if loads else ''
+        draw_mechanism(axes[0], mechanism, motion, loads, points, names, units.length, f'mechanism{below}')
+        draw_polygon(axes[1], velocity_polygon(mechanism, motion), 'velocities', units.speed, names)
+        draw_polygon(axes[2], acceleration_polygon(mechanism, motion), 'accelerations', units.acceleration, names)
+    return figure
+
+
+def save(figure, path):
+    """Write a figure as .svg, .pdf, .png, ... and return the path; the same bytes for the same figure."""
+    import matplotlib
+    path = Path(path)
+    if not path.suffix:
+        path = path.with_name(path.name + '.png')
+    try:
+        with matplotlib.rc_context(STYLE):
+            figure.savefig(path, dpi=200, **({'metadata': {'Date': None}} if path.suffix == '.svg' else {}))
+    except OSError as error:
+        raise CannotDraw(f'{path}: {error.strerror}') from None
+    except ValueError as error:
+        raise CannotDraw(f'{path}: {error}') from None
+    return path

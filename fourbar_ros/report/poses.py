@@ -1,0 +1,156 @@
+"""One pose of a linkage as ``fourbar show`` and ``fourbar draw`` take and tell it: angles in degrees."""
+from __future__ import annotations
+
+from math import degrees, hypot, radians
+from typing import Any, NamedTuple
+
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.errors import UNITS
+from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
+from fourbar_ros.mechanisms.mechanism import (
+    THETA1,
+    THETA2,
+    THETA3,
+    THETA4,
+    TRAVEL,
+    Coordinate,
+    Mechanism,
+)
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+from fourbar_ros.pipeline.status import (
+    INVALID_INPUT,
+    OUT_OF_RANGE,
+    STATUS_NAMES,
+    TOGGLE,
+    evaluate,
+)
+from fourbar_ros.report.terminal import PlainTable, plain_table
+
+BETA = Coordinate('beta', 'omega_beta', 'alpha_beta')
+FORCES = {'f41': ('F41', 'ground on crank'), 'f21': ('F21', 'crank on coupler'), 'f32': ('F32', 'output on coupler'),
+          'f43': ('F43', 'ground on output'), 'shaking_force': ('shaking force', 'linkage on ground')}
+MOMENTS = {'driving_torque': ('driving torque T41', 'N m'), 'driving_force': ('driving force', 'N'),
+           'guide_force': ('guide force', 'N'), 'guide_couple': ('guide couple', 'N m'),
+           'shaking_moment': ('shaking moment about O1', 'N m')}
+
+
+class NoPose(FourBarError, ValueError):
+    """The linkage has no pose at the input asked for; the message is in the units of the question."""
+
+
+class Pose(NamedTuple):
+    """Motion and loads (None without masses) at one input; ``status`` of :mod:`fourbar_ros.pipeline.status`."""
+
+    status: int
+    motion: Any
+    loads: Any
+
+
+def position_of(linkage: Mechanism, at: float) -> float:
+    """Return the input [rad] or [m] of one asked for in degrees or m."""
+    return at if linkage.is_driven_by_slide else radians(at)
+
+
+def evaluate_at(linkage: Mechanism, at: float, speed: float, acceleration: float) -> Pose:
+    """
+    Return the :class:`Pose` at an input [degrees] or [m], its rate and acceleration [rad/s], [m/s], ...
+
+    Raises
+    ------
+    NoPose
+        The input is out of range.
+    InvalidParameter
+        It is no finite number.
+
+    """
+    given = position_of(linkage, at), speed, acceleration
+    status, motion, loads = evaluate(linkage, *given, linkage.bodies is not None)
+    if status == OUT_OF_RANGE:
+        raise no_pose(linkage, at, f'is outside the input range {ranges_in_words(linkage)}')
+    if status == INVALID_INPUT:
+        linkage.motion(*given)       # raises where the input is not finite
+    return Pose(status, motion, loads if linkage.bodies else None)
+
+
+def step_at(linkage: Mechanism, at: float, speed: float, acceleration: float) -> Pose:
+    """Return the :class:`Pose` as :func:`evaluate_at`; at a toggle, where rates are unbounded, NoPose too."""
+    pose = evaluate_at(linkage, at, speed, acceleration)
+    if pose.status == TOGGLE:
+        raise no_pose(linkage, at, 'is a toggle position: rates and loads are unbounded')
+    return pose
+
+
+def no_pose(linkage: Mechanism, at: float, why: str) -> NoPose:
+    """Return the error of an input [degrees] or [m]."""
+    unit = 'm' if linkage.is_driven_by_slide else 'deg'
+    return NoPose(f'{linkage.input_coordinate.position} = {at:.12g} {unit} {why}')
+
+
+def shown(name: str, value: float) -> str:
+    """Return a position as text: angles in degrees."""
+    return f'{value:.6g} m' if name == 'slide' else f'{degrees(value):.4f} deg'
+
+
+def ranges_in_words(linkage: Mechanism) -> str:
+    """Return the range of the input as text, angles in degrees."""
+    name = linkage.input_coordinate.position
+    if name == 'slide':
+        return ' or '.join(f'{low:.9g} to {high:.9g}' for low, high in linkage.input_ranges) + ' m'
+    return ' or '.join(f'{degrees(low):.4f} to {degrees(high):.4f}' for low, high in linkage.input_ranges) + ' deg'
+
+
+def number(value: float) -> str:
+    """Return a value as text, with ten digits."""
+    return f'{value + 0.0:.10g}'
+
+
+# --- tables ----------------------------------------------------------------------------------------
+
+def _parts(linkage):
+    """Return {coordinate: what moves} of a kind of mechanism."""
+    if isinstance(linkage, SliderCrank):
+        return {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'slider to coupler', BETA: 'coupler',
+                TRAVEL: 'slider'}
+    if isinstance(linkage, InvertedSlider):
+        return {THETA1: 'crank', THETA2: 'block to crank', THETA4: 'bar', TRAVEL: 'block on the bar'}
+    return {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'output link to coupler', THETA4: 'output link',
+            BETA: 'coupler'}
+
+
+def motion_table(linkage: Mechanism, pose: Pose) -> PlainTable:
+    """Return the table of all joints: position, rate, acceleration."""
+    driven = linkage.input_coordinate
+    given = (f'at {driven.position} = {shown(driven.position, getattr(pose.motion, driven.position))}, '
+             f'{getattr(pose.motion, driven.rate):g} {UNITS[driven.position]}/s, '
+             f'{getattr(pose.motion, driven.acceleration):g} {UNITS[driven.position]}/s^2: {STATUS_NAMES[pose.status]}')
+    table = plain_table(given, ('', 'position>', 'unit', 'rate>', 'acceleration>', 'unit', 'of'))
+    for coordinate, part in _parts(linkage).items():
+        value, unit = shown(coordinate.position, getattr(pose.motion, coordinate.position)).split()
+        rates = UNITS.get(coordinate.position, 'rad')
+        table.add_row(coordinate.position, value, unit, number(getattr(pose.motion, coordinate.rate)),
+                      number(getattr(pose.motion, coordinate.acceleration)), f'{rates}/s, {rates}/s^2', part)
+    table.add_row('transmission angle', *shown('', pose.motion.transmission_angle).split())
+    return table
+
+
+def loads_table(pose: Pose) -> PlainTable:
+    """Return the table of all forces with their components, and of torques."""
+    table = plain_table('loads', ('', 'x>', 'y>', 'magnitude>', 'unit', 'of'))
+    for name, (text, what) in FORCES.items():
+        table.add_row(text, *(number(getattr(pose.loads, field)) for field in (f'{name}_x', f'{name}_y', name)), 'N', what)
+    for name, (text, unit) in MOMENTS.items():
+        if name in pose.loads._fields:
+            table.add_row(text, '', '', number(getattr(pose.loads, name)), unit)
+    return table
+
+
+def points_table(linkage: Mechanism, motion, points: dict) -> PlainTable:
+    """Return the table of the points of a scene: place, velocity, acceleration."""
+    table = plain_table('points', ('', '', 'x>', 'y>', 'magnitude>', 'unit'))
+    for name, point in points.items():
+        found = point_motion(linkage, motion, *point)
+        for label, what, (x, y), unit in ((name, 'place', found.place, 'm'), ('', 'velocity', found.velocity, 'm/s'),
+                                          ('', 'acceleration', found.acceleration, 'm/s^2')):
+            table.add_row(label, what, number(x), number(y), number(hypot(x, y)), unit)
+    return table

@@ -1,0 +1,139 @@
+"""What ``fourbar show`` prints."""
+from __future__ import annotations
+
+from math import degrees, tau
+
+import numpy as np
+
+from fourbar_ros.scene import scene as scenes
+from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
+from fourbar_ros.errors import UNITS
+from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
+from fourbar_ros.mechanisms.quantities import select
+from fourbar_ros.report.poses import (
+    evaluate_at,
+    loads_table,
+    motion_table,
+    number,
+    points_table,
+    shown,
+)
+from fourbar_ros.scene.files import find
+from fourbar_ros.report.terminal import make_console, plain_table
+
+SAMPLES, END, FULL_TURN = 721, 1e-14, tau * (1.0 - 1e-9)
+SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the range is approached
+MODE_NAMES = {1: '1 (crossed)', 2: '2 (open)'}
+
+
+def show(path, mode=None, speed=None, at=None, acceleration=0.0, console=None):
+    """Print the tables of a scene; ``at``: an input to evaluate [degrees], or [m] of a driven slide."""
+    path = find(path)
+    scene = scenes.load(path)
+    linkage = scene.linkage.in_mode(mode or scene.linkage.mode)
+    speed = scene.drive.speed if speed is None else speed
+    console = console or make_console()
+    pose = None if at is None else evaluate_at(linkage, at, speed, acceleration)      # first, as it may raise
+    console.print(what_it_is(linkage, path))
+    console.print()
+    quantities = select((), linkage, scene.point_quantities)
+    driven = f'{speed:g} {rate_unit(linkage)}' + (f' and {acceleration:g} {rate_unit(linkage)}^2' if acceleration else '')
+    console.print(extremes_table(find_extrema(linkage, quantities, speed, acceleration),
+                                 f'extrema at {driven}, mode {mode_name(linkage)}'))
+    if linkage.bodies is None:
+        console.print('no masses given, so no loads: see bodies.* in docs/node.md')
+    if pose is None:
+        return
+    for table in (motion_table(linkage, pose), loads_table(pose) if pose.loads else None,
+                  points_table(linkage, pose.motion, scene.points) if scene.points else None):
+        if table:
+            console.print()
+            console.print(table)
+
+
+def class_name(linkage):
+    """Return the class of a linkage as text; of sliders also the kind and what is driven."""
+    if isinstance(linkage, FourBar):
+        return linkage.classification
+    kind = 'inverted slider-crank' if isinstance(linkage, InvertedSlider) else 'slider-crank'
+    return f'{kind}, {linkage.classification}, driven at its {linkage.input}'
+
+
+def mode_name(linkage):
+    """Return the assembly mode as text."""
+    return MODE_NAMES[linkage.mode] if isinstance(linkage, FourBar) else str(linkage.mode)
+
+
+def rate_unit(linkage):
+    """Return the unit of the input's rate."""
+    return f'{UNITS[linkage.input_coordinate.position]}/s'
+
+
+def _ranges(name, ranges):
+    if name != 'slide' and any(high - low >= FULL_TURN for low, high in ranges):
+        return f'{name}: full turns'
+    ends = [[shown(name, end).split()[0] for end in bounds] for bounds in ranges]
+    return f'{name}: {", ".join(map(" to ".join, ends))} {"m" if name == "slide" else "deg"}'
+
+
+def output_ranges(linkage):
+    """
+    Return the ranges of theta4 in the mode of a 4R linkage, one for each range of the input.
+
+    theta4 turns back at dead points only, so these and the ends of the input are where it is extreme.
+    """
+    found = []
+    for low, high in linkage.input_ranges:
+        turns = [point.theta1 + turn for point in linkage.dead_points for turn in (-tau, 0.0, tau)]
+        theta1 = np.sort([*np.linspace(low, high, SAMPLES), *(x for x in turns if low < x < high)])
+        theta1[0] += END                        # of a range that ends in a toggle, the end itself may be NaN
+        theta1[-1] -= END
+        theta4 = np.unwrap(linkage.motion(theta1).theta4)
+        turn = tau * round(0.5 * (theta4.min() + theta4.max()) / tau)
+        found.append((theta4.min() - turn, theta4.max() - turn))
+    return sorted(found)
+
+
+def what_it_is(linkage, title):
+    """Return the table of a linkage's own properties."""
+    table = plain_table(str(title), ('', ''))
+    table.show_header = False
+    driven = linkage.input_coordinate.position
+    rows = [('lengths', '  '.join(f'{name} {length:g}' for name, length in zip(linkage.LENGTHS, linkage.lengths)) + '  m'),
+            ('class', class_name(linkage)),
+            ('assembly mode', mode_name(linkage)),
+            ('input', _ranges(driven, linkage.input_ranges))]
+    if isinstance(linkage, FourBar):
+        if linkage.change_point_margin > 0.0:
+            rows.append(('output', _ranges('theta4', output_ranges(linkage)) + ', in this mode'))
+        else:
+            rows.append(('output', _ranges('theta4', linkage.output_ranges) + ', in both modes: they meet'))
+    rows += [('dead point' + (f', {"stretched" if point.stretched else "folded"}' if hasattr(point, 'stretched') else ''),
+              ', '.join(f'{name} {shown(name, value)}' for name, value in zip(point._fields, point[:2])))
+             for point in linkage.dead_points]
+    rows.append(('change-point margin', f'{linkage.change_point_margin:.6g} of the perimeter'))
+    if linkage.bodies:
+        rows += [(f'{name}', f'{body.mass:.6g} kg, {body.inertia:.6g} kg m^2, CG at '
+                             f'({body.cg_along:g}, {body.cg_across:g}) m')
+                 for name, body in linkage.bodies._asdict().items()]
+    for row in rows:
+        table.add_row(*row)
+    return table
+
+
+def extremes_table(extrema, title):
+    """Return the table of a list of Extremum."""
+    slides = any(extremum.slide == extremum.slide for extremum in extrema)
+    table = plain_table(title, ('quantity', 'kind', '', 'value>', 'unit', *(('slide [m]>',) if slides else ()),
+                                'theta1 [rad]>', '[deg]>', ''))
+    last = None
+    for extremum in extrema:
+        if last not in (None, extremum.quantity):
+            table.add_section()
+        table.add_row('' if extremum.quantity == last else extremum.quantity, str(extremum.kind),
+                      'global' if extremum.is_global else '', number(extremum.value), extremum.unit,
+                      *((f'{extremum.slide:.8f}',) if slides else ()),
+                      f'{extremum.theta1:.8f}', f'{degrees(extremum.theta1):.4f}', SIDES[extremum.side])
+        last = extremum.quantity
+    return table

@@ -1,0 +1,1 @@
+"""The source documents, printed beside computed."""

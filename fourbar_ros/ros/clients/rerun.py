@@ -1,0 +1,276 @@
+"""Drive a live node with the recorded motion of the driven joint; compare its answers with the recorded ones."""
+from __future__ import annotations
+
+import json
+import struct
+import time
+from typing import NamedTuple
+
+import numpy as np
+from rclpy.experimental import EventsExecutor
+from rclpy.parameter import Parameter
+from rclpy.parameter_client import AsyncParameterClient
+from rclpy.qos import QoSProfile
+
+from fourbar_ros.scene import topics as interfaces, parameters
+from fourbar_ros.scene import scene as scenes
+from fourbar_ros.bag import BagError
+from fourbar_ros.bag.origin import origin_of
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recompute import distance
+from fourbar_ros.bag.playback import Pace, play
+from fourbar_ros.ros.messages import resolve
+from fourbar_ros.ros.clients.client import NoAnswer
+from fourbar_ros.ros.clients.replay import Replayer, installed
+
+PATIENCE = 5.0          # [s] for the node to be found
+QUIET = 1.0             # [s] without an answer: no more will come
+BLOCK = 2000            # pairs of messages that are compared at once
+LATE = 10_000           # messages of a topic that wait for their partner; older ones have none
+OURS = ('drive.', 'recording.')         # parameters that a live node has its own of
+
+
+class Answer(NamedTuple):
+    """What a live node said on one topic, beside what was recorded; ``field`` differs most."""
+
+    topic: str
+    messages: int
+    missing: int
+    largest: float
+    field: str
+
+
+class LiveRun(NamedTuple):
+    """The answers of a live node by topic; ``notes``: what the scene had to do with it, in words."""
+
+    answers: list
+    notes: list
+
+
+def drive_live(path, node_name=None, rate=1.0, start=0.0, ros_args=()):
+    """
+    Return the :class:`LiveRun` of a bag: an :class:`Answer` for every output in it.
+
+    The recorded motion of the driven joint goes to the ``~/input`` of the node, which must be driven by
+    ``motion`` and have the scene of the bag (``fourbar bag scene`` writes it). Where the scene changes in the bag
+    it is changed in the node. Answers are matched by their stamp, that of their input. Memory does not grow with
+    the bag.
+    """
+    bag = Bag(path)
+    origin = origin_of(bag)
+    next(bag.raw(), None)                                # so that its topics are known
+    known = {channel.topic for channel in bag.channels.values()}
+    outputs = {origin.topics[name]: topic.type for name, topic in origin.scene.topics.items()
+               if origin.topics.get(name) in known}
+    driven, scene_topic = origin.topics['driven'], origin.topics.get('scene')
+    for topic in (driven, *outputs):
+        _, why = installed(bag.type_of(topic), bag.hash_of(topic))
+        if why:
+            raise BagError(f'{path}: {topic}: {why}')
+    pace = Pace(rate)
+    with Replayer(bag, ros_args=ros_args) as replayer:
+        live = _Live(replayer, outputs, origin, node_name or origin.node)
+        live.wait_until_found()
+        changes = _Changes(live, bag, origin.scene, scene_topic, pace)
+        changes.before(start)
+        for raw in play(bag, [driven, scene_topic, *outputs], rate, start, tick=live.tick, pace=pace):
+            if raw.topic == driven:
+                live.send(raw)
+            elif raw.topic == scene_topic:
+                changes.take(raw)
+            else:
+                live.expect(raw)
+        live.wait_for_the_rest()
+        return LiveRun(live.compared(), changes.notes)
+
+
+class _Changes:
+    """Takes over in a live node what changes in the scene of a bag."""
+
+    def __init__(self, live, bag, scene, topic, pace):
+        self._live, self._bag, self._topic, self._pace = live, bag, topic, pace
+        self._values, self._origin, self.notes = scene.values, next(bag.raw()).time, []
+        self._first = True
+
+    def before(self, start):
+        """Take over the changes in the part of the bag that is left out."""
+        if start and self._topic:
+            begin = self._origin + round(start * 1e9)
+            for raw in self._bag.raw([self._topic]):
+                if raw.time >= begin:
+                    break
+                self.take(raw)
+
+    def take(self, raw):
+        """Take over a scene of the bag, once all motions before it are answered."""
+        values = scenes.from_values(json.loads(self._bag.decode(raw).data)).values
+        changed = {name: value for name, value in values.items()
+                   if not name.startswith(OURS) and not _is_same(value, self._values.get(name))}
+        self._values = values
+        if not changed:
+            return
+        self._pace.pause()
+        self._live.wait_for_the_rest()
+        at = (raw.time - self._origin) * 1e-9
+        text = ', '.join(f'{name} {value}' for name, value in changed.items())
+        self.notes.append(f'the scene of the bag changed after {at:.3f} s: {text}: {self._live.set(changed)}')
+        self._pace.pause(False)
+
+
+def _is_same(a, b):
+    return a == b or (a != a and b != b)                 # NaN: not given
+
+
+class _Topic:
+    """Recorded messages of one topic and the answers of the live node, until they meet."""
+
+    def __init__(self, decoder):
+        self._decoder = decoder
+        self._expected, self._answers, self._pairs = {}, {}, []
+        self.messages = self.missing = 0
+        self.largest, self.field = 0.0, ''
+
+    def expect(self, stamp, data):
+        """Keep what was recorded."""
+        self._meet(stamp, data, self._expected, self._answers, False)
+
+    def answer(self, stamp, data):
+        """Keep what the live node says."""
+        self._meet(stamp, data, self._answers, self._expected, True)
+
+    @property
+    def is_waiting(self):
+        """Return whether answers are still to come."""
+        return bool(self._expected)
+
+    def _meet(self, stamp, data, own, others, is_answer):
+        other = others.pop(stamp, None)
+        if other is None:
+            own[stamp] = data
+            if len(own) > LATE:
+                del own[next(iter(own))]
+                self.missing += not is_answer
+            return
+        self._pairs.append((other, data) if is_answer else (data, other))
+        if len(self._pairs) >= BLOCK:
+            self.compare()
+
+    def compare(self):
+        """Compare the messages that have met."""
+        here, there = [pair[0] for pair in self._pairs], [pair[1] for pair in self._pairs]
+        self.messages += len(self._pairs)
+        self._pairs = []
+        for layout, rows, records in self._decoder.arrays(here):
+            answers = [there[row] for row in rows]
+            if not all(map(layout.matches, answers)):
+                self.largest, self.field = np.inf, '(lengths)'
+                continue
+            others = np.frombuffer(b''.join(answers), layout.dtype)
+            for leaf in layout.leaves:
+                if leaf.format[0] != 'S':
+                    value = distance(records[leaf.name].astype(float), others[leaf.name].astype(float))
+                    if value > self.largest:
+                        self.largest, self.field = value, leaf.name
+
+    def finished(self, topic):
+        """Return the Answer."""
+        if self._pairs:
+            self.compare()
+        return Answer(topic, self.messages, self.missing + len(self._expected), self.largest, self.field)
+
+
+class _Live:
+    """The node on the other side."""
+
+    def __init__(self, replayer, outputs, origin, node_name):
+        self._replayer, self._node = replayer, replayer.node
+        self._in_order, self._first, recorded_node = origin.in_order, None, origin.node
+        self._executor = EventsExecutor()
+        self._executor.add_node(self._node)
+        self._topics = {topic: _Topic(replayer.bag.decoder(topic)) for topic in outputs}
+        self._last, self._heard = None, time.monotonic()         # stamp of the newest motion
+        topic = interfaces.INPUTS['motion']
+        self._name = topic.topic.replace('~', node_name)
+        self._input = self._node.create_publisher(resolve(topic.type), self._name, interfaces.INPUT_DEPTH)
+        self._subscriptions = [self._listen(topic, type_name, recorded_node, node_name)
+                               for topic, type_name in outputs.items()]
+        self._parameters = AsyncParameterClient(self._node, node_name)
+
+    def _listen(self, topic, type_name, recorded_node, node_name):
+        there = topic.replace(recorded_node, node_name, 1) if topic.startswith(recorded_node + '/') else topic
+        answers = self._topics[topic]
+
+        def take(data):
+            self._heard = time.monotonic()
+            answers.answer(stamp_of(data), data)
+        return self._node.create_subscription(resolve(type_name), there, take, QoSProfile(depth=1000), raw=True)
+
+    def wait_until_found(self):
+        """Wait for the node's input and outputs."""
+        end = time.monotonic() + PATIENCE
+        while not (self._input.get_subscription_count()
+                   and all(s.get_publisher_count() for s in self._subscriptions)):
+            if time.monotonic() > end or not self.tick(0):
+                raise NoAnswer(f'{self._name}: no node with drive.source: motion and the outputs of the bag '
+                               f'(waited {PATIENCE:g} s)')
+        self.wait_for_the_rest(0.3)
+
+    def tick(self, _):
+        """Handle what came in."""
+        for _ in range(1000):
+            before = self._heard
+            self._executor.spin_once(timeout_sec=0.0 if self._last else 0.02)
+            if self._heard == before:
+                break
+        return self._replayer.tick(0)
+
+    def set(self, changed):
+        """Change parameters of the node; return what became of it, in words."""
+        fixed = [name for name in changed if not parameters.find(name).live]
+        if fixed:
+            return f'not taken over: {fixed[0]} cannot be changed while the node runs'
+        future = self._parameters.set_parameters_atomically(
+            [Parameter(name, value=list(value) if isinstance(value, tuple) else value) for name, value in changed.items()])
+        end = time.monotonic() + PATIENCE
+        while not future.done() and time.monotonic() < end:
+            self._executor.spin_once(timeout_sec=0.02)
+        if not future.done():
+            return 'not taken over: no answer of the node'
+        result = future.result().result
+        return 'taken over' if result.successful else f'not taken over: {result.reason}'
+
+    def send(self, raw):
+        """Send one motion of the driven joint."""
+        self._last = stamp_of(raw.data)
+        self._first = self._first or self._last
+        self._input.publish(raw.data)
+
+    def expect(self, raw):
+        """Keep what was recorded, if its motion was sent; in a bag of rosbag2 that may come later."""
+        stamp = stamp_of(raw.data)
+        if stamp == self._last or not self._in_order and self._last and moment_of(stamp) >= moment_of(self._first):
+            self._topics[raw.topic].expect(stamp, raw.data)
+
+    def wait_for_the_rest(self, quiet=QUIET):
+        """Wait until nothing has come for some time, or all has."""
+        self._heard = time.monotonic()
+        while time.monotonic() - self._heard < quiet and (
+                not self._last or any(topic.is_waiting for topic in self._topics.values())):
+            self._executor.spin_once(timeout_sec=0.02)
+
+    def compared(self):
+        """Return the answers beside what was recorded."""
+        if not self._last:
+            raise BagError('the bag has no motion of the driven joint')
+        self._executor.shutdown()
+        return [topic.finished(name) for name, topic in self._topics.items()]
+
+
+def stamp_of(data):
+    """Return the stamp of a message that begins with a header, as the bytes it has on the wire."""
+    return bytes(data[4:12])
+
+
+def moment_of(stamp):
+    """Return such bytes as seconds and nanoseconds that can be compared."""
+    return struct.unpack('<iI', stamp)

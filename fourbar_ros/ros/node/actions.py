@@ -1,0 +1,64 @@
+"""The search for extrema as an action: with feedback, and it can be canceled."""
+from __future__ import annotations
+
+from traceback import format_exc
+
+from rclpy.action import ActionServer, CancelResponse
+
+from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.ros.node.extrema import Canceled, Search
+from fourbar_ros.ros.messages import resolve
+
+
+class ExtremaServer(ActionServer):
+    """
+    The action server of a node; goals wait for the worker that also answers the service.
+
+    rclpy would execute a goal in the executor, which could then take neither inputs nor a request
+    to cancel.
+    """
+
+    def __init__(self, node):
+        self._owner, self._worker = node, node.workers['search']
+        action = interfaces.FIND_EXTREMA
+        super().__init__(node, resolve(action.type), action.service, self._answer,
+                         cancel_callback=lambda _: CancelResponse.ACCEPT)
+
+    def notify_execute(self, goal_handle, execute_callback):
+        """Have a goal executed by the worker."""
+        def run():
+            try:
+                self._execute_goal(execute_callback or self._answer, goal_handle).send(None)
+            except StopIteration:                        # a coroutine that never waits, at its end
+                pass
+            except Exception:                            # the client is gone, or the node
+                self._owner.get_logger().debug(f'a goal of find_extrema: {format_exc()}')
+        self._worker.do(run)
+
+    def _answer(self, goal):
+        kind = self.action_type
+
+        def check():
+            if goal.is_cancel_requested:
+                raise Canceled('canceled: the extrema are those found before')
+            self._worker.check()
+
+        def progress(quantity, mode, done, total, found):
+            check()
+            goal.publish_feedback(kind.Feedback(quantity=quantity, mode=mode, done=done,
+                                                total=total, found=found))
+
+        result = kind.Result()
+        try:
+            result = Search(self._owner.stream.scene, goal.request, check).answer(result, progress)
+        except Exception as error:           # a fault of ours: told, and the stream goes on
+            self._owner.get_logger().error(f'a fault in find_extrema: {format_exc()}')
+            result.result = result.RESULT_INVALID_REQUEST
+            result.message = f'a fault in the node, see its log: {error!r}'
+        if goal.is_cancel_requested:
+            goal.canceled()
+        elif result.result == result.RESULT_OK:
+            goal.succeed()
+        else:
+            goal.abort()
+        return result

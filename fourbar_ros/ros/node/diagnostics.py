@@ -1,0 +1,68 @@
+"""Once a second on /diagnostics: how the stream runs, how far the linkage is from trouble."""
+from __future__ import annotations
+
+import time
+from math import isnan
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+from fourbar_ros.pipeline.status import OK, STATUS_NAMES
+from fourbar_ros.ros.node.drives import steady_timer
+
+PERIOD = 1.0               # [s]
+NEAR_TOGGLE = 0.05         # |sin| of the transmission angle below which a warning is due
+
+
+class Diagnostics:
+    """Publishes the health of a node."""
+
+    def __init__(self, node):
+        self._node = node
+        self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
+        self._before = (time.monotonic(), 0, 0, {})
+        self._timer = steady_timer(node, PERIOD, self._publish)
+
+    def _publish(self):
+        self._node.log.flush()
+        message = DiagnosticArray(status=[self.status()])
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        self._publisher.publish(message)
+
+    def status(self):
+        """Return the DiagnosticStatus of the time since the last call."""
+        node, stream, drive = self._node, self._node.stream, self._node.drive
+        scene, now = stream.scene, time.monotonic()
+        more, problems = drive.state()                   # before the counters, which it brings up to date
+        before, steps, bad, counts = self._before
+        counted = {**drive.counts, **(node.wrenches.counts if node.wrenches else {})}
+        self._before = (now, stream.steps, stream.bad_steps, counted)
+        grown = {name: count - counts.get(name, 0) for name, count in counted.items()}
+        sine = stream.transmission_sine()
+        recorder = node.recording.state()
+
+        problems += [f'{count} {name.replace("_", " ")}' for name, count in grown.items()
+                     if count and name != 'received']
+        if stream.bad_steps - bad:
+            problems.append(f'{stream.bad_steps - bad} steps not ok')
+        if stream.status != OK:
+            problems.append(STATUS_NAMES[stream.status])
+        if sine < NEAR_TOGGLE:
+            problems.append('near a toggle')
+        problems += recorder.problems
+        values = {
+            'source': scene.drive.source,
+            'rate [Hz]': f'{(stream.steps - steps) / max(now - before, 1e-9):.1f}',
+            'steps': stream.steps, 'steps not ok': stream.bad_steps,
+            'input age [s]': 'none' if isnan(drive.age()) else f'{drive.age():.3f}',
+            **{name.replace('_', ' '): count for name, count in counted.items()},
+            **more,
+            'status': STATUS_NAMES[stream.status],
+            'sin of transmission angle': 'unknown' if isnan(sine) else f'{sine:.6g}',
+            'change-point margin': f'{scene.linkage.change_point_margin:.6g}',
+            **recorder.values,
+        }
+        level = DiagnosticStatus.ERROR if recorder.problems else DiagnosticStatus.WARN
+        return DiagnosticStatus(
+            level=level if problems else DiagnosticStatus.OK, name=f'{node.get_fully_qualified_name()[1:]}: linkage',
+            message=', '.join(problems) or 'ok', hardware_id=node.get_fully_qualified_name(),
+            values=[KeyValue(key=key, value=str(value)) for key, value in values.items()])

@@ -1,0 +1,110 @@
+"""All extrema of a scene, for the service at one go, for the action piece by piece."""
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import isfinite
+
+from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.mechanisms.quantities import UnknownQuantity, select
+from fourbar_ros.ros.messages import resolve
+
+
+class Canceled(FourBarError):
+    """Whoever asked has asked to stop."""
+
+
+class Search:
+    """
+    What a request of FindExtrema, service or action, asks of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    request : ROS message
+    check : function ()
+        Called between the pieces of the work; what it raises ends it.
+
+    """
+
+    def __init__(self, scene, request, check: Callable[[], None]):
+        self._scene, self._request, self._check = scene, request, check
+
+    def answer(self, response, progress: Callable | None = None):
+        """
+        Fill and return a response or result; errors are answers too.
+
+        With ``progress`` the quantities are searched one by one; it is called before each with its
+        name, the mode, the numbers of searches done and of all, and that of extrema so far.
+        """
+        found, names = [], []
+        try:
+            quantities, modes, velocity = self._checked()
+            names = [quantity.name for quantity in quantities]
+            parts = ([(mode, [quantity]) for quantity in quantities for mode in modes] if progress
+                     else [(mode, quantities) for mode in modes])
+            for done, (mode, part) in enumerate(parts):
+                if progress:
+                    progress(part[0].name, mode, done, len(parts), len(found))
+                found += self._found(mode, part, velocity)
+            response.result = response.RESULT_OK
+        except Canceled as error:
+            response.result, response.message = response.RESULT_CANCELED, str(error)
+        except UnknownQuantity as error:
+            response.result, response.message = response.RESULT_UNKNOWN_QUANTITY, str(error)
+        except (_BadRequest, InvalidParameter) as error:
+            response.result, response.message = response.RESULT_INVALID_REQUEST, str(error)
+        except FourBarError as error:
+            response.result, response.message = response.RESULT_UNSUPPORTED, str(error)
+        found.sort(key=lambda extremum: (names.index(extremum.quantity), extremum.mode))
+        response.extrema = [_message(extremum) for extremum in found]
+        return response
+
+    def _found(self, mode, quantities, velocity):
+        from fourbar_ros.extrema.find import find_extrema  # not needed by a node that only streams
+
+        linkage, request = self._scene.linkage.in_mode(mode), self._request
+        return find_extrema(linkage, quantities, velocity, request.acceleration, request.certify,
+                            check=self._check)
+
+    def _checked(self):
+        """Return (quantities, modes, velocity) of the request."""
+        scene, request, linkage = self._scene, self._request, self._scene.linkage
+        turning = scene.drive.speed if scene.drive.source == 'timer' else 0.0
+        velocity = request.velocity or turning
+        modes = _modes(request, linkage)
+        if not isfinite(velocity) or velocity == 0.0:
+            raise _BadRequest(f'velocity = {velocity!r}: must be a finite speed, not zero '
+                              '(zero stands for the speed of the timer drive, if there is one)')
+        if not isfinite(request.acceleration):
+            raise _BadRequest(f'acceleration = {request.acceleration!r}: must be a finite number')
+        names = list(dict.fromkeys(request.quantities))
+        quantities = select(names, linkage, scene.point_quantities)
+        missing = [quantity.name for quantity in quantities
+                   if quantity.is_load and linkage.bodies is None]
+        if missing:
+            raise _BadRequest(f'{missing[0]}: the scene has no masses')
+        return quantities, modes, velocity
+
+
+def _modes(request, linkage):
+    modes = {request.MODE_OF_SCENE: (linkage.mode,), request.MODE_CROSSED: (1,),
+             request.MODE_OPEN: (2,), request.MODE_BOTH: (1, 2)}
+    if request.mode not in modes:
+        raise _BadRequest(f'mode = {request.mode}: must be 0 (of the scene), 1, 2 or 3 (both)')
+    return modes[request.mode]
+
+
+def _message(extremum):
+    message = resolve('fourbar_msgs/msg/Extremum')()
+    message.quantity, message.unit, message.mode = extremum.quantity, extremum.unit, extremum.mode
+    message.kind = getattr(message, f'KIND_{extremum.kind.upper()}')
+    message.place = getattr(message, f'PLACE_{extremum.place.upper().replace("-", "_")}')
+    message.side, message.is_global = int(extremum.side), bool(extremum.is_global)
+    message.proof = extremum.proof
+    for name in ('theta1', 'slide', 'value', 'condition', 'value_condition'):
+        setattr(message, name, float(getattr(extremum, name)))
+    return message
+
+
+class _BadRequest(FourBarError):
+    pass

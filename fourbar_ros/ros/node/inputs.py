@@ -1,0 +1,92 @@
+"""
+The motion of the driven joint out of raw input messages: read by ROS once, then from where it stood.
+
+A place holds for all messages whose texts and sequences are as long, and whose joints have the same names.
+"""
+from __future__ import annotations
+
+from math import inf, nan
+from struct import Struct
+from struct import error as StructError
+from typing import Callable
+
+from rclpy.serialization import deserialize_message
+
+from fourbar_ros.pipeline import message_fields as records
+from fourbar_ros.bag import BagError
+from fourbar_ros.bag.cdr import Definition, Layout
+from fourbar_ros.ros.messages import Stamp, resolve
+from fourbar_ros.ros.schemas import definition
+
+LAYOUTS = 32           # so many are kept: senders with ever new names are read by ROS alone
+_CODES = {'i4': ('i', 4), 'u4': ('I', 4), 'f8': ('d', 8)}
+Given = tuple[float, float, float]       # position, velocity, acceleration; NaN for what is not given
+
+
+class Reader:
+    """
+    Reads the messages of an input.
+
+    Parameters
+    ----------
+    type_name : str
+        Type of the input, ``package/msg/Name``.
+    joint : str
+        Name of the driven joint in a JointState.
+
+    """
+
+    def __init__(self, type_name: str, joint: str = ''):
+        self._type, self._joint = resolve(type_name), joint
+        self._definition = Definition(type_name, definition(type_name))
+        self._known, self._room = {}, LAYOUTS            # {length: [(layout, read), ...]}
+
+    def __call__(self, data: bytes) -> tuple[Stamp, Given | None]:
+        """
+        Return stamp and motion of a serialised message; None for the motion if the message does not have the joint.
+
+        Raises what ROS raises for bytes that are no message of this type.
+        """
+        for layout, read in self._known.get(len(data), ()):
+            if layout.matches(data):
+                return read(data)
+        message = deserialize_message(data, self._type)
+        found = (message.header.stamp.sec, message.header.stamp.nanosec), records.driven_of(message, self._joint)
+        if self._room:
+            self._room -= 1
+            self._learn(data, repr(found))
+        return found
+
+    def _learn(self, data, expected):
+        try:
+            layout = Layout(self._definition, data)
+            read = _reader(layout, self._joint)
+        except (BagError, KeyError, StructError):        # ROS can read it and we cannot
+            return
+        if repr(read(data)) == expected:                 # NaN is NaN here
+            self._known.setdefault(len(data), []).append((layout, read))
+
+
+def _reader(layout: Layout, joint: str) -> Callable[[bytes], tuple[Stamp, Given | None]]:
+    """Return the function that reads messages of one layout."""
+    leaves = {leaf.name: leaf for leaf in layout.leaves}
+    fields, i = ['header.stamp.sec', 'header.stamp.nanosec'], 0
+    if 'name' in layout.texts:
+        i = layout.texts['name'].index(joint) if joint in layout.texts['name'] else inf
+    has_joint = i < (leaves['position'].shape or (1,))[0]
+    if has_joint:
+        fields += [name for name in ('position', 'velocity', 'acceleration')
+                   if name in leaves and i < (leaves[name].shape or (1,))[0]]
+    missing = (nan,) * (5 - len(fields))
+    parts, end = [leaves['header.stamp.sec'].format[0]], 0
+    for name in fields:                                  # in the order in which they lie there
+        code, size = _CODES[leaves[name].format[1:]]
+        begin = leaves[name].offset + size * (i if leaves[name].shape else 0)
+        parts.append(f'{begin - end}x{code}')
+        end = begin + size
+    unpack = Struct(''.join(parts)).unpack_from
+
+    def read(data):
+        values = unpack(data)
+        return values[:2], values[2:] + missing if has_joint else None
+    return read

@@ -1,0 +1,150 @@
+"""fourbar_node: one linkage, driven by the clock or by messages; publishes, answers, records."""
+from __future__ import annotations
+
+import sys
+
+import rclpy
+from rclpy.exceptions import NameValidationException, ParameterException
+from rclpy.experimental import EventsExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.scene.arguments import NODE_HELP, check_node_arguments
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.ros.node import parameters as declare, services
+from fourbar_ros.ros.node.diagnostics import Diagnostics
+from fourbar_ros.ros.node.drives import SimulatedTimerDrive, TimerDrive, TopicDrive
+from fourbar_ros.ros.node.quiet_log import QuietLog
+from fourbar_ros.ros.node.recording import Recording
+from fourbar_ros.ros.stop import Stop
+from fourbar_ros.ros.node.stream import Stream
+from fourbar_ros.ros.node.worker import Worker
+
+UnknownArguments = rclpy_implementation.UnknownROSArgsError
+# A file that rcl cannot parse, names that are none; another type for a parameter than rclpy has declared.
+ROS_ERRORS = (rclpy_implementation.RCLError, UnknownArguments, NameValidationException, ParameterException)
+SWITCH = 0.001  # [s] how long a busy service may keep the interpreter from the stream (default 0.005)
+PATIENCE = 0.5  # [s] for a search to see that it is abandoned: it looks every few milliseconds
+SPIN = 0.2      # [s] the events executor must be given a finite time: endless, it can hang (see docs/node.md)
+
+
+class FourBarNode(Node):
+    """The node; see docs/node.md for its topics, services and parameters; ``arguments``: the command line."""
+
+    def __init__(self, arguments=(), **kwargs):
+        super().__init__('fourbar', automatically_declare_parameters_from_overrides=True, **kwargs)
+        scene = declare.scene(self, arguments)
+        self.failure = None                  # a fault in any thread, raised by main
+        self.log = QuietLog(self.get_logger())
+        self.recording = Recording(self)
+        self.stream = Stream(self, scene, self.recording)
+        self.drive = self._drive_of(scene.drive.source)(self, self.stream, self.recording)
+        self.wrenches = self._wrench_inputs(scene)
+        declare.watch(self, lambda: self.stream.scene, self.apply)
+        self.workers = {name: Worker(name, self.get_logger().error) for name in
+                        dict.fromkeys(service.worker for service in interfaces.SERVICES.values()) if name}
+        services.create(self)
+        self._extrema = self._action_server()
+        self._diagnostics = Diagnostics(self)
+        if scene.recording.start:
+            self.recording.begin(scene, self.stream.start_recording)
+        self.drive.start()
+        self.get_logger().info(f'{scene.linkage.classification}, mode {scene.linkage.mode}, '
+                               f'driven by {scene.drive.source}')
+
+    def _drive_of(self, source):
+        if source != 'timer':
+            return TopicDrive
+        return SimulatedTimerDrive if self.get_parameter('use_sim_time').value else TimerDrive
+
+    def _wrench_inputs(self, scene):
+        if not scene.wrenches.links:
+            return None
+        from fourbar_ros.ros.node.wrenches import WrenchInputs  # and its messages
+        return WrenchInputs(self, self.stream, self.recording)
+
+    def _action_server(self):
+        try:
+            from fourbar_ros.ros.node.actions import ExtremaServer
+            return ExtremaServer(self)
+        except ModuleNotFoundError as error:             # messages of an older version are installed
+            self.get_logger().warning(f'no action {interfaces.FIND_EXTREMA.service}: {error}; build fourbar_msgs again')
+            return None
+
+    def apply(self, scene):
+        """Take over a changed scene between two steps."""
+        settings_changed = scene.drive != self.stream.scene.drive
+        self.stream.apply(scene)
+        if self.wrenches:
+            self.wrenches.apply(scene)
+        if settings_changed:
+            self.drive.apply(scene.drive)
+
+    def close(self):
+        """Abandon what is searched for, stop the stream, close the bag, leave the graph."""
+        self.workers['search'].abandon()     # first: it holds up all that follows
+        self.drive.stop()
+        self.workers['bag'].stop()           # a bag in its hands is closed there
+        try:
+            self.recording.stop()
+        except FourBarError as error:
+            self.get_logger().error(str(error))
+        finally:
+            self.log.flush(0.0)
+            self.workers['search'].stop(PATIENCE)
+            if self._extrema:
+                self._extrema.destroy()
+            self.destroy_node()
+
+
+def main(args=None, stop=None):
+    """Run the node until SIGINT, SIGTERM or SIGHUP; exit code 0, or 2 for a scene that cannot be."""
+    given = sys.argv[1:] if args is None else args[1:]
+    if given in (['-h'], ['--help']):
+        print(NODE_HELP, end='')
+        return 0
+    stop = stop or Stop().catch()
+    try:
+        check_node_arguments(given)
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        node = FourBarNode(given)
+    except (FourBarError, *ROS_ERRORS) as error:
+        print(f'fourbar_node: {said(error)}', file=sys.stderr)
+        rclpy.try_shutdown()
+        return 2
+    sys.setswitchinterval(SWITCH)
+    try:
+        spin(node, stop)
+    finally:
+        node.close()
+        rclpy.try_shutdown()
+        stop.ignore()
+    if node.failure:
+        raise node.failure
+    return 0
+
+
+def said(error):
+    """Return what an error at start says, in one line."""
+    if isinstance(error, UnknownArguments):
+        return f'ROS 2 knows no argument {error}'
+    return ' '.join(str(error).split())
+
+
+def spin(node, stop):
+    """Handle what comes until it is asked to stop or anything has failed."""
+    executor = EventsExecutor()
+    executor.add_node(node)
+    try:
+        while not stop.requested and not node.failure:
+            executor.spin_once(timeout_sec=SPIN)
+    except Exception as error:
+        node.failure = error
+    finally:
+        executor.shutdown()
+
+
+if __name__ == '__main__':
+    sys.exit(main())

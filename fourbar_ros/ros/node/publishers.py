@@ -1,0 +1,76 @@
+"""Publishers: a message becomes bytes once, for the wire and for the bag."""
+from __future__ import annotations
+
+from math import isnan
+
+from rclpy.event_handler import PublisherEventCallbacks, UnsupportedEventTypeError
+
+from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.ros.node import packed, qos
+from fourbar_ros.ros.messages import resolve, set_constants
+
+
+class Output:
+    """
+    One published topic.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+    topic : fourbar_ros.scene.topics.Topic
+    changed : function ()
+        Called when the first reader has come or the last one has left.
+
+    Attributes
+    ----------
+    is_heard : bool
+        Whether anybody listens.
+
+    """
+
+    def __init__(self, node, topic, changed):
+        self.name, self._topic, self._node = topic.name, topic, node
+        self.is_point = topic.type == interfaces.OUTPUTS['points'].type
+        self.is_heard, self._changed = False, changed
+        self._message = resolve(topic.type)()
+        try:
+            self._publisher = self._create(PublisherEventCallbacks(matched=self._matched))
+        except UnsupportedEventTypeError:                # of this middleware: always send, then
+            self.is_heard = True
+            self._publisher = self._create(None)
+
+    def _create(self, callbacks):
+        return qos.create(self._node, 'publisher', type(self._message), self._topic.topic, interfaces.QUEUE_DEPTH,
+                          event_callbacks=callbacks)
+
+    def _matched(self, info):
+        heard = info.current_count > 0
+        if heard != self.is_heard:
+            self.is_heard = heard
+            self._changed()
+
+    def apply(self, scene):
+        """Take over a scene."""
+        set_constants(self.name, self._message, scene)
+        self._positions = _needed(self.name, scene)
+        self.pack, is_packed = packed.writer(self.name, self._message, scene.layout)
+        if not is_packed:
+            self._node.get_logger().info(f'{self._topic.topic}: {self._topic.type} cannot be packed here, '
+                                         'ROS serialises every message', once=True)
+        self.needs_loads = self._topic.needs_loads or (self.name == 'joint_states' and scene.needs_loads)
+        self.publish = self._publisher.publish
+
+    def has_something(self, values):
+        """Return whether there is anything to send: joint_states may be silent where a position is not known."""
+        return not any(isnan(values[place]) for place in self._positions)
+
+    def destroy(self):
+        """Leave the graph."""
+        self._node.destroy_publisher(self._publisher)
+
+
+def _needed(name, scene):
+    """Return the places of values without which a message is not sent."""
+    if name != 'joint_states' or scene.joint_states.when_unknown != 'skip':
+        return ()
+    return [scene.layout.place[position] for position in scene.layout.fields[name]['position']]

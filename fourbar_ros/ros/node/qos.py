@@ -1,0 +1,60 @@
+"""Quality of service that a user overrides at start: qos_overrides.TOPIC.publisher.reliability and so on."""
+from __future__ import annotations
+
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSPolicyKind, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
+
+from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.errors import InvalidParameter
+
+PREFIX = 'qos_overrides.'
+_WORDS = {'reliability': ReliabilityPolicy, 'durability': DurabilityPolicy, 'history': HistoryPolicy,
+          'liveliness': LivelinessPolicy}
+_NUMBERS = {'depth': 'messages', 'deadline': 'ns', 'lifespan': 'ns', 'liveliness_lease_duration': 'ns'}
+POLICIES = (*_WORDS, *_NUMBERS)
+
+
+def create(node, entity, message_type, topic, *given, **options):
+    """Return a new 'publisher' or 'subscription' of a node with the overrides it was given; arguments as of rclpy."""
+    name = f'{PREFIX}{node.resolve_topic_name(topic)}.{entity}.'
+    kinds = [QoSPolicyKind[policy.upper()] for policy in POLICIES if node.has_parameter(name + policy)]
+    make = getattr(node, f'create_{entity}')
+    return make(message_type, topic, *given, **options, qos_overriding_options=QoSOverridingOptions(kinds))
+
+
+def has_override(node, entity, topic, policy):
+    """Return whether a policy of a topic is overridden."""
+    return node.has_parameter(f'{PREFIX}{node.resolve_topic_name(topic)}.{entity}.{policy}')
+
+
+def check(node, scene):
+    """Raise InvalidParameter for an override that nothing of the node will ask for, or that has no such value."""
+    topics = _topics(node, scene)
+    for name, parameter in node.get_parameters_by_prefix('').items():
+        if name.startswith(PREFIX):
+            why = _why_not(name[len(PREFIX):].rsplit('.', 2), parameter.value, topics)
+            if why:
+                raise InvalidParameter(name, parameter.value, why)
+
+
+def _why_not(parts, value, topics):
+    if len(parts) != 3 or parts[0] not in topics:
+        return f'no such topic of this node; known: {", ".join(topics)}'
+    topic, entity, policy = parts
+    if entity != topics[topic]:
+        return f'{topic} is a {topics[topic]}'
+    if policy in _WORDS:
+        words = [word.lower() for word in _WORDS[policy].__members__ if word.isupper() and word != 'UNKNOWN']
+        return '' if value in words else f'must be one of {", ".join(words)}'
+    if policy in _NUMBERS:
+        return '' if type(value) is int and value >= 0 else f'must be a number of {_NUMBERS[policy]}, not negative'
+    return f'must be one of {", ".join(POLICIES)}'
+
+
+def _topics(node, scene):
+    """Return {resolved topic: publisher or subscription} of all that a scene may ever use."""
+    outputs = interfaces.topics_of(interfaces.OUTPUTS, scene.points).values()
+    return {node.resolve_topic_name(topic.topic): entity
+            for entity, topics in (('publisher', (interfaces.DRIVEN, interfaces.SCENE, *interfaces.APPLIED.values(), *outputs)),
+                                   ('subscription', (*interfaces.INPUTS.values(), *interfaces.WRENCHES.values())))
+            for topic in topics}

@@ -1,0 +1,159 @@
+"""The bag of a node, if one is being written: what goes into it, and who asks for it."""
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import platform
+from pathlib import Path
+from typing import NamedTuple
+
+from fourbar_ros import __version__
+from fourbar_ros.pipeline import rate_estimator as estimator
+from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.optional import MissingPackage
+
+SOFTWARE = ('numpy', 'mcap', 'rclpy')       # beside our own, whose versions a bag keeps
+
+
+class RecorderState(NamedTuple):
+    """What the diagnostics say of the recorder."""
+
+    values: dict
+    problems: list
+
+
+class OpenBag(NamedTuple):
+    """A bag that waits for its first message; ``channels``: the number of each topic by its short name."""
+
+    writer: object
+    channels: dict
+
+
+class Recording:
+    """
+    Start and stop the bags of one node and hand them what is sent.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+        For resolved names and the log.
+
+    Attributes
+    ----------
+    between_steps : context manager
+        Entered to end a bag: a lock that is held during a step lets it end with a whole one.
+
+    """
+
+    def __init__(self, node):
+        self._node = node
+        self._writer, self._channels, self._refused = None, {}, ''
+        self.between_steps = contextlib.nullcontext()
+
+    @property
+    def active(self):
+        """Return whether messages are being recorded."""
+        writer = self._writer
+        return writer is not None and writer.error is None
+
+    def begin(self, scene, start):
+        """
+        Start the bag that a scene asks for, by ``start(name)``, under a free name: the stream must not wait for it.
+
+        Where nothing can be recorded, the log and the diagnostics say why.
+        """
+        from fourbar_ros.bag.rosbag2 import free_name
+        log, wanted = self._node.get_logger(), scene.recording.name
+        try:
+            name = free_name(directory_of(scene), wanted)
+            if name != wanted:
+                log.warning(f'{directory_of(scene) / wanted}: exists already; recording to {name}')
+            start(name)
+        except FourBarError as error:
+            self._refused = f'not recording: {error}'
+            log.error(self._refused)
+
+    def open(self, scene, name=''):
+        """
+        Return an :class:`OpenBag` of what a scene receives and publishes; raises BagError.
+
+        It waits for the disk, so not during a step; :meth:`attach` then is quick.
+        """
+        try:                                             # only scenes that record need the mcap library
+            from fourbar_ros.bag.recorder import BagError, BagWriter, Split
+        except ModuleNotFoundError as error:
+            raise MissingPackage('recording', error) from None
+        from fourbar_ros.ros.schemas import channel
+
+        if self.active:
+            raise BagError(f'already recording to {self._writer.path}')
+        if self._writer:
+            with contextlib.suppress(BagError):
+                self._writer.close()                     # a bag that ended by an error; that was told
+        topics = [interfaces.DRIVEN, interfaces.SCENE, *scene.wrench_topics, *scene.topics.values()]
+        if scene.drive.source in interfaces.INPUTS:
+            topics.append(interfaces.INPUTS[scene.drive.source])
+        resolved = {topic.name: self._node.resolve_topic_name(topic.topic) for topic in topics}
+        about = {'scene': scene.as_json, 'topics': json.dumps(resolved),
+                 'node': self._node.get_fully_qualified_name(),
+                 'units': 'SI: m, kg, s, rad, N, N m', 'software': json.dumps(software()),
+                 estimator.KEY: str(estimator.VERSION)}
+        writer = BagWriter(directory_of(scene), name,
+                           [channel(topic, resolved[topic.name]) for topic in topics], about,
+                           tell=self._node.get_logger().error,
+                           split=Split(round(scene.recording.split_size * 1e6), scene.recording.split_duration,
+                                       scene.recording.keep, head=topics.index(interfaces.DRIVEN)))
+        return OpenBag(writer, {topic.name: number for number, topic in enumerate(topics)})
+
+    def attach(self, bag):
+        """Record into an opened bag from now on; return its path."""
+        self._channels = bag.channels                    # first: an input may be written meanwhile
+        self._writer, self._refused = bag.writer, ''
+        self._node.get_logger().info(f'recording to {bag.writer.path}')
+        return bag.writer.path
+
+    def state(self):
+        """Return (values, problems) for the diagnostics."""
+        writer = self._writer
+        if not writer:
+            return RecorderState({'recording': 'off'}, [self._refused] if self._refused else [])
+        problems = [writer.error] if writer.error else []
+        if writer.dropped:
+            problems.append(f'{writer.dropped} messages not recorded')
+        return RecorderState({'recording': str(writer.path), 'messages recorded': writer.accepted,
+                              'messages not recorded': writer.dropped}, problems)
+
+    def stop(self):
+        """Close the bag and return its path, None if there was none; raises BagError."""
+        with self.between_steps:
+            writer, self._writer = self._writer, None
+        if not writer:
+            return None
+        path = writer.close()
+        self._node.get_logger().info(f'recorded {path}')
+        return path
+
+    def write(self, topic, data):
+        """Record the serialised message of a topic, by its short name, if a bag is open; never waits."""
+        writer = self._writer            # another thread may stop the recording meanwhile
+        if writer:
+            writer.write(self._channels[topic], data)
+
+
+def directory_of(scene):
+    """Return where the bags of a scene go; ``~`` is a home."""
+    return Path(os.path.expanduser(scene.recording.directory)).absolute()
+
+
+def software():
+    """Return {name: version} of what made a bag."""
+    from importlib.metadata import PackageNotFoundError, version     # 15 ms, and only bags ask
+
+    found = {'fourbar_ros': __version__, 'python': platform.python_version()}
+    for name in SOFTWARE:
+        for distribution in (name, f'ros-jazzy-{name}'):
+            with contextlib.suppress(PackageNotFoundError):
+                found[name] = version(distribution)
+    return found

@@ -1,0 +1,104 @@
+"""The services of the node: extremes, one evaluation, recording. Errors are answers, never exceptions."""
+from __future__ import annotations
+
+from functools import partial
+from math import nan
+from traceback import format_exc
+
+from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.errors import FourBarError, OutOfRange
+from fourbar_ros.pipeline.status import (
+    INVALID_INPUT,
+    OK,
+    OUT_OF_RANGE,
+    RATES_UNKNOWN,
+    TOGGLE,
+    evaluate,
+)
+from fourbar_ros.ros.node.extrema import Search
+from fourbar_ros.ros.messages import filler, resolve, sec_nanosec, set_constants
+
+
+def create(node):
+    """Create all services of a node, those that take long on its workers."""
+    handlers = {'find_extrema': find_extrema, 'evaluate': evaluate_one,
+                'start_recording': start_recording, 'stop_recording': stop_recording}
+
+    for service in interfaces.SERVICES.values():
+        kind, answer = resolve(service.type), partial(_answered, handlers[service.name], node)
+        if service.worker:
+            node.workers[service.worker].serve(node, kind, service.service, answer)
+        else:
+            node.create_service(kind, service.service, answer)
+
+
+def _answered(handler, node, request, response):
+    """Answer in any case: a fault of ours is told to the caller and in the log, and the stream goes on."""
+    try:
+        return handler(node, request, response)
+    except Exception as error:
+        node.get_logger().error(f'a fault in {handler.__name__}: {format_exc()}')
+        if hasattr(response, 'result'):
+            response.result = response.RESULT_INVALID_REQUEST
+        response.message = f'a fault in the node, see its log: {error!r}'
+        return response
+
+
+def find_extrema(node, request, response):
+    """Answer FindExtrema."""
+    return Search(node.stream.scene, request, node.workers['search'].check).answer(response)
+
+
+def evaluate_one(node, request, response):
+    """Answer Evaluate."""
+    if request.mode not in (0, 1, 2):
+        response.result = response.RESULT_INVALID_REQUEST
+        response.message = f'mode = {request.mode}: must be 0 (of the scene), 1 or 2'
+        return _with_values(node, response, request.mode, INVALID_INPUT, (nan,) * len(node.stream.scene.layout.place))
+    scene = node.stream.scene
+    linkage = scene.linkage.in_mode(request.mode or scene.linkage.mode)
+    response.has_loads = linkage.bodies is not None
+    status, motion, loads = evaluate(linkage, request.position, request.velocity, request.acceleration,
+                                     response.has_loads)
+    _with_values(node, response, linkage.mode, status, (*motion, *loads))
+    response.result = {OK: response.RESULT_OK, OUT_OF_RANGE: response.RESULT_OUT_OF_RANGE,
+                       INVALID_INPUT: response.RESULT_INVALID_REQUEST, RATES_UNKNOWN: response.RESULT_INVALID_REQUEST,
+                       TOGGLE: response.RESULT_TOGGLE}[status]
+    if status == OUT_OF_RANGE:
+        response.message = str(OutOfRange(linkage.input_coordinate.position, request.position, linkage.input_ranges))
+    elif status in (INVALID_INPUT, RATES_UNKNOWN):
+        response.message = 'position, velocity, acceleration must be finite, and so must the result'
+    elif status == TOGGLE:
+        response.message = 'toggle position: rates and loads are unbounded'
+    return response
+
+
+def _with_values(node, response, mode, status, values):
+    """Fill state and loads of an answer."""
+    stamp, scene = sec_nanosec(node.get_clock().now().nanoseconds), node.stream.scene
+    for output in ('state', 'loads'):
+        message = getattr(response, output)
+        set_constants(output, message, scene)
+        filler(output, message, scene.layout)(stamp, status, mode, values)
+    return response
+
+
+def start_recording(node, request, response):
+    """Answer StartRecording."""
+    try:
+        response.path = str(node.stream.start_recording(request.name))
+        response.success = True
+    except FourBarError as error:
+        response.message = str(error)
+    return response
+
+
+def stop_recording(node, _, response):
+    """Answer Trigger: the message is the path of the bag, or why there is none."""
+    try:
+        path = node.recording.stop()
+        response.success = path is not None
+        response.message = str(path or 'not recording')
+    except FourBarError as error:
+        response.message = str(error)
+    return response

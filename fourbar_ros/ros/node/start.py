@@ -1,0 +1,18 @@
+"""Entry point of fourbar_node: catches signals, then imports the node, which takes a while."""
+from __future__ import annotations
+
+import sys
+
+from fourbar_ros.ros.stop import Stop
+
+
+def main(args=None):
+    """Run the node; return its exit code."""
+    stop = Stop().catch()
+    from fourbar_ros.ros.node import node
+
+    return node.main(args, stop)
+
+
+if __name__ == '__main__':
+    sys.exit(main())

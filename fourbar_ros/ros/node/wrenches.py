@@ -1,0 +1,101 @@
+"""Forces from outside: topics of WrenchStamped, what acts in a silence, what is said of it."""
+from __future__ import annotations
+
+import time
+from functools import partial
+
+from geometry_msgs.msg import WrenchStamped
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message, serialize_message
+
+from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.pipeline.wrenches import Wrench, in_silence
+from fourbar_ros.ros.node import qos
+from fourbar_ros.ros.node.drives import steady_timer
+
+PERIOD = 0.1           # [s] how often silence is looked for
+
+
+class Applied:
+    """The latched topic that says what acts on a link."""
+
+    def __init__(self, node, link):
+        topic = interfaces.APPLIED[link]
+        self.name, self.data = topic.name, b''
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self._publisher = qos.create(node, 'publisher', WrenchStamped, topic.topic, latched)
+
+    def send(self, stamp, wrench, frame_id, recording):
+        """Publish and record a Wrench."""
+        message = WrenchStamped()
+        message.header.stamp, message.header.frame_id = stamp, frame_id
+        message.wrench.force.x, message.wrench.force.y, message.wrench.torque.z = wrench
+        self.data = serialize_message(message)
+        self._publisher.publish(self.data)
+        recording.write(self.name, self.data)
+
+
+class WrenchInputs:
+    """
+    The wrench topics of a scene.
+
+    Counted for the diagnostics: messages of no WrenchStamped, forces in other frames, silences.
+    """
+
+    COUNTED = ('wrenches_malformed', 'wrenches_of_another_frame', 'wrench_silences')
+
+    def __init__(self, node, stream, recording):
+        self._node, self._stream, self._recording = node, stream, recording
+        self.counts = dict.fromkeys(self.COUNTED, 0)
+        self._heard, self._last = {}, {}     # [s] of those that are not silent; what came last
+        profile = QoSProfile(depth=interfaces.INPUT_DEPTH,
+                             reliability=ReliabilityPolicy.BEST_EFFORT)
+        for link in stream.scene.wrenches.links:
+            qos.create(node, 'subscription', WrenchStamped, interfaces.WRENCHES[link].topic,
+                       partial(self._take, link), profile, raw=True)
+        steady_timer(node, PERIOD, self._watch)
+
+    def apply(self, scene):
+        """Take over a scene: what acts in a silence may be another."""
+        for link in scene.wrenches.links:
+            if link not in self._heard:
+                self._be_silent(link)
+
+    def _take(self, link, data):
+        self._recording.write(interfaces.WRENCHES[link].name, data)
+        try:
+            message = deserialize_message(data, WrenchStamped)
+        except Exception:                    # whatever a foreign writer sends, the node goes on
+            self._once('wrenches_malformed', link, 'a message that is no WrenchStamped')
+            return
+        force, torque = message.wrench.force, message.wrench.torque
+        frame, ours = message.header.frame_id, self._stream.scene.frame_id
+        if frame not in ('', ours) and (force.x or force.y):   # a couple is the same in all
+            self._once('wrenches_of_another_frame', link,
+                       f'a force in the frame {frame!r}, this one is {ours!r}')
+            return
+        wrench = Wrench(force.x, force.y, torque.z)
+        self._heard[link], self._last[link] = time.monotonic(), wrench
+        self._stream.act(link, wrench, message.header.stamp)
+
+    def _once(self, what, link, text):
+        """Count, and say it the first time."""
+        self.counts[what] += 1
+        if self.counts[what] == 1:
+            self._node.get_logger().warning(
+                f'{interfaces.WRENCHES[link].topic}: {text} '
+                '(said once; counted in the diagnostics)')
+
+    def _watch(self):
+        limit, now = self._stream.scene.wrenches.timeout, time.monotonic()
+        for link, heard in list(self._heard.items()):
+            if limit and now - heard > limit:
+                del self._heard[link]
+                self.counts['wrench_silences'] += 1
+                self._be_silent(link)
+                self._node.get_logger().warning(
+                    f'{interfaces.WRENCHES[link].topic}: no wrench for {limit:g} s')
+
+    def _be_silent(self, link):
+        wrench = in_silence(self._stream.scene, link, self._last.get(link))
+        self._stream.act(link, wrench, self._node.get_clock().now().to_msg())

@@ -1,0 +1,1 @@
+"""Scenes: parameters, topics, and the mechanism they describe."""

@@ -1,0 +1,124 @@
+"""Command lines: errors that name the nearest known word, numbers in their range, and the node's own arguments."""
+from __future__ import annotations
+
+import argparse
+import re
+from math import isfinite
+
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.errors import nearest
+from fourbar_ros.scene.files import NODE, NotForNode, read_values
+
+INVALID_CHOICE = re.compile(r"invalid choice: '?(.*?)'? \(choose from (.*)\)", re.DOTALL)
+NEGATIVE = re.compile(r'-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$')
+NODE_USAGE = 'fourbar_node --ros-args --params-file SCENE'
+NODE_HELP = f"""\
+usage: {NODE_USAGE} [-p NAME:=VALUE ...] [-r FROM:=TO ...]
+
+The node of one linkage. SCENE is a parameter file, as config/paper.yaml; fourbar scene check SCENE explains
+it, docs/node.md lists all parameters. Exit codes: 0 stopped by a signal; 2 a scene that cannot be.
+"""
+
+
+class Parser(argparse.ArgumentParser):
+    """An argument parser whose errors suggest the nearest word, and whose verbs refuse unknown options themselves."""
+
+    def __init__(self, *args, **kwargs):
+        super().__init__(*args, **kwargs)
+        self._negative_number_matcher = NEGATIVE      # argparse takes -1e-9 for an option
+
+    def error(self, message):
+        """Say what is wrong in one line below the usage; exit code 2."""
+        if match := INVALID_CHOICE.search(message):
+            known = re.findall(r"[^\s,']+", match[2])
+            message = message[:match.start()] + f'{match[1]!r} is unknown{nearest(match[1], known)}'
+        super().error(message)
+
+    def parse_known_args(self, args=None, namespace=None):
+        """Parse as the base class; of a verb, an option that it does not know is an error of that verb."""
+        namespace, rest = super().parse_known_args(args, namespace)
+        if rest and ' ' in self.prog:
+            known = [option for action in self._actions for option in action.option_strings]
+            self.error(f'{rest[0]!r} is not understood'
+                       + (nearest(rest[0].split('=')[0], known) if rest[0].startswith('--') else ''))
+        return namespace, rest
+
+
+def positive(text: str) -> float:
+    """Return a positive number, as a type of an argument."""
+    return _number(text, lambda value: value > 0.0, 'must be a positive number')
+
+
+def not_negative(text: str) -> float:
+    """Return a number that is not negative, as a type of an argument."""
+    return _number(text, lambda value: value >= 0.0, 'must be a number that is not negative')
+
+
+def finite(text: str) -> float:
+    """Return a finite number, as a type of an argument."""
+    return _number(text, lambda value: True, 'must be a finite number')
+
+
+def _number(text, is_good, must):
+    try:
+        value = float(text)
+    except ValueError:
+        value = float('nan')
+    if not (isfinite(value) and is_good(value)):
+        raise argparse.ArgumentTypeError(f'{text!r} {must}')
+    return value
+
+
+class UsageError(FourBarError):
+    """The node was called in a way that it does not understand; the message says what to type."""
+
+
+def check_node_arguments(arguments: list[str]) -> None:
+    """
+    Refuse arguments that ROS would ignore, and scene files that it would read in another way than we do.
+
+    Parameters
+    ----------
+    arguments : list of str
+        Those of the node's command line, without its own name.
+
+    Raises
+    ------
+    UsageError
+        An argument outside of ``--ros-args``.
+    SceneError
+        A parameter file cannot be read, gives a key twice, or none has anything for this node.
+
+    """
+    outside, inside, is_inside = [], [], False
+    for argument in arguments:
+        if argument in ('--ros-args', '--'):
+            is_inside = argument == '--ros-args'
+        else:
+            (inside if is_inside else outside).append(argument)
+    if outside:
+        scene = outside[0]
+        typed = NODE_USAGE.replace('SCENE', scene) if not scene.startswith('-') else NODE_USAGE
+        raise UsageError(f'{scene}: not understood; type  {typed}')
+    node = _name_of(inside)
+    files = [value for option, value in zip(inside, inside[1:]) if option == '--params-file']
+    strangers = []
+    for file in files:
+        try:
+            read_values(file, node)
+        except NotForNode as error:         # another of the files may have it all
+            strangers.append(error)
+    if files and len(strangers) == len(files):
+        raise strangers[0]
+
+
+def _name_of(inside):
+    """Return the full name of the node after remapping."""
+    name, namespace = NODE[1:], ''
+    for option, value in zip(inside, inside[1:]):
+        if option in ('-r', '--remap') and (match := re.fullmatch(r'(?:\w+:)?__(node|name|ns):=(.*)', value)):
+            if match[1] == 'ns':
+                namespace = '/' + match[2].strip('/') if match[2].strip('/') else ''
+            else:
+                name = match[2]
+    return f'{namespace}/{name}'

@@ -1,0 +1,189 @@
+"""Scene files: where they are, and what ROS reads in them. They are ROS 2 parameter files; no ROS is imported."""
+from __future__ import annotations
+
+import re
+from math import inf, isinf, nan
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.errors import nearest
+
+NODE = '/fourbar'
+BOOLS = {word: value for value, words in ((True, 'y yes true on'), (False, 'n no false off'))
+         for small in words.split() for word in {small, small.capitalize(), small.upper()}}
+INTEGER = re.compile(r'[-+]?(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)')       # base 0 of C's strtoll
+DOUBLE = re.compile(r'[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?')
+NAMED = {'.nan': nan, '.inf': inf, '+.inf': inf, '-.inf': -inf,
+         **{sign + word: float(sign + word) for sign in ('', '+', '-') for word in ('nan', 'inf', 'infinity')}}
+
+
+class SceneError(FourBarError, ValueError):
+    """A scene file cannot be read; the message names the file and the reason."""
+
+
+class NotForNode(SceneError):
+    """A parameter file has nothing for the node that is to read it."""
+
+
+def folder() -> Path:
+    """Return the folder of the scenes that come with this software: in the package, or beside it in its source."""
+    package = Path(__file__).resolve().parent.parent
+    inside = package / 'config'
+    return inside if inside.is_dir() else package.parent / 'config'
+
+
+def find(name: str | Path) -> Path:
+    """
+    Return the path of a scene: a file, or the name of one that comes with this software, as ``paper``.
+
+    Raises
+    ------
+    SceneError
+        There is neither; the message lists the names.
+
+    """
+    path = Path(name)
+    if path.exists() or path.parent != Path('.') or path.suffix:
+        return path
+    shipped = folder() / f'{name}.yaml'
+    if shipped.is_file():
+        return shipped
+    known = sorted(file.stem for file in folder().glob('*.yaml'))
+    raise SceneError(f'{name}: no such file, and no scene of this name{nearest(str(name), known)}')
+
+
+def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
+    """
+    Return the flat dict of parameters in a ROS 2 parameter file as ROS reads them, unchecked.
+
+    Parameters
+    ----------
+    path : str or Path
+        A file, or a name for :func:`find`.
+    node : str, optional
+        Full name of the node that is to read it. Not given: one that is called fourbar, in any namespace.
+
+    Raises
+    ------
+    SceneError
+        The file cannot be read, is no parameter file, or none of it is for the node.
+
+    """
+    path = find(path)
+    there = sections(path)
+    found = [tree for key, tree in there.items() if is_for(key, node)]
+    if not found:
+        raise NotForNode(f'{path}: nothing in it is for the node {node or NODE}: it has '
+                         f'{", ".join(there)}; write "/**:" there')
+    values = {}
+    for tree in found:
+        values |= flatten(tree, path)
+    return values
+
+
+def sections(path: str | Path) -> dict[str, dict]:
+    """Return {key for nodes: tree of parameters} of a ROS 2 parameter file; SceneError if it is none."""
+    try:
+        document = yaml.load(Path(path).read_text(), _Loader)
+    except OSError as error:
+        raise SceneError(f'{path}: {error.strerror}') from None
+    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
+        raise SceneError(f'{path}: not YAML that ROS reads: {" ".join(str(error).split())}') from None
+    found = dict(_sections(document)) if isinstance(document, dict) else {}
+    if not found:
+        raise SceneError(f'{path}: not a scene: expected "/**:" with "ros__parameters:" below it')
+    return found
+
+
+def parse(text: str) -> Any:
+    """Return the value of ``-p NAME:=text`` as rcl reads it; None if it is none."""
+    try:
+        return yaml.load(text, _Loader)
+    except yaml.YAMLError:
+        return None
+
+
+def is_for(key: str, node: str | None) -> bool:
+    """Return whether parameters under a key of a file are for a node; None: one named fourbar, anywhere."""
+    parts = key.strip('/').split('/')
+    if node is None:
+        return parts[-1] in ('*', '**', NODE[1:])
+    pattern = ''.join('(/[^/]+)*' if part == '**' else '/[^/]+' if part == '*' else '/' + re.escape(part)
+                      for part in parts)
+    return re.fullmatch(pattern, node) is not None
+
+
+def _sections(tree, prefix=''):
+    """Yield (name of the node, its parameters) of a document; namespaces may be nested."""
+    for key, below in tree.items():
+        if isinstance(below, dict):
+            name = f'{prefix}/{str(key).strip("/")}'
+            if isinstance(below.get('ros__parameters'), dict):
+                yield name if key != '/**' or prefix else '/**', below['ros__parameters']
+            yield from _sections({k: v for k, v in below.items() if k != 'ros__parameters'}, name)
+
+
+def flatten(tree: dict, path: str | Path = '', prefix: str = '') -> dict[str, Any]:
+    """Return a nested dict with its keys joined by dots, as ROS does; SceneError where one comes twice."""
+    flat: dict[str, Any] = {}
+    for key, value in tree.items():
+        part = flatten(value, path, f'{prefix}{key}.') if isinstance(value, dict) else {f'{prefix}{key}': value}
+        for name in part:
+            if name in flat:
+                raise SceneError(f'{path}: {name} is given twice')
+        flat |= part
+    return flat
+
+
+def scalar(text: str) -> bool | int | float | str:
+    """Return a plain scalar as rcl's parser takes it: ``4e-1`` is a number, ``1_000`` and ``1:30`` are texts."""
+    if text in BOOLS:
+        return BOOLS[text]
+    if INTEGER.fullmatch(text):
+        sign, digits = -1 if text[0] == '-' else 1, text.lstrip('+-')
+        value = sign * int(digits, 16 if digits[:2] in ('0x', '0X') else 8 if digits[0] == '0' else 10)
+        return value if -2**63 <= value < 2**63 else float(value)
+    if DOUBLE.fullmatch(text):
+        value = float(text)
+        overflows = isinf(value) or (value == 0.0 and any(c in '123456789' for c in re.split('[eE]', text)[0]))
+        return text if overflows else value
+    return NAMED.get(text.lower(), text)
+
+
+class _Loader(yaml.SafeLoader):
+    """YAML as rcl reads it; a key that comes twice in one mapping, no value and aliases are errors."""
+
+    yaml_implicit_resolvers = {}
+
+    def compose_node(self, parent, index):
+        if self.check_event(yaml.AliasEvent):
+            raise yaml.MarkedYAMLError(problem='ROS reads no aliases', problem_mark=self.peek_event().start_mark)
+        return super().compose_node(parent, index)
+
+
+def _plain_or_quoted(loader, node):
+    if node.style is not None:
+        return node.value
+    if not node.value:
+        raise yaml.MarkedYAMLError(problem='a key without a value', problem_mark=node.start_mark)
+    return scalar(node.value)
+
+
+def _mapping(loader, node):
+    found = {}
+    for key_node, value_node in node.value:
+        key = key_node.value if isinstance(key_node, yaml.ScalarNode) else None
+        if key is None:
+            raise yaml.MarkedYAMLError(problem='a key that is no text', problem_mark=key_node.start_mark)
+        if key in found:
+            raise yaml.MarkedYAMLError(problem=f'{key} is given twice', problem_mark=key_node.start_mark)
+        found[key] = loader.construct_object(value_node, deep=True)
+    return found
+
+
+for _tag in ('str', 'int', 'float', 'bool', 'null'):
+    _Loader.add_constructor(f'tag:yaml.org,2002:{_tag}', _plain_or_quoted)
+_Loader.add_constructor('tag:yaml.org,2002:map', _mapping)

@@ -1,0 +1,270 @@
+"""A scene: one linkage, what drives it, what it publishes. Read from a ROS 2 parameter file, without ROS."""
+from __future__ import annotations
+
+import json
+from math import isnan
+from typing import NamedTuple
+
+from fourbar_ros.scene import parameters
+from fourbar_ros.mechanics.bodies import Applied, Bodies, Body, External, round_rod
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+from fourbar_ros.mechanisms.kinds import KINDS
+from fourbar_ros.mechanisms.mechanism import SLIDE, Mechanism
+from fourbar_ros.mechanisms.points import LINKS, OUTPUT
+from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
+from fourbar_ros.scene.topics import APPLIED, WRENCHES, topics_of
+from fourbar_ros.pipeline.message_fields import layout
+from fourbar_ros.scene.files import SceneError, flatten, read_values  # noqa: F401
+
+
+class Drive(NamedTuple):
+    """What moves the input: source 'timer', 'motion' or 'joint_state'; see the parameter table."""
+
+    source: str
+    speed: float
+    start: float
+    rate: float
+    joint: str
+    joint_ratio: float
+    joint_offset: float
+    window: int
+    jump: float
+    timeout: float
+    out_of_range: str
+
+
+class Recording(NamedTuple):
+    """Where bags go, whether to record from the start, when to go on in a new file [MB], [s], what to keep [s]."""
+
+    start: bool
+    directory: str
+    name: str
+    split_size: float
+    split_duration: float
+    keep: float
+
+
+class Wrenches(NamedTuple):
+    """Which links are loaded by a topic, and what acts while it is silent."""
+
+    links: tuple[str, ...]
+    timeout: float
+    when_silent: str
+
+
+class Point(NamedTuple):
+    """A point fixed to a link, see :mod:`fourbar_ros.mechanisms.points`."""
+
+    link: str
+    along: float
+    across: float
+
+
+class JointStates(NamedTuple):
+    """How joint_states shows the joints; see the parameter table."""
+
+    prefix: str
+    ratios: list[float]
+    offsets: list[float]
+    when_unknown: str
+
+    @property
+    def are_plain(self):
+        """Return whether positions, rates and efforts go out as they are."""
+        return set(self.ratios) == {1.0} and set(self.offsets) == {0.0} and self.when_unknown != 'hold'
+
+
+class Scene(NamedTuple):
+    """Everything a node needs to know, checked; ``points`` by their names."""
+
+    linkage: Mechanism
+    points: dict[str, Point]
+    wrenches: Wrenches
+    drive: Drive
+    outputs: tuple[str, ...]
+    frame_id: str
+    joint_names: tuple[str, ...]      # with their prefix
+    joint_states: JointStates
+    recording: Recording
+    values: dict       # every parameter by name
+
+    @property
+    def as_json(self):
+        """Return the given parameters as JSON (NaN stands for "not given", and is no JSON)."""
+        return json.dumps({name: value for name, value in self.values.items() if value == value})
+
+    @property
+    def topics(self):
+        """Return {name: Topic} of all outputs; each point has one, named points/NAME."""
+        return topics_of(self.outputs, self.points)
+
+    @property
+    def wrench_topics(self):
+        """Return the topics of forces from outside: those that come, and those that say what acts."""
+        return [topics[link] for link in self.wrenches.links for topics in (WRENCHES, APPLIED)]
+
+    @property
+    def layout(self):
+        """Return the :class:`~.records.Layout` of its values."""
+        return layout(type(self.linkage), self.linkage.input, tuple(self.points), self.needs_loads,
+                      not self.joint_states.are_plain, 'drive_wrench' in self.outputs)
+
+    @property
+    def needs_loads(self):
+        """Return whether any output is a load (the drive's effort in joint_states alone is not)."""
+        return any(topic.needs_loads for topic in self.topics.values())
+
+    @property
+    def point_quantities(self):
+        """Return the quantities of its points: NAME.speed and NAME.acceleration."""
+        return [make(self.linkage, *point, name=name)
+                for name, point in self.points.items() for make in (point_speed, point_acceleration)]
+
+
+def from_values(values):
+    """
+    Return the Scene of a flat dict of parameters, ``{'linkage.a1': 0.4, ...}``.
+
+    Raises
+    ------
+    InvalidParameter
+        Naming the parameter, what was given and what is allowed.
+
+    """
+    values = parameters.check(values)
+    points = {name: Point(*(values[f'points.{name}.{field}'] for field in Point._fields))
+              for name in parameters.points_in(values)}
+    shown = _group(JointStates, 'joint_states', values)
+    wrenches = Wrenches(tuple(link for link in External._fields if values[f'external.{link}.from_topic']),
+                        values['external.timeout'], values['external.when_silent'])
+    scene = Scene(_linkage(values), points, wrenches, _group(Drive, 'drive', values), tuple(values['outputs']),
+                  values['frame_id'], tuple(shown.prefix + name for name in values['joint_names']), shown,
+                  _group(Recording, 'recording', values), values)
+    _check_together(scene)
+    return scene
+
+
+def _group(kind, name, values):
+    return kind(*(values[f'{name}.{field}'] for field in kind._fields))
+
+
+def _linkage(values):
+    """Return the mechanism of a scene."""
+    name = values['linkage.kind']
+    kind = KINDS[name]
+    for length in dict.fromkeys(length for other in KINDS.values() for length in other.LENGTHS):
+        parameter = parameters.PARAMETERS[f'linkage.{length}']
+        value = values[parameter.name]
+        if length in kind.LENGTHS and isnan(value):
+            raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
+        if length not in kind.LENGTHS and not isnan(value) and value != parameter.default:
+            raise InvalidParameter(parameter.name, value, f'linkage.kind {name} has {", ".join(kind.LENGTHS)} only')
+    arguments = {length: values[f'linkage.{length}'] for length in kind.LENGTHS}
+    if len(kind.INPUTS) > 1:
+        arguments['input'] = values['linkage.input']
+    elif values['linkage.input'] not in kind.INPUTS:
+        raise InvalidParameter('linkage.input', values['linkage.input'], f'linkage.kind {name} is driven at its crank')
+    if values['linkage.range']:
+        if arguments.get('input') != SLIDE:
+            raise InvalidParameter('linkage.range', values['linkage.range'], 'only a driven slide has a stroke')
+        arguments['stroke'] = tuple(values['linkage.range'])
+    try:
+        linkage = kind(**arguments, mode=values['linkage.mode'], bodies=_bodies(values, kind),
+                       gravity=(values['gravity.x'], values['gravity.y']), external=_external(values))
+        linkage.prepare()
+        return linkage
+    except InvalidParameter as error:
+        if error.name in values:
+            raise
+        name = {'stroke': 'range'}.get(error.name, error.name)
+        raise InvalidParameter(f'linkage.{name}', error.value, error.allowed) from None
+    except (ArithmeticError, ValueError):
+        raise InvalidParameter('linkage', list(arguments.values()), 'lengths and bodies are too large, too small or too '
+                               'far apart to be computed with') from None
+
+
+def _check_together(scene):
+    """Check what no parameter shows alone."""
+    def refuse(name, why):
+        value = scene.values[name]
+        raise InvalidParameter(name, value if value == value else None, why)         # NaN: not given
+
+    if scene.needs_loads and scene.linkage.bodies is None:
+        loads = [name for name, topic in scene.topics.items() if topic.needs_loads]
+        refuse('bodies.crank.mass', f'must be given (or bodies.rods): output {loads[0]} needs masses')
+    if not scene.frame_id:
+        refuse('frame_id', 'must not be empty')
+    names = scene.values['joint_names']
+    if len(names) != 4 or len(set(names)) != 4 or '' in names:
+        refuse('joint_names', 'must be four different names, one for each joint')
+    for name in ('ratios', 'offsets'):
+        if len(getattr(scene.joint_states, name)) != 4:
+            refuse(f'joint_states.{name}', 'must be four numbers, one for each joint')
+    if 0.0 in scene.joint_states.ratios:
+        refuse('joint_states.ratios', 'must not be zero')
+    if scene.drive.joint_ratio == 0.0:
+        refuse('drive.joint_ratio', 'must not be zero')
+    if len(set(scene.outputs)) != len(scene.outputs):
+        refuse('outputs', 'names an output twice')
+    if 'points' in scene.outputs and not scene.points:
+        refuse('outputs', 'points: the scene has none; give points.NAME.link, .along, .across')
+    if scene.drive.source == 'joint_state' and not scene.drive.joint:
+        refuse('drive.joint', 'must name the joint that is the input')
+
+
+def _external(values):
+    return External(*(Applied(*(values[f'external.{link}.{field}'] for field in Applied.__dataclass_fields__))
+                      for link in External._fields))
+
+
+def _bodies(values, kind):
+    """Return the Bodies, or None if the scene gives no mass at all."""
+    def given(name):
+        return not isnan(values[name])
+
+    has_rods = given('bodies.rods.density') or given('bodies.rods.radius')
+    if not has_rods and not any(given(f'bodies.{link}.mass') for link in LINKS):
+        return None
+    for name in ('bodies.rods.density', 'bodies.rods.radius'):
+        if has_rods and not given(name):
+            raise InvalidParameter(name, None, 'must be given: rods have density and radius')
+    return Bodies(*(_rod(values, link, kind, given) if has_rods and link in kind.LINK_LENGTHS
+                    else _body(values, link, kind, given) for link in LINKS))
+
+
+def _rod(values, link, kind, given):
+    for field in ('mass', 'inertia', 'cg_along'):
+        if given(f'bodies.{link}.{field}'):
+            raise InvalidParameter(f'bodies.{link}.{field}', values[f'bodies.{link}.{field}'],
+                                   'give either bodies.rods or the bodies one by one, not both')
+    return round_rod(values[f'linkage.{kind.LINK_LENGTHS[link]}'], values['bodies.rods.density'],
+                     values['bodies.rods.radius'])
+
+
+def _body(values, link, kind, given):
+    name = f'bodies.{link}.'
+    turns = not (kind is SliderCrank and link == OUTPUT)
+    for field in ('mass', 'inertia') if turns else ('mass',):
+        if not given(name + field):
+            raise InvalidParameter(name + field, None,
+                                   f'must be given: loads need mass{" and inertia" * turns} of the {link}')
+    length = kind.LINK_LENGTHS.get(link)
+    along = values[name + 'cg_along'] if given(name + 'cg_along') else 0.5 * values[f'linkage.{length}'] if length else 0.0
+    return Body(values[name + 'mass'], along, values[name + 'cg_across'],
+                values[name + 'inertia'] if given(name + 'inertia') else 0.0)
+
+
+def load(path):
+    """
+    Return the Scene of a ROS 2 parameter file (``/**: ros__parameters: ...``), or of one by name (``paper``).
+
+    Raises
+    ------
+    SceneError
+        The file cannot be read or is no parameter file of one node.
+    InvalidParameter
+        A value is not allowed.
+
+    """
+    return from_values(read_values(path))
