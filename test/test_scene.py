@@ -7,7 +7,7 @@ import pytest
 
 from fourbar_ros.scene import scene
 from fourbar_ros import InvalidParameter
-from fourbar_ros.scene.parameters import PARAMETERS, REQUIRED
+from fourbar_ros.scene.parameters import PARAMETERS, POINT, REQUIRED
 from scenes import PAPER, RODS
 
 CONFIG = Path(__file__).parent.parent / 'config'
@@ -134,3 +134,12 @@ def test_numbers_that_overflow_are_refused(values):
     with pytest.raises(InvalidParameter, match='too far apart'):
         scene.from_values({'linkage.kind': 'slider_crank', 'linkage.a1': 0.1, 'linkage.a2': 0.3, **RODS,
                            'bodies.output.mass': 1.0, **values})
+
+
+@pytest.mark.parametrize('parameter', [*PARAMETERS.values(), *POINT.values()],
+                         ids=lambda parameter: parameter.name)
+def test_every_text_of_a_parameter_reads_alone(parameter):
+    """``ros2 param describe`` shows one text without its neighbours."""
+    words = parameter.text.split()
+    assert len(words) >= 3 and words[0] not in ('and', 'or', 'but', 'of', 'so'), parameter.text
+    assert not parameter.text.endswith('.') and 'extremes' not in words

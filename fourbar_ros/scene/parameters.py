@@ -1,7 +1,7 @@
 """
-The parameters of a scene, once: type, unit, default, allowed values, text. No ROS is imported here.
+The single table of scene parameters: type, unit, default, allowed values, text. Imports no ROS.
 
-This table feeds the declaration in the node, the check of scene files, the manual and the tests.
+It feeds the declaration in the node, the check of scene files, the manual and the tests.
 """
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from array import array
 from math import inf, isfinite, isnan, nan
 from typing import Any, NamedTuple
 
-from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.errors import nearest
+from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
 from fourbar_ros.mechanisms.points import COUPLER, LINKS
@@ -22,7 +21,11 @@ TYPES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings'
 
 
 class Parameter(NamedTuple):
-    """One parameter; ``default`` NaN means "not given", low and high are inclusive unless 0 < is said."""
+    """
+    One parameter.
+
+    A ``default`` of NaN means "not given". ``low`` and ``high`` are inclusive; ``positive`` excludes zero.
+    """
 
     name: str
     type: str
@@ -95,112 +98,123 @@ def _body(link, first_joint):
     return (
         Parameter(name + 'mass', 'double', nan, 'kg', f'mass of the {link}', low=0.0),
         Parameter(name + 'inertia', 'double', nan, 'kg m^2',
-                  'moment of inertia about the centre of gravity; needed with a mass', low=0.0),
+                  f'moment of inertia of the {link} about its centre of gravity; required with a mass', low=0.0),
         Parameter(name + 'cg_along', 'double', nan, 'm',
-                  f'centre of gravity from {first_joint} along the link; not given: half its length, if it has one'),
+                  f'centre of gravity of the {link}: distance from {first_joint} along the link; default: half its length '
+                  '(0 for a link without a length)'),
         Parameter(name + 'cg_across', 'double', 0.0, 'm',
-                  'centre of gravity to the left of the link line'),
+                  f'centre of gravity of the {link}: distance to the left of the line of the link'),
     )
 
 
 def _external(link, first_joint):
     name = f'external.{link}.'
     return (
-        Parameter(name + 'force_x', 'double', 0.0, 'N', f'constant force on the {link} along O1-O4, of anything outside'),
-        Parameter(name + 'force_y', 'double', 0.0, 'N', 'and across O1-O4'),
-        Parameter(name + 'along', 'double', 0.0, 'm', f'where it acts: from {first_joint} along the link'),
-        Parameter(name + 'across', 'double', 0.0, 'm', 'and to the left of the link line'),
-        Parameter(name + 'couple', 'double', 0.0, 'N m', f'constant couple on the {link}, counter-clockwise'),
+        Parameter(name + 'force_x', 'double', 0.0, 'N', f'external force on the {link}: x component, constant'),
+        Parameter(name + 'force_y', 'double', 0.0, 'N', f'external force on the {link}: y component, constant'),
+        Parameter(name + 'along', 'double', 0.0, 'm', 
+                  f'point where the external force acts on the {link}: distance from {first_joint} along the link'),
+        Parameter(name + 'across', 'double', 0.0, 'm',
+                  f'point where the external force acts on the {link}: distance to the left of the line of the link'),
+        Parameter(name + 'couple', 'double', 0.0, 'N m', f'external couple on the {link}, constant, counter-clockwise positive'),
         Parameter(name + 'from_topic', 'bool', False, '',
-                  f'force and couple come from the topic {WRENCHES[link].topic} in place of these', live=False),
+                  f'take the external force and couple on the {link} from the topic {WRENCHES[link].topic} '
+                  'instead of force_x, force_y and couple', live=False),
     )
 
 
 PARAMETERS = {parameter.name: parameter for parameter in (
     Parameter('linkage.kind', 'string', 'four_bar', '',
-              'four joints that turn; a slider on a guide parallel to x; a block on a bar that turns about O4 '
-              '(inverted slider-crank, oscillating cylinder)', choices=tuple(KINDS), live=False),
+              'kind of linkage: four revolute joints (four_bar); a slider on a guide parallel to x (slider_crank); a block '
+              'on a bar that turns about O4 (inverted_slider, e.g. an oscillating cylinder)', choices=tuple(KINDS), live=False),
     Parameter('linkage.input', 'string', CRANK, '',
-              'what is driven: the crank, or the slide of a slider_crank or inverted_slider', choices=(CRANK, SLIDE),
+              'driven joint: the crank, or the slide of a slider_crank or inverted_slider', choices=(CRANK, SLIDE),
               live=False),
     Parameter('linkage.a1', 'double', REQUIRED, 'm', 'length of the crank O1-A', positive=True),
-    Parameter('linkage.a2', 'double', nan, 'm', 'length of the coupler A-B (not of an inverted_slider)', positive=True),
-    Parameter('linkage.a3', 'double', nan, 'm', 'length of the output link O4-B (four_bar)', positive=True),
-    Parameter('linkage.a4', 'double', nan, 'm', 'length of the ground O1-O4 (not of a slider_crank)', positive=True),
+    Parameter('linkage.a2', 'double', nan, 'm', 'length of the coupler A-B (not for an inverted_slider)', positive=True),
+    Parameter('linkage.a3', 'double', nan, 'm', 'length of the output link O4-B (four_bar only)', positive=True),
+    Parameter('linkage.a4', 'double', nan, 'm', 'length of the ground link O1-O4 (not for a slider_crank)', positive=True),
     Parameter('linkage.offset', 'double', 0.0, 'm',
-              'slider_crank: y of the guide; inverted_slider: of the line of A from O4, to the left of the bar'),
+              'slider_crank: y of the guide; inverted_slider: distance of the path of A on the bar from O4, positive to the '
+              'left of the bar'),
     Parameter('linkage.range', 'doubles', [], 'm',
-              'driven slide: [shortest, longest], its stroke; empty: all where the links close', live=False),
+              'stroke of a driven slide: [shortest, longest]; empty: every position where the linkage can be assembled', live=False),
     Parameter('linkage.mode', 'integer', 2, '',
-              'assembly mode: 1 crossed, 2 open; of the sliders see docs/conventions.md', 1, 2),
-    Parameter('gravity.x', 'double', 0.0, 'm/s^2', 'field of gravity along x'),
-    Parameter('gravity.y', 'double', 0.0, 'm/s^2', 'field of gravity across x'),
+              'assembly mode: 1 crossed, 2 open; for the sliders see docs/conventions.md', 1, 2),
+    Parameter('gravity.x', 'double', 0.0, 'm/s^2', 'gravitational acceleration: x component'),
+    Parameter('gravity.y', 'double', 0.0, 'm/s^2', 'gravitational acceleration: y component'),
     Parameter('bodies.rods.density', 'double', nan, 'kg/m^3',
-              'all links that have two joints that turn are uniform round rods of this density', positive=True),
-    Parameter('bodies.rods.radius', 'double', nan, 'm', 'and of this radius', positive=True),
+              'model every link with two revolute joints as a solid cylinder of this density', positive=True),
+    Parameter('bodies.rods.radius', 'double', nan, 'm',
+              'radius of these cylinders (with bodies.rods.density)', positive=True),
     *_body('crank', 'O1'),
     *_body('coupler', 'A'),
-    *_body('output', 'O4, of a slider from B,'),
+    *_body('output', 'O4 (B for a slider)'),
     *_external('coupler', 'A'),
-    *_external('output', 'O4, of a slider from B,'),
-    Parameter('external.timeout', 'double', 1.0, 's', 'from_topic: longer without a wrench is a silence; 0: never',
+    *_external('output', 'O4 (B for a slider)'),
+    Parameter('external.timeout', 'double', 1.0, 's', 'with from_topic: a link without a wrench for longer than this counts as silent; 0: never',
               low=0.0),
     Parameter('external.when_silent', 'string', 'unknown', '',
-              'in a silence, and before the first wrench: unknown (all loads NaN), constant (force_x, force_y, couple), '
-              'or hold the last wrench (before the first: constant)', choices=('unknown', 'constant', 'hold')),
+              'external wrench of a silent link, and before its first message: unknown (all loads are NaN), constant '
+              '(force_x, force_y, couple) or hold (the last wrench; before the first, constant)', choices=('unknown', 'constant', 'hold')),
     Parameter('drive.source', 'string', 'timer', '',
-              'what drives the input: the clock, a Motion message, or a joint of a JointState',
+              'source of the input: the clock (timer), Motion messages (motion) or one joint of JointState messages (joint_state)',
               choices=('timer', *INPUTS), live=False),
-    Parameter('drive.speed', 'double', 1.0, 'rad/s or m/s', 'timer: constant speed of the input'),
-    Parameter('drive.start', 'double', 0.0, 'rad or m', 'timer: input at the first sample', live=False),
-    Parameter('drive.rate', 'double', 100.0, 'Hz', 'timer: samples a second', high=5000.0, positive=True),
-    Parameter('drive.joint', 'string', '', '', 'joint_state: name of the joint that is the input',
+    Parameter('drive.speed', 'double', 1.0, 'rad/s or m/s', 'with the timer: constant speed of the input'),
+    Parameter('drive.start', 'double', 0.0, 'rad or m', 'with the timer: input at the first sample', live=False),
+    Parameter('drive.rate', 'double', 100.0, 'Hz', 'with the timer: samples per second', high=5000.0, positive=True),
+    Parameter('drive.joint', 'string', '', '', 'with joint_state: name of the driven joint',
               live=False),
     Parameter('drive.joint_ratio', 'double', 1.0, '',
-              'joint_state: joint = ratio * input + offset; negative where they turn in opposite senses', live=False),
-    Parameter('drive.joint_offset', 'double', 0.0, 'rad or m', 'joint_state: position of the joint where the input is 0',
+              'with joint_state: ratio in joint = ratio * input + offset; negative if they turn in opposite directions', live=False),
+    Parameter('drive.joint_offset', 'double', 0.0, 'rad or m', 'with joint_state: offset in joint = ratio * input + offset',
               live=False),
     Parameter('drive.window', 'integer', 5, '',
-              'missing rates: number of newest samples the estimate is fitted to', 3, 50),
+              'estimate of missing rates: number of latest samples that are fitted', 3, 50),
     Parameter('drive.jump', 'double', 1.0, 'rad or m',
-              'missing rates: a larger step between two samples starts the estimate afresh', positive=True),
+              'estimate of missing rates: a larger step between two samples restarts it', positive=True),
     Parameter('drive.timeout', 'double', 1.0, 's',
-              'messages: longer without input and the status says so; 0: never', low=0.0),
+              'with messages: after this time without input the status is STATUS_INPUT_TIMEOUT; 0: never', low=0.0),
     Parameter('drive.out_of_range', 'string', 'none', '',
-              'where the linkage cannot be assembled: none (all NaN), hold the last good values, or clamp to the limit',
+              'published where the linkage cannot be assembled: NaN (none), the last good values (hold) or the pose at the '
+              'nearest limit (clamp)',
               choices=('none', 'hold', 'clamp')),
     Parameter('outputs', 'strings', ['state', 'output', 'joint_states'], '',
-              'what is published, by name; what is not named is not computed', choices=tuple(OUTPUTS)),
-    Parameter('frame_id', 'string', 'fourbar', '', 'frame of all outputs: origin O1, x towards O4',
+              'outputs to publish; those not listed are neither created nor computed', choices=tuple(OUTPUTS)),
+    Parameter('frame_id', 'string', 'fourbar', '', 'frame_id of all outputs; origin O1, x towards O4 or along the guide',
               live=False),
     Parameter('joint_names', 'strings', ['crank', 'coupler', 'coupler_output', 'output'], '',
-              'names in joint_states of the joints at O1, A, B, O4 (slider_crank: O1, A, B, guide; inverted_slider: '
+              'names of the joints in joint_states: at O1, A, B, O4 (slider_crank: O1, A, B, guide; inverted_slider: '
               'O1, A, slide, O4)', live=False),
-    Parameter('joint_states.prefix', 'string', '', '', 'put before each of joint_names', live=False),
+    Parameter('joint_states.prefix', 'string', '', '', 'prefix of every name in joint_names', live=False),
     Parameter('joint_states.ratios', 'doubles', [1.0] * 4, '',
-              'for each joint: position sent = ratio * angle or slide + offset; negative: opposite sense', live=False),
-    Parameter('joint_states.offsets', 'doubles', [0.0] * 4, 'rad or m', 'for each joint: the offset', live=False),
+              'ratio of each joint: published position = ratio * (angle or slide) + offset; negative: opposite direction', live=False),
+    Parameter('joint_states.offsets', 'doubles', [0.0] * 4, 'rad or m', 
+              'offset of each joint: published position = ratio * (angle or slide) + offset', live=False),
     Parameter('joint_states.when_unknown', 'string', 'skip', '',
-              'where a position is not known: skip (no message: robot_state_publisher keeps the last pose), hold (the '
-              'last known positions, rates NaN), send_nan', choices=('skip', 'hold', 'send_nan')),
-    Parameter('recording.start', 'bool', False, '', 'record from the first sample on', live=False),
-    Parameter('recording.directory', 'string', 'bags', '', 'where bags go', live=False),
-    Parameter('recording.name', 'string', '', '', 'name of the first bag; empty: a fresh one',
+              'published while a position is unknown: nothing (skip: robot_state_publisher keeps the last pose), the last '
+              'known positions with NaN rates (hold), or NaN (send_nan)', choices=('skip', 'hold', 'send_nan')),
+    Parameter('recording.start', 'bool', False, '', 'start recording with the first sample', live=False),
+    Parameter('recording.directory', 'string', 'bags', '', 'directory for the bags', live=False),
+    Parameter('recording.name', 'string', '', '', 'name of the first bag; empty: a new name from the clock',
               live=False),
-    Parameter('recording.split_size', 'double', 0.0, 'MB', 'a bag goes on in a new file when one is larger; 0: never',
+    Parameter('recording.split_size', 'double', 0.0, 'MB', 
+              'continue a bag in a new file when the current one exceeds this size; 0: never',
               low=0.0, live=False),
-    Parameter('recording.split_duration', 'double', 0.0, 's', 'or when one is longer; 0: never', low=0.0, live=False),
+    Parameter('recording.split_duration', 'double', 0.0, 's',
+              'continue a bag in a new file when the current one exceeds this duration; 0: never', low=0.0, live=False),
     Parameter('recording.keep', 'double', 0.0, 's',
-              'files that the newest so many seconds do not need are removed; 0: all are kept (a tenth of it is a file, '
-              'unless split_size or split_duration says otherwise)', low=0.0, live=False),
+              'keep only the files that hold the last so many seconds; 0: keep all (a file covers a tenth of this, unless '
+              'split_size or split_duration is given)', low=0.0, live=False),
 )}
 
 
-# Of every point of a scene, under any name: points.NAME.link and so on.
+# One set for each point of a scene; NAME is free: points.NAME.link and so on.
 POINT = {parameter.name: parameter for parameter in (
-    Parameter('points.NAME.link', 'string', COUPLER, '', 'link that the point NAME is fixed to', choices=LINKS),
-    Parameter('points.NAME.along', 'double', 0.0, 'm', 'where it is: from the first joint of the link along it'),
-    Parameter('points.NAME.across', 'double', 0.0, 'm', 'and to the left of the link line'),
+    Parameter('points.NAME.link', 'string', COUPLER, '', 'link to which the point NAME is fixed', choices=LINKS),
+    Parameter('points.NAME.along', 'double', 0.0, 'm', 'position of the point NAME: distance from the first joint of its link along the link'),
+    Parameter('points.NAME.across', 'double', 0.0, 'm',
+              'position of the point NAME: distance to the left of the line of its link'),
 )}
 _POINT_NAME = re.compile(r'points\.([A-Za-z]\w*)\.\w+')
 
@@ -220,7 +234,7 @@ def points_in(values):
 def _why_unknown(name):
     parts = name.split('.')
     if parts[0] == 'points' and len(parts) == 3 and not _POINT_NAME.fullmatch(name):
-        return f'{parts[1]!r} is no name of a point: letters, digits and _, the first a letter'
+        return f'{parts[1]!r} is not a valid point name: use letters, digits and _, starting with a letter'
     return f'unknown parameter{nearest(name, [*PARAMETERS, *POINT], 0.75)}'
 
 
