@@ -1,4 +1,4 @@
-"""All extremes of theta4' and theta4'' beside other ways to them: run time, misses, errors."""
+"""All extrema of theta4' and theta4'' beside other ways to them: run time, misses, errors."""
 import gc
 import sys
 import time
@@ -12,9 +12,8 @@ import numpy as np
 from rich.console import Console
 from rich.progress import track
 
-from fourbar_ros import Bodies, FourBar, round_rod
-from fourbar_ros.extrema.find import RATES, find_extrema
-from fourbar_ros.extrema.batch import find_extrema_many
+from fourbar_ros import Bodies, FourBar, find_extrema, find_extrema_many, round_rod
+from fourbar_ros.extrema.find import RATES
 
 from . import rivals
 from .shaking import crank_rockers
@@ -60,7 +59,7 @@ def families(rng):
 # --- ours ------------------------------------------------------------------------------------------
 
 def ours(lengths, conditions=True):
-    """Return theta1 of the extremes of omega4 and of alpha4."""
+    """Return theta1 of the extrema of omega4 and of alpha4."""
     found = [], []
     for extremum in find_extrema(FourBar(*lengths), RATES, conditions=conditions):
         found[RATES.index(extremum.quantity)].append(extremum.theta1)
@@ -169,14 +168,14 @@ def distance(one, other):
 
 
 def cell(results, number):
-    """Return the text of the results of :func:`judge` about ``number`` exact extremes."""
+    """Return the text of the results of :func:`judge` about ``number`` exact extrema."""
     missed, spurious, errors = zip(*results)
     extra = f', {sum(spurious)} spurious' if sum(spurious) else ''
     return f'{sum(missed)} of {number}{extra}; {max(errors):.0e}'
 
 
 def table_of_misses(families):
-    """Print how many of the exact extremes each way misses, and how wrong the others are."""
+    """Print how many of the exact extrema each way misses, and how wrong the others are."""
     with mpmath.workdps(40):
         columns = [column(name, linkages) for name, linkages in families.items()]
     print(f'| missed, spurious; largest error of theta1 [rad] | {" | ".join(families)} |')
@@ -227,7 +226,7 @@ def main():
           'Exact: polynomials of degree 6 and 11 with rational coefficients, their roots isolated in integers. '
           'A root counts as found if nearer than a quarter of the distance to the next one, and than 0.01 rad; '
           'what is found beside is spurious. The grids have 0 and pi among their points, where near change points '
-          'all happens; one is without. Those for global extremes miss the others by design.\n')
+          'all happens; one is without. Those for global extrema miss the others by design.\n')
     table_of_misses(known)
 
 

@@ -193,7 +193,7 @@ def scenes():
 
 
 def requests():
-    """Print what a request for all extremes with proof, in both modes, does to a stream of 200 Hz."""
+    """Print what a request for all extrema with proof, in both modes, does to a stream of 200 Hz."""
     from fourbar_msgs.srv import FindExtrema
     print('| stream of 200 Hz | answered in [s] | rate got [Hz] | largest gap [ms] | gap p99 [ms] |')
     print('| --- | --- | --- | --- | --- |')

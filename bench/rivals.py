@@ -1,5 +1,5 @@
 """
-Other ways to the extremes of theta4' and theta4'' at constant input rate: of one crank-rocker, in mode 2.
+Other ways to the extrema of theta4' and theta4'' at constant input rate: of one crank-rocker, in mode 2.
 
 Each takes the four lengths and returns two lists of theta1 [rad], of theta4' and of theta4''.
 """

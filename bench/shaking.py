@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 from rich.progress import track
 
-from fourbar_ros import Bodies, FourBar, round_rod
-from fourbar_ros.extrema.batch import find_extrema_many
+from fourbar_ros import Bodies, FourBar, find_extrema_many, round_rod
 
 LINKAGES = 50_000
 SAMPLES = 360                     # of a revolution; a parabola through the highest three locates the peak
@@ -55,8 +54,8 @@ def distance(angle, others):
 def study(rng, random_bodies):
     """Return {row name: array of distances [deg] or of shares of the maximum}."""
     lengths = crank_rockers(LINKAGES, rng)
-    extremes = find_extrema_many(*lengths.T)
-    at = {name: (found, np.searchsorted(found.index, np.arange(LINKAGES + 1))) for name, found in extremes.items()}
+    extrema = find_extrema_many(*lengths.T)
+    at = {name: (found, np.searchsorted(found.index, np.arange(LINKAGES + 1))) for name, found in extrema.items()}
     grid = np.arange(SAMPLES) * 2.0 * pi / SAMPLES
     rows = {}
 
@@ -79,8 +78,8 @@ def study(rng, random_bodies):
                 note(f'{load}: peak to nearest {name}', distance(angle, others))
             best = np.abs(getattr(there, load))
             split = len(angles['omega4'])
-            note(f'{load}: best over the omega4 extremes / maximum', min(1.0, best[:split].max() / height))
-            note(f'{load}: best over the alpha4 extremes / maximum', min(1.0, best[split:].max() / height))
+            note(f'{load}: best over the omega4 extrema / maximum', min(1.0, best[:split].max() / height))
+            note(f'{load}: best over the alpha4 extrema / maximum', min(1.0, best[split:].max() / height))
         for name in ('omega4', 'alpha4'):
             note(f'chance: a random angle to nearest {name}', distance(chance, angles[name]))
         sine = np.sin(motion.transmission_angle).min()
@@ -108,7 +107,7 @@ def table(rows, kept):
 
 
 def draw(rows):
-    """Write the figure: how far the peak of the shaking force and moment is from the extremes."""
+    """Write the figure: how far the peak of the shaking force and moment is from the extrema."""
     import matplotlib
     matplotlib.use('Agg')
     import matplotlib.pyplot as plt
@@ -145,7 +144,7 @@ def main():
             table(rows, kept)
         if not random_bodies:
             draw(rows)
-    print('![How far the shaking peaks are from the extremes of the output](shaking.svg)')
+    print('![How far the shaking peaks are from the extrema of the output](shaking.svg)')
 
 
 if __name__ == '__main__':

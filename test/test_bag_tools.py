@@ -539,7 +539,7 @@ def test_a_thinned_curve_keeps_every_peak_and_every_gap(tmp_path, monkeypatch):
     assert len(keep) < 2200 and (np.diff(keep) > 0).all()
     assert {0, 777, 50_000, 100_002} <= set(keep.tolist()) and np.isnan(values[keep]).any()
     stretch = (places - places[0]) * 1000 // (places[-1] - places[0] + 1)
-    for number in range(1000):                             # none loses its extremes
+    for number in range(1000):                             # none loses its extrema
         whole, kept = values[stretch == number], values[keep][stretch[keep] == number]
         assert np.nanmax(whole) == np.nanmax(kept) and np.nanmin(whole) == np.nanmin(kept)
     assert thinned(places[:5], values[:5], 1000).tolist() == [0, 1, 2, 3, 4]

@@ -1,4 +1,4 @@
-"""Exact change points and their neighbours: one-sided values against limits in 300 digits, extremes next to the flat."""
+"""Exact change points and their neighbours: one-sided values against limits in 300 digits, extrema next to the flat."""
 from fractions import Fraction
 from itertools import permutations
 from math import gcd, inf, isnan, pi
@@ -184,7 +184,7 @@ def check_whole(lengths, rng):
     check(linkage, rates)
     found = find_extrema(FourBar(*lengths, mode=others['mode']), ('omega4', 'alpha4'))
     for name, count in zip(('omega4', 'alpha4'), count_extrema(lengths)):
-        # not counted of (7, 8, 2, 1), a bifurcation too: theta4'' has a level point there that is no extreme
+        # not counted of (7, 8, 2, 1), a bifurcation too: theta4'' has a level point there that is no extremum
         assert count is None or sum((e.quantity, e.place) == (name, 'interior') for e in found) == count, lengths
 
 
@@ -213,8 +213,8 @@ FAST = [(FourBar, CRANK, (2.0, 4.0, 3.0, 5.0), pi), (FourBar, CRANK, (4.0, 2.0, 
 
 @pytest.mark.parametrize('kind, driven, lengths, place', FAST)
 @pytest.mark.parametrize('rate', [1e5, pytest.param(1e4, marks=pytest.mark.slow)])
-def test_extremes_next_to_the_flat_are_found(kind, driven, lengths, place, rate):
-    """The weight, little beside inertia at speed, makes poles so weak that extremes lie 1e-9 to 1e-3 from the flat."""
+def test_extrema_next_to_the_flat_are_found(kind, driven, lengths, place, rate):
+    """The weight, little beside inertia at speed, makes poles so weak that extrema lie 1e-9 to 1e-3 from the flat."""
     rng = np.random.default_rng(3)
     bodies = Bodies(*(Body(*rng.uniform((0.1, 0.2, 0.0, 0.01), (2.0, 1.0, 0.0, 0.2)).tolist()) for _ in range(3)))
     mechanism = build(kind, driven, lengths, dict(bodies=bodies, gravity=(3.0, -9.81), mode=2))
@@ -244,8 +244,8 @@ def with_rods(lengths, mode):
 
 @pytest.mark.parametrize('order', [(0, 1, 0, 1), (0, 0, 1, 1), (0, 1, 1, 0)])
 @pytest.mark.parametrize('gap', [0.5, 1e-2, 1e-4, 1e-6])
-def test_nearly_equal_links_have_as_few_extremes_as_others(order, gap):
-    """Of parallelograms and kites; what is constant in them has no extremes of noise."""
+def test_nearly_equal_links_have_as_few_extrema_as_others(order, gap):
+    """Of parallelograms and kites; what is constant in them has no extrema of noise."""
     for mode in (1, 2):
         linkage = with_rods([(1.0, 1.0 + gap)[i] for i in order], mode)
         found = find_extrema(linkage, (), 3.0, conditions=False)

@@ -51,6 +51,14 @@ def test_the_python_of_the_readme_prints_what_it_says():
         assert len(theirs.as_tuple().digits) == 12 and abs(ours - theirs) <= Decimal((0, (1,), theirs.as_tuple().exponent)), (ours, theirs)
 
 
+def test_the_python_of_the_page_about_extrema_runs_as_written():
+    blocks = (ROOT / 'docs/extrema.md').read_text().split('```python\n')[1:]
+    assert len(blocks) >= 3
+    for block in blocks:                  # each by itself: a reader may copy any of them alone
+        done = subprocess.run([sys.executable, '-W', 'error', '-c', block.split('```')[0]], capture_output=True, text=True, cwd=ROOT)
+        assert done.returncode == 0 and done.stdout, f'{block}\n{done.stderr}'
+
+
 def test_every_page_that_is_linked_exists():
     for page in [ROOT / 'README.md', *ROOT.glob('docs/*.md')]:
         for link in page.read_text().split('](')[1:]:

@@ -1,4 +1,4 @@
-"""Extremes: published values, completeness against exact roots and scans, ends, change points, user quantities."""
+"""Extrema: published values, completeness against exact roots and scans, ends, change points, user quantities."""
 from dataclasses import replace
 from math import inf, isinf, pi
 
@@ -82,7 +82,7 @@ def test_papers_other_two_values():
 
 def check_against_exact_roots(lengths):
     """
-    Compare both modes with the exact extremes: number, place and value.
+    Compare both modes with the exact extrema: number, place and value.
 
     An error of eps in each length moves them by eps times their condition; that is the best that can be
     asked, and the tolerance, with a factor 5 and the rounding of theta1 itself.
@@ -141,7 +141,7 @@ def test_change_point_one_rounding_away(lengths, up):
         assert [len(of(found, quantity)) for quantity in RATES] == count_extrema(near)
 
 
-# Pairs of extremes that lie between two samples: found by a closer look (theta4''), or as neighbours of one of
+# Pairs of extrema that lie between two samples: found by a closer look (theta4''), or as neighbours of one of
 # theta4'' (theta4').
 PAIRS = ((0.35082668713088083, 0.8833869937245226, 0.830033957902283, 0.9114534728718168),
          (0.9901282012759378, 0.20704846913484642, 0.5637244933385037, 0.5631644614516844),
@@ -185,7 +185,7 @@ def test_unit_of_length_does_not_matter(unit):
 # --- loads and other quantities: scans -------------------------------------------------------------------
 
 def check_against_scan(linkage, quantities, omega1, alpha1, points):
-    """Compare with the local extremes of a scan: each must be found, each found one be an extreme."""
+    """Compare with the local extrema of a scan: each must be found, each found one be an extremum."""
     found = find_extrema(linkage, quantities, omega1, alpha1)
     names = [q if isinstance(q, str) else q.name for q in quantities]
     functions = [QUANTITIES[q].of if isinstance(q, str) else q.of for q in quantities]
@@ -252,7 +252,7 @@ def test_loads_of_500_linkages_against_a_scan(kind, seed):
         check_against_scan(random_linkage(rng, kind), [*QUANTITIES], rng.normal(0.0, 10.0), 0.0, 60000)
 
 
-def test_input_acceleration_moves_the_extremes():
+def test_input_acceleration_moves_the_extrema():
     linkage = with_rods(PAPER)
     assert check_against_scan(linkage, ['alpha4', 'driving_torque'], 25.0, -400.0, 20000) >= 6
     still = {e.kind: e.theta1 for e in find_extrema(linkage, ('alpha4',), 25.0)}
@@ -524,7 +524,7 @@ def test_many_are_seldom_searched_one_by_one(monkeypatch):
 def test_many_in_arrays_of_two_dimensions():
     lengths = np.array(PAPER)[:, None, None] * np.ones((4, 2, 3))
     lengths[1, 1, 2] = 1.1
-    many, flat = find_extrema_many(*lengths, omega1=[[1.0], [2.0]]), find_extrema_many(*lengths.reshape(4, 6), omega1=[1.0] * 3 + [2.0] * 3)
+    many, flat = find_extrema_many(*lengths, rate=[[1.0], [2.0]]), find_extrema_many(*lengths.reshape(4, 6), rate=[1.0] * 3 + [2.0] * 3)
     for name in RATES:
         assert all((one == other).all() for one, other in zip(many[name], flat[name]))
     assert set(many['omega4'].index) == set(range(6))
@@ -532,6 +532,6 @@ def test_many_in_arrays_of_two_dimensions():
 
 def test_many_refuses_rates_and_modes_it_cannot_use():
     with pytest.raises(InvalidParameter):
-        find_extrema_many(*PAPER, omega1=0.0)
+        find_extrema_many(*PAPER, rate=0.0)
     with pytest.raises(InvalidParameter):
         find_extrema_many(*PAPER, mode=3)

@@ -1,4 +1,4 @@
-"""Proof on demand: what is proved, what is not, and that a missing extreme is noticed."""
+"""Proof on demand: what is proved, what is not, and that a missing extremum is noticed."""
 import sys
 
 from extrema_reference import descartes, Polynomial
@@ -37,7 +37,7 @@ def test_rates_are_counted_exactly(lengths, mode):
 @pytest.mark.parametrize('lengths, theta1', [((1.0, 3.0, 5.0, 5.0), 0.0), ((3.0, 4.0, 5.0, 6.0), 0.0),
                                              ((1.0, 3.0, 5.0, 3.0), np.pi)])
 @pytest.mark.parametrize('mode', [1, 2])
-def test_extremes_at_theta1_0_and_180_degrees_are_counted(lengths, theta1, mode):
+def test_extrema_at_theta1_0_and_180_degrees_are_counted(lengths, theta1, mode):
     """There (a1 -+ a4)^2 = a3^2 - a2^2: the root lies at the end of the range of |A O4|."""
     found = find_extrema(FourBar(*lengths, mode=mode), 'omega4', certify=True)
     assert proofs(found) == {'exact count'}

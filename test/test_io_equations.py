@@ -290,7 +290,7 @@ def test_erratum_example_7_7_four_listed_values_are_two_angles():
             assert not vanishes_between(SLIDES_7_7, mode, radians(-at - 1e-4), radians(-at + 1e-4), 'alpha4')
 
 
-def test_erratum_there_can_be_four_extremes_of_the_acceleration_in_one_mode():
+def test_erratum_there_can_be_four_extrema_of_the_acceleration_in_one_mode():
     x = np.linspace(-pi, pi, 20001) + 1e-6
     for lengths, count in ((SLIDES_7_7, 2), ((2.0, 4.0, 5.0, 3.2), 4)):
         assert FourBar(*lengths).classification == 'Grashof crank-rocker'
@@ -333,7 +333,7 @@ def test_erratum_second_derivative_of_v_has_a_factor_v():
 
 
 def test_erratum_step_5_of_the_acceleration_algorithm():
-    """What vanishes at an extreme of theta4'' is its own derivative, not that of theta4."""
+    """What vanishes at an extremum of theta4'' is its own derivative, not that of theta4."""
     at = 0.1482557001
     assert vanishes_between(PAPER, OPEN, at - 1e-8, at + 1e-8, 'alpha4', 25.0)
     assert abs(FourBar(*PAPER).motion(at).velocity_ratio) > 0.1

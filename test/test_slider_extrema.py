@@ -1,4 +1,4 @@
-"""Extremes of slider-cranks and inverted slider-cranks, driven at crank or slide, against scans; limits, change points."""
+"""Extrema of slider-cranks and inverted slider-cranks, driven at crank or slide, against scans; limits, change points."""
 from dataclasses import replace
 from math import inf, isfinite, isnan, nan, pi
 
@@ -42,7 +42,7 @@ def place(mechanism, extremum):
 
 
 def check_against_scan(mechanism, quantities, rate, acceleration, points):
-    """Compare with the local extremes of a scan: each must be found, each found one be an extreme."""
+    """Compare with the local extrema of a scan: each must be found, each found one be an extremum."""
     found = find_extrema(mechanism, quantities, rate, acceleration)
     number = 0
     for low, high in mechanism.input_ranges:
@@ -203,7 +203,7 @@ def test_a_slide_that_is_driven_has_a_place_and_a_crank_angle():
 
 @pytest.mark.parametrize('kind, driven', KINDS)
 @pytest.mark.parametrize('count', [1, pytest.param(5, marks=pytest.mark.slow)])
-def test_extremes_are_proved_complete(kind, driven, count):
+def test_extrema_are_proved_complete(kind, driven, count):
     """All but magnitudes of reactions, which may have a kink, or be too steep at a toggle to be decided."""
     pytest.importorskip('flint')
     rng = np.random.default_rng(12)

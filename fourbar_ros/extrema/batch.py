@@ -80,7 +80,7 @@ _make_motion = rebound(make_motion.array, fsum=_exact_sum, max=lambda *columns: 
                        frexp=np.frexp, ldexp=np.ldexp)
 
 
-def find_extrema_many(a1, a2, a3, a4, mode=OPEN, omega1=1.0, progress=None):
+def find_extrema_many(a1, a2, a3, a4, mode=OPEN, rate=1.0, progress=None):
     """
     Return all extremes of omega4 and alpha4 of many linkages at constant input rate.
 
@@ -88,7 +88,7 @@ def find_extrema_many(a1, a2, a3, a4, mode=OPEN, omega1=1.0, progress=None):
     ----------
     a1, a2, a3, a4 : array_like
         Lengths [m]; broadcast. Linkages that cannot be assembled have no extremes.
-    mode, omega1 : array_like
+    mode, rate : array_like
         Assembly mode (1 or 2) and input rate [rad/s], not zero.
     progress : callable, optional
         Called with the part done so far, from 0 to 1, some ten times a second.
@@ -99,15 +99,15 @@ def find_extrema_many(a1, a2, a3, a4, mode=OPEN, omega1=1.0, progress=None):
         For 'omega4' and 'alpha4'.
 
     """
-    given = dict(a1=a1, a2=a2, a3=a3, a4=a4, mode=mode, omega1=omega1)
+    given = dict(a1=a1, a2=a2, a3=a3, a4=a4, mode=mode, rate=rate)
     columns = [array(name, value) for name, value in given.items()]
     try:
-        a1, a2, a3, a4, mode, omega1 = (v.ravel() for v in np.broadcast_arrays(*columns))
+        a1, a2, a3, a4, mode, rate = (v.ravel() for v in np.broadcast_arrays(*columns))
     except ValueError:
         raise InvalidParameter(', '.join(given), [column.shape for column in columns],
                                'must have shapes that broadcast') from None
-    if not (np.isfinite(omega1) & (omega1 != 0.0)).all():
-        raise InvalidParameter('omega1', omega1, 'must be finite, not zero')
+    if not (np.isfinite(rate) & (rate != 0.0)).all():
+        raise InvalidParameter('rate', rate, 'must be finite, not zero')
     if not np.isin(mode, (CROSSED, OPEN)).all():
         raise InvalidParameter('mode', mode, 'must be 1 (crossed) or 2 (open)')
     lengths = np.array((a1, a2, a3, a4), dtype=float)
@@ -115,24 +115,24 @@ def find_extrema_many(a1, a2, a3, a4, mode=OPEN, omega1=1.0, progress=None):
     parts = ([], [])
     for start in range(0, sign.size, CHUNK):
         chunk = slice(start, start + CHUNK)
-        for quantity, rows in zip(parts, _search(lengths[:, chunk], sign[chunk], omega1[chunk])):
+        for quantity, rows in zip(parts, _search(lengths[:, chunk], sign[chunk], rate[chunk])):
             quantity += [(index + start, *others) for index, *others in rows]
         if progress is not None:
             progress(min(start + CHUNK, sign.size) / sign.size)
     found = {name: _collect(rows) for name, rows in zip(RATES, parts)}
     for name, part in found.items():
-        _decide_ties(name, part, lengths, mode, omega1)
+        _decide_ties(name, part, lengths, mode, rate)
     return found
 
 
-def _decide_ties(name, part, lengths, mode, omega1):
+def _decide_ties(name, part, lengths, mode, rate):
     """Mark as global, where values are so near that their conditions decide, those that a single linkage has."""
     low, high = _of_each(np.minimum, part), _of_each(np.maximum, part)
     with np.errstate(invalid='ignore'):
         best = np.where(part.is_maximum, high, low)
         near = ~part.is_global & np.isfinite(best) & (np.abs(part.value - best) <= NEARLY * np.abs(best))
     for j in np.unique(part.index[near]).tolist():
-        alone = find_extrema(FourBar(*lengths[:, j].tolist(), mode=int(mode[j])), name, float(omega1[j]))
+        alone = find_extrema(FourBar(*lengths[:, j].tolist(), mode=int(mode[j])), name, float(rate[j]))
         rows = np.nonzero(part.index == j)[0]
         if rows.size == len(alone):
             part.is_global[rows] = [extremum.is_global for extremum in alone]
@@ -146,7 +146,7 @@ def _of_each(extreme, part):
     return np.repeat(extreme.reduceat(part.value, first), np.diff(np.append(first, part.index.size)))
 
 
-def _search(lengths, sign, omega1):
+def _search(lengths, sign, rate):
     """Return for each quantity a list of tuples (index, theta1, value, is_maximum, side) of arrays."""
     with np.errstate(all='ignore'):
         scaled = np.ldexp(lengths, -np.frexp(lengths.max(axis=0))[1])
@@ -157,7 +157,7 @@ def _search(lengths, sign, omega1):
         limits = _limits(scaled, *constants[:2])
     unequal = scaled.max(axis=0) > UNEQUAL * scaled.min(axis=0)
     is_flat = closes & ((constants[0] == 0.0) | (constants[1] == 0.0))
-    upward, forward = sign > 0.0, omega1 > 0.0
+    upward, forward = sign > 0.0, rate > 0.0
 
     def at(x, row):
         return sines.array(np.sin(0.5 * x), np.cos(0.5 * x), constants[:, row])
@@ -172,7 +172,7 @@ def _search(lengths, sign, omega1):
 
     found = ([], [])
     for index in np.nonzero(is_flat)[0].tolist():
-        for quantity, rows in zip(found, _at_change_point(index, lengths[:, index], sign[index], omega1[index])):
+        for quantity, rows in zip(found, _at_change_point(index, lengths[:, index], sign[index], rate[index])):
             quantity += rows
     paths = list(_paths(constants, closes & ~is_flat, limits))
     for path in paths:
@@ -188,7 +188,7 @@ def _search(lengths, sign, omega1):
             g, gu, _, _, X, _ = at(x, rows)
             value = g / X**3
             _improve(scaled, sign, unequal, rows, x.copy(), value)
-            found[1].append((rows, fold(x), omega1[rows]**2 * value, falls == upward[rows], np.zeros(x.size, int)))
+            found[1].append((rows, fold(x), rate[rows]**2 * value, falls == upward[rows], np.zeros(x.size, int)))
             ends = np.cumsum([path.number for path in paths])
             parts = (np.split(v, ends[:-1]) for v in (cells, rows, x, g, g * X / gu))
             brackets = _stack(path.brackets_of_g(*part) for path, *part in zip(paths, *parts))
@@ -196,7 +196,7 @@ def _search(lengths, sign, omega1):
             _, _, k, _, X, Y = at(x, rows)
             value = Y / X
             _improve(scaled, sign, unequal, rows, x, value, k / X**5)
-            found[0].append((rows, fold(x), omega1[rows] * value, (falls == upward[rows]) == forward[rows],
+            found[0].append((rows, fold(x), rate[rows] * value, (falls == upward[rows]) == forward[rows],
                              np.zeros(x.size, int)))
     return found
 
@@ -323,11 +323,11 @@ class _Path:
         return self.row[key[n] // number], x[n], x[n + 1], g[n], guess
 
 
-def _at_change_point(index, lengths, sign, omega1):
+def _at_change_point(index, lengths, sign, rate):
     """Return the same for a linkage at an exact change point, one by one."""
     linkage = FourBar(*lengths.tolist(), mode=OPEN if sign > 0.0 else CROSSED)
     found = {name: [] for name in RATES}
-    for extremum in find_extrema(linkage, RATES, float(omega1)):
+    for extremum in find_extrema(linkage, RATES, float(rate)):
         found[extremum.quantity].append((extremum.theta1, extremum.value, extremum.kind, extremum.side))
     for rows in found.values():
         largest = max(value for _, value, _, _ in rows)

@@ -82,7 +82,7 @@ class Extremum(NamedTuple):
     slide: float = nan
 
 
-def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False, conditions=True,
+def find_extrema(linkage, quantities=(), rate=1.0, acceleration=0.0, certify=False, conditions=True,
                  check=lambda: None):
     """
     Return all extreme values over the input angle, in the mode of the linkage.
@@ -95,8 +95,9 @@ def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False, 
         arithmetic and numpy functions; with abs, comparisons or ``math`` they are slower and located
         to about 1e-10 rad. Attributes ``unit`` and ``__name__`` are used. Empty: all names for which the
         linkage has data.
-    omega1, alpha1 : float
-        Input rate [rad/s] and acceleration [rad/s^2], of a driven slide [m/s], [m/s^2], the same everywhere.
+    rate, acceleration : float
+        Rate and acceleration of the input, the same everywhere: [rad/s] and [rad/s^2], or [m/s] and [m/s^2] of
+        a driven slide.
     certify : bool
         Also prove that none is missing, see :mod:`fourbar_ros.extrema.proof`: milliseconds for omega4 and alpha4, a
         second or more for each other quantity.
@@ -114,17 +115,17 @@ def find_extrema(linkage, quantities=(), omega1=1.0, alpha1=0.0, certify=False, 
     """
     if not isinstance(linkage, Mechanism):
         raise InvalidParameter('linkage', linkage, 'must be a mechanism: FourBar, SliderCrank or InvertedSlider')
-    omega1, alpha1 = number('omega1', omega1), number('alpha1', alpha1)
+    rate, acceleration = number('rate', rate), number('acceleration', acceleration)
     quantities = _resolve(quantities, linkage)
     check()
-    found = _search(linkage, quantities, omega1, alpha1, 1, conditions)
+    found = _search(linkage, quantities, rate, acceleration, 1, conditions)
     proofs = [''] * len(quantities)
     if certify:
         from fourbar_ros.extrema.proof import NOT_PROVED, prove_counts
 
-        counts, proofs = zip(*prove_counts(linkage, quantities, omega1, alpha1, SAMPLES, found, check))
+        counts, proofs = zip(*prove_counts(linkage, quantities, rate, acceleration, SAMPLES, found, check))
         if any(count not in (None, _interior_count(part)) for count, part in zip(counts, found)):
-            found = _search(linkage, quantities, omega1, alpha1, 8, conditions)
+            found = _search(linkage, quantities, rate, acceleration, 8, conditions)
         proofs = [proof if count in (None, _interior_count(part))
                   else f'{NOT_PROVED}: {_interior_count(part)} found, {count} exist'
                   for proof, count, part in zip(proofs, counts, found)]
@@ -136,24 +137,24 @@ def _interior_count(found):
     return sum(part.side == 0 and part.sense != 0 for part in found)
 
 
-def _search(linkage, quantities, omega1, alpha1, density, conditions):
+def _search(linkage, quantities, rate, acceleration, density, conditions):
     """Return a list of :class:`Found` for each quantity, each searched for in the way that fits it."""
-    is_fast = isinstance(linkage, FourBar) and alpha1 == 0.0 != omega1 and linkage.change_point_margin > 0.0
+    is_fast = isinstance(linkage, FourBar) and acceleration == 0.0 != rate and linkage.change_point_margin > 0.0
     fast, smooth, rough = [], [], []
     for row, quantity in enumerate(quantities):
         if not is_published(quantity):
-            (smooth if _has_complex_step(linkage, quantity, omega1, alpha1) else rough).append(row)
+            (smooth if _has_complex_step(linkage, quantity, rate, acceleration) else rough).append(row)
         else:
             (fast if is_fast and quantity.name in RATES else smooth).append(row)
     found = [[] for _ in quantities]
     if fast:
-        for part in _at_constant_rate(linkage, [quantities[row].name for row in fast], omega1, density,
+        for part in _at_constant_rate(linkage, [quantities[row].name for row in fast], rate, density,
                                       conditions):
             found[fast[part.row]].append(part)
     for kind, rows in ((Sampler, smooth), (DifferenceSampler, rough)):
         if rows:
             chosen = [quantities[row] for row in rows]
-            sampler = kind(linkage, chosen, omega1, alpha1, not all(map(is_published, chosen)))
+            sampler = kind(linkage, chosen, rate, acceleration, not all(map(is_published, chosen)))
             for path in input_paths(linkage, density * SAMPLES):
                 for part in search_path(sampler, path, conditions):
                     found[rows[part.row]].append(part)
@@ -173,12 +174,12 @@ def _resolve(quantities, linkage):
             for quantity in quantities]
 
 
-def _has_complex_step(linkage, quantity, omega1, alpha1):
+def _has_complex_step(linkage, quantity, rate, acceleration):
     """Return whether the complex step gives the derivative of a function: tried at some points."""
     path = input_paths(linkage, 32)[0]
     x = path.x[path.first:path.last:3]
     step = 2.0**-12 * np.gradient(path.x)[path.first:path.last:3]
-    sampler = Sampler(linkage, (quantity,), omega1, alpha1, with_angles=True)
+    sampler = Sampler(linkage, (quantity,), rate, acceleration, with_angles=True)
     try:
         values, slopes = sampler.sample(x)
         differences = (sampler.values(x + step) - sampler.values(x - step)) / (2.0 * step)
@@ -189,11 +190,11 @@ def _has_complex_step(linkage, quantity, omega1, alpha1):
     return agrees.mean() > 0.8      # an angle may jump by 2 pi at one of the points
 
 
-def _at_constant_rate(linkage, names, omega1, density, with_conditions):
+def _at_constant_rate(linkage, names, rate, density, with_conditions):
     """Yield the :class:`Found` of omega4 and alpha4; ``row`` is the index in names."""
     extrema, toggles = rate_extrema(linkage, density * RATE_SAMPLES, with_conditions)
     for row, name in enumerate(names):
-        i, factor, sign = (0, omega1, 1 if omega1 > 0.0 else -1) if name == 'omega4' else (1, omega1 * omega1, 1)
+        i, factor, sign = (0, rate, 1 if rate > 0.0 else -1) if name == 'omega4' else (1, rate * rate, 1)
         for theta1, value, is_maximum, *conditions in extrema[i]:
             yield Found(row, theta1, factor * value, sign if is_maximum else -sign, 0, False, *conditions)
         for x, side, *is_up in toggles:

@@ -14,7 +14,7 @@ EXACT_COUNT, INTERVALS, NOT_PROVED = 'exact count', 'interval bounds', 'not prov
 LEFT_OUT = 2.0**-13
 
 
-def prove_counts(linkage, quantities, omega1, alpha1, samples, found, check):
+def prove_counts(linkage, quantities, rate, acceleration, samples, found, check):
     """
     Return how many extremes each quantity has inside the input range, and how that is known.
 
@@ -30,9 +30,9 @@ def prove_counts(linkage, quantities, omega1, alpha1, samples, found, check):
 
     """
     proofs = [None] * len(quantities)
-    rates = {'omega4': 0} if alpha1 else {'omega4': 0, 'alpha4': 1}
+    rates = {'omega4': 0} if acceleration else {'omega4': 0, 'alpha4': 1}
     exact = [row for row, quantity in enumerate(quantities)
-             if isinstance(linkage, FourBar) and omega1 and quantity.name in rates and is_published(quantity)]
+             if isinstance(linkage, FourBar) and rate and quantity.name in rates and is_published(quantity)]
     if exact:
         counts = sturm.count_extrema(linkage.lengths)
         for row in exact:
@@ -43,7 +43,7 @@ def prove_counts(linkage, quantities, omega1, alpha1, samples, found, check):
         if proofs[row] is None and any(part.sense == 0 for part in found[row]):
             proofs[row] = None, f'{NOT_PROVED}: constant in a range'
         elif proofs[row] is None:
-            proofs[row] = _by_intervals(linkage, quantity, omega1, alpha1, samples, found[row], check)
+            proofs[row] = _by_intervals(linkage, quantity, rate, acceleration, samples, found[row], check)
     return proofs
 
 
@@ -53,9 +53,9 @@ def _away_from_flats(path):
     return path._replace(x=path.x[[all(abs(x - flat) > LEFT_OUT for flat in flats) for x in path.x.tolist()]])
 
 
-def _by_intervals(linkage, quantity, omega1, alpha1, samples, found, check):
+def _by_intervals(linkage, quantity, rate, acceleration, samples, found, check):
     """Return (number, text) of one quantity; what was found in parts left out counts as found there."""
-    sampler = Sampler(linkage, (quantity,), omega1, alpha1, not is_published(quantity))
+    sampler = Sampler(linkage, (quantity,), rate, acceleration, not is_published(quantity))
     paths = [_away_from_flats(path) for path in input_paths(linkage, samples)]
     try:
         counts = [intervals.count_extrema(sampler, path, check)[0] for path in paths]

@@ -1,4 +1,4 @@
-"""What can be asked for by name: searched for extremes, tabulated, plotted."""
+"""What can be asked for by name: searched for extrema, tabulated, plotted."""
 from __future__ import annotations
 
 from functools import cache, partial

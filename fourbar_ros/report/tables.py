@@ -39,7 +39,7 @@ def show(path, mode=None, speed=None, at=None, acceleration=0.0, console=None):
     console.print()
     quantities = select((), linkage, scene.point_quantities)
     driven = f'{speed:g} {rate_unit(linkage)}' + (f' and {acceleration:g} {rate_unit(linkage)}^2' if acceleration else '')
-    console.print(extremes_table(find_extrema(linkage, quantities, speed, acceleration),
+    console.print(extrema_table(find_extrema(linkage, quantities, speed, acceleration),
                                  f'extrema at {driven}, mode {mode_name(linkage)}'))
     if linkage.bodies is None:
         console.print('no masses given, so no loads: see bodies.* in docs/node.md')
@@ -122,7 +122,7 @@ def what_it_is(linkage, title):
     return table
 
 
-def extremes_table(extrema, title):
+def extrema_table(extrema, title):
     """Return the table of a list of Extremum."""
     slides = any(extremum.slide == extremum.slide for extremum in extrema)
     table = plain_table(title, ('quantity', 'kind', '', 'value>', 'unit', *(('slide [m]>',) if slides else ()),

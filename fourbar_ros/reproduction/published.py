@@ -100,11 +100,11 @@ def example_7_7():
     equation = io_equation(EXAMPLE_7_7.lengths, 1, 4)
     values = {'eq38_v1v4': equation.both, 'eq38_v1': equation.first, 'eq38_mixed': -equation.mixed,
               'eq38_v4': -equation.second, 'eq38': equation.constant}
-    return values | _extremes(EXAMPLE_7_7, 10.0, 'deg')
+    return values | _extrema(EXAMPLE_7_7, 10.0, 'deg')
 
 
-def _extremes(linkage, speed, unit):
-    """Return the global extremes of omega4 and alpha4 in both modes and where they are."""
+def _extrema(linkage, speed, unit):
+    """Return the global extrema of omega4 and alpha4 in both modes and where they are."""
     values = {}
     for mode in (CROSSED, OPEN):
         for e in find_extrema(linkage.in_mode(mode), ('omega4', 'alpha4'), speed):
@@ -121,7 +121,7 @@ def paper_table_1():
 
 
 def paper_table_2():
-    values = _extremes(PAPER, PAPER_SPEED, 'rad')
+    values = _extrema(PAPER, PAPER_SPEED, 'rad')
     return values | {f'{name}_deg': degrees(value) for name, value in values.items() if '_at' in name}
 
 

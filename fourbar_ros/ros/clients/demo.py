@@ -1,4 +1,4 @@
-"""fourbar_demo: a scene through a real node: live table, extremes by service, bag, bag recomputed."""
+"""fourbar_demo: a scene through a real node: live table, extrema by service, bag, bag recomputed."""
 from __future__ import annotations
 
 import signal
@@ -165,14 +165,14 @@ def published_for(path):
     return yaml.safe_load(file.read_text()) if file.exists() else []
 
 
-def compare_extremes(client, published, console):
-    """Ask for all extremes; print the global ones, and what was published beside them."""
+def compare_extrema(client, published, console):
+    """Ask for all extrema; print the global ones, and what was published beside them."""
     speed = client.scene.drive.speed
     answer = client.ask('find_extrema', velocity=speed)
     if answer.result != answer.RESULT_OK:
         console.print(f'find_extrema: {answer.message}')
         return
-    table = plain_table(f'global extremes at {speed:g} {rate_unit(client.scene.linkage)}, mode {mode_name(client.scene.linkage)}, '
+    table = plain_table(f'global extrema at {speed:g} {rate_unit(client.scene.linkage)}, mode {mode_name(client.scene.linkage)}, '
                         f'asked over {NODE}/find_extrema',
                         ('quantity', '', 'value>', 'unit', f'{client.scene.linkage.input_coordinate.position}>',
                          *(('published>', 'at>') if published else ())))
@@ -235,7 +235,7 @@ def run(path, seconds, directory, console):
     try:
         watch(client, node, seconds, console)
         compare_poses(client, published, console)
-        compare_extremes(client, [p for p in published if 'quantity' in p], console)
+        compare_extrema(client, [p for p in published if 'quantity' in p], console)
     finally:
         client.close()
         node.send_signal(signal.SIGTERM)

@@ -1,4 +1,4 @@
-"""The services of the node: extremes, one evaluation, recording. Errors are answers, never exceptions."""
+"""The services of the node: extrema, one evaluation, recording. Errors are answers, never exceptions."""
 from __future__ import annotations
 
 from functools import partial
