@@ -9,8 +9,8 @@ import sys
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))
+from . import ROOT
+
 MODULES = {file.stem: file for file in sorted(Path(__file__).parent.glob('[a-z]*.py'))
            if 'def main(' in file.read_text()}
 

@@ -1,9 +1,7 @@
 """Errors in eps times condition over ordinary and extreme cases, and what naive formulas lose on them."""
-import sys
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from math import inf, nan, pi, sin
-from pathlib import Path
 
 import mpmath as mp
 import numpy as np
@@ -12,12 +10,10 @@ from rich.progress import track
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, FourBarError, round_rod
 
-from . import naive
+from . import ROOT, naive
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path.append(str(ROOT / 'test'))
-from reference import EPS, condition, free_bodies, loads_of, motion_of, pose, reactions  # noqa: E402
-from test_accuracy import FAMILIES, ORDINARY, closes, crank_lengths, draw, random_masses  # noqa: E402
+from support.reference import EPS, condition, free_bodies, loads_of, motion_of, pose, reactions
+from mechanisms.four_bar.test_accuracy import FAMILIES, ORDINARY, closes, crank_lengths, draw, random_masses
 
 SAMPLES, LOAD_SHARE, RANDOM_TIMES, WORKERS = 600, 6, 4, 2     # poses a family; one in 6 with loads; random: 4 times
 MARGINS, TOGGLES, AROUND = [10.0**-k for k in range(2, 15, 2)], 6, 40

@@ -1,10 +1,8 @@
 """All extrema of theta4' and theta4'' beside other ways to them: run time, misses, errors."""
 import gc
-import sys
 import time
 from functools import partial
 from math import inf
-from pathlib import Path
 from statistics import median
 
 import mpmath
@@ -18,8 +16,7 @@ from fourbar_ros.extrema.find import RATES
 from . import rivals
 from .shaking import crank_rockers
 
-sys.path.append(str(Path(__file__).resolve().parent.parent / 'test'))
-from extrema_reference import exact_roots  # noqa: E402
+from support.extrema_reference import exact_roots
 
 SEEDS = ((0.4, 1.2, 0.8, 1.0), (2.0, 6.0, 7.0, 5.0))     # the paper's linkage; the slides' Example 7.7
 LOADS = ('shaking_force', 'shaking_moment', 'driving_torque', 'f41', 'f21', 'f32', 'f43')

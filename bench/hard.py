@@ -1,16 +1,11 @@
 """Cases in which formulas that are good on an ordinary linkage lose their digits: the errors of the same outputs."""
 from __future__ import annotations
 
-import sys
 from math import pi
-from pathlib import Path
 
 import numpy as np
 
 from .textbook import FIELDS, textbook
-
-ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT / 'test')]
 
 OMEGA, LEAST = 25.0, 1e-3     # [rad/s]; part of the input's rate or its square below which no value counts
 SHOWN = ('theta4', 'omega4', 'alpha4', 'f41')
@@ -35,7 +30,7 @@ def cases():
 def truth_of(lengths, x, bodies):
     """Return (theta4, omega4, alpha4, F41) to many digits, rounded."""
     import mpmath as mp
-    from reference import loads_of, motion_of
+    from support.reference import loads_of, motion_of
     motion = motion_of(lengths, 1, mp.mpf(x), OMEGA, 0)
     force = loads_of(lengths, 1, mp.mpf(x), OMEGA, 0, bodies, [(0,) * 5] * 2, (0, 0))[0]
     return float(motion[0]), float(motion[2]), float(motion[6]), complex(force)

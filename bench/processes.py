@@ -10,7 +10,8 @@ import threading
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from . import ROOT
+
 PAPER = {'linkage.a1': 0.4, 'linkage.a2': 1.2, 'linkage.a3': 0.8, 'linkage.a4': 1.0,
          'bodies.rods.density': 7750.0, 'bodies.rods.radius': 0.01, 'drive.speed': 25.0}
 KINEMATICS = ['state']

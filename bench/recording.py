@@ -2,7 +2,6 @@
 import json
 import os
 import struct
-import sys
 import tempfile
 import threading
 import time
@@ -10,8 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from statistics import median
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT), str(ROOT / 'test')]
+from . import ROOT
+
 MINUTES = float(os.environ.get('MINUTES', '6'))     # of the long bag; 60 for the whole hour
 RATE = 1000                                         # [Hz] all outputs
 PERIOD = 5                                          # [s] after which the recorded motion repeats
@@ -28,11 +27,11 @@ def rss():
 
 def steps():
     """Return (values, channels, about, [[bytes of every topic] of every step of a period])."""
-    import bags
+    from support import bags
     from fourbar_ros.scene import topics as interfaces
     from fourbar_ros.scene import scene as scenes
     from fourbar_ros.pipeline.stepper import Stepper
-    from scenes import PAPER, RODS
+    from support.scenes import PAPER, RODS
     scene = scenes.from_values({**PAPER, **RODS, 'drive.speed': 25.0, 'outputs': [name for name in interfaces.OUTPUTS if name != 'points']})
     topics = [interfaces.DRIVEN, *scene.topics.values()]
     names = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
@@ -127,7 +126,7 @@ def node_table():
 
 def kill_table():
     """Print what kills cost."""
-    from test_bag_crash import kill_once
+    from bag.test_crash import kill_once
     print(f'\nkill -9 at random moments, {KILLS} each, what was lost:\n')
     print('| recorder | median [ms] | worst [ms] |\n| --- | --- | --- |')
     for kind in KINDS:

@@ -8,10 +8,7 @@ from math import inf, pi
 from pathlib import Path
 from statistics import median
 
-from . import hard
-
-ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT), str(ROOT / 'test')]
+from . import ROOT, hard
 
 PEERS = Path(__file__).resolve().parent / 'peers'
 ENVIRONMENT = ROOT / '.venv-peers'
@@ -35,7 +32,7 @@ FIELDS_LIMIT = 1.2                      # times the textbook script for its 15 o
 def write_case(file):
     """Write one revolution of the linkage with its true values for the runners."""
     import mpmath as mp
-    from reference import loads_of, motion_of
+    from support.reference import loads_of, motion_of
 
     from fourbar_ros.mechanics.bodies import round_rod
     bodies = [(b.mass, b.cg_along, b.cg_across, b.inertia)

@@ -73,6 +73,6 @@ step 'tests of the unpacked sdist'
 tar xzf "$sdist"
 "$pip" -q install "$wheel[test]"
 cd fourbar_ros-*
-python -m pytest -q test/test_scene.py test/test_command_line.py test/test_fence.py test/test_docs.py test/test_tables.py ||
+python -m pytest -q test/scene test/cli test/test_fence.py test/docs test/report/test_tables.py ||
   fail 'the sdist cannot be tested'
 step good

@@ -5,9 +5,7 @@ import os
 import shutil
 import socket
 import subprocess
-import sys
 import tempfile
-from pathlib import Path
 
 _held = []      # a socket that is bound for as long as this run has its domain
 
@@ -32,8 +30,6 @@ os.environ['ROS_PYTHON_CHECK_FIELDS'] = '1'
 os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 os.environ['ROS_DOMAIN_ID'] = str(_own_domain())
 os.environ['PYTHONFAULTHANDLER'] = '1'
-
-sys.path.insert(0, str(Path(__file__).parent))
 
 
 def pytest_sessionfinish(session, exitstatus):

@@ -1,10 +1,9 @@
 """Who may import whom: layers, no circles, one place that names kinds, nothing private across modules."""
 import ast
-from pathlib import Path
 
 import pytest
+from support import ROOT
 
-ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / 'fourbar_ros'
 MODULES = {'.'.join(path.relative_to(ROOT).with_suffix('').parts).removesuffix('.__init__'): path
            for path in sorted(PACKAGE.rglob('*.py'))}

@@ -1,11 +1,10 @@
 """The core needs numpy alone, and nothing is loaded before it is needed."""
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from support import ROOT
 
-ROOT = Path(__file__).parent.parent
 HEAVY = ('rclpy', 'scipy', 'mcap', 'matplotlib', 'rich', 'yaml', 'mpmath', 'flint')
 
 

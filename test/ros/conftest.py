@@ -1,7 +1,7 @@
 """Fixtures of the ROS tests: a client, and nodes that must end well."""
 import pytest
 
-from harness import Client, NodeProcess
+from support.harness import Client, NodeProcess
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ import pytest
 from action_msgs.msg import GoalStatus
 from rclpy.action import ActionClient
 
-from scenes import PAPER, RODS
+from support.scenes import PAPER, RODS
 
 # Absent only where fourbar_msgs has not been built since it has the action; the node says so and runs without.
 FindExtrema = pytest.importorskip('fourbar_msgs.action').FindExtrema

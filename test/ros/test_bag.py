@@ -16,8 +16,8 @@ from rosbags.typesys import Stores, get_typestore, get_types_from_msg
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recompute import recompute
-from harness import ALL_OUTPUTS
-from scenes import PAPER, RODS
+from support.harness import ALL_OUTPUTS
+from support.scenes import PAPER, RODS
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from fourbar_ros.scene import topics as interfaces, scene
 from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recompute import compare
 from fourbar_ros import Applied, External
-from scenes import PAPER, RODS, SLIDES_7_6
+from support.scenes import PAPER, RODS, SLIDES_7_6
 
 LOADED = {**PAPER, **RODS, 'outputs': ['state', 'loads'], 'drive.source': 'motion', 'drive.timeout': 0.0}
 
@@ -153,7 +153,7 @@ def test_loads_go_back_along_a_chain_and_both_bags_compute_again(run_node, clien
 
 @pytest.mark.parametrize('policy', ['unknown', 'hold', 'constant'])
 def test_a_bag_with_wrenches_silences_and_changes_computes_again(run_node, client, tmp_path, policy):
-    from test_inputs import set_parameters
+    from ros.test_inputs import set_parameters
     node = Loaded(run_node, client, external__timeout=0.0, external__when_silent=policy, external__output__couple=2.5)
     node.load(5.0, 1.0, -1.0)
     assert client.call('start_recording', name='run').success          # while something acts from before

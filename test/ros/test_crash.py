@@ -10,10 +10,10 @@ from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recompute import compare
 from fourbar_ros.bag.recover import recover
 from fourbar_ros.bag.recorder import BITE, FLUSH_PERIOD
-from harness import ALL_OUTPUTS
-from scenes import PAPER, RODS
-from test_bag_crash import SLACK
-from test_bag_writer import assert_every_reader_takes
+from support.harness import ALL_OUTPUTS
+from support.scenes import PAPER, RODS
+from bag.test_crash import SLACK
+from bag.test_recorder import assert_every_reader_takes
 
 FAST, SLOW = 2, 8
 

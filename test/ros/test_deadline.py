@@ -5,7 +5,7 @@ from rclpy.duration import Duration
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import QoSProfile
 
-from scenes import PAPER
+from support.scenes import PAPER
 
 SECOND = 10**9
 

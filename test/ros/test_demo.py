@@ -2,7 +2,7 @@
 import sys
 
 import pytest
-from terminals import NUMBER, shown
+from support.terminals import NUMBER, shown
 
 
 @pytest.mark.parametrize('width, scene, expected', [

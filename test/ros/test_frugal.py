@@ -3,7 +3,7 @@ import json
 import subprocess
 import sys
 
-from scenes import PAPER, RODS
+from support.scenes import PAPER, RODS
 
 SCRIPT = '''
 import json, sys

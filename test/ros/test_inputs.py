@@ -8,7 +8,7 @@ from fourbar_msgs.msg import LinkageState, Motion
 from sensor_msgs.msg import JointState
 
 from fourbar_ros.scene import scene
-from scenes import PAPER, ROCKER
+from support.scenes import PAPER, ROCKER
 
 NANOSECONDS = 10**9
 

@@ -7,8 +7,8 @@ from sensor_msgs.msg import JointState
 
 from fourbar_ros.scene import scene
 from fourbar_ros.bag.recompute import compare
-from harness import ALL_OUTPUTS
-from scenes import PAPER, RODS, ROCKER
+from support.harness import ALL_OUTPUTS
+from support.scenes import PAPER, RODS, ROCKER
 
 
 def exchange(client, publisher, messages, settle):

@@ -2,13 +2,13 @@
 import signal
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from support import ROOT
 
 pytest.importorskip('launch_ros.actions')
 
-FILE = Path(__file__).parents[2] / 'launch' / 'fourbar.launch.py'
+FILE = ROOT / 'launch' / 'fourbar.launch.py'
 LAUNCH = """
 import sys
 from launch import LaunchDescription, LaunchService

@@ -11,9 +11,9 @@ from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.quantities import known, select
 from fourbar_ros.scene.topics import OUTPUTS
 from fourbar_ros.pipeline.stepper import Stepper
-from harness import ALL_OUTPUTS, fields_of
-from scenes import PAPER, RODS, TIP
-from test_inputs import set_parameters
+from support.harness import ALL_OUTPUTS, fields_of
+from support.scenes import PAPER, RODS, TIP
+from ros.test_inputs import set_parameters
 
 BODIES = {**RODS, 'bodies.output.mass': 1.5, 'bodies.output.inertia': 0.02, 'gravity.y': -9.81}
 SLIDER_CRANK = {'linkage.kind': 'slider_crank', 'linkage.a1': 0.1, 'linkage.a2': 0.35, 'linkage.offset': 0.03, **BODIES,

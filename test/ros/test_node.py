@@ -11,8 +11,8 @@ from sensor_msgs.msg import JointState
 from fourbar_ros.scene import scene
 from fourbar_ros.pipeline import status as codes
 from fourbar_ros.extrema.find import find_extrema
-from harness import ALL_OUTPUTS, fields_of
-from scenes import PAPER, RODS, ROCKER, SLIDES_7_6, SLIDES_7_7
+from support.harness import ALL_OUTPUTS, fields_of
+from support.scenes import PAPER, RODS, ROCKER, SLIDES_7_6, SLIDES_7_7
 
 DRIVEN = {**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ALL_OUTPUTS, 'frame_id': 'machine'}
 

@@ -15,8 +15,8 @@ from fourbar_ros.ros.node import packed
 from fourbar_ros.ros.messages import filler, resolve, set_constants
 from fourbar_ros.ros.schemas import definition
 from fourbar_ros.pipeline.stepper import Stepper
-from scenes import TIP
-from test_mechanisms import MECHANISMS
+from support.scenes import TIP
+from ros.test_mechanisms import MECHANISMS
 
 STAMPS = (0, 0), (1, 999_999_999), (2**31 - 1, 0), (-1, 5)
 FRAMES = 'a', 'abcdefg', 'x' * 61, 'Größe', '\x00'.join('ab'), ''

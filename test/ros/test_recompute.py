@@ -9,8 +9,8 @@ from rosbags.rosbag2 import Reader
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import compare
-from harness import ALL_OUTPUTS
-from scenes import PAPER, RODS
+from support.harness import ALL_OUTPUTS
+from support.scenes import PAPER, RODS
 
 
 @pytest.mark.parametrize('split', [{'recording.split_duration': 0.3}, {'recording.split_size': 0.03}, {'recording.keep': 2.0}],

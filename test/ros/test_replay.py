@@ -10,12 +10,12 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
-import bags
+from support import bags
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recompute import compare
 from fourbar_ros.bag.recorder import BagWriter
-from harness import ALL_OUTPUTS, PATIENCE
-from scenes import PAPER, RODS, TIP
+from support.harness import ALL_OUTPUTS, PATIENCE
+from support.scenes import PAPER, RODS, TIP
 
 FULL = {**PAPER, **RODS, 'outputs': ALL_OUTPUTS, 'drive.source': 'motion'}
 STEPS = 300

@@ -19,7 +19,8 @@ from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.schemas import channel
-from test_bag import plain
+from support import SUPPORT
+from ros.test_bag import plain
 
 TOPICS = [*interfaces.INPUTS.values(), interfaces.DRIVEN, interfaces.SCENE, *interfaces.OUTPUTS.values()]
 # What Foxglove and Lichtblick read bags with.
@@ -91,7 +92,7 @@ def foxglove():
     """Return the folder of an npm project with Foxglove's readers, kept between runs; skip without."""
     if not shutil.which('npm') or not shutil.which('node'):
         pytest.skip('node and npm are not installed')
-    script = (Path(__file__).parent.parent / 'foxglove.mjs').read_text()
+    script = (SUPPORT / 'foxglove.mjs').read_text()
     key = hashlib.sha256(' '.join(NPM).encode()).hexdigest()[:12]
     folder = Path(tempfile.gettempdir()) / f'fourbar_npm_{key}'
     folder.mkdir(exist_ok=True)

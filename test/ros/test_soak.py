@@ -18,9 +18,9 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
 
 from fourbar_ros.scene import scene
-from harness import ALL_OUTPUTS, NodeProcess
-from scenes import PAPER, RODS
-from test_inputs import set_parameters
+from support.harness import ALL_OUTPUTS, NodeProcess
+from support.scenes import PAPER, RODS
+from ros.test_inputs import set_parameters
 
 SOAK = float(os.environ.get('SOAK_MINUTES', 0)) * 60.0
 ROUNDS = 200 if not SOAK else 10_000            # malformed inputs of each kind

@@ -7,9 +7,9 @@ import pytest
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from fourbar_ros.scene import scene
-from harness import PATIENCE
-from scenes import PAPER
-from test_inputs import set_parameters
+from support.harness import PATIENCE
+from support.scenes import PAPER
+from ros.test_inputs import set_parameters
 
 
 def start(tmp_path, *arguments):

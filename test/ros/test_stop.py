@@ -15,8 +15,9 @@ from fourbar_ros.bag.info import info
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.stop import SIGNALS, Stop
 from fourbar_ros.ros.node.worker import Abandoned, Worker
-from harness import ALL_OUTPUTS, PATIENCE
-from scenes import PAPER, RODS
+from support import ROOT
+from support.harness import ALL_OUTPUTS, PATIENCE
+from support.scenes import PAPER, RODS
 
 RECORDING = {**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 200.0, 'outputs': ALL_OUTPUTS,
              'recording.start': True, 'recording.name': 'run'}
@@ -158,7 +159,7 @@ def test_a_flag_takes_signals_from_within_signals():
 
 def test_no_handler_sets_an_event():
     """The pattern that could hang the node is nowhere else."""
-    for file in (Path(__file__).parents[2] / 'fourbar_ros').rglob('*.py'):
+    for file in (ROOT / 'fourbar_ros').rglob('*.py'):
         assert not re.search(r'signal\.signal\(.*\.set\b', file.read_text()), file
 
 

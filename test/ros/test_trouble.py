@@ -14,8 +14,8 @@ from sensor_msgs.msg import JointState
 
 from fourbar_ros.ros.node.quiet_log import QuietLog
 from fourbar_ros.ros.node.sequence import Sequence
-from scenes import PAPER
-from test_inputs import NANOSECONDS, answers, set_parameters, stamped
+from support.scenes import PAPER
+from ros.test_inputs import NANOSECONDS, answers, set_parameters, stamped
 
 DRIVEN = {**PAPER, 'drive.source': 'motion', 'drive.timeout': 0.0, 'outputs': ['state']}
 

@@ -3,7 +3,7 @@ import os
 
 import pytest
 
-from scenes import PAPER
+from support.scenes import PAPER
 
 
 @pytest.fixture

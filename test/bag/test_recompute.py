@@ -1,0 +1,264 @@
+"""What recompute must find: every field, text, stamp, missing and doubled message; in bags of rosbag2 as well."""
+import json
+import math
+
+import numpy as np
+import pytest
+
+from support import bags
+from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.scene import scene as scenes
+from fourbar_ros.bag import BagError
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recompute import compare
+from fourbar_ros.bag.recorder import BagWriter
+from fourbar_ros.cli.main import main
+from fourbar_ros.scene.topics import OUTPUTS
+from fourbar_ros.pipeline.stepper import Stepper
+from support.scenes import PAPER, ROCKER, RODS, TIP
+
+FULL = {**PAPER, **RODS, **TIP, 'outputs': list(OUTPUTS), 'drive.source': 'motion'}
+STEPS = 40
+TURNS = [(0.05 * k, 25.0, 0.1 * k) for k in range(STEPS)]
+
+
+@pytest.fixture(scope='module')
+def bag(tmp_path_factory):
+    return bags.run(tmp_path_factory.mktemp('recompute'), 'run', FULL, TURNS, paced=True)
+
+
+def rewritten(bag, directory, raws, name='new', about=None):
+    """Write these (topic, data, log time) into a new bag with the topics of an old one."""
+    metadata = Bag(bag).metadata()
+    topics = [told['topic_metadata'] for told in metadata['topics_with_message_count']]
+    writer = BagWriter(directory, name, [bags.channel(t['name'], t['type']) for t in topics],
+                       metadata['custom_data'] if about is None else about, sync_period=0.0)
+    numbers = {topic['name']: i for i, topic in enumerate(topics)}
+    for topic, data, time in raws:
+        writer.clock.now = lambda time=time: time
+        writer.write(numbers[topic], data)
+    return writer.close()
+
+
+def content(bag):
+    return [(raw.topic, raw.data, raw.time) for raw in Bag(bag).raw()]
+
+
+def problems(path):
+    return ' '.join(compare(path).problems())
+
+
+# --- fields ---------------------------------------------------------------------------------------
+
+OUTPUT_TOPICS = ['/fourbar/state', '/fourbar/output', '/joint_states', '/fourbar/loads', '/fourbar/shaking_wrench',
+                 '/fourbar/points/tip']
+
+
+@pytest.mark.parametrize('topic', OUTPUT_TOPICS)
+def test_the_last_bit_of_every_number_of_every_output_counts(bag, tmp_path, topic):
+    """Every number is changed, each in a message of its own."""
+    source = Bag(bag)
+    raws = [raw for raw in source.raw() if raw.topic == topic]
+    layout = source.decoder(topic).layout(raws[0].data)
+    places = [(leaf.name, leaf.offset + i * np.dtype(leaf.format).itemsize, np.dtype(leaf.format))
+              for leaf in layout.leaves for i in range(leaf.shape[0] if leaf.shape else 1)]
+    assert len(places) > 4
+    stamps = [place for place in places if 'stamp' in place[0]]
+    places = [place for place in places if place not in stamps]
+
+    def changed(data, name, offset, kind):
+        data = bytearray(data)
+        is_nan = kind.kind == 'f' and math.isnan(np.frombuffer(data, kind, 1, offset)[0])
+        data[offset + (7 if is_nan else 0)] ^= 64 if is_nan else 1
+        return bytes(data)
+
+    for begin in range(0, len(places), STEPS):
+        some = places[begin:begin + STEPS]
+        path = bags.copy(bag, tmp_path, f'n{begin}', lambda raw, some=some: changed(raw.data, *some[raw.sequence])
+                         if raw.topic == topic and raw.sequence < len(some) else raw.data)
+        found = compare(path)
+        assert {d.field for d in found.differences if d.largest} == {name for name, *_ in some}
+        assert {d.topic for d in found.differences if d.largest} == {topic} and len(found.problems()) == 1
+    path = bags.copy(bag, tmp_path, 'stamps', lambda raw: changed(raw.data, *stamps[raw.sequence])
+                     if raw.topic == topic and raw.sequence < 2 else raw.data)
+    assert compare(path).problems() == ['2 outputs without their motion', '2 outputs missing']
+    assert not compare(bag).problems()
+
+
+def test_frame_and_names_of_joints_are_compared(bag, tmp_path):
+    for number, (topic, old, new) in enumerate((('/fourbar/state', b'fourbar\0', b'foubarr\0'),
+                                                ('/fourbar/driven', b'fourbar\0', b'foubarr\0'),
+                                                ('/joint_states', b'coupler\0', b'couplor\0'))):
+        path = bags.copy(bag, tmp_path, f't{number}', lambda raw, topic=topic, old=old, new=new: raw.data.replace(
+            old, new, 1) if raw.topic == topic and raw.sequence == 7 else raw.data)
+        differing = [d for d in compare(path).differences if d.largest]
+        assert [(d.topic, d.field, d.largest) for d in differing] == [
+            (topic, 'name' if topic == '/joint_states' else 'header.frame_id', math.inf)]
+
+
+# --- messages -------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize('topic', OUTPUT_TOPICS)
+@pytest.mark.parametrize('which', [0, 17, STEPS - 1])
+def test_a_removed_or_doubled_message_is_found(bag, tmp_path, topic, which):
+    raws = content(bag)
+    at = [i for i, raw in enumerate(raws) if raw[0] == topic][which]
+    assert problems(rewritten(bag, tmp_path, raws[:at] + raws[at + 1:], 'less')) == '1 outputs missing'
+    assert problems(rewritten(bag, tmp_path, raws[:at + 1] + raws[at:], 'more')) == '1 outputs more than once'
+
+
+def test_a_removed_motion_leaves_its_outputs_alone(bag, tmp_path):
+    raws = content(bag)
+    at = [i for i, raw in enumerate(raws) if raw[0] == '/fourbar/driven'][9]
+    assert problems(rewritten(bag, tmp_path, raws[:at] + raws[at + 1:])) == f'{len(OUTPUTS)} outputs without their motion'
+
+
+def test_with_nothing_to_compare_it_does_not_say_that_all_is_well(bag, tmp_path, capsys):
+    raws = content(bag)
+    for name, keep in (('outputs', lambda t: t != '/fourbar/driven'), ('motions', lambda t: t in (
+            '/fourbar/driven', '/fourbar/scene')), ('nothing', lambda t: False)):
+        path = rewritten(bag, tmp_path, [raw for raw in raws if keep(raw[0])], name)
+        assert main(['bag', 'recompute', str(path)]) == 3, name
+        assert 'bad: nothing could be compared' in capsys.readouterr().out
+
+
+def test_outputs_that_say_that_the_input_stopped_are_no_fault(tmp_path):
+    values = {**FULL, 'joint_states.when_unknown': 'hold'}
+    path = bags.run(tmp_path, 'run', values, TURNS)
+    scene, raws = scenes.from_values(values), content(path)
+    stepper = Stepper(scene)
+    for turn in TURNS:
+        stepper.step(*turn, True, True)
+    topics = json.loads(Bag(path).about()['topics'])
+    late = [(topics[name], bags.output_message(name, 10**9, 5, stepper.silence(), scene), raws[-1][2] + 10**9)
+            for name in scene.topics]
+    found = compare(rewritten(path, tmp_path, raws + late))
+    assert found.silent == len(late) == len(OUTPUTS) and not found.problems()
+
+
+def test_the_last_step_of_a_cut_bag_need_not_be_whole(bag, tmp_path):
+    path = bags.run(tmp_path, 'run', FULL, TURNS, flush_period=10.0)
+    cut = rewritten(bag, tmp_path, content(bag)[:-3])
+    assert problems(cut) == '3 outputs missing' and not compare(path).problems()
+    data = (cut / 'new_0.mcap').read_bytes()
+    (tmp_path / 'cut_0.mcap').write_bytes(data[:data.rindex(b'\x0f' + (4).to_bytes(8, 'little'))])   # without its end
+    found = compare(tmp_path / 'cut_0.mcap')
+    assert found.cut and not found.problems()
+
+
+# --- the driven joint -----------------------------------------------------------------------------
+
+def with_input(directory, name, given, scene, change=lambda k, motion: motion, stamps=None):
+    """Record inputs (position, velocity, acceleration) and what follows from them, the motion as it came."""
+    topics = [interfaces.DRIVEN, interfaces.SCENE, interfaces.INPUTS['motion'], *scene.topics.values()]
+    resolved = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
+    writer = BagWriter(directory, name, [bags.channel(resolved[t.name], t.type) for t in topics],
+                       {'scene': scene.as_json, 'topics': json.dumps(resolved)})
+    number = {topic.name: i for i, topic in enumerate(topics)}
+    writer.write(1, bags.encode('std_msgs/msg/String', data=scene.as_json))
+    stepper = Stepper(scene)
+    for k, motion in enumerate(given):
+        when = (k + 1) * 10**6
+        told = when if stamps is None else stamps
+        writer.write(2, bags.encode('fourbar_msgs/msg/Motion', header=bags.stamp(told, ''), position=motion[0],
+                                    velocity=motion[1], acceleration=motion[2]))
+        motion = change(k, motion)
+        writer.write(0, bags.output_message('driven', when, 0, scene.linkage.unknown(*motion), scene))
+        status, values = stepper.step(*motion, scene.needs_loads, True)
+        for output in scene.topics:
+            writer.write(number[output], bags.output_message(output, when, status, values, scene))
+    return writer.close()
+
+
+def test_the_motion_of_the_driven_joint_is_compared_with_its_input(tmp_path):
+    scene = scenes.from_values(FULL)
+    found = compare(with_input(tmp_path, 'good', TURNS, scene))
+    assert not found.problems() and found.driven == f'{STEPS} computed again from /fourbar/input'
+    assert {d.field for d in found.differences if d.topic == '/fourbar/driven'} >= {
+        'position', 'velocity', 'acceleration', 'header.stamp', 'header.frame_id'}
+    assert not compare(with_input(tmp_path, 'unstamped', TURNS, scene, stamps=0)).problems()
+    for field in range(3):
+        def change(k, motion, field=field):
+            return (*motion[:field], np.nextafter(motion[field], 9.0), *motion[field + 1:]) if k == 5 else motion
+        found = compare(with_input(tmp_path, f'bad{field}', TURNS, scene, change))
+        assert [(d.topic, d.field) for d in found.differences if d.largest] == [
+            ('/fourbar/driven', ('position', 'velocity', 'acceleration')[field])]
+    found = compare(with_input(tmp_path, 'stamp', TURNS, scene, stamps=1))
+    assert [d.field for d in found.differences if d.largest] == ['header.stamp']
+
+
+def test_it_is_said_when_the_motion_cannot_be_computed_again(bag):
+    assert 'not computed again: driven by the motion, no input in the bag' == compare(bag).driven
+
+
+# --- bags of rosbag2 ------------------------------------------------------------------------------
+
+def as_recorded_by_rosbag2(bag, directory, name='rosbag2', jitter=0, late_scene=0, seed=1, keep=lambda topic: True):
+    """Write a bag again as ``ros2 bag record -a`` does: no word of the scene, messages as they came in."""
+    rng = np.random.default_rng(seed)
+    raws = [raw for raw in content(bag) if keep(raw[0])]
+    moved = [(time + int(rng.integers(0, jitter + 1)) + (late_scene if topic.endswith('/scene') else 0), i)
+             for i, (topic, _, time) in enumerate(raws)]
+    return rewritten(bag, directory, [(*raws[i][:2], time) for time, i in sorted(moved)], name, about={})
+
+
+@pytest.mark.parametrize('jitter, late_scene', [(0, 0), (3_000_000, 0), (3_000_000, 10_000_000)])
+def test_a_bag_of_rosbag2_is_recomputed_from_its_topics(bag, tmp_path, jitter, late_scene):
+    path = as_recorded_by_rosbag2(bag, tmp_path, jitter=jitter, late_scene=late_scene)
+    order = [raw.topic for raw in Bag(path).raw()]
+    assert jitter == 0 or order != [raw[0] for raw in content(bag)]
+    found = compare(path)
+    assert not found.problems() and (found.inputs, found.compared) == (STEPS, len(OUTPUTS) * STEPS) and found.largest == 0.0
+    assert main(['bag', 'recompute', str(path)]) == 0
+    wrong = bags.copy(path, tmp_path, 'wrong', lambda raw: raw.data[:-8] + b'\0' * 8 if raw.topic == '/fourbar/loads'
+                      else raw.data)
+    assert compare(wrong).largest > 0.0
+
+
+def test_what_rosbag2_missed_in_the_middle_is_missing_at_the_ends_it_is_not(bag, tmp_path):
+    raws = content(as_recorded_by_rosbag2(bag, tmp_path))
+    at = [i for i, raw in enumerate(raws) if raw[0] == '/fourbar/state']
+    for name, gone, said in (('begin', at[:3], ''), ('end', at[-3:], ''), ('middle', at[5:8], '3 outputs missing')):
+        path = rewritten(bag, tmp_path, [raw for i, raw in enumerate(raws) if i not in gone], name, about={})
+        assert problems(path) == said, name
+
+
+def test_a_scene_changed_during_a_bag_of_rosbag2_leaves_a_moment_out(tmp_path):
+    cranks = [(0.05 * k, 25.0, 0.1) for k in range(300)]
+    path = bags.run(tmp_path, 'run', FULL, cranks, {150: {'linkage.a1': 0.35}}, step_ns=5 * 10**6, paced=True)
+    found = compare(as_recorded_by_rosbag2(path, tmp_path, jitter=10**7))
+    assert not found.problems() and found.inputs == 300 and 300 < found.uncertain < 1000
+    assert found.compared + found.uncertain == 300 * len(OUTPUTS)
+
+
+def test_a_remapped_topic_of_joint_states_is_found_and_two_nodes_are_told_apart(bag, tmp_path, capsys):
+    raws = content(as_recorded_by_rosbag2(bag, tmp_path))
+    other = bags.run(tmp_path, 'other', {**PAPER, 'outputs': ['state']}, TURNS[:20], paced=True)
+    topics = {topic: told for path in (bag, other) for told in Bag(path).metadata()['topics_with_message_count']
+              for topic in [told['topic_metadata']['name']]}
+    names = sorted(topics)
+    writer = BagWriter(tmp_path, 'both', [
+        *(bags.channel(name if name != '/joint_states' else '/cell/joint_states', topics[name]['topic_metadata']['type'])
+          for name in names), *(bags.channel(f'/cell{name}', topics[name]['topic_metadata']['type']) for name in (
+              '/fourbar/driven', '/fourbar/scene', '/fourbar/state'))], {})
+    for topic, data, _ in raws:
+        writer.write(names.index(topic), data)
+    second = ['/fourbar/driven', '/fourbar/scene', '/fourbar/state']
+    for topic, data, _ in content(other):
+        writer.write(len(names) + second.index(topic), data)
+    path = writer.close()
+    with pytest.raises(BagError, match='holds runs of /cell/fourbar, /fourbar; say which with --node'):
+        compare(path)
+    assert compare(path, node='/fourbar').compared == len(OUTPUTS) * STEPS
+    assert compare(path, node='/cell/fourbar').inputs == 20
+    assert main(['bag', 'recompute', str(path), '--node', '/cell/fourbar']) == 0
+    assert main(['bag', 'scene', str(path), '--node', '/fourbar']) == 0
+    assert 'a1: 0.4' in capsys.readouterr().out
+    with pytest.raises(BagError, match='no run of /nobody'):
+        compare(path, node='/nobody')
+
+
+def test_values_held_out_of_range_are_computed_again(tmp_path):
+    cranks = [(0.01 * k, 1.0, 0.0) for k in range(200)]
+    path = bags.run(tmp_path, 'run', {**ROCKER, **RODS, 'outputs': ['state', 'loads'], 'drive.out_of_range': 'hold'}, cranks)
+    assert not compare(path).problems() and compare(path).uncertain == 0

@@ -1,0 +1,537 @@
+"""Extrema: published values, completeness against exact roots and scans, ends, change points, user quantities."""
+from dataclasses import replace
+from math import inf, isinf, pi
+
+from support.extrema_reference import exact_roots, families
+import mpmath
+import numpy as np
+import pytest
+
+from fourbar_ros import Bodies, Body, FourBar, InvalidParameter, MissingBodies, round_rod
+from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.extrema import batch as many_module
+from fourbar_ros.extrema.batch import find_extrema_many
+from fourbar_ros.mechanisms.quantities import (
+    Quantity,
+    UnknownQuantity,
+    known,
+    point_acceleration,
+    point_speed,
+)
+from fourbar_ros.extrema.four_bar_rates.exact_count import count_extrema
+
+EPS = 2.0**-52
+PAPER = (0.4, 1.2, 0.8, 1.0)
+RATES = ('omega4', 'alpha4')
+QUANTITIES = known(FourBar)
+
+
+def with_rods(lengths, **others):
+    return FourBar(*lengths, bodies=Bodies(*(round_rod(length, 7750.0, 0.01) for length in lengths[:3])), **others)
+
+
+def angle_between(a, b):
+    """Return the distance of two angles, one of them maybe an mpmath number, without loss [rad]."""
+    return abs(float((mpmath.mpf(a) - b + mpmath.pi) % (2 * mpmath.pi) - mpmath.pi))
+
+
+def of(extrema, quantity, place='interior'):
+    return [e for e in extrema if e.quantity == quantity and e.place == place]
+
+
+def the_largest(extrema, quantity):
+    return max((e for e in extrema if e.quantity == quantity), key=lambda e: abs(e.value))
+
+
+# --- published values -------------------------------------------------------------------------------
+
+@pytest.mark.parametrize('mode, quantity, kind, degrees, value', [
+    (1, 'alpha4', 'maximum', 24.6475, 68.7731), (1, 'alpha4', 'minimum', 326.138, -87.9671),
+    (2, 'alpha4', 'maximum', 33.8618, 87.9671), (2, 'alpha4', 'minimum', 335.3525, -68.7731),
+    (2, 'omega4', 'minimum', 2.6810, -6.6959), (2, 'omega4', 'maximum', 138.9638, 3.2493)])
+def test_slides_example_7_7(mode, quantity, kind, degrees, value):
+    found = find_extrema(FourBar(2, 6, 7, 5, mode=mode), (quantity,), 10.0)
+    assert len(found) == 2
+    extremum, = (e for e in found if e.kind == kind)
+    assert extremum.is_global and extremum.place == 'interior'
+    assert np.degrees(extremum.theta1) == pytest.approx(degrees, abs=5e-4)
+    assert extremum.value == pytest.approx(value, abs=5e-5)
+
+
+@pytest.mark.parametrize('quantity, theta1, value', [
+    ('shaking_force', 0.10962848, 2512.318373), ('shaking_moment', 0.21995444, 2048.609105),
+    ('driving_torque', 6.21476980, 720.4715562), ('f41', 0.11551325, 3862.925021), ('f21', 0.11396259, 3747.46146),
+    ('f32', 0.13068520, 2788.891825), ('f43', 0.15042420, 2655.173464),
+    ('omega4', 5.91384994, 23.95938172), ('alpha4', 0.14825570, 1062.775829)])
+def test_papers_linkage_as_found_by_eight_multibody_engines(quantity, theta1, value):
+    extremum = the_largest(find_extrema(with_rods(PAPER), (quantity,), 25.0), quantity)
+    assert extremum.theta1 == pytest.approx(theta1, abs=1e-8)
+    assert abs(extremum.value) == pytest.approx(value, rel=3e-10)
+    assert extremum.is_global
+
+
+def test_papers_other_two_values():
+    found = {(e.quantity, e.kind): e for e in find_extrema(FourBar(*PAPER), RATES, 25.0)}
+    assert found['omega4', 'maximum'].theta1 == pytest.approx(1.66716501, abs=5e-9)
+    assert found['omega4', 'maximum'].value == pytest.approx(13.51343678, abs=5e-9)
+    assert found['alpha4', 'minimum'].theta1 == pytest.approx(5.44494403, abs=5e-9)
+    assert found['alpha4', 'minimum'].value == pytest.approx(-462.6986573, abs=1e-7)
+
+
+# --- complete and accurate: exact roots ----------------------------------------------------------------
+
+def check_against_exact_roots(lengths):
+    """
+    Compare both modes with the exact extrema: number, place and value.
+
+    An error of eps in each length moves them by eps times their condition; that is the best that can be
+    asked, and the tolerance, with a factor 5 and the rounding of theta1 itself.
+    """
+    linkage = FourBar(*lengths)
+    found = find_extrema(linkage, RATES)
+    mirrored = find_extrema(linkage.in_mode(1), RATES)
+    exact = [exact_roots(lengths, order) for order in (0, 1)]
+    assert count_extrema(lengths) == [len(roots) for roots in exact]
+    for order, (quantity, roots) in enumerate(zip(RATES, exact)):
+        for extrema, sense in ((found, 1), (mirrored, -1)):
+            extrema = of(extrema, quantity)
+            assert len(extrema) == len(roots), (lengths, quantity)
+            for theta1, value in roots:
+                extremum = min(extrema, key=lambda e: angle_between(e.theta1, sense * theta1))
+                assert angle_between(extremum.theta1, sense * theta1) <= 5 * EPS * (extremum.condition + 2 * pi)
+                value *= sense if order else 1
+                assert abs(extremum.value - value) <= 5 * EPS * (1 + extremum.value_condition) * abs(value)
+
+
+def draw(family, number):
+    """Yield linkages of a family that close and are not at a change point."""
+    rng = np.random.default_rng(20240607)
+    while number:
+        lengths = families()[family](rng).tolist()
+        try:
+            linkage = FourBar(*lengths)
+        except InvalidParameter:
+            continue
+        if linkage.change_point_margin and lengths[0] != lengths[3]:
+            number -= 1
+            yield lengths
+
+
+@pytest.mark.parametrize('family', families())
+def test_rates_complete_and_accurate(family):
+    for lengths in draw(family, 4):
+        check_against_exact_roots(lengths)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('family', families())
+def test_rates_complete_and_accurate_150(family):
+    for lengths in draw(family, 150):
+        check_against_exact_roots(lengths)
+
+
+@pytest.mark.parametrize('lengths', [(1.0, 2.0, 2.5, 3.5), (2.0, 4.0, 3.0, 5.0), (3.0, 2.0, 5.0, 4.0),
+                                     (5.0, 2.0, 4.0, 3.0)])
+@pytest.mark.parametrize('up', [False, True])
+def test_change_point_one_rounding_away(lengths, up):
+    for i in range(4):
+        near = list(lengths)
+        near[i] = float(np.nextafter(near[i], inf if up else 0.0))
+        found = find_extrema(FourBar(*near), RATES)
+        assert [len(of(found, quantity)) for quantity in RATES] == count_extrema(near)
+
+
+# Pairs of extrema that lie between two samples: found by a closer look (theta4''), or as neighbours of one of
+# theta4'' (theta4').
+PAIRS = ((0.35082668713088083, 0.8833869937245226, 0.830033957902283, 0.9114534728718168),
+         (0.9901282012759378, 0.20704846913484642, 0.5637244933385037, 0.5631644614516844),
+         (0.4051177427743674, 0.9265869837965962, 0.7664512540213785, 0.4051175759722894),
+         (0.3787188125609142, 0.6804980652079842, 0.9270018374007172, 0.13355054582644563),
+         (0.24574758184156711, 0.6043064948019666, 0.3698000551027406, 0.4802515640649747),
+         (0.22851565188429057, 0.5763949780865559, 0.3458702482096835, 0.45904038153264737),
+         (0.8663781758205888, 0.919809284743642, 0.8662075087468867, 0.919704112350192),
+         (0.9304064393739676, 0.24801284354697234, 0.24801280681643997, 0.9304064759114511),
+         (0.01338704064945158, 0.0041935225790094505, 0.004091334475588157, 0.00852234879367406),
+         (0.47900834998424047, 0.40130252953068113, 0.9959129707501232, 0.4338823980363524),
+         (0.25736556082896844, 0.7081712112052203, 0.24281566405515323, 0.865200245113719),
+         (0.7727648313589902, 0.8968974919029313, 0.1295008885091064, 1.5414564436379061),
+         # 4e-6 rad apart, hidden by a parabola that happens to be level
+         (0.33347728175225105, 0.6969206825479008, 0.18767077702167043, 0.38067765105762674))
+
+
+@pytest.mark.parametrize('lengths', PAIRS)
+def test_close_pairs_are_found(lengths):
+    found, many = find_extrema(FourBar(*lengths), RATES), find_extrema_many(*lengths)
+    assert [len(of(found, quantity)) for quantity in RATES] == count_extrema(lengths)
+    assert [int((many[quantity].side == 0).sum()) for quantity in RATES] == count_extrema(lengths)
+
+
+@pytest.mark.parametrize('lengths', [(0.5, 0.9, 0.7, 0.5), (0.5, 0.4, 0.8, 0.5), (1.0, 0.3, 0.8, 1.0)])
+def test_equal_crank_and_ground(lengths):
+    found = find_extrema(FourBar(*lengths), RATES)
+    assert [len(of(found, quantity)) for quantity in RATES] == count_extrema(lengths)
+
+
+@pytest.mark.parametrize('unit', [2.0**-900, 1e-150, 1e150])
+def test_unit_of_length_does_not_matter(unit):
+    one = find_extrema(FourBar(*PAPER), RATES)
+    other = find_extrema(FourBar(*(unit * length for length in PAPER)), RATES)
+    for a, b in zip(one, other):
+        assert a.kind == b.kind
+        assert a.theta1 == pytest.approx(b.theta1, abs=64 * EPS)
+        assert a.value == pytest.approx(b.value, rel=64 * EPS)
+
+
+# --- loads and other quantities: scans -------------------------------------------------------------------
+
+def check_against_scan(linkage, quantities, omega1, alpha1, points):
+    """Compare with the local extrema of a scan: each must be found, each found one be an extremum."""
+    found = find_extrema(linkage, quantities, omega1, alpha1)
+    names = [q if isinstance(q, str) else q.name for q in quantities]
+    functions = [QUANTITIES[q].of if isinstance(q, str) else q.of for q in quantities]
+    number = 0
+    for low, high in linkage.input_ranges:
+        step = (high - low) / points
+        x = low + step * (np.arange(-1, points + 1) + 0.5)
+        state = linkage.step(x, omega1, alpha1)
+        if not linkage.turns_fully:
+            x, state = x[1:-1], [type(part)(*(field[1:-1] for field in part)) for part in state]
+        for name, function in zip(names, functions):
+            values = function(*state)
+            noise = 64 * EPS * np.abs(values[1:-1])
+            for sign, kind in ((1, 'maximum'), (-1, 'minimum')):
+                rise = sign * np.diff(values)
+                tops = x[1:-1][(rise[:-1] > noise) & (rise[1:] < -noise)]
+                extrema = [e.theta1 for e in of(found, name) if e.kind == kind]
+                for top in tops:
+                    number += 1
+                    assert min(angle_between(top, theta1) for theta1 in extrema) <= 1.5 * step, (linkage, name, top)
+    for extremum in found:
+        if extremum.place == 'interior' and extremum.kind != 'constant':
+            d = 1e-6 / max(1.0, extremum.condition)
+            function = functions[names.index(extremum.quantity)]
+            around = function(*linkage.step(extremum.theta1 + d * np.array((-1.0, 0.0, 1.0)), omega1, alpha1))
+            sense = 1 if extremum.kind == 'maximum' else -1
+            drop = (sense * (around[1] - around[[0, 2]])).min()
+            assert drop > -64 * EPS * abs(around[1]) * (1 + extremum.value_condition)
+    return number
+
+
+def random_linkage(rng, kind):
+    """Return a linkage with random lengths, masses, centres of gravity, gravity and mode."""
+    while True:
+        lengths = rng.uniform(0.1, 1.0, 4).tolist()
+        try:
+            linkage = FourBar(*lengths, mode=int(rng.integers(1, 3)), gravity=tuple(rng.normal(0.0, 5.0, 2).tolist()),
+                              bodies=Bodies(*(Body(*rng.uniform((0.1, 0.0, -0.2, 0.01), (2.0, 1.0, 0.2, 0.2)).tolist())
+                                              for _ in range(3))))
+        except InvalidParameter:
+            continue
+        if linkage.turns_fully == (kind == 'crank') and linkage.change_point_margin > 1e-3:
+            return linkage
+
+
+@pytest.mark.parametrize('kind', ['crank', 'rocker'])
+def test_all_quantities_against_a_scan(kind):
+    rng = np.random.default_rng(4)
+    number = 0
+    for _ in range(8):
+        linkage = random_linkage(rng, kind)
+        quantities = [*QUANTITIES, point_speed(linkage, 'coupler', *rng.uniform(-0.5, 0.5, 2)),
+                      point_acceleration(linkage, 'coupler', *rng.uniform(-0.5, 0.5, 2))]
+        number += check_against_scan(linkage, quantities, rng.normal(0.0, 10.0), rng.normal(0.0, 50.0), 20000)
+    assert number > 100
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('kind', ['crank', 'rocker'])
+@pytest.mark.parametrize('seed', range(5))
+def test_loads_of_500_linkages_against_a_scan(kind, seed):
+    rng = np.random.default_rng(seed)
+    for _ in range(50):
+        check_against_scan(random_linkage(rng, kind), [*QUANTITIES], rng.normal(0.0, 10.0), 0.0, 60000)
+
+
+def test_input_acceleration_moves_the_extrema():
+    linkage = with_rods(PAPER)
+    assert check_against_scan(linkage, ['alpha4', 'driving_torque'], 25.0, -400.0, 20000) >= 6
+    still = {e.kind: e.theta1 for e in find_extrema(linkage, ('alpha4',), 25.0)}
+    moved = {e.kind: e.theta1 for e in find_extrema(linkage, ('alpha4',), 25.0, -400.0)}
+    assert all(angle_between(still[kind], moved[kind]) > 0.05 for kind in still)
+
+
+# --- ends of the input range, change points ----------------------------------------------------------------
+
+@pytest.mark.parametrize('lengths', [(4.0, 2.0, 3.0, 5.5), (1.2, 0.5, 0.8, 1.0), (3.0, 2.0, 4.0, 3.5),
+                                     (1.0, 0.8, 0.9, 2.2), (2.0, 0.6, 1.7, 2.1)])
+@pytest.mark.parametrize('mode', [1, 2])
+@pytest.mark.parametrize('omega1', [3.0, -3.0])
+def test_ends_of_a_rocker_input_are_unbounded_with_their_sign(lengths, mode, omega1):
+    linkage = with_rods(lengths, mode=mode)
+    found = find_extrema(linkage, (), omega1)
+    ends = [(bound, side) for bounds in linkage.input_ranges for bound, side in zip(bounds, (1, -1))]
+    for quantity in QUANTITIES.values():
+        limits = of(found, quantity.name, 'limit')
+        assert len(limits) == len(ends)
+        for bound, side in ends:
+            limit = min((e for e in limits if e.side == side), key=lambda e: angle_between(e.theta1, bound))
+            assert angle_between(limit.theta1, bound) < 64 * EPS
+            near = quantity.of(*linkage.step(bound + side * 1e-9, omega1))
+            assert limit.value == (inf if near > 0.0 else -inf)
+            assert limit.kind == ('maximum' if near > 0.0 else 'minimum')
+        for kind, infinite in (('maximum', inf), ('minimum', -inf)):
+            if any(e.value == infinite for e in limits):
+                assert all(isinf(e.value) for e in found
+                           if e.quantity == quantity.name and e.kind == kind and e.is_global)
+
+
+def rate_at_flat_position(lengths, at_pi, sign):
+    """Return theta4' towards the flat position, for the branch with this sign of sqrt(S/T)."""
+    a1, a2, a3, a4 = lengths
+    q = (a1 + a4)**2 if at_pi else (a1 - a4)**2
+    e, f = a1**2 - a4**2, a2**2 - a3**2
+    if at_pi:      # S/T = (q - (a1-a4)^2)/(q - (a2-a3)^2)
+        ratio = (q - (a1 - a4)**2) / (q - (a2 - a3)**2)
+    else:
+        ratio = ((a1 + a4)**2 - q) / ((a2 + a3)**2 - q)
+    return (q + e + sign * (q + f) * ratio**0.5) / (2 * q)
+
+
+@pytest.mark.parametrize('lengths, at_pi', [((2.0, 4.0, 3.0, 5.0), True), ((3.0, 2.0, 5.0, 4.0), True),
+                                            ((4.0, 2.0, 3.0, 5.0), False), ((1.0, 4.0, 2.0, 3.0), False)])
+@pytest.mark.parametrize('mode', [1, 2])
+def test_change_point_has_one_sided_values(lengths, at_pi, mode):
+    linkage = FourBar(*lengths, mode=mode)
+    found = find_extrema(linkage, RATES)
+    one_sided = {e.side: e for e in of(found, 'omega4', 'one-sided')}
+    assert set(one_sided) == {-1, 1}
+    for side, extremum in one_sided.items():
+        assert extremum.theta1 == (pi if at_pi else 0.0)
+        sine = -side if at_pi else side      # sign of sin(theta1) on that side
+        expected = rate_at_flat_position(lengths, at_pi, sine * linkage.sign)
+        assert extremum.value == pytest.approx(expected, rel=100 * EPS)
+    assert all(e.value == 0.0 for e in of(found, 'alpha4', 'one-sided'))
+    for extremum in (*of(found, 'omega4', 'one-sided'), *of(found, 'alpha4', 'one-sided')):
+        beside = getattr(linkage.motion(extremum.theta1 + extremum.side * 1e-3, 1.0), extremum.quantity)
+        assert extremum.kind == ('maximum' if extremum.value > beside else 'minimum')
+    exact = count_extrema(lengths)
+    assert [len(of(found, quantity)) for quantity in RATES] == exact
+
+
+def test_change_point_of_the_research_example():
+    found = find_extrema(FourBar(2.0, 4.0, 3.0, 5.0), ('omega4',))
+    values = {e.side: e.value for e in of(found, 'omega4', 'one-sided')}
+    assert values[-1] == pytest.approx(0.8074, abs=5e-5)
+    assert values[1] == pytest.approx(-0.2359, abs=5e-5)
+
+
+def test_parallelogram_is_said_to_be_constant():
+    found = find_extrema(with_rods((1.0, 2.0, 1.0, 2.0)), RATES, 10.0)
+    rate, = (e for e in found if e.quantity == 'omega4' and e.kind == 'constant')
+    assert rate.value == pytest.approx(10.0, rel=8 * EPS)
+    assert (rate.theta1, rate.side) == (0.0, 1)      # theta1 in (0, pi): there mode 2 is the parallelogram
+    acceleration, = (e for e in found if e.quantity == 'alpha4' and e.kind == 'constant')
+    assert acceleration.value == 0.0
+    others = [e for e in found if e.quantity == 'omega4' and e.kind != 'constant']
+    assert sorted(round(e.value, 9) for e in others) == [-30.0, round(-10.0 / 3.0, 9)]   # antiparallelogram
+
+
+@pytest.mark.parametrize('lengths', [(1.0, 1.0, 1.0, 1.0), (1.0, 1.0, 2.0, 2.0), (3.0, 2.0, 2.0, 3.0),
+                                     (2.0, 2.0, 1.0, 1.0)])
+@pytest.mark.parametrize('mode', [1, 2])
+def test_kites_and_rhombus_have_finite_or_signed_values(lengths, mode):
+    found = find_extrema(with_rods(lengths, mode=mode), (), 2.0)
+    assert {e.quantity for e in found} == set(QUANTITIES)
+    assert not any(np.isnan(e.value) for e in found)
+
+
+def test_nothing_moves_nothing_varies():
+    found = find_extrema(with_rods(PAPER), (), 0.0)
+    assert all(e.kind == 'constant' and e.value == 0.0 and e.is_global for e in found)
+    assert len(found) == len(QUANTITIES)
+
+
+def test_balanced_linkage_has_a_constant_shaking_force():
+    """Berkof and Lowen's conditions: the common centre of gravity rests, the force is rounding noise."""
+    a1, a2, a3, a4 = PAPER
+    coupler = Body(2.0, 0.5, 0.1, 0.1)
+    # the coupler as two masses at A and B, complex, each cancelled by a counterweight on its link
+    at_b = coupler.mass * complex(coupler.cg_along, coupler.cg_across) / a2
+    at_a = coupler.mass - at_b
+    crank, output = -at_a * a1, -at_b * a3
+    bodies = Bodies(Body(1.0, crank.real, crank.imag, 0.1), coupler, Body(1.0, output.real, output.imag, 0.1))
+    shaking, = find_extrema(FourBar(*PAPER, bodies=bodies), ('shaking_force',), 10.0)
+    assert shaking.kind == 'constant' and shaking.value == 0.0
+
+
+# --- user quantities, wrong input ----------------------------------------------------------------------------
+
+def test_angles_can_be_asked_for():
+    a1, a2, a3, a4 = PAPER
+    low, high = find_extrema(FourBar(*PAPER), (Quantity('transmission_angle', 'rad', '', False),))
+    for extremum, theta1, ground in ((low, 0.0, a4 - a1), (high, pi, a4 + a1)):
+        assert angle_between(extremum.theta1, theta1) < 4 * EPS
+        assert extremum.value == pytest.approx(np.arccos((a2**2 + a3**2 - ground**2) / (2 * a2 * a3)), rel=16 * EPS)
+    dead = find_extrema(FourBar(*PAPER), lambda motion, loads: motion.theta4)
+    assert [e.kind for e in dead] == ['minimum', 'maximum']
+    for extremum in dead:      # crank and coupler in line: the output link stands still
+        assert abs(FourBar(*PAPER).motion(extremum.theta1, 1.0).omega4) < 8 * EPS * extremum.condition
+
+
+def test_function_with_abs_has_its_kinks_as_minima():
+    linkage = with_rods(PAPER)
+    torque = find_extrema(linkage, ('driving_torque',), 25.0)
+    found = find_extrema(linkage, lambda motion, loads: abs(loads.driving_torque), 25.0)
+    kinks = [e for e in found if e.kind == 'minimum']
+    assert len(kinks) == len(torque) == 4
+    assert max(e.value for e in kinks) < 1e-9 * max(e.value for e in found)
+    for extremum in torque:
+        assert min(angle_between(extremum.theta1, e.theta1) for e in found) < 1e-9
+
+
+def test_function_of_plain_numbers():
+    import math
+
+    def height(motion, loads):
+        return math.sin(motion.theta4) if motion.theta4 > 0 else 0.0
+
+    found = find_extrema(FourBar(*PAPER), height)
+    exact = find_extrema(FourBar(*PAPER), lambda motion, loads: motion.sin_y)
+    assert [e.kind for e in found] == [e.kind for e in exact]
+    for one, other in zip(found, exact):
+        assert angle_between(one.theta1, other.theta1) < 1e-8
+        assert one.value == pytest.approx(other.value, rel=16 * EPS)
+
+
+def test_function_that_is_constant():
+    extremum, = find_extrema(FourBar(*PAPER), lambda motion, loads: 3.0)
+    assert (extremum.kind, extremum.value, extremum.is_global) == ('constant', 3.0, True)
+
+
+def test_wrong_input_is_refused():
+    linkage = FourBar(*PAPER)
+    with pytest.raises(MissingBodies):
+        find_extrema(linkage, ('f41',))
+    with pytest.raises(MissingBodies):
+        find_extrema(linkage, lambda motion, loads: loads.f41)
+    with pytest.raises(UnknownQuantity, match='known: omega4'):
+        find_extrema(linkage, ('f99',))
+    for rates in ((inf, 0.0), (1.0, float('nan'))):
+        with pytest.raises(InvalidParameter):
+            find_extrema(linkage, (), *rates)
+
+
+# --- condition numbers, sorting, many at once ----------------------------------------------------------------------
+
+@pytest.mark.parametrize('lengths, size', [(PAPER, 1e-7), ((4.0, 2.0, 3.0, 5.5), 1e-7), ((1.0, 2.0, 2.5, 3.49), 1e-7),
+                                           ((1.0, 2.0, 2.5, 3.5 - 1e-6), 1e-10)])
+@pytest.mark.parametrize('alpha1', [0.0, 20.0])
+def test_condition_numbers_bound_what_wrong_lengths_do_and_are_reached(lengths, size, alpha1):
+    linkage = with_rods(lengths)
+    quantities = ('omega4', 'alpha4', 'shaking_force')
+    found = [e for e in find_extrema(linkage, quantities, 10.0, alpha1) if e.place == 'interior']
+    moved, changed = np.zeros(len(found)), np.zeros(len(found))
+    for signs in np.ndindex(2, 2, 2, 2):
+        near = replace(linkage, **{name: length * (1.0 + size * (2 * sign - 1))
+                                   for name, length, sign in zip(('a1', 'a2', 'a3', 'a4'), lengths, signs)})
+        others = [e for e in find_extrema(near, quantities, 10.0, alpha1) if e.place == 'interior']
+        for i, (one, other) in enumerate(zip(found, others)):
+            moved[i] = max(moved[i], angle_between(one.theta1, other.theta1) / size)
+            changed[i] = max(changed[i], abs(other.value / one.value - 1.0) / size)
+    assert moved == pytest.approx([e.condition for e in found], rel=0.02)
+    assert changed == pytest.approx([e.value_condition for e in found], rel=0.02)
+
+
+def test_sorted_by_quantity_and_angle_and_reproducible():
+    linkage = with_rods(PAPER, gravity=(0.0, -9.81))
+    names = ['f32', 'omega4', 'driving_torque']
+    found = find_extrema(linkage, names, 7.0)
+    assert [e.quantity for e in found] == sorted((e.quantity for e in found), key=names.index)
+    for name in names:
+        angles = [e.theta1 for e in of(found, name)]
+        assert angles == sorted(angles) and all(0.0 <= angle < 2.0 * pi for angle in angles)
+        kinds = [e.kind for e in of(found, name)]
+        assert all(one != other for one, other in zip(kinds, kinds[1:] + kinds[:1]))
+        values = QUANTITIES[name].of(*linkage.step(np.array(angles), 7.0))
+        assert values == pytest.approx([e.value for e in of(found, name)], rel=64 * EPS)
+
+
+def test_many_linkages_give_what_each_gives_alone():
+    rng = np.random.default_rng(11)
+    lengths = rng.uniform(0.1, 1.0, (4, 60))
+    lengths[3, :20] = (lengths[1, :20] + lengths[2, :20] - lengths[0, :20]) * (1.0 + 10.0**rng.uniform(-12.0, -2.0, 20))
+    lengths[:, 20:23] = np.transpose([(2.0, 4.0, 3.0, 5.0), (1.0, 2.0, 1.0, 2.0), (1.0, -2.0, 1.0, 1.0)])
+    modes, rates, seen = rng.integers(1, 3, 60), rng.normal(0.0, 3.0, 60), []
+    many = find_extrema_many(*lengths, modes, rates, progress=seen.append)
+    assert seen[-1] == 1.0
+    for j in range(60):
+        try:
+            alone = find_extrema(FourBar(*lengths[:, j].tolist(), mode=int(modes[j])), RATES, float(rates[j]))
+        except InvalidParameter:
+            alone = []
+        for name in RATES:
+            rows = np.nonzero(many[name].index == j)[0]
+            expected = [e for e in alone if e.quantity == name]
+            assert rows.size == len(expected)
+            for row, e in zip(rows, expected):
+                place, size = np.nan_to_num((e.condition, e.value_condition))      # NaN at ends
+                assert angle_between(many[name].theta1[row], e.theta1) <= 10 * EPS * (1 + place)
+                assert many[name].value[row] == pytest.approx(e.value, rel=10 * EPS * (1 + size))
+                assert many[name].is_global[row] == e.is_global and many[name].side[row] == e.side
+                assert e.kind == 'constant' or many[name].is_maximum[row] == (e.kind == 'maximum')
+
+
+def test_many_linkages_are_complete():
+    """Thousands of linkages near change points, parallelograms and kites against four times the samples."""
+    rng = np.random.default_rng(5)
+    lengths = rng.uniform(0.1, 1.0, (4, 2000))
+    lengths[2, :1000], lengths[3, :1000] = lengths[0, :1000], lengths[1, :1000]
+    lengths[:, :1000] *= 1.0 + 10.0**rng.uniform(-9.0, -1.0, 1000) * rng.normal(size=(4, 1000))
+    found = find_extrema_many(*lengths)
+    interior = [np.bincount(part.index[part.side == 0], minlength=2000) for part in found.values()]
+    for j in rng.choice(2000, 150, replace=False):
+        if interior[1][j]:
+            assert [int(part[j]) for part in interior] == count_extrema(lengths[:, j].tolist())
+
+
+@pytest.mark.parametrize('size', [1e-2, 1e-4, 1e-6])
+def test_many_are_as_accurate_as_one_at_unequal_links(size):
+    rng = np.random.default_rng(2)
+    lengths = size**rng.uniform(0.0, 1.0, (4, 1000))
+    lengths = lengths[:, 2.0 * lengths.max(axis=0) < lengths.sum(axis=0)][:, :12]
+    many = find_extrema_many(*lengths)
+    for j in range(12):
+        for name in RATES:
+            rows = np.nonzero(many[name].index == j)[0]
+            alone = find_extrema(FourBar(*lengths[:, j].tolist()), name)
+            assert rows.size == len(alone)
+            for row, e in zip(rows, alone):
+                if e.place == 'limit':
+                    assert angle_between(many[name].theta1[row], e.theta1) <= 4 * EPS * e.theta1
+                else:
+                    assert angle_between(many[name].theta1[row], e.theta1) <= 10 * EPS * (6 + e.condition)
+                    assert many[name].value[row] == pytest.approx(e.value, rel=10 * EPS * (1 + e.value_condition))
+
+
+def test_many_are_seldom_searched_one_by_one(monkeypatch):
+    """Only at change points and where two values are equal but for their condition; ends at infinity are no such ties."""
+    alone = []
+    monkeypatch.setattr(many_module, 'find_extrema', lambda *arguments: alone.append(arguments) or [])
+    find_extrema_many(*np.random.default_rng(3).uniform(0.1, 1.0, (4, 3000)))
+    assert len(alone) < 10
+
+
+def test_many_in_arrays_of_two_dimensions():
+    lengths = np.array(PAPER)[:, None, None] * np.ones((4, 2, 3))
+    lengths[1, 1, 2] = 1.1
+    many, flat = find_extrema_many(*lengths, rate=[[1.0], [2.0]]), find_extrema_many(*lengths.reshape(4, 6), rate=[1.0] * 3 + [2.0] * 3)
+    for name in RATES:
+        assert all((one == other).all() for one, other in zip(many[name], flat[name]))
+    assert set(many['omega4'].index) == set(range(6))
+
+
+def test_many_refuses_rates_and_modes_it_cannot_use():
+    with pytest.raises(InvalidParameter):
+        find_extrema_many(*PAPER, rate=0.0)
+    with pytest.raises(InvalidParameter):
+        find_extrema_many(*PAPER, mode=3)

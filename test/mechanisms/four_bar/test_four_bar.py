@@ -1,0 +1,223 @@
+"""The linkage: what is refused, its class, its limits, its dead points, its mode."""
+from fractions import Fraction
+from math import acos, inf, nan, pi, remainder
+
+import mpmath as mp
+import numpy as np
+import pytest
+from support.reference import EPS, pose, random_lengths
+
+from fourbar_ros import (
+    CROSSED,
+    OPEN,
+    Body,
+    FourBar,
+    InvalidParameter,
+    OutOfRange,
+    Toggle,
+    round_rod,
+)
+
+
+@pytest.mark.parametrize('lengths, name', [
+    ((0.0, 1.0, 1.0, 1.0), 'a1'), ((1.0, -1.0, 1.0, 1.0), 'a2'), ((1.0, 1.0, nan, 1.0), 'a3'),
+    ((1.0, 1.0, 1.0, inf), 'a4'), ((1.0, 1.0, 1.0, 3.0), 'a4'), ((5.0, 1.0, 1.0, 1.0), 'a1')])
+def test_bad_lengths_are_refused_by_name(lengths, name):
+    with pytest.raises(InvalidParameter, match=f'^{name} = ') as caught:
+        FourBar(*lengths)
+    assert caught.value.name == name
+
+
+@pytest.mark.parametrize('mode', [0, 3, 'open', None])
+def test_bad_modes_are_refused(mode):
+    with pytest.raises(InvalidParameter, match='^mode'):
+        FourBar(1.0, 2.0, 2.0, 2.0, mode=mode)
+
+
+@pytest.mark.parametrize('gravity', [(nan, 0.0), (0.0, inf), (0.0,), (0.0, 0.0, -9.81)])
+def test_bad_gravity_is_refused(gravity):
+    with pytest.raises(InvalidParameter, match='^gravity = '):
+        FourBar(1.0, 2.0, 2.0, 2.0, gravity=gravity)
+
+
+@pytest.mark.parametrize('arguments, name', [
+    ((-1.0,), 'mass'), ((nan,), 'mass'), ((1.0, inf), 'cg_along'), ((1.0, 0.0, nan), 'cg_across'),
+    ((1.0, 0.0, 0.0, -1.0), 'inertia')])
+def test_bad_bodies_are_refused_by_name(arguments, name):
+    with pytest.raises(InvalidParameter, match=f'^{name} = '):
+        Body(*arguments)
+
+
+def test_round_rod_is_table_1_of_the_paper():
+    assert [round_rod(length, 7750.0, 0.01).mass for length in (0.4, 1.2, 0.8)] == pytest.approx(
+        [31.0 * pi / 100.0, 93.0 * pi / 100.0, 31.0 * pi / 50.0], rel=1e-15)
+    rod = round_rod(1.2, 7750.0, 0.01)
+    assert (rod.cg_along, rod.cg_across) == (0.6, 0.0)
+    assert rod.inertia == pytest.approx(rod.mass * (3.0 * 0.01**2 + 1.2**2) / 12.0, rel=1e-15)
+    for bad in ((0.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, nan)):
+        with pytest.raises(InvalidParameter):
+            round_rod(*bad)
+
+
+# --- classes ---------------------------------------------------------------------------------------
+
+def reachable(lengths, angles):
+    """Return at which input angles the linkage closes: the diagonal fits between a2 + a3 and |a2 - a3|."""
+    a1, a2, a3, a4 = lengths
+    q = a1**2 + a4**2 - 2.0 * a1 * a4 * np.cos(angles)
+    return ((a2 - a3)**2 < q) & (q < (a2 + a3)**2)
+
+
+AROUND = np.linspace(-pi, pi, 720, endpoint=False) + pi / 720.0
+CLASSES = {     # whether input, output, coupler turn fully; whether the input ranges hold 0 and pi, the output's
+    'Grashof crank-rocker': (True, False, False),
+    'Grashof double-crank': (True, True, True),
+    'Grashof rocker-crank': (False, True, False),
+    'Grashof double-rocker': (False, False, True)}
+
+
+def test_eight_classes_by_brute_force():
+    """Who turns fully, and through which of 0 and pi the two ranges go, is seen by trying all angles."""
+    seen = set()
+    for lengths in random_lengths(np.random.default_rng(41), 1500).tolist():
+        linkage = FourBar(*lengths)
+        if linkage.change_point_margin < 1e-3:
+            continue    # ends closer to 0 or pi than the samples
+        seen.add(linkage.classification)
+        a1, a2, a3, a4 = lengths
+        from_input = reachable(lengths, AROUND)
+        from_output = reachable((a3, a2, a1, a4), pi - AROUND)        # the linkage seen from O4
+        relative = reachable((a1, a4, a3, a2), AROUND)                # crank and coupler at A: link a1 held
+        if linkage.classification.startswith('Grashof'):
+            expected = CLASSES[linkage.classification]
+            assert (from_input.all(), from_output.all()) == expected[:2], lengths
+            coupler_turns = from_input.all() and from_output.all() or (
+                relative.all() and reachable((a2, a1, a4, a3), AROUND).all())
+            assert coupler_turns == expected[2], lengths
+        else:
+            passes = {True: '0', False: 'pi'}
+            zero, half = len(AROUND) // 2, 0
+            name = f'{passes[bool(from_input[zero])]}-{passes[bool(from_output[zero])]}'
+            assert linkage.classification == f'non-Grashof {name} double-rocker', lengths
+            assert from_input[zero] != from_input[half] and from_output[zero] != from_output[half]
+    assert len(seen) == 8
+
+
+@pytest.mark.parametrize('lengths', [(2.0, 4.0, 3.0, 5.0), (2.0, 3.0, 2.0, 3.0), (2.0, 2.0, 3.0, 3.0),
+                                     (2.0, 3.0, 3.0, 2.0), (1.0, 1.0, 1.0, 1.0)])
+def test_change_points_are_exact(lengths):
+    linkage = FourBar(*lengths)
+    assert linkage.classification == 'change point' and linkage.change_point_margin == 0.0
+    off = FourBar(*lengths[:3], lengths[3] * (1.0 + EPS))
+    assert off.classification != 'change point' and 0.0 < off.change_point_margin < EPS
+
+
+# --- input and output limits -----------------------------------------------------------------------
+
+def test_limits_of_a_rocker_input():
+    (low, high), = FourBar(4.0, 3.0, 2.0, 8.0).input_ranges
+    assert high == pytest.approx(acos(55.0 / 64.0), rel=2 * EPS) and low == -high      # 30.7535 deg
+
+
+def exact_limits(lengths):
+    """Return the positive limits of theta1 from the law of cosines with exact numbers."""
+    a1, a2, a3, a4 = map(Fraction, lengths)
+    cosines = [(a1**2 + a4**2 - r**2) / (2 * a1 * a4) for r in (a2 - a3, a2 + a3)]
+    return [mp.acos(mp.mpf(c.numerator) / c.denominator) for c in cosines if -1 < c < 1]
+
+
+def test_ranges_hold_the_exact_limits_to_the_last_bits():
+    rng = np.random.default_rng(42)
+    shapes = set()
+    for lengths in random_lengths(rng, 400).tolist():
+        if rng.random() < 0.3:      # a limit close to 0 or to pi
+            lengths[3] = abs(sum(lengths[1:3]) - lengths[0]) + 10.0**rng.uniform(-15, -6)
+        linkage = FourBar(*lengths)
+        ranges, limits = linkage.input_ranges, exact_limits(lengths)
+        shapes.add((len(ranges), linkage.turns_fully, ranges[-1][1] > pi))
+        found = [] if linkage.turns_fully else sorted(end for end in ranges[-1] if 0.0 < end < pi)
+        assert len(found) == len(limits)
+        for value, exact in zip(found, sorted(limits)):
+            assert abs(value - exact) <= 4 * EPS * exact
+    assert shapes == {(1, True, False), (1, False, False), (1, False, True), (2, False, False)}
+
+
+@pytest.mark.parametrize('lengths', [(4.0, 3.0, 2.0, 8.0), (4.0, 3.0, 2.5, 3.5), (3.0, 2.0, 4.0, 3.5),
+                                     (5.0, 4.0, 2.0, 4.5)])
+def test_just_inside_and_just_outside_a_limit(lengths):
+    linkage = FourBar(*lengths)
+    assert not linkage.turns_fully
+    for low, high in linkage.input_ranges:
+        for end, inward in ((low, 1.0), (high, -1.0)):
+            for distance in (1e-14, 1e-12, 1e-8, 1e-4):
+                motion = linkage.motion(end + inward * distance, 1.0)
+                assert motion.sin_mu == pytest.approx(0.0, abs=10.0 * distance**0.5) and motion.sin_mu > 0.0
+                assert abs(motion.omega4) > 0.01 / distance**0.5
+                with pytest.raises(OutOfRange):
+                    linkage.motion(end - inward * distance, 1.0)
+            try:
+                motion = linkage.motion(end)
+                assert abs(motion.sin_mu) < 1e-7
+            except Toggle as error:
+                assert error.value == end
+
+
+def test_full_turns_of_the_input_angle_change_nothing_but_rounding():
+    linkage = FourBar(4.0, 3.0, 2.0, 8.0)
+    assert linkage.motion(0.1 + 20.0 * pi).theta4 == pytest.approx(linkage.motion(0.1).theta4, abs=1e-13)
+    with pytest.raises(OutOfRange):
+        linkage.motion(pi + 20.0 * pi)
+
+
+def test_dead_points_and_output_ranges():
+    counts = {}
+    for lengths in random_lengths(np.random.default_rng(43), 300).tolist():
+        for mode in (CROSSED, OPEN):
+            linkage = FourBar(*lengths, mode=mode)
+            points = linkage.dead_points
+            counts.setdefault(linkage.classification, set()).add(len(points))
+            for theta1, theta4, stretched in points:
+                exact = pose(lengths, linkage.sign, mp.mpf(theta1))
+                condition = linkage.motion(theta1).condition
+                assert abs(remainder(theta4 - float(exact.y), 2 * pi)) <= 16 * EPS * condition
+                assert abs(exact.dy) <= 32 * EPS * condition**2
+                assert (np.cos(float(exact.b) - theta1) > 0.0) == stretched
+                ends = [end for ends in linkage.output_ranges for end in ends]
+                assert min(abs(remainder(theta4 - end, 2 * pi)) for end in ends) <= 16 * EPS
+    assert counts['Grashof crank-rocker'] == {2}
+    assert counts['Grashof double-crank'] == counts['Grashof rocker-crank'] == {0}
+
+
+def test_output_of_a_crank_rocker_stays_between_its_dead_points():
+    for lengths in ((0.4, 1.2, 0.8, 1.0), (2.0, 6.0, 7.0, 5.0)):
+        for mode in (CROSSED, OPEN):
+            linkage = FourBar(*lengths, mode=mode)
+            theta4 = linkage.motion(np.linspace(-pi, pi, 100001)).theta4
+            low, high = sorted(point.theta4 for point in linkage.dead_points)
+            assert (theta4.min(), theta4.max()) == pytest.approx((low, high), abs=1e-8)
+            assert (low, high) in [pytest.approx(r, abs=8 * EPS) for r in linkage.output_ranges]
+    assert FourBar(5.0, 4.0, 4.5, 2.0).output_ranges == ((-pi, pi),)     # double-crank
+
+
+# --- the mode holds --------------------------------------------------------------------------------
+
+@pytest.mark.parametrize('lengths', [(2.0, 4.0, 5.0, 3.01), (4.0, 3.5, 3.0, 2.0)])
+@pytest.mark.parametrize('mode', [CROSSED, OPEN])
+def test_no_mode_flips_at_any_step_size(lengths, mode):
+    linkage = FourBar(*lengths, mode=mode)
+    for steps in (*range(3, 40), 60, 90, 180, 360, 720, 3600):
+        theta1 = 2.0 * pi * np.arange(3 * steps) / steps
+        motion = linkage.motion(theta1)
+        inside = np.isfinite(motion.theta4)
+        np.testing.assert_array_equal(inside, reachable(lengths, theta1))
+        assert (np.sin(motion.theta4 - motion.beta)[inside] * linkage.sign > 0.0).all()
+        # one revolution and the next give the same: nothing is remembered
+        first, second = motion.theta4[:steps], motion.theta4[steps:2 * steps]
+        np.testing.assert_allclose(np.exp(1j * first), np.exp(1j * second), atol=1e-13 * 1e3)
+        if steps == 3600:
+            jumps = np.abs(np.remainder(np.diff(motion.theta4) + pi, 2.0 * pi) - pi)
+            limit = 2.0 * np.abs(linkage.motion(theta1, 1.0).omega4[inside]).max() * 2.0 * pi / steps
+            assert np.nanmax(jumps) <= limit
+        if steps < 12:
+            for x, y in zip(theta1[inside].tolist(), motion.theta4[inside].tolist()):
+                assert abs(remainder(y - float(pose(lengths, linkage.sign, mp.mpf(x)).y), 2 * pi)) <= 64 * EPS

@@ -1,0 +1,271 @@
+"""Reactions, torque, shaking wrench: the paper's linkage, its Eq. (9), power and momentum."""
+from dataclasses import astuple
+from math import cos, hypot, nan, sin
+
+import mpmath as mp
+import numpy as np
+import pytest
+from support.reference import EPS, free_bodies, nine_by_nine, pose, random_lengths, reactions
+
+from fourbar_ros import (
+    Applied,
+    Bodies,
+    Body,
+    CROSSED,
+    External,
+    FourBar,
+    InvalidParameter,
+    Loads,
+    MissingBodies,
+    OPEN,
+    round_rod,
+)
+
+PAPER = FourBar(0.4, 1.2, 0.8, 1.0, mode=OPEN,
+                bodies=Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8))))
+
+
+def random_loaded(seed, count):
+    """Yield random linkages of all classes in both modes with everything acting, and an input (x, w, a)."""
+    rng = np.random.default_rng(seed)
+    for i, lengths in enumerate(random_lengths(rng, count)):
+        bodies = Bodies(*(Body(rng.uniform(0.1, 10.0), *rng.uniform(-1.0, 1.0, 2), rng.uniform(0.0, 1.0))
+                          for _ in range(3)))
+        linkage = FourBar(*lengths.tolist(), mode=(CROSSED, OPEN)[i % 2], bodies=bodies,
+                          gravity=tuple(rng.uniform(-10.0, 10.0, 2).tolist()),
+                          external=External(*(Applied(*rng.uniform(-50.0, 50.0, 2), *rng.uniform(-1.0, 1.0, 2),
+                                                      rng.uniform(-20.0, 20.0)) for _ in range(2))))
+        low, high = linkage.input_ranges[-1]
+        theta1 = rng.uniform(low + 0.02 * (high - low), high - 0.02 * (high - low))
+        yield linkage, (float(theta1), float(rng.normal(0.0, 5.0)), float(rng.normal(0.0, 20.0)))
+
+
+def exact_links(linkage, theta1, omega1, alpha1):
+    """Return the free bodies of the reference for a linkage and an input."""
+    place = pose(linkage.lengths, linkage.sign, mp.mpf(theta1))
+    given = [[[mp.mpf(v) for v in astuple(item)] for item in items] for items in (linkage.bodies, linkage.external)]
+    return free_bodies(linkage.lengths, place, mp.mpf(theta1), mp.mpf(omega1), mp.mpf(alpha1),
+                       *given, [mp.mpf(g) for g in linkage.gravity])
+
+
+@pytest.mark.parametrize('field, theta1, value', [
+    ('shaking_force', 0.10962848, 2512.318373), ('shaking_moment', 0.21995444, 2048.609105),
+    ('driving_torque', 6.21476980, 720.4715562), ('f41', 0.11551325, 3862.925021),
+    ('f21', 0.11396259, 3747.46146), ('f32', 0.13068520, 2788.891825), ('f43', 0.15042420, 2655.173464)])
+def test_largest_loads_of_the_paper_linkage(field, theta1, value):
+    """Six engines agree on these (the paper's Table 3 has momenta in place of forces)."""
+    assert abs(getattr(PAPER.loads(theta1, 25.0), field)) == pytest.approx(value, rel=3e-10)
+    around = PAPER.loads(theta1 + np.linspace(-0.5, 0.5, 2001), 25.0)
+    assert np.abs(getattr(around, field)).max() <= value * (1.0 + 3e-10)
+
+
+def test_closed_form_is_the_nine_by_nine_system_of_the_paper():
+    for linkage, theta1 in random_loaded(11, 40):
+        links = exact_links(linkage, *theta1)
+        exact = nine_by_nine(links)
+        motion, loads = linkage.step(*theta1)
+        largest = max(abs(v) for v in exact[:4])
+        given = [complex(getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y'))
+                 for name in ('f41', 'f21', 'f32', 'f43')] + [loads.driving_torque]
+        for value, truth in zip(given, exact):
+            assert abs(truth - value) <= 1e-14 * motion.condition**2 * largest
+        assert all(abs(a - b) <= mp.mpf(10)**-100 * largest for a, b in zip(exact, reactions(links)))
+
+
+def solve_eq_9(linkage, motion):
+    """Solve Eq. (9) in doubles for the given motion; return the nine unknowns, refined once, and its condition."""
+    a, right = np.zeros((9, 9)), np.zeros(9)
+    of_a = np.zeros(2)
+    frames = ((motion.cos_x, motion.sin_x, motion.omega1, motion.alpha1),
+              (motion.cos_b, motion.sin_b, motion.omega_beta, motion.alpha_beta),
+              (motion.cos_y, motion.sin_y, motion.omega4, motion.alpha4))
+    for i, (body, length, (c, s, w, acc)) in enumerate(zip(linkage.bodies, linkage.lengths, frames)):
+        turn, spin = np.array([[c, -s], [s, c]]), np.array([[-w * w, -acc], [acc, -w * w]])
+        centre, end = turn @ (body.cg_along, body.cg_across), turn @ (length, 0.0)
+        arms = [-centre, end - centre][::-1 if i == 2 else 1]
+        for column, sign, arm in zip((2 * i, 2 * i + 2), (1 if i == 0 else -1, 1), arms):
+            a[3 * i, column] = a[3 * i + 1, column + 1] = sign
+            a[3 * i + 2, column:column + 2] = -sign * arm[1], sign * arm[0]
+        push = linkage.external[i - 1] if i else Applied()
+        force = np.array([push.force_x, push.force_y])
+        arm = turn @ (push.along, push.across) - centre
+        right[3 * i:3 * i + 2] = body.mass * (spin @ centre + (of_a if i == 1 else 0.0) - linkage.gravity) - force
+        right[3 * i + 2] = body.inertia * acc - push.couple - (arm[0] * force[1] - arm[1] * force[0])
+        if i == 0:
+            of_a = spin @ end
+    a[2, 8] = 1.0
+    unknowns = np.linalg.solve(a, right)
+    return unknowns + np.linalg.solve(a, right - a @ unknowns), np.linalg.cond(a)
+
+
+def test_closed_form_solves_eq_9_in_doubles():
+    """With the same motion the two differ by the rounding of the solve only: 1e-14 times its condition."""
+    for linkage, state in random_loaded(12, 200):
+        motion, loads = linkage.step(*state)
+        unknowns, condition = solve_eq_9(linkage, motion)
+        largest = np.abs(unknowns).max()
+        np.testing.assert_allclose(loads[:8], unknowns[:8], rtol=0.0, atol=8 * EPS * condition * largest)
+        assert abs(loads.driving_torque - unknowns[8]) <= 8 * EPS * condition * largest
+
+
+def inertia_state(linkage, motion):
+    """
+    Return dP/dt, dH/dt about O1 and dE/dt less what gravity and external loads give, and their sizes.
+
+    Independent of the reactions: only places, velocities and accelerations of points of the links.
+    """
+    a1, _, _, a4 = linkage.lengths
+    gravity = complex(*linkage.gravity)
+    at_a = a1 * complex(motion.cos_x, motion.sin_x)
+    frames = ((0.0, 0.0, 0.0, complex(motion.cos_x, motion.sin_x), motion.omega1, motion.alpha1),
+              (at_a, 1j * motion.omega1 * at_a, (1j * motion.alpha1 - motion.omega1**2) * at_a,
+               complex(motion.cos_b, motion.sin_b), motion.omega_beta, motion.alpha_beta),
+              (a4, 0.0, 0.0, complex(motion.cos_y, motion.sin_y), motion.omega4, motion.alpha4))
+    totals, sizes = np.zeros(4), np.zeros(3)
+    for body, push, (origin, speed, growth, turn, w, acc) in zip(
+            linkage.bodies, (Applied(), *linkage.external), frames):
+        centre, point = turn * complex(body.cg_along, body.cg_across), turn * complex(push.along, push.across)
+        needed = body.mass * (growth + (1j * acc - w * w) * centre - gravity)
+        couple = body.inertia * acc - push.couple
+        for force, arm in ((needed, centre), (-complex(push.force_x, push.force_y), point)):
+            place, velocity = origin + arm, speed + 1j * w * arm
+            totals += (force.real, force.imag, (place.conjugate() * force).imag, (velocity.conjugate() * force).real)
+            sizes += (abs(force), abs(place) * abs(force), abs(velocity) * abs(force))
+        totals += (0.0, 0.0, couple, couple * w)
+        sizes += (0.0, abs(couple), abs(couple * w))
+    return complex(*totals[:2]), totals[2], totals[3], sizes
+
+
+def test_power_and_momentum_balance():
+    """
+    Shaking force = -dP/dt + weights + loads, moment = -dH/dt about O1 likewise, torque power = dE/dt.
+
+    Tolerance: 1e-13 of the summed magnitudes, reactions included, for links not nearly in line.
+    """
+    checked = 0
+    for linkage, state in random_loaded(13, 400):
+        motion, loads = linkage.step(*state)
+        if motion.condition > 10.0:
+            continue
+        checked += 1
+        force, moment, power, (size_force, size_moment, size_power) = inertia_state(linkage, motion)
+        shaking = complex(loads.shaking_force_x, loads.shaking_force_y)
+        assert abs(shaking + force) <= 1e-13 * size_force
+        assert abs(shaking + complex(loads.f41_x + loads.f43_x, loads.f41_y + loads.f43_y)) <= (
+            8 * EPS * (loads.f41 + loads.f43 + loads.f21 + loads.f32))
+        assert abs(loads.shaking_moment + moment) <= 1e-13 * size_moment
+        assert abs(loads.shaking_moment + loads.driving_torque + linkage.a4 * loads.f43_y) <= (
+            1e-13 * (size_moment + linkage.a4 * loads.f43))
+        assert abs(loads.driving_torque * motion.omega1 - power) <= 1e-13 * size_power
+    assert checked > 200
+
+
+def test_single_body_by_hand():
+    """Only the crank has a mass: no force in the dyad, pendulum torque at O1."""
+    linkage = FourBar(*PAPER.lengths, bodies=Bodies(Body(2.0, 0.25, 0.1, 0.5), Body(0.0), Body(0.0)),
+                      gravity=(0.0, -9.81))
+    theta1, omega1, alpha1 = 0.7, 3.0, -4.0
+    loads = linkage.loads(theta1, omega1, alpha1)
+    assert (loads.f21, loads.f32, loads.f43) == (0.0, 0.0, 0.0)
+    x = 0.25 * cos(theta1) - 0.1 * sin(theta1)
+    inertia = 0.5 + 2.0 * (0.25**2 + 0.1**2)
+    assert loads.driving_torque == pytest.approx(inertia * alpha1 + 2.0 * 9.81 * x, rel=16 * EPS)
+    assert loads.shaking_moment == pytest.approx(-loads.driving_torque, rel=EPS)
+
+
+def test_rest_under_gravity_carries_the_weight():
+    weight = 9.81 * sum(body.mass for body in PAPER.bodies)
+    at_rest = FourBar(*PAPER.lengths, bodies=PAPER.bodies, gravity=(0.0, -9.81)).loads(0.8)
+    assert at_rest.shaking_force_y == pytest.approx(-weight, rel=8 * EPS)
+    assert at_rest.shaking_force_x == pytest.approx(0.0, abs=8 * EPS * weight * at_rest.f41)
+    sideways = FourBar(*PAPER.lengths, bodies=PAPER.bodies, gravity=(9.81, 0.0)).loads(0.8)
+    assert sideways.shaking_force_x == pytest.approx(weight, rel=8 * EPS)
+
+
+def test_external_force_on_the_coupler_by_hand():
+    """Massless links at rest, a weight hung at B: statics of the two bars."""
+    nothing = Bodies(Body(0.0), Body(0.0), Body(0.0))
+    hung = FourBar(*PAPER.lengths, bodies=nothing,
+                   external=External(coupler=Applied(force_y=-100.0, along=PAPER.a2)))
+    motion, loads = hung.step(0.8)
+    assert abs(loads.f43_x * motion.sin_y - loads.f43_y * motion.cos_y) <= 64 * EPS * loads.f43     # two-force member
+    assert loads.shaking_force_y == -100.0 and loads.shaking_force_x == 0.0
+    # virtual work: torque + (-100) dy_B/dtheta1 = 0
+    assert loads.driving_torque == pytest.approx(100.0 * 0.8 * motion.cos_y * motion.velocity_ratio, rel=1e-13)
+    same = FourBar(*PAPER.lengths, bodies=nothing, external=External(output=Applied(force_y=-100.0, along=PAPER.a3)))
+    assert same.loads(0.8).driving_torque == pytest.approx(loads.driving_torque, rel=1e-13)
+    assert (same.loads(0.8).f43_x, same.loads(0.8).f41) == pytest.approx((loads.f43_x, loads.f41), rel=1e-12)
+
+
+def test_couple_on_the_output_link_is_carried_by_the_crank():
+    brake = FourBar(*PAPER.lengths, bodies=Bodies(Body(0.0), Body(0.0), Body(0.0)),
+                    external=External(output=Applied(couple=-50.0)))
+    motion, loads = brake.step(0.8, 25.0)
+    assert loads.driving_torque == pytest.approx(50.0 * motion.velocity_ratio, rel=16 * EPS)
+    assert loads.shaking_force == 0.0 and loads.shaking_moment == -50.0
+
+
+@pytest.mark.parametrize('name', ['force_x', 'force_y', 'along', 'across', 'couple'])
+def test_bad_external_loads_are_refused_by_name(name):
+    with pytest.raises(InvalidParameter, match=f'^{name} = nan'):
+        Applied(**{name: nan})
+
+
+def test_gravity_superposes_and_mirrors():
+    down, right = (0.0, -9.81), (9.81, 0.0)
+    state = (0.8, 25.0, 3.0)
+
+    def torque(gravity, linkage=PAPER):
+        return FourBar(*linkage.lengths, mode=linkage.mode, bodies=linkage.bodies, gravity=gravity)
+
+    none, one, two, both = (np.array(torque(g).loads(*state)[:8])
+                            for g in ((0.0, 0.0), down, right, (9.81, -9.81)))
+    np.testing.assert_allclose(both - none, one - none + two - none, atol=64 * EPS * np.abs(both).max())
+    mirrored = FourBar(*PAPER.lengths, mode=CROSSED, bodies=PAPER.bodies, gravity=(0.0, 9.81)).loads(-0.8, -25.0, -3.0)
+    loads = torque(down).loads(*state)
+    assert (mirrored.f32_x, mirrored.f32_y) == (loads.f32_x, -loads.f32_y)
+    assert mirrored.driving_torque == -loads.driving_torque
+
+
+def test_arrays_equal_single_values_to_rounding():
+    for linkage, state in random_loaded(14, 60):
+        motion, single = linkage.step(*state)
+        array = linkage.loads(*([v] for v in state))
+        tolerance = 64 * EPS * motion.condition**2 * max(map(abs, single))
+        for field, value, other in zip(Loads._fields, single, array):
+            assert other.shape == (1,) and abs(other[0] - value) <= tolerance, field
+
+
+def test_magnitudes_follow_from_the_components():
+    for linkage, state in random_loaded(15, 20):
+        loads = linkage.loads(*state)
+        for name in ('f41', 'f21', 'f32', 'f43', 'shaking_force'):
+            assert getattr(loads, name) == pytest.approx(
+                hypot(getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y')), rel=4 * EPS)
+
+
+@pytest.mark.parametrize('power', [-400, 300])
+def test_scaling_all_lengths_by_a_power_of_two_changes_no_bit(power):
+    scale = 2.0**power
+    for linkage, state in random_loaded(16, 10):
+        scaled = FourBar(*(length * scale for length in linkage.lengths), mode=linkage.mode,
+                         bodies=Bodies(*(Body(b.mass / scale, b.cg_along * scale, b.cg_across * scale,
+                                              b.inertia * scale) for b in linkage.bodies)),
+                         gravity=tuple(g * scale for g in linkage.gravity),
+                         external=External(*(Applied(a.force_x, a.force_y, a.along * scale, a.across * scale,
+                                                     a.couple * scale) for a in linkage.external)))
+        one, other = linkage.loads(*state), scaled.loads(*state)
+        assert one[:8] == other[:8] and one.driving_torque * scale == other.driving_torque
+
+
+def test_loads_without_masses_are_refused():
+    with pytest.raises(MissingBodies, match='masses'):
+        FourBar(*PAPER.lengths).loads(0.3, 25.0)
+    with pytest.raises(MissingBodies, match='masses'):
+        FourBar(*PAPER.lengths).step(np.zeros(3), 25.0)
+
+
+def test_out_of_range_loads_are_nan_in_arrays():
+    linkage = FourBar(4.0, 3.0, 2.0, 8.0, bodies=PAPER.bodies)
+    loads = linkage.loads([0.0, 1.0], 1.0)
+    assert np.isfinite([field[0] for field in loads]).all() and np.isnan([field[1] for field in loads]).all()

@@ -1,0 +1,273 @@
+"""The inverted slider-crank: rocking block (crank input) and oscillating cylinder (slide input)."""
+from math import inf, nan, nextafter, pi, radians, remainder, sin
+
+import mpmath as mp
+import numpy as np
+import pytest
+from support import slider_reference as reference
+from support.slider_reference import EPS, exact
+
+from fourbar_ros import (
+    Applied,
+    Bodies,
+    Body,
+    External,
+    InvalidParameter,
+    MissingBodies,
+    OutOfRange,
+    Toggle,
+)
+from fourbar_ros.mechanics.moving_frames import (
+    coincident_acceleration,
+    relative_acceleration,
+    relative_velocity,
+)
+from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
+from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
+from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+
+KINDS = [(InvertedSlider, CRANK), (InvertedSlider, SLIDE)]
+MASSES = Bodies(Body(1.0, 0.1, 0.02, 0.1), Body(2.0, 0.3, -0.1, 0.3), Body(1.5, 0.05, 0.1, 0.7))
+both_inputs = pytest.mark.parametrize('kind', KINDS, ids=lambda kind: kind[1])
+
+
+# --- what it does ----------------------------------------------------------------------------------
+
+@both_inputs
+def test_the_pin_moves_over_the_turning_bar(kind):
+    """Eqs. (9) and (11): acceleration of A from the bar, with Coriolis term, is that from the crank."""
+    for mechanism, given in reference.random_loaded(kind, 109, 60):
+        m = mechanism.motion(*given)
+        crank, bar = mechanism.a1 * np.array([m.cos_x, m.sin_x]), np.array([m.cos_y, m.sin_y])
+        arm = m.slide * bar + mechanism.offset * np.array([-m.sin_y, m.cos_y])
+        of_crank = relative_acceleration((0.0, 0.0), m.omega1, m.alpha1, crank)
+        of_bar = relative_acceleration((0.0, 0.0), m.omega4, m.alpha4, arm, m.slide_velocity * bar, m.slide_acceleration * bar)
+        below = relative_acceleration((0.0, 0.0), m.omega4, m.alpha4, arm)
+        size = (np.abs(of_crank).max() + abs(m.slide_acceleration) + 2.0 * abs(m.omega4 * m.slide_velocity)
+                + np.hypot(*arm) * (m.omega4**2 + abs(m.alpha4)) + 1.0)
+        np.testing.assert_allclose(of_bar, of_crank, rtol=0.0, atol=1e-12 * size)
+        over = coincident_acceleration(below, m.omega4, m.slide_velocity * bar, m.slide_acceleration * bar)
+        np.testing.assert_allclose(over, of_crank, rtol=0.0, atol=1e-12 * size)
+        np.testing.assert_allclose(relative_velocity((0.0, 0.0), m.omega4, arm, m.slide_velocity * bar),
+                                   relative_velocity((0.0, 0.0), m.omega1, crank), rtol=0.0, atol=1e-12 * size)
+
+
+def test_example_7_5():
+    """
+    Crank 3 in at 30 deg to the ground of 14 in, 36 rad/s cw. Of the offset the text says nothing.
+
+    Read off the drawing: w4 7.55 rad/s, V_rel 5.52 ft/s, a4 283 rad/s^2. Without offset we have 7.45, 5.48
+    and 291 (1.3, 0.8, 2.9 % off); with the 2 in of AB to either side w4 is 12 to 15 % off.
+    """
+    given, drawn = (radians(30.0), -36.0, 0.0), np.array([7.55, 5.52 * 12.0, 283.0])
+    for h, share in ((0.0, (0.0, 0.03)), (2.0, (0.1, 0.2)), (-2.0, (0.1, 0.2))):
+        m, truth = InvertedSlider(3.0, 14.0, h).motion(*given), exact(KINDS[0], (3.0, 14.0, h), 1, given)
+        values = (m.omega4, -m.slide_velocity, m.alpha4)
+        assert values == pytest.approx((float(truth.rate[1]), float(-truth.rate[2]), float(truth.acceleration[1])), rel=1e-12)
+        assert share[0] < np.abs(values / drawn - 1.0).max() < share[1]
+
+
+def test_the_cylinder_is_the_slider_crank_seen_from_its_bar():
+    for mechanism, given in reference.random_loaded(KINDS[1], 110, 60):
+        m = mechanism.motion(*given)
+        seen = SliderCrank(mechanism.a4, mechanism.a1, mechanism.offset, 3 - mechanism.mode, SLIDE).motion(*given)
+        assert remainder(m.theta4 - (pi - seen.theta1), 2.0 * pi) == pytest.approx(0.0, abs=4 * EPS)
+        assert (m.omega4, m.alpha4, m.omega1) == (-seen.omega1, -seen.alpha1, seen.omega2)
+
+
+def test_either_input_gives_the_motion_of_the_other():
+    for mechanism, given in reference.random_loaded(KINDS[0], 111, 100):
+        m = mechanism.motion(*given)
+        if abs(m.sin_x) < 0.05:
+            continue
+        mode = 2 if m.sin_x > 0.0 else 1
+        other = InvertedSlider(*mechanism.lengths, mode=mode, input=SLIDE)
+        back = other.motion(m.slide, m.slide_velocity, m.slide_acceleration)
+        assert abs(remainder(back.theta1 - m.theta1, 2.0 * pi)) <= 1e-12
+        assert abs(remainder(back.theta4 - m.theta4, 2.0 * pi)) <= 1e-11
+        size = 1.0 + abs(m.alpha1) + abs(m.alpha4) + m.omega1**2 + m.omega4**2
+        assert (back.omega1, back.alpha1, back.omega4, back.alpha4) == pytest.approx(
+            (m.omega1, m.alpha1, m.omega4, m.alpha4), abs=1e-10 * size / m.sin_x**2)
+
+
+@both_inputs
+def test_mirror_images(kind):
+    """Mirrored in x: offset, angles and what is across change sign; slide input: the other mode."""
+    for mechanism, (value, rate, acceleration) in reference.random_loaded(kind, 112, 40):
+        a1, a4, h = mechanism.lengths
+        mode = mechanism.mode if kind[1] == CRANK else 3 - mechanism.mode
+        given = (-value, -rate, -acceleration) if kind[1] == CRANK else (value, rate, acceleration)
+        one = mechanism.motion(value, rate, acceleration)
+        other = InvertedSlider(a1, a4, -h, mode, kind[1]).motion(*given)
+        assert other.theta4 == -one.theta4 and other.omega1 == -one.omega1 and other.slide == one.slide
+        assert other.slide_acceleration == one.slide_acceleration and other.alpha4 == -one.alpha4
+
+
+@both_inputs
+def test_the_mode_is_what_its_sign_says(kind):
+    for mechanism, given in reference.random_loaded(kind, 113, 40):
+        m = mechanism.motion(*given)
+        assert (m.slide if kind[1] == CRANK else m.sin_x) * mechanism.sign > 0.0
+
+
+# --- classes, limits, dead points ------------------------------------------------------------------
+
+@pytest.mark.parametrize('lengths, name', [
+    ((3.0, 14.0, 0.0), 'Grashof crank-rocker'), ((3.0, 14.0, -10.9), 'Grashof crank-rocker'),
+    ((3.0, 14.0, 11.0), 'change point'), ((3.0, 14.0, 11.1), 'non-Grashof double-rocker'),
+    ((6.0, 2.5, 3.4), 'Grashof double-crank'), ((6.0, 2.5, -3.5), 'change point'), ((1.0, 1.0, 0.0), 'change point'),
+    ((6.0, 2.5, 8.4), 'non-Grashof double-rocker')])
+def test_classes(lengths, name):
+    mechanism = InvertedSlider(*lengths)
+    assert mechanism.classification == name
+    assert (mechanism.change_point_margin == 0.0) == (name == 'change point')
+    if name.startswith('Grashof'):
+        assert mechanism.turns_fully
+        turns = np.diff(np.unwrap(mechanism.motion(np.linspace(-pi, pi, 2001)).theta4)).sum() / (2.0 * pi)
+        assert turns == pytest.approx(1.0 if name.endswith('double-crank') else 0.0, abs=1e-12)
+
+
+def test_limits_are_exact_to_the_last_bits():
+    rng = np.random.default_rng(114)
+    for family in ('random', 'near the limit of the offset', 'near a change point'):
+        for _ in range(60):
+            a1, a4, h = reference.draw(rng, KINDS[0], family)[0]
+            for low, high in InvertedSlider(a1, a4, h).input_ranges if abs(a1 - a4) < abs(h) else ():
+                limit = mp.acos((mp.mpf(a1)**2 + mp.mpf(a4)**2 - mp.mpf(h)**2) / (2 * mp.mpf(a1) * a4))
+                assert abs(low - limit) <= 4 * EPS * limit and abs(high - (2 * mp.pi - limit)) <= 4 * EPS * high
+            for low, high in InvertedSlider(a1, a4, h, input=SLIDE).input_ranges:
+                for end in (low, high):
+                    squares = [(mp.mpf(a1) + k * mp.mpf(a4))**2 - mp.mpf(h)**2 for k in (-1, 1)]
+                    assert min(abs(abs(end) - mp.sqrt(s)) for s in squares if s >= 0) <= 4 * EPS * abs(end)
+
+
+@both_inputs
+@pytest.mark.parametrize('lengths', [(4.0, 2.0, 2.1), (4.0, 3.0, 2.0), (3.0, 4.0, -2.0), (2.0, 2.5, 4.4)])
+def test_just_inside_and_just_outside_a_limit(kind, lengths):
+    mechanism = InvertedSlider(*lengths, input=kind[1])
+    for low, high in mechanism.input_ranges:
+        for end, inward in ((low, 1.0), (high, -1.0)):
+            for distance in (1e-13, 1e-10, 1e-6):
+                motion = mechanism.motion(end + inward * distance, 1.0)
+                assert sin(motion.transmission_angle) == pytest.approx(0.0, abs=10.0 * distance**0.5)
+                assert max(abs(motion.omega2), abs(motion.slide_velocity)) > 0.01 / distance**0.5
+                with pytest.raises(OutOfRange):
+                    mechanism.motion(end - inward * distance, 1.0)
+            try:
+                assert sin(mechanism.motion(end).transmission_angle) < 1e-7
+            except Toggle as error:
+                assert error.value == end
+
+
+def test_dead_points_of_the_bar():
+    """The crank is square to the bar, which stalls there; an oscillating block has two."""
+    rng = np.random.default_rng(115)
+    for _ in range(200):
+        lengths, mode, _ = reference.draw(rng, KINDS[0], 'random')
+        mechanism = InvertedSlider(*lengths, mode=mode)
+        counts = {'Grashof crank-rocker': {2}, 'Grashof double-crank': {0}, 'non-Grashof double-rocker': {0, 1}}
+        assert len(mechanism.dead_points) in counts[mechanism.classification]
+        for theta1, theta4 in mechanism.dead_points:
+            motion = mechanism.motion(theta1, 1.0)
+            assert abs(motion.omega4) <= 64 * EPS * (1.0 + motion.condition)**2
+            assert abs(remainder(motion.theta4 - theta4, 2.0 * pi)) <= 16 * EPS * (1.0 + motion.condition)
+    assert InvertedSlider(2.5, 6.0, input=SLIDE).dead_points == ()
+
+
+def test_at_the_dead_points_the_bar_turns_back():
+    mechanism = InvertedSlider(3.0, 14.0, 2.0)
+    theta4 = mechanism.motion(np.linspace(-pi, pi, 200001)).theta4 % (2.0 * pi)
+    ends = sorted(point.theta4 % (2.0 * pi) for point in mechanism.dead_points)
+    assert (theta4.min(), theta4.max()) == pytest.approx(ends, abs=1e-8)
+
+
+@pytest.mark.parametrize('mode', [1, 2])
+@pytest.mark.parametrize('lengths', [(1.0, 1.0, 0.0), (2.0, 3.0, 1.0), (2.0, 3.0, -1.0), (3.0, 2.0, 1.0)])
+def test_exact_change_points(lengths, mode):
+    """Through the flat position every digit is there: the mode keeps its sign on either side."""
+    for kind in KINDS:
+        mechanism = InvertedSlider(*lengths, mode=mode, input=kind[1])
+        assert mechanism.classification == 'change point'
+        for value in (-1e-3, -1e-8, -1e-12, 0.0, 1e-12, 1e-8, 1e-3, 1.0):
+            truth = exact(kind, lengths, 2 * mode - 3, (value or mp.mpf(10)**-30, 1.0, 0.0))
+            m = mechanism.motion(value, 1.0)
+            given = (m.theta1, m.theta4, m.slide, m.omega1, m.omega4, m.slide_velocity,
+                     m.alpha1, m.alpha4, m.slide_acceleration)
+            for one, other in zip(given, truth.angle + truth.rate + truth.acceleration):
+                assert abs(one - other) <= 32 * EPS * max(1.0, abs(float(other)))
+
+
+@both_inputs
+def test_offset_at_and_past_its_limit(kind):
+    for offset in (8.5, -8.5, 9.0, inf, nan):
+        with pytest.raises(InvalidParameter, match='^offset = '):
+            InvertedSlider(2.5, 6.0, offset, input=kind[1])
+    inside = InvertedSlider(2.5, 6.0, nextafter(8.5, 0.0), input=kind[1])
+    (low, high), = inside.input_ranges
+    middle = inside.motion(low + 0.3 * (high - low), 1.0)
+    assert 0.0 < high - low < 1e-6 and middle.cos_x == pytest.approx(-1.0, abs=1e-14)
+    assert middle.sin_y == pytest.approx(1.0, abs=1e-14)      # all in one line, the bar square to it
+    assert InvertedSlider(2.5, 6.0, 3.5).turns_fully and not InvertedSlider(2.5, 6.0, nextafter(3.5, 4.0)).turns_fully
+
+
+# --- what is refused -------------------------------------------------------------------------------
+
+@pytest.mark.parametrize('arguments, name', [
+    ({'a1': 0.0}, 'a1'), ({'a4': -1.0}, 'a4'), ({'a4': nan}, 'a4'), ({'offset': inf}, 'offset'), ({'mode': 'open'}, 'mode'),
+    ({'input': 'slider'}, 'input'), ({'gravity': (0.0,)}, 'gravity'), ({'gravity': (nan, 0.0)}, 'gravity')])
+def test_bad_parameters_are_refused_by_name(arguments, name):
+    with pytest.raises(InvalidParameter, match=f'^{name} = ') as caught:
+        InvertedSlider(**{'a1': 1.0, 'a4': 2.0, **arguments})
+    assert caught.value.name == name
+
+
+def test_errors_name_the_input():
+    with pytest.raises(OutOfRange, match=r'^theta1 = 0.1 rad is outside the input range \[') as caught:
+        InvertedSlider(4.0, 3.0, 2.0).motion(0.1)
+    assert caught.value.name == 'theta1' and caught.value.ranges == InvertedSlider(4.0, 3.0, 2.0).input_ranges
+    with pytest.raises(OutOfRange, match='^slide = 1.0 m is outside'):
+        InvertedSlider(2.5, 6.0, input=SLIDE).motion(1)
+    with pytest.raises(Toggle, match='^slide = 8.5 m is a toggle position'):
+        InvertedSlider(2.5, 6.0, input=SLIDE).motion(8.5, 1.0)
+    with pytest.raises(InvalidParameter, match='^slide_acceleration = inf'):
+        InvertedSlider(2.5, 6.0, input=SLIDE).motion(5.0, 1.0, inf)
+    with pytest.raises(MissingBodies, match='masses'):
+        InvertedSlider(2.5, 6.0).step(0.3)
+
+
+@both_inputs
+def test_what_cannot_be_is_nan_in_arrays(kind):
+    mechanism = InvertedSlider(4.0, 3.0, 2.0, input=kind[1], bodies=MASSES)
+    motion, loads = mechanism.step(np.array([0.1 if kind[1] == CRANK else 9.0, 1.0, nan]), 1.0)
+    for field in (motion.theta4, motion.omega4, motion.slide_acceleration if kind[1] == CRANK else motion.alpha1,
+                  motion.condition, motion.transmission_angle, loads.f32, loads.shaking_moment):
+        assert np.isnan(field).tolist() == [True, False, True]
+
+
+# --- loads by hand ---------------------------------------------------------------------------------
+
+def test_an_excavator_at_rest():
+    """A load on the boom (crank): cylinder force from moments about O1, no offset, so a two-force member."""
+    weight = Bodies(Body(100.0, 2.0), Body(0.0), Body(0.0))
+    cylinder = InvertedSlider(1.0, 2.0, mode=2, input=SLIDE, bodies=weight, gravity=(0.0, -9.81))
+    m, loads = cylinder.step(2.1)
+    assert loads.guide_force == 0.0 and loads.guide_couple == 0.0
+    arm = m.cos_x * m.sin_y - m.sin_x * m.cos_y
+    assert loads.driving_force * arm == pytest.approx(9.81 * 100.0 * 2.0 * m.cos_x, rel=1e-14)
+    assert loads.f21 == pytest.approx(abs(loads.driving_force), rel=4 * EPS) == loads.f43
+    assert loads.shaking_force_y == pytest.approx(-981.0, rel=4 * EPS)
+
+
+def test_couple_on_the_bar_is_carried_by_the_crank():
+    nothing = Bodies(Body(0.0), Body(0.0), Body(0.0))
+    m, loads = InvertedSlider(3.0, 14.0, 2.0, bodies=nothing, external=External(output=Applied(couple=-50.0))).step(0.8, 5.0)
+    assert loads.driving_torque == pytest.approx(50.0 * m.output_ratio, rel=8 * EPS)
+    assert loads.guide_force * m.slide == pytest.approx(-50.0, rel=8 * EPS)
+    assert loads.guide_couple == 0.0 and loads.shaking_force == 0.0 and loads.shaking_moment == pytest.approx(-50.0)
+
+
+def test_guide_force_is_square_to_the_bar():
+    for mechanism, given in reference.random_loaded(KINDS[0], 116, 40):
+        m, loads = mechanism.step(*given)
+        assert abs(loads.f32_x * m.cos_y + loads.f32_y * m.sin_y) <= 4 * EPS * loads.f32
+        assert loads.f32_y * m.cos_y - loads.f32_x * m.sin_y == pytest.approx(loads.guide_force, rel=8 * EPS)

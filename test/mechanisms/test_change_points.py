@@ -1,0 +1,350 @@
+"""Exact change points and their neighbours: one-sided values against limits in 300 digits, extrema next to the flat."""
+from fractions import Fraction
+from itertools import permutations
+from math import gcd, inf, isnan, pi
+
+import mpmath as mp
+import numpy as np
+import pytest
+from support import reference
+from support import slider_reference
+
+from fourbar_ros import Applied, Bodies, Body, External, FourBar, InvertedSlider, SliderCrank
+from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.numerics.laurent import T, many_digits, quarter_turns
+from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
+from fourbar_ros.extrema.four_bar_rates.exact_count import count_extrema
+
+EPS = 2.0**-52
+KINDS = [(FourBar, CRANK), (SliderCrank, CRANK), (SliderCrank, SLIDE), (InvertedSlider, CRANK), (InvertedSlider, SLIDE)]
+# Where limits are read off, in 300 digits: a pole grows by 1e5 from one to the other, a zero falls.
+NEAR, NEARER, REFERENCE_DIGITS = mp.mpf(10)**-40, mp.mpf(10)**-45, 300
+
+
+# --- the reference --------------------------------------------------------------------------------------------
+
+def numbers(record):
+    """Return the floats of a nested record as they are in the references."""
+    return [[getattr(part, name) for name in names] for part, names in record]
+
+
+def data_of(mechanism):
+    bodies = numbers((body, ('mass', 'cg_along', 'cg_across', 'inertia')) for body in mechanism.bodies)
+    applied = numbers((part, ('force_x', 'force_y', 'along', 'across', 'couple')) for part in mechanism.external)
+    return [[[mp.mpf(v) for v in row] for row in rows] for rows in (bodies, applied)] + [list(map(mp.mpf, mechanism.gravity))]
+
+
+def exact_values(mechanism, x, rates):
+    """Return {quantity: value} at an input, all numbers of mpmath."""
+    sign, lengths = int(mechanism.sign), [mp.mpf(length) for length in mechanism.lengths]
+    if isinstance(mechanism, FourBar):
+        values = dict(zip(reference.MOTION_FIELDS, reference.motion_of(lengths, sign, x, *rates)))
+        loads = dict(zip(reference.LOAD_NAMES, reference.loads_of(lengths, sign, x, *rates, *data_of(mechanism))))
+    else:
+        kind = type(mechanism), mechanism.input
+        values = dict(zip(slider_reference.FIELDS[kind[0]], slider_reference.fields_of(kind, lengths, sign, (x, *rates))))
+        loads = dict(zip(slider_reference.LOADS, slider_reference.loads_of(kind, lengths, sign, (x, *rates), *data_of(mechanism))))
+        loads['driving_force' if mechanism.input == SLIDE else 'driving_torque'] = loads.pop('drive')
+    return values | {name: abs(v) if isinstance(v, mp.mpc) or name in ('f43',) else v for name, v in loads.items()}
+
+
+def exact_limits(mechanism, place, side, rates):
+    """Return {quantity: (limit, sense)}: +1 a maximum, -1 a minimum, 0 constant; towards a multiple of pi/2, or 0 m."""
+    with mp.workdps(REFERENCE_DIGITS):
+        place = 0 if mechanism.input == SLIDE else round(place / (0.5 * pi)) * mp.pi / 2
+        unit = mp.mpf(mechanism.input_unit)
+        near, nearer, farther = (exact_values(mechanism, place + side * t * unit, [mp.mpf(rate) for rate in rates])
+                                 for t in (NEAR, NEARER, 2 * NEAR))
+        limits = {}
+        for name, value in nearer.items():
+            growth = abs(value / near[name]) if near[name] else mp.mpf(0)
+            change = farther[name] - near[name]
+            sense = -int(mp.sign(change)) if abs(change) > mp.mpf(10)**-120 * (1 + abs(near[name])) else 0
+            is_nothing = growth < 1e-3 or abs(value) < mp.mpf(10)**-100
+            limits[name] = 0.0 if is_nothing else (inf if value > 0 else -inf) if growth > 1e3 else float(value), sense
+        return limits
+
+
+def check(mechanism, rates):
+    """Compare every one-sided value and its kind with the reference; kinds alternate. Return how many there are."""
+    found = [e for e in find_extrema(mechanism, (), *rates, conditions=False)]
+    assert not any(isnan(e.value) for e in found), mechanism
+    limits, number = {}, 0
+    for e in found:
+        if e.place == 'one-sided':
+            place = 0.0 if mechanism.input == SLIDE else e.theta1
+            if (place, e.side) not in limits:
+                limits[place, e.side] = exact_limits(mechanism, place, e.side, rates)
+            value, sense = limits[place, e.side][e.quantity]
+            assert e.value == pytest.approx(value, rel=16 * EPS, abs=0.0), (mechanism, rates, e, value)
+            assert e.kind == ('minimum', 'constant', 'maximum')[sense + 1], (mechanism, rates, e)
+            number += 1
+    assert limits, mechanism
+    for quantity in {e.quantity for e in found}:
+        check_that_kinds_alternate(mechanism, [e for e in found if e.quantity == quantity])
+        for (place, side), values in limits.items():
+            if values[quantity][1]:
+                assert any((e.side, e.place) == (side, 'one-sided') for e in found if e.quantity == quantity), (
+                        mechanism, rates, quantity, place, side)
+            else:
+                constant = [e for e in found if e.quantity == quantity and e.kind == 'constant']
+                assert any(e.value == pytest.approx(values[quantity][0], rel=16 * EPS) for e in constant), (mechanism, quantity)
+    return number
+
+
+def check_that_kinds_alternate(mechanism, found):
+    """Along each path between two ends minima and maxima take turns, beginning and ending with the ends."""
+    found = [e for e in found if e.kind != 'constant']
+    key = (lambda e: e.slide) if mechanism.input == SLIDE else lambda e: e.theta1
+    found.sort(key=lambda e: (key(e), e.side))
+    start = next((i for i, e in enumerate(found) if e.side == 1), 0)
+    found = found[start:] + found[:start]
+    for one, other in zip(found, found[1:] + found[:1]):
+        if one.side != -1 and other.side != 1:
+            assert one.kind != other.kind, (mechanism, one, other)
+
+
+# --- change points --------------------------------------------------------------------------------------------------
+
+def whole_change_points(most):
+    """Yield the lengths of all four-bars at a change point with different whole lengths without a common factor."""
+    for lengths in permutations(range(1, most + 1), 4):
+        a = sorted(lengths)
+        if a[0] + a[3] == a[1] + a[2] and gcd(*lengths) == 1:
+            yield tuple(map(float, lengths))
+
+
+def random_loads(rng):
+    """Return what makes the loads: sometimes gravity and external loads, sometimes an acceleration."""
+    bodies = Bodies(*(Body(*rng.uniform((0.1, 0.0, -0.2, 0.01), (2.0, 1.0, 0.2, 0.2)).tolist()) for _ in range(3)))
+    applied = External(*(Applied(*rng.normal(size=5).tolist()) for _ in range(2))) if rng.random() < 0.3 else External()
+    gravity = tuple(rng.normal(0.0, 5.0, 2).tolist()) if rng.random() < 0.5 else (0.0, 0.0)
+    rates = float(rng.normal(0.0, 3.0)), float(rng.normal(0.0, 3.0)) if rng.random() < 0.3 else 0.0
+    return dict(bodies=bodies, external=applied, gravity=gravity, mode=int(rng.integers(1, 3))), rates
+
+
+def tenths(rng):
+    """Return a random length of one decimal."""
+    return int(rng.integers(1, 40))
+
+
+def draw_decimal(rng, kind, driven):
+    """
+    Return lengths of one decimal, as floats: an exact change point of floats too.
+
+    Every tenth is a special one: parallelogram, kite, rhombus, or equal lengths.
+    """
+    while True:
+        if kind is FourBar:
+            a = [tenths(rng), tenths(rng), tenths(rng), 0]
+            special = rng.integers(40)
+            if special < 4:
+                a = [(a[0], a[1], a[0], a[1]), (a[0], a[0], a[1], a[1]), (a[0], a[1], a[1], a[0]), (a[0],) * 4][special]
+            else:
+                a[3] = (a[0] + a[1] - a[2], a[0] + a[2] - a[1], a[1] + a[2] - a[0])[rng.integers(3)]
+            lengths = [v / 10 for v in a]
+            sums = [Fraction(0)] * 3
+            exact = list(map(Fraction, lengths))
+            for i in range(3):
+                sums[i] = sum(exact) - 2 * (exact[i] + exact[3])
+            if min(a) > 0 and 0 in sums:
+                return lengths
+        else:
+            e = 0 if rng.random() < 0.1 else tenths(rng)
+            one = tenths(rng)
+            lengths = [one / 10, (one + e) / 10]
+            if Fraction(lengths[1]) - Fraction(lengths[0]) == Fraction(e / 10):
+                return [*(lengths[::-1] if rng.random() < 0.5 else lengths), float(rng.choice((-1, 1))) * e / 10]
+
+
+def build(kind, driven, lengths, others):
+    return kind(*lengths, **others) if kind is FourBar else kind(*lengths, input=driven, **others)
+
+
+@pytest.mark.parametrize('kind, driven', KINDS)
+def test_one_sided_values_of_decimal_change_points(kind, driven):
+    rng = np.random.default_rng(31)
+    assert sum(check(build(kind, driven, draw_decimal(rng, kind, driven), others), rates)
+               for others, rates in (random_loads(rng) for _ in range(6))) > 50
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('seed', range(10))
+@pytest.mark.parametrize('kind, driven', KINDS)
+def test_one_sided_values_of_1000_decimal_change_points(kind, driven, seed):
+    rng = np.random.default_rng(1000 + seed)
+    for _ in range(100):
+        others, rates = random_loads(rng)
+        check(build(kind, driven, draw_decimal(rng, kind, driven), others), rates)
+
+
+def check_whole(lengths, rng):
+    others, rates = random_loads(rng)
+    linkage = FourBar(*lengths, **others)
+    check(linkage, rates)
+    found = find_extrema(FourBar(*lengths, mode=others['mode']), ('omega4', 'alpha4'))
+    for name, count in zip(('omega4', 'alpha4'), count_extrema(lengths)):
+        # not counted of (7, 8, 2, 1), a bifurcation too: theta4'' has a level point there that is no extremum
+        assert count is None or sum((e.quantity, e.place) == (name, 'interior') for e in found) == count, lengths
+
+
+def test_whole_change_points():
+    rng = np.random.default_rng(5)
+    every = list(whole_change_points(12))
+    assert len(every) == 2088
+    for lengths in every[::261]:
+        check_whole(lengths, rng)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('part', range(8))
+def test_all_2088_whole_change_points(part):
+    rng = np.random.default_rng(part)
+    for lengths in list(whole_change_points(12))[part::8]:
+        check_whole(lengths, rng)
+
+
+# --- next to the flat position ------------------------------------------------------------------------------------------
+
+FAST = [(FourBar, CRANK, (2.0, 4.0, 3.0, 5.0), pi), (FourBar, CRANK, (4.0, 2.0, 3.0, 5.0), 0.0),
+        (FourBar, CRANK, (1.0, 1.001, 1.0, 1.001), 0.0), (SliderCrank, CRANK, (2.0, 3.0, 1.0), 1.5 * pi),
+        (SliderCrank, SLIDE, (3.0, 2.0, 1.0), 0.0), (InvertedSlider, CRANK, (0.2, 0.2, 0.0), 0.0)]
+
+
+@pytest.mark.parametrize('kind, driven, lengths, place', FAST)
+@pytest.mark.parametrize('rate', [1e5, pytest.param(1e4, marks=pytest.mark.slow)])
+def test_extrema_next_to_the_flat_are_found(kind, driven, lengths, place, rate):
+    """The weight, little beside inertia at speed, makes poles so weak that extrema lie 1e-9 to 1e-3 from the flat."""
+    rng = np.random.default_rng(3)
+    bodies = Bodies(*(Body(*rng.uniform((0.1, 0.2, 0.0, 0.01), (2.0, 1.0, 0.0, 0.2)).tolist()) for _ in range(3)))
+    mechanism = build(kind, driven, lengths, dict(bodies=bodies, gravity=(3.0, -9.81), mode=2))
+    names = ['shaking_moment', 'f41', 'f32', 'f43']
+    found = find_extrema(mechanism, names, rate, conditions=False)
+    unit, number = mechanism.input_unit, 0
+    t = 1e-11 * 10.0**(np.arange(33) / 4)
+    for side in (1, -1):
+        with mp.workdps(80):
+            start = 0 if driven == SLIDE else round(place / (0.5 * pi)) * mp.pi / 2
+            rows = [exact_values(mechanism, start + side * mp.mpf(v) * unit, (mp.mpf(rate), mp.mpf(0))) for v in t.tolist()]
+        for name in names:
+            rise = [other[name] > one[name] for one, other in zip(rows, rows[1:])]
+            turns = [(t[i], t[i + 2]) for i in range(len(rise) - 1) if rise[i] != rise[i + 1]]
+            near = [side * mechanism.distance(e.slide if driven == SLIDE else e.theta1, place) / unit
+                    for e in found if (e.quantity, e.place) == (name, 'interior') and e.kind != 'constant']
+            assert len([v for v in near if t[1] < v < t[-2]]) == len(turns), (name, side, near, turns)
+            for low, high in turns:
+                assert sum(low <= v <= high for v in near) == 1
+            number += len(turns)
+    assert number > 0
+
+
+def with_rods(lengths, mode):
+    return FourBar(*lengths, mode=mode, bodies=Bodies(*(Body(1.0, 0.5 * a, 0.0, a * a / 12.0) for a in lengths[:3])))
+
+
+@pytest.mark.parametrize('order', [(0, 1, 0, 1), (0, 0, 1, 1), (0, 1, 1, 0)])
+@pytest.mark.parametrize('gap', [0.5, 1e-2, 1e-4, 1e-6])
+def test_nearly_equal_links_have_as_few_extrema_as_others(order, gap):
+    """Of parallelograms and kites; what is constant in them has no extrema of noise."""
+    for mode in (1, 2):
+        linkage = with_rods([(1.0, 1.0 + gap)[i] for i in order], mode)
+        found = find_extrema(linkage, (), 3.0, conditions=False)
+        for quantity in {e.quantity for e in found}:
+            assert sum(e.quantity == quantity for e in found) <= 12, (linkage, quantity)
+
+
+@pytest.mark.parametrize('ratio', [1.2, 1.02, 1.001])
+@pytest.mark.parametrize('mode', [1, 2])
+def test_in_the_parallel_mode_all_forces_of_a_parallelogram_without_weight_are_constant(ratio, mode):
+    """Crank and output link alike, the coupler only carried: every joint force turns with the crank."""
+    bodies = Bodies(Body(1.0, 0.5, 0.0, 0.1), Body(2.0, 0.5 * ratio, 0.0, 0.3), Body(1.0, 0.5, 0.0, 0.1))
+    found = find_extrema(FourBar(1.0, ratio, 1.0, ratio, mode=mode, bodies=bodies), (), 3.0, conditions=False)
+    for name, value in (('omega4', 3.0), ('alpha4', 0.0), ('omega_beta', 0.0), ('driving_torque', 0.0), ('f41', 13.5),
+                        ('f21', 9.0), ('f32', 9.0), ('f43', 13.5)):
+        constant, = (e for e in found if (e.quantity, e.kind) == (name, 'constant'))
+        assert constant.value == pytest.approx(value, rel=4 * EPS, abs=0.0)
+
+
+def test_functions_have_one_sided_values_too():
+    """Of plain arithmetic, with abs, and of plain numbers."""
+    import math
+
+    linkage = FourBar(2.0, 4.0, 3.0, 5.0)
+    square = find_extrema(linkage, lambda motion, loads: motion.omega4 * motion.omega4, 2.0)
+    size = find_extrema(linkage, lambda motion, loads: abs(motion.omega4), 2.0)
+    plain = find_extrema(linkage, lambda motion, loads: math.fabs(motion.omega4), 2.0)
+    for side in (1, -1):
+        with mp.workdps(REFERENCE_DIGITS):
+            value = abs(float(exact_values_of_motion(linkage, mp.pi + side * NEAR, 2)))
+        for found, expected in ((square, value**2), (size, value), (plain, value)):
+            one, = (e for e in found if (e.side, e.place) == (side, 'one-sided'))
+            assert one.value == pytest.approx(expected, rel=8 * EPS)
+
+
+def exact_values_of_motion(linkage, x, rate):
+    lengths = [mp.mpf(length) for length in linkage.lengths]
+    return reference.motion_of(lengths, int(linkage.sign), x, rate, mp.mpf(0))[2]
+
+
+# --- near change points --------------------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize('gap', [1e-6, 1e-7, 1e-9, 1e-12, 1e-16])
+@pytest.mark.parametrize('count', [6, pytest.param(100, marks=pytest.mark.slow)])
+def test_rockers_next_to_a_change_point(gap, count):
+    """A sum of lengths too short by this: no NaN, infinite values at toggles, minima and maxima in turn."""
+    rng = np.random.default_rng(17)
+    while count:
+        lengths = draw_decimal(rng, FourBar, CRANK)
+        lengths[rng.integers(4)] *= 1.0 + gap * float(rng.choice((-2.0, 2.0)))
+        others, _ = random_loads(rng)
+        linkage = FourBar(*lengths, **others)
+        if linkage.turns_fully or linkage.change_point_margin == 0.0 or len(set(lengths)) < 4:
+            continue
+        count -= 1
+        check_rocker(linkage)
+
+
+def check_rocker(linkage):
+    for rates, names in (((3.0, 0.0), ('omega4', 'alpha4')), ((10.0, 3.0), ('omega4', 'alpha4', 'omega_beta', 'f41', 'driving_torque'))):
+        found = find_extrema(linkage, names, *rates, conditions=False)
+        for name in names:
+            part = [e for e in found if e.quantity == name]
+            assert not any(isnan(e.value) for e in part), linkage
+            limits = [e for e in part if e.place == 'limit']
+            assert len(limits) == 2 * len(linkage.input_ranges) and all(abs(e.value) == inf for e in limits), (linkage, limits)
+            check_that_kinds_alternate(linkage, part)
+
+
+@pytest.mark.parametrize('lengths, mode, rates', [((1.0, 0.8, 2.6, 2.8), 1, (10.0, 3.0)), ((1.5, 1.4, 2.3, 2.2), 2, (10.0, 0.0)),
+                                                  ((0.2, 0.6, 0.9, 0.5), 2, (10.0, 0.0))])
+def test_decimal_lengths_that_are_one_rounding_off_a_change_point(lengths, mode, rates):
+    linkage = with_rods(lengths, mode)
+    found = find_extrema(linkage, (), *rates)
+    assert not any(isnan(e.value) for e in found)
+    if linkage.change_point_margin:
+        assert all(abs(e.value) == inf for e in found if e.place == 'limit')
+
+
+def test_lengths_that_no_scaling_may_round():
+    found = find_extrema(FourBar(1.0, 2.0, 4.0, 5.0), 'omega4')
+    assert [e.place for e in found] == ['one-sided', 'one-sided', 'interior']
+
+
+# --- the number type ---------------------------------------------------------------------------------------------------
+
+def test_series_divide_zero_by_zero():
+    """Quotients, roots and angles of numbers that vanish, against their Taylor coefficients."""
+    with many_digits():
+        sine, cosine = T.sin(), (quarter_turns(2) + T).cos()
+        ones = sine * sine + cosine * cosine
+        assert (ones.order, ones.c) == (0, [1]) and cosine < -0.5
+        quotient = (T - sine) / (T * T * T)
+        assert [float(quotient._at(i)) for i in range(4)] == pytest.approx([1 / 6, 0.0, -1 / 120, 0.0], abs=1e-18)
+        root = (sine * sine).sqrt()
+        assert root.order == 1 and not (root - sine).c
+        pole = (cosine + 2.0) / (3.0 * T)
+        assert pole.order == -1 and pole > 1e300 and pole * 0.0 < 1.0
+        with pytest.raises(ValueError):
+            sine.sqrt()
+        with pytest.raises(ZeroDivisionError):
+            1.0 / (ones - 1.0)

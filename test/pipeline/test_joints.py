@@ -1,0 +1,100 @@
+"""Ratio, offset and sense of joints; positions that are not known."""
+import math
+import random
+
+import pytest
+
+from fourbar_ros.scene import scene as scenes
+from fourbar_ros import InvalidParameter
+from fourbar_ros.pipeline.joints import Scale
+from fourbar_ros.pipeline.stepper import Stepper
+from support.scenes import PAPER, RODS, ROCKER
+
+LOADS = {**PAPER, **RODS, 'outputs': ['joint_states', 'loads']}
+TURNED = {'joint_states.ratios': [-2.0, 1, 0.25, 1.0], 'joint_states.offsets': [0.5, 0, 0.0, -1.0]}
+
+
+def joint_states(scene, *inputs):
+    """Return {field: numbers} of joint_states after each input, as (status, fields)."""
+    stepper = Stepper(scene)
+    found = []
+    for given in inputs:
+        status, values = stepper.step(*given, scene.needs_loads, False)
+        found.append((status, scene.layout.expected('joint_states', values)))
+    return found
+
+
+def test_positions_and_rates_go_through_ratio_and_offset_and_power_stays():
+    random.seed(3)
+    plain, turned = scenes.from_values(LOADS), scenes.from_values({**LOADS, **TURNED})
+    ratios, offsets = turned.joint_states.ratios, turned.joint_states.offsets
+    for _ in range(50):
+        given = random.uniform(-9, 9), random.uniform(-30, 30), random.uniform(-90, 90)
+        (_, ours), (_, theirs) = joint_states(plain, given)[0], joint_states(turned, given)[0]
+        assert theirs['position'] == tuple(r * x + o for r, x, o in zip(ratios, ours['position'], offsets))
+        assert theirs['velocity'] == tuple(r * v for r, v in zip(ratios, ours['velocity']))
+        for a, b, c, d in zip(ours['effort'], ours['velocity'], theirs['effort'], theirs['velocity']):
+            assert a * b == pytest.approx(c * d, rel=4e-16, abs=0.0)
+
+
+def test_what_goes_out_of_one_joint_comes_in_through_the_same_numbers():
+    """A finite difference of the joint is the reference for the rates."""
+    scale, h = Scale(-0.4, 2.0), 2.0**-20
+
+    def joint(t):
+        return scale.ratio * (0.3 + 5.0 * t - 2.0 * t * t) + scale.offset
+    rate, bend = (joint(h) - joint(-h)) / (2 * h), (joint(h) - 2 * joint(0.0) + joint(-h)) / h**2
+    assert scale.to_input(joint(0.0), rate, bend) == pytest.approx((0.3, 5.0, -4.0), rel=1e-3)
+    assert all(map(math.isnan, scale.to_input(1.0, math.nan, math.nan)[1:]))
+
+
+@pytest.mark.parametrize('policy', ['skip', 'hold', 'send_nan'])
+@pytest.mark.parametrize('shown', [{}, TURNED])
+def test_positions_that_are_not_known(policy, shown):
+    scene = scenes.from_values({**ROCKER, **shown, 'joint_states.when_unknown': policy})
+    (_, good), (_, out), (_, rateless) = joint_states(scene, (0.2, 1.0, 0.0), (1.0, 1.0, 0.0), (0.1, math.nan, math.nan))
+    if policy == 'hold':
+        assert out['position'] == good['position']
+    else:
+        assert math.isnan(out['position'][3])
+    assert math.isnan(out['velocity'][3]) and all(map(math.isfinite, rateless['position']))
+
+
+def test_held_positions_survive_silence_and_nothing_is_held_before_the_first():
+    scene = scenes.from_values({**ROCKER, 'joint_states.when_unknown': 'hold'})
+    stepper = Stepper(scene)
+
+    def position(values):
+        return scene.layout.expected('joint_states', values)['position']
+    assert all(map(math.isnan, position(stepper.silence())))
+    good = position(stepper.step(0.2, 1.0, 0.0, False, False)[1])
+    assert position(stepper.silence()) == good and all(map(math.isfinite, good))
+
+
+@pytest.mark.parametrize('outputs, has', [(['joint_states'], False), (['joint_states', 'loads'], True)])
+def test_effort_is_absent_where_it_is_not_computed(outputs, has):
+    for shown in ({}, TURNED):
+        scene = scenes.from_values({**LOADS, **shown, 'outputs': outputs})
+        assert ('effort' in joint_states(scene, (0.2, 1.0, 0.0))[0][1]) == has
+
+
+@pytest.mark.parametrize('name, value, why', [
+    ('joint_states.ratios', [1.0, 0.0, 1.0, 1.0], 'must not be zero'),
+    ('joint_states.ratios', [1.0, 1.0], 'four numbers'),
+    ('joint_states.ratios', [1.0, math.inf, 1.0, 1.0], 'finite'),
+    ('joint_states.ratios', 2.0, 'some doubles'),
+    ('joint_states.offsets', ['a', 'b', 'c', 'd'], 'finite numbers'),
+    ('joint_states.offsets', [0.0] * 5, 'four numbers'),
+    ('joint_states.when_unknown', 'nan', 'skip, hold, send_nan'),
+    ('drive.joint_ratio', 0.0, 'must not be zero'),
+])
+def test_what_cannot_be_is_refused(name, value, why):
+    with pytest.raises(InvalidParameter, match=why) as error:
+        scenes.from_values({**LOADS, name: value})
+    assert error.value.name == name
+
+
+def test_a_prefix_stands_before_every_name():
+    scene = scenes.from_values({**PAPER, 'joint_states.prefix': 'left_'})
+    assert scene.joint_names == ('left_crank', 'left_coupler', 'left_coupler_output', 'left_output')
+    assert scenes.from_values(scene.values).joint_names == scene.joint_names

@@ -1,0 +1,145 @@
+"""Scene files and the parameter table."""
+import json
+import math
+
+import pytest
+
+from fourbar_ros.scene import scene
+from fourbar_ros import InvalidParameter
+from fourbar_ros.scene.parameters import PARAMETERS, POINT, REQUIRED
+from support import ROOT
+from support.scenes import PAPER, RODS
+
+CONFIG = ROOT / 'config'
+
+
+@pytest.mark.parametrize('file', sorted(CONFIG.glob('*.yaml')), ids=lambda file: file.stem)
+def test_every_scene_that_is_shipped_is_good(file):
+    assert scene.load(file).linkage.classification
+
+
+def test_defaults_are_themselves_allowed():
+    for parameter in PARAMETERS.values():
+        if parameter.default is not REQUIRED:
+            value = parameter.check(parameter.default)
+            assert value == parameter.default or math.isnan(value)
+
+
+def test_a_dump_of_all_values_is_the_same_scene():
+    first = scene.from_values({**PAPER, **RODS, 'outputs': ['loads']})
+    again = scene.from_values(first.values)
+    assert again.linkage == first.linkage and again.outputs == first.outputs
+
+
+def test_json_of_a_scene_is_strict_and_gives_the_same_scene():
+    first = scene.from_values({**PAPER, 'outputs': ['state']})
+    values = json.loads(first.as_json, parse_constant=lambda name: pytest.fail(f'{name} is no JSON'))
+    assert scene.from_values(values).linkage == first.linkage and 'bodies.crank.mass' not in values
+
+
+def test_bodies_one_by_one():
+    bodies = {f'bodies.{link}.{field}': value for link in scene.LINKS
+              for field, value in (('mass', 2.0), ('inertia', 0.5), ('cg_across', 0.01))}
+    linkage = scene.from_values({**PAPER, **bodies, 'bodies.coupler.cg_along': 0.9}).linkage
+    assert (linkage.bodies.crank.cg_along, linkage.bodies.coupler.cg_along) == (0.2, 0.9)
+    assert linkage.bodies.output.cg_across == 0.01
+    with pytest.raises(InvalidParameter, match='bodies.crank.mass.*not both'):
+        scene.from_values({**PAPER, **bodies, **RODS})
+
+
+def test_external_loads_and_gravity_reach_the_linkage():
+    linkage = scene.from_values({**PAPER, **RODS, 'external.output.couple': -50.0, 'external.coupler.force_y': 7.0,
+                                 'external.coupler.along': 0.6, 'gravity.y': -9.81}).linkage
+    assert (linkage.external.output.couple, linkage.external.coupler.force_y) == (-50.0, 7.0)
+    assert (linkage.external.coupler.along, linkage.gravity) == (0.6, (0.0, -9.81))
+    # at rest the drive balances them: virtual work of an angle of the crank
+    motion, loads = linkage.step(1.0, 0.0)
+    ahead = linkage.motion(1.0, 1.0)
+    work = sum(body.mass * -9.81 * body.cg_along * cosine * rate for body, cosine, rate in zip(
+        linkage.bodies, (ahead.cos_x, ahead.cos_b, ahead.cos_y), (1.0, ahead.omega_beta, ahead.omega4)))
+    work += (linkage.bodies.coupler.mass * -9.81 + 7.0) * 0.4 * ahead.cos_x      # the coupler moves with A
+    work += 7.0 * 0.6 * ahead.cos_b * ahead.omega_beta - 50.0 * ahead.omega4
+    assert loads.driving_torque == pytest.approx(-work, rel=1e-13)
+
+
+@pytest.mark.parametrize('change, name', [
+    ({'linkage.a1': True}, 'linkage.a1'), ({'linkage.mode': 1.0}, 'linkage.mode'),
+    ({'linkage.a1': math.inf}, 'linkage.a1'), ({'outputs': 'state'}, 'outputs'),
+    ({'outputs': ['state', 'state']}, 'outputs'), ({'frame_id': ''}, 'frame_id'),
+    ({'joint_names': ['a', 'b', 'c']}, 'joint_names'), ({'bodies.rods.density': 7000.0}, 'bodies.rods.radius'),
+    ({'bodies.crank.mass': -1.0}, 'bodies.crank.mass'), ({'gravity.y': math.nan}, 'gravity.y'),
+    ({'recording.start': 'yes'}, 'recording.start'), ({'drive.rate': 1e9}, 'drive.rate'),
+])
+def test_a_bad_value_is_refused_by_name(change, name):
+    with pytest.raises(InvalidParameter) as caught:
+        scene.from_values({**PAPER, **change})
+    assert caught.value.name == name and str(caught.value).startswith(name)
+
+
+def test_a_missing_length_is_refused_by_name():
+    with pytest.raises(InvalidParameter, match='linkage.a3: must be given'):
+        scene.from_values({name: value for name, value in PAPER.items() if name != 'linkage.a3'})
+
+
+@pytest.mark.parametrize('text, reason', [('a: [1', 'not YAML'), ('[1, 2]', 'not a scene'), ('', 'not a scene'),
+                                          ('linkage: {a1: 1.0}', 'not a scene')])
+def test_a_file_that_is_no_scene_is_refused_with_its_name(tmp_path, text, reason):
+    file = tmp_path / 'scene.yaml'
+    file.write_text(text)
+    with pytest.raises(scene.SceneError, match=f'scene.yaml.*{reason}'):
+        scene.load(file)
+    with pytest.raises(scene.SceneError, match='missing.yaml: No such file'):
+        scene.load(tmp_path / 'missing.yaml')
+
+
+def test_scene_check_explains_and_refuses(tmp_path, capsys):
+    from fourbar_ros.cli.main import main
+    assert main(['scene', 'check', str(CONFIG / 'paper.yaml')]) == 0
+    said = capsys.readouterr().out
+    assert '25 rad/s' in said and '~/shaking_wrench' in said and 'motion and loads' in said
+    assert main(['scene', 'check', str(CONFIG / 'slides_7_6.yaml')]) == 0
+    said = capsys.readouterr().out
+    assert 'motion only' in said and '(loads)' in said
+    bad = tmp_path / 'bad.yaml'
+    bad.write_text('/**: {ros__parameters: {linkage: {a1: 0.4, a2: x, a3: 1.0, a4: 1.0}}}')
+    assert main(['scene', 'check', str(bad)]) == 1
+    assert capsys.readouterr().err == "fourbar: linkage.a2 = 'x': must be a double\n"
+
+
+def test_scene_check_lists_what_was_given_in_units_of_what_is_driven(tmp_path, capsys):
+    from fourbar_ros.cli.main import main
+    file = tmp_path / 'scene.yaml'
+    file.write_text((CONFIG / 'cylinder.yaml').read_text().replace('source: motion ', 'source: timer '))
+    assert main(['scene', 'check', str(file)]) == 0
+    said = capsys.readouterr().out
+    assert 'inverted slider-crank, Grashof crank-rocker, driven at its slide, mode 2' in ' '.join(said.split())
+    assert 'drive.start = 0 m is outside [1, 1.8] m' in said
+    rows = dict(line.split(maxsplit=1) for line in said.splitlines() if line.startswith(('linkage.', 'drive.speed')))
+    assert rows['linkage.a1'].split() == ['1.2', 'm'] and rows['drive.speed'].split() == ['0.2', 'm/s']
+
+
+@pytest.mark.parametrize('values, said', [
+    ({'bodies.rods.density': 7000.0}, 'bodies.rods.radius: must be given: rods have density and radius'),
+    ({'bodies.crank.mass': 1.0}, 'bodies.crank.inertia: must be given: loads need mass and inertia of the crank'),
+    ({'outputs': ['loads']}, 'bodies.crank.mass: must be given (or bodies.rods): output loads needs masses'),
+    ({'linkage.mode': 'x'}, "linkage.mode = 'x': must be an integer")])
+def test_what_is_missing_is_named_without_a_value(values, said):
+    with pytest.raises(InvalidParameter) as caught:
+        scene.from_values({**PAPER, **values})
+    assert str(caught.value) == said
+
+
+@pytest.mark.parametrize('values', [{'linkage.a1': 1e300}, {'bodies.rods.radius': 1e160}])
+def test_numbers_that_overflow_are_refused(values):
+    with pytest.raises(InvalidParameter, match='too far apart'):
+        scene.from_values({'linkage.kind': 'slider_crank', 'linkage.a1': 0.1, 'linkage.a2': 0.3, **RODS,
+                           'bodies.output.mass': 1.0, **values})
+
+
+@pytest.mark.parametrize('parameter', [*PARAMETERS.values(), *POINT.values()],
+                         ids=lambda parameter: parameter.name)
+def test_every_text_of_a_parameter_reads_alone(parameter):
+    """``ros2 param describe`` shows one text without its neighbours."""
+    words = parameter.text.split()
+    assert len(words) >= 3 and words[0] not in ('and', 'or', 'but', 'of', 'so'), parameter.text
+    assert not parameter.text.endswith('.') and 'extremes' not in words

@@ -1,0 +1,138 @@
+"""Bags without ROS: messages made by rosbags, a codec that shares no line with ours."""
+import json
+
+import numpy as np
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from support import ROOT
+from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.scene import scene as scenes
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recorder import BagWriter, Channel
+from fourbar_ros.pipeline.stepper import Stepper
+
+STORE = get_typestore(Stores.ROS2_JAZZY)
+for _file in (ROOT / 'msg_defs/msg').glob('*.msg'):
+    STORE.register(get_types_from_msg(_file.read_text(), f'fourbar_msgs/msg/{_file.stem}'))
+
+
+def text_of(type_name):
+    """Return the schema of a type as a bag holds it."""
+    text = STORE.generate_msgdef(type_name, ros_version=2)[0]
+    package, _, name = type_name.split('/')
+    if package == 'fourbar_msgs':           # with its comments, as from the package
+        text = (ROOT / f'msg_defs/msg/{name}.msg').read_text() + text[text.index('=' * 80):]
+    return text
+
+
+def channel(topic, type_name, depth=10, latched=False):
+    """Return the Channel of a topic."""
+    return Channel(topic, type_name, text_of(type_name), STORE.hash_rihs01(type_name), depth, latched)
+
+
+MOTION = channel('/fourbar/driven', 'fourbar_msgs/msg/Motion')
+
+
+def stamp(nanoseconds, frame='fourbar'):
+    """Return a Header."""
+    time = STORE.types['builtin_interfaces/msg/Time'](nanoseconds // 10**9, nanoseconds % 10**9)
+    return STORE.types['std_msgs/msg/Header'](time, frame)
+
+
+def motion(number):
+    """Return a serialised Motion that carries a number."""
+    return encode('fourbar_msgs/msg/Motion', header=stamp(number), position=float(number), velocity=0.5,
+                  acceleration=-0.25)
+
+
+def encode(type_name, **values):
+    """Return a serialised message."""
+    return bytes(STORE.serialize_cdr(STORE.types[type_name](**values), type_name))
+
+
+def zero(type_name):
+    """Return a message of zeros and empty texts."""
+    values = {}
+    for name, (kind, what) in STORE.fielddefs[type_name][1]:
+        if kind == 1:
+            base = what[0]
+            values[name] = '' if base == 'string' else False if base == 'bool' else 0
+        elif kind == 2:
+            values[name] = zero(what)
+        else:
+            values[name] = [] if kind == 4 and what[0][1][0] == 'string' else np.zeros(0)
+    return STORE.types[type_name](**values)
+
+
+def output_message(name, when, status, values, scene):
+    """Return the bytes of one output as the node would send it."""
+    topic = interfaces.DRIVEN if name == 'driven' else scene.topics[name]
+    message = zero(topic.type)
+    message.header = stamp(when)
+    if hasattr(message, 'status'):
+        message.status, message.mode = status, scene.linkage.mode
+    if name == 'state':
+        message.change_point_margin = float(scene.linkage.change_point_margin)
+    if name == 'joint_states':
+        message.name = list(scene.joint_names)
+    for field, value in scene.layout.expected(name, values).items():
+        *path, last = field.split('.')
+        place = message
+        for step in path:
+            place = getattr(place, step)
+        setattr(place, last, np.array(value) if isinstance(value, tuple) else value)
+    return bytes(STORE.serialize_cdr(message, topic.type))
+
+
+def copy(bag, directory, name, change):
+    """Write a bag again, the data of every message as ``change(raw)`` returns them; return the new bag's path."""
+    metadata = Bag(bag).metadata()
+    topics = [told['topic_metadata'] for told in metadata['topics_with_message_count']]
+    writer = BagWriter(directory, name, [channel(t['name'], t['type']) for t in topics], metadata['custom_data'], sync_period=0.0)
+    numbers = {topic['name']: i for i, topic in enumerate(topics)}
+    for raw in Bag(bag).raw():
+        writer.write(numbers[raw.topic], bytes(change(raw)))
+    return writer.close()
+
+
+def with_old_memory(data, texts, rng):
+    """Return a message with random bytes in the padding behind these texts, as Fast CDR leaves it."""
+    data = bytearray(data)
+    for text in texts:
+        end = data.index(text.encode() + b'\0') + len(text) + 1
+        padding = -(end - 4) % 4
+        data[end:end + padding] = rng.bytes(padding)
+    return bytes(data)
+
+
+def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False, **kwargs):
+    """
+    Record a run as the node does and return the closed bag's path.
+
+    ``cranks``: (theta1, omega1, alpha1) of every step; ``changes``: {step: parameters} set before it;
+    Stamps begin at step_ns: 0 stands for an unstamped message. ``paced``: log times
+    step_ns apart, whatever the clock says.
+    """
+    scene = scenes.from_values(values)
+    topics = [interfaces.DRIVEN, interfaces.SCENE, *scene.topics.values()]
+    resolved = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
+    about = {'scene': json.dumps(scene.values), 'topics': json.dumps(resolved), 'node': '/fourbar'}
+    channels = [channel(resolved[t.name], t.type, latched=t is interfaces.SCENE) for t in topics]
+    writer = BagWriter(directory, name, channels, about, **kwargs)
+    number = {topic.name: i for i, topic in enumerate(topics)}
+
+    def say_scene():
+        writer.write(number['scene'], encode('std_msgs/msg/String', data=json.dumps(scene.values)))
+        return Stepper(scene)
+    stepper, changes, begun = say_scene(), dict(changes), writer.clock.now()
+    for k, crank in enumerate(cranks):
+        if paced:
+            writer.clock.now = lambda k=k: begun + k * step_ns
+        if k in changes:
+            scene = scenes.from_values({**scene.values, **changes[k]})
+            stepper = say_scene()
+        status, found = stepper.step(*crank, scene.needs_loads, 'points' in scene.outputs)
+        writer.write(number['driven'], output_message('driven', (k + 1) * step_ns, 0, scene.linkage.unknown(*crank), scene))
+        for output in scene.topics:
+            writer.write(number[output], output_message(output, (k + 1) * step_ns, status, found, scene))
+    return writer.close()

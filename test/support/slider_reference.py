@@ -1,0 +1,397 @@
+"""
+Reference for the two sliders: many digits and another formulation.
+
+Positions from coordinates, rates and accelerations from the differentiated loop as two equations with
+two unknowns, loads from nine equations with nine unknowns: nothing here is shared with the package.
+"""
+from typing import NamedTuple
+
+import mpmath as mp
+import numpy as np
+from support.reference import EPS, condition, cross
+
+from fourbar_ros import Applied, Bodies, Body, External
+from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
+from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+
+KINDS = ((SliderCrank, 'crank'), (SliderCrank, 'slide'), (InvertedSlider, 'crank'), (InvertedSlider, 'slide'))
+FIELDS = {SliderCrank: ('theta1', 'beta', 'slide', 'theta2', 'omega1', 'omega_beta', 'slide_velocity', 'omega2',
+                        'alpha1', 'alpha_beta', 'slide_acceleration', 'alpha2'),
+          InvertedSlider: ('theta1', 'theta4', 'slide', 'theta2', 'omega1', 'omega4', 'slide_velocity', 'omega2',
+                           'alpha1', 'alpha4', 'slide_acceleration', 'alpha2')}
+LOADS = ('f41', 'f21', 'f32', 'f43', 'guide_force', 'guide_couple', 'drive', 'shaking_force', 'shaking_moment')
+
+
+class Exact(NamedTuple):
+    """Crank angle, angle of the other turning link and slide, with their rates and accelerations."""
+
+    angle: tuple
+    rate: tuple
+    acceleration: tuple
+
+
+def solve(one, other, right):
+    """Solve one p + other r = right for real p, r."""
+    area = cross(one, other)
+    return cross(right, other) / area, cross(one, right) / area
+
+
+def slider_crank(lengths, is_crank, sign, given):
+    a1, a2, e = lengths
+    q, v, a = given
+    if is_crank:
+        x, rise = q, e - a1 * mp.sin(q)
+        if abs(rise) >= a2:
+            return None
+        coupler = mp.mpc(sign * mp.sqrt(a2**2 - rise**2), rise)
+        crank = a1 * mp.expj(x)
+        s = (crank + coupler).real
+    else:
+        s, line = q, mp.mpc(q, e)
+        square = line.real**2 + line.imag**2
+        along = (square + a1**2 - a2**2) / (2 * square)
+        height = a1**2 / square - along**2
+        if height <= 0:
+            return None
+        crank = line * mp.mpc(along, -sign * mp.sqrt(height))
+        coupler, x = line - crank, mp.arg(crank)
+    if is_crank:        # 1j crank v + 1j coupler w = u
+        w, u = solve(1j * coupler, mp.mpc(-1), -1j * crank * v)
+        wa, ua = solve(1j * coupler, mp.mpc(-1), -1j * crank * a + crank * v**2 + coupler * w**2)
+        return Exact((x, mp.arg(coupler), s), (v, w, u), (a, wa, ua))
+    o, w = solve(1j * crank, 1j * coupler, mp.mpc(v))
+    oa, wa = solve(1j * crank, 1j * coupler, mp.mpc(a) + crank * o**2 + coupler * w**2)
+    return Exact((x, mp.arg(coupler), s), (o, w, v), (oa, wa, a))
+
+
+def inverted_slider(lengths, is_crank, sign, given):
+    a1, a4, h = lengths
+    q, v, a = given
+    if is_crank:
+        crank = a1 * mp.expj(q)
+        line = crank - a4
+        square = line.real**2 + line.imag**2 - h**2
+        if square <= 0:
+            return None
+        x, slide = q, sign * mp.sqrt(square)
+    else:
+        slide = q
+        cosine = (a1**2 + a4**2 - slide**2 - h**2) / (2 * a1 * a4)
+        if abs(cosine) >= 1:
+            return None
+        crank = a1 * mp.mpc(cosine, sign * mp.sqrt(1 - cosine**2))
+        line, x = crank - a4, mp.arg(crank)
+    turn = line / mp.mpc(slide, h)
+    turn /= abs(turn)
+    if is_crank:        # 1j crank o = 1j line w + turn u
+        w, u = solve(1j * line, turn, 1j * crank * v)
+        wa, ua = solve(1j * line, turn, 1j * crank * a - crank * v**2 + line * w**2 - 2j * w * u * turn)
+        return Exact((x, mp.arg(turn), slide), (v, w, u), (a, wa, ua))
+    o, w = solve(1j * crank, -1j * line, v * turn)
+    oa, wa = solve(1j * crank, -1j * line, a * turn + crank * o**2 - line * w**2 + 2j * w * v * turn)
+    return Exact((x, mp.arg(turn), slide), (o, w, v), (oa, wa, a))
+
+
+def exact(kind, lengths, sign, given):
+    """Return the Exact of a kind (type, input), or None where it cannot close or is at a toggle."""
+    function = slider_crank if kind[0] is SliderCrank else inverted_slider
+    return function([mp.mpf(v) for v in lengths], kind[1] == 'crank', sign, [mp.mpf(v) for v in given])
+
+
+def fields_of(kind, lengths, sign, given):
+    """Return the values of FIELDS, theta2 wrapped."""
+    e = exact(kind, lengths, sign, given)
+    theta2 = mp.arg(mp.expj(e.angle[1] - e.angle[0]))
+    return (*e.angle, theta2, *e.rate, e.rate[1] - e.rate[0], *e.acceleration, e.acceleration[1] - e.acceleration[0])
+
+
+def loads_of(kind, lengths, sign, given, bodies, applied, gravity):
+    """
+    Return the values of LOADS, forces as mpc: Newton-Euler of three free bodies, solved as one system.
+
+    Rows: for each link two of force and one of moment about its first joint. Unknown: F41, F21, two
+    numbers for F32, two for F43 (one force of a guide is a number and a couple), the drive.
+    """
+    is_slider_crank, is_crank = kind[0] is SliderCrank, kind[1] == 'crank'
+    e = exact(kind, lengths, sign, given)
+    crank_end, turn = lengths[0] * mp.expj(e.angle[0]), mp.expj(e.angle[1])
+    of_a = mp.mpc(-e.rate[0]**2, e.acceleration[0]) * crank_end
+    spins = [mp.mpc(-w**2, a) for w, a in zip(e.rate[:2], e.acceleration[:2])]
+    if is_slider_crank:
+        arm = lengths[1] * turn
+        frames = ((0, spins[0], mp.expj(e.angle[0])), (of_a, spins[1], turn), (mp.mpc(e.acceleration[2]), 0, mp.mpc(1)))
+        spin3, axis, origin3 = 0, mp.mpc(1), mp.mpc(e.angle[2], lengths[2])
+    else:
+        arm = crank_end - lengths[1]      # O4 to A
+        frames = ((0, spins[0], mp.expj(e.angle[0])), (of_a, spins[1], turn), (0, spins[1], turn))
+        spin3, axis, origin3 = e.acceleration[1], turn, mp.mpc(lengths[1])
+    right, forces = [], []
+    for i, ((mass, along, across, inertia), (origin_a, spin, frame)) in enumerate(zip(bodies, frames)):
+        force_x, force_y, at_along, at_across, couple = applied[i - 1] if i else (0,) * 5
+        centre, push = frame * mp.mpc(along, across), mp.mpc(force_x, force_y)
+        needed = mass * (origin_a + spin * centre - mp.mpc(*gravity))
+        alpha = (e.acceleration[0], e.acceleration[1], spin3)[i]
+        right += [(needed - push).real, (needed - push).imag, inertia * alpha - couple + cross(centre, needed)
+                  - cross(frame * mp.mpc(at_along, at_across), push)]
+        forces.append(needed - push)
+    m = mp.zeros(9, 9)
+    m[0, 0] = m[1, 1] = m[0, 2] = m[1, 3] = 1                        # crank: F41 + F21
+    m[2, 2], m[2, 3] = -crank_end.imag, crank_end.real
+    m[3, 2] = m[4, 3] = -1                                           # second link: F12 + F32
+    normal = 1j * axis
+    if is_slider_crank:
+        m[3, 4] = m[4, 5] = 1
+        m[5, 4], m[5, 5] = -arm.imag, arm.real
+        m[6, 4] = m[7, 5] = -1                                       # slider: F23 + guide (6) and couple (7)
+        m[6, 6], m[7, 6], m[8, 7] = normal.real, normal.imag, 1
+        if not is_crank:
+            m[6, 8], m[7, 8] = axis.real, axis.imag
+    else:
+        m[3, 4], m[4, 4], m[5, 5] = normal.real, normal.imag, 1      # block: guide (4) and couple (5) at A
+        m[6, 4], m[7, 4], m[8, 5], m[8, 4] = -normal.real, -normal.imag, -1, -cross(arm, normal)
+        m[6, 6] = m[7, 7] = 1                                        # bar: F43
+        if not is_crank:
+            m[3, 8], m[4, 8] = axis.real, axis.imag
+            m[6, 8], m[7, 8], m[8, 8] = -axis.real, -axis.imag, -cross(arm, axis)
+    if is_crank:
+        m[2, 8] = 1
+    f = mp.lu_solve(m, mp.matrix(right))
+    drive = f[8] * axis if not is_crank else 0
+    f41, f21 = mp.mpc(f[0], f[1]), mp.mpc(f[2], f[3])
+    if is_slider_crank:
+        f32, guide, couple = mp.mpc(f[4], f[5]), f[6], f[7]
+        f43 = guide * normal + drive
+        on_ground = -couple
+    else:
+        guide, couple, f43 = f[4], f[5], mp.mpc(f[6], f[7])
+        f32, on_ground = guide * normal + drive, 0
+    moment = on_ground - cross(origin3, f43) - (f[8] if is_crank else 0)
+    return f41, f21, f32, f43, guide, couple, f[8], -f41 - f43, moment
+
+
+def pieces(values):
+    """Split a flat list after lengths and input: three bodies, two applied, gravity."""
+    return ([values[4 * i:4 * i + 4] for i in range(3)], [values[12 + 5 * i:17 + 5 * i] for i in range(2)], values[22:24])
+
+
+def random_masses(rng, reach, speed):
+    """Return 24 numbers for :func:`pieces`, all of a size that matters."""
+    force = reach * speed**2
+    values = []
+    for _ in range(3):
+        values += [rng.uniform(0.1, 10.0), *(rng.uniform(-1.0, 1.0, 2) * reach), rng.uniform(0.0, 1.0) * reach**2]
+    for _ in range(2):
+        values += [*(rng.uniform(-5.0, 5.0, 2) * force), *(rng.uniform(-1.0, 1.0, 2) * reach),
+                   rng.uniform(-5.0, 5.0) * force * reach]
+    return [float(v) for v in (*values, *(rng.uniform(-1.0, 1.0, 2) * force))]
+
+
+def build(kind, lengths, mode, masses=None):
+    """Return the mechanism of a kind with or without the numbers of :func:`random_masses`."""
+    if masses is None:
+        return kind[0](*lengths, mode=mode, input=kind[1])
+    bodies, applied, gravity = pieces(masses)
+    return kind[0](*lengths, mode=mode, input=kind[1], bodies=Bodies(*(Body(*b) for b in bodies)),
+                   external=External(*(Applied(*a) for a in applied)), gravity=tuple(gravity))
+
+
+def motion_errors(kind, lengths, mode, given):
+    """
+    Return the error of each of FIELDS in eps cond; a condition of an angle below one counts as one.
+
+    The first value of :func:`reference.condition` counts modulo 2 pi: that is the crank angle.
+    """
+    sign = 2 * mode - 3
+    front = [given[0]] if kind[1] == 'crank' else [0, given[0]]
+    skip = len(front) - 1
+    truth, cond = condition(lambda v: fields_of(kind, v[skip + 3:], sign, v[skip:skip + 3]),
+                            [mp.mpf(v) for v in (*front, *given[1:], *lengths)])
+    motion = build(kind, lengths, mode).motion(*given)
+    errors = [abs(getattr(motion, name) - value) for name, value in zip(FIELDS[kind[0]], truth)]
+    for i in (0, 1, 3):
+        errors[i], cond[i] = abs(mp.arg(mp.expj(errors[i]))), max(cond[i], 1)
+    return np.array([float(error / (EPS * c)) if c else float(error) for error, c in zip(errors, cond)])
+
+
+def load_errors(kind, lengths, mode, given, masses):
+    """Return the error of each of LOADS in eps cond."""
+    sign = 2 * mode - 3
+    front = [given[0]] if kind[1] == 'crank' else [0, given[0]]
+    k = len(front) + 2
+
+    def function(v):
+        return loads_of(kind, v[k:k + 3], sign, v[k - 3:k], *pieces(v[k + 3:]))
+
+    truth, cond = condition(function, [mp.mpf(v) for v in (*front, *given[1:], *lengths, *masses)])
+    loads = build(kind, lengths, mode, masses).loads(*given)
+    values = {'drive': loads.driving_torque + loads.driving_force}
+    errors = []
+    for name, t, c in zip(LOADS, truth, cond):
+        value = (mp.mpc(getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y')) if isinstance(t, mp.mpc)
+                 else values.get(name, getattr(loads, name, None)))
+        errors.append(float(abs(value - t) / (EPS * c)) if c else float(abs(value - t)))
+    return np.array(errors)
+
+
+# --- what the tests of both sliders share ----------------------------------------------------------
+
+ANGLE_BOUND, RATE_BOUND, LOADS_BOUND = 2.0, 5.0, 5.0      # in eps cond, as the 4R's
+FAMILIES = ('random', 'zero offset', 'near the limit of the offset', 'near a toggle', 'near a change point',
+            'equal lengths', 'link ratios 1e8', 'near zero')
+
+
+def small(rng, low, high):
+    """Return a number of either sign, uniform in its logarithm."""
+    return float(rng.choice((-1.0, 1.0)) * 10.0**rng.uniform(low, high))
+
+
+def draw(rng, kind, family):
+    """Return lengths, mode and input (value, rate, acceleration) of a case of a family that closes."""
+    while True:
+        one, other = rng.uniform(0.1, 1.0, 2)
+        offset = rng.uniform(-1.0, 1.0) * (one + other)
+        if family == 'zero offset':
+            offset = 0.0
+        elif family == 'near the limit of the offset':
+            offset = (one + other) * (1.0 - 10.0**rng.uniform(-14, -1)) * rng.choice((-1.0, 1.0))
+        elif family == 'near a change point':
+            offset = (one - other) * (1.0 + small(rng, -16, -2))
+        elif family == 'equal lengths':
+            other, offset = one * (1.0 + small(rng, -16, -2)), rng.choice((0.0, small(rng, -16, -2)))
+        elif family == 'link ratios 1e8':
+            one, other, offset = 10.0**rng.uniform(-4, 4, 2).tolist()[0], 10.0**rng.uniform(-4, 4), small(rng, -4, 4)
+        if abs(offset) >= one + other:
+            continue
+        lengths, mode = (float(one), float(other), float(offset)), int(rng.integers(1, 3))
+        ranges = build(kind, lengths, mode).input_ranges
+        low, high = ranges[rng.integers(len(ranges))]
+        share = rng.uniform()
+        if family == 'near a toggle':
+            share = 10.0**rng.uniform(-14, -1)
+            share = share if rng.random() < 0.5 else 1.0 - share
+        value = low + (high - low) * share
+        if family in ('near a change point', 'equal lengths') and rng.random() < 0.7:
+            value = small(rng, -14, 0) + (rng.integers(-2, 3) * np.pi / 2.0 if kind[1] == 'crank' else 0.0)
+        elif family == 'near zero':
+            value = small(rng, -30, -1)
+        given = (float(value), float(rng.normal()), float(rng.normal()))
+        if exact(kind, lengths, 2 * mode - 3, given) is not None:
+            return lengths, mode, given
+
+
+def check_motion(kind, family, seed, count):
+    rng = np.random.default_rng(seed)
+    errors = np.max([motion_errors(kind, *draw(rng, kind, family)) for _ in range(count)], axis=0)
+    bounds = [ANGLE_BOUND] * 4 + [RATE_BOUND] * 8
+    assert {n: e for n, e, bound in zip(FIELDS[kind[0]], errors, bounds) if not e <= bound} == {}
+
+
+def check_loads(kind, family, seed, count):
+    rng, worst = np.random.default_rng(seed), np.zeros(len(LOADS))
+    for _ in range(count):
+        lengths, mode, given = draw(rng, kind, family)
+        worst = np.maximum(worst, load_errors(kind, lengths, mode, given, random_masses(rng, max(lengths[:2]), 1.0)))
+    assert {name: error for name, error in zip(LOADS, worst) if not error <= LOADS_BOUND} == {}
+
+
+def random_loaded(kind, seed, count):
+    """Yield mechanisms with everything acting, away from toggles, with an input."""
+    rng = np.random.default_rng(seed)
+    while count:
+        lengths, mode, given = draw(rng, kind, 'random')
+        mechanism = build(kind, lengths, mode, random_masses(rng, max(lengths[:2]), 3.0))
+        if abs(np.sin(mechanism.motion(*given).transmission_angle)) > 0.1:
+            count -= 1
+            yield mechanism, given
+
+
+def frames(mechanism, motion):
+    """Return for the three links place, velocity, acceleration of the first joint, direction, rate, acceleration."""
+    crank = complex(motion.cos_x, motion.sin_x)
+    at_a = mechanism.a1 * crank
+    first = (0.0, 0.0, 0.0, crank, motion.omega1, motion.alpha1)
+    of_a = (at_a, 1j * motion.omega1 * at_a, (1j * motion.alpha1 - motion.omega1**2) * at_a)
+    if isinstance(mechanism, SliderCrank):
+        return (first, (*of_a, complex(motion.cos_b, motion.sin_b), motion.omega_beta, motion.alpha_beta),
+                (complex(motion.slide, mechanism.offset), motion.slide_velocity, motion.slide_acceleration, 1.0, 0.0, 0.0))
+    bar = (complex(motion.cos_y, motion.sin_y), motion.omega4, motion.alpha4)
+    return first, (*of_a, *bar), (mechanism.a4, 0.0, 0.0, *bar)
+
+
+def inertia_state(mechanism, motion):
+    """Return dP/dt, dH/dt about O1, dE/dt less what gravity and external loads give, and their sizes."""
+    gravity = complex(*mechanism.gravity)
+    totals, sizes = np.zeros(4), np.zeros(3)
+    for body, push, (origin, speed, growth, turn, w, acc) in zip(
+            mechanism.bodies, (Applied(), *mechanism.external), frames(mechanism, motion)):
+        centre, point = turn * complex(body.cg_along, body.cg_across), turn * complex(push.along, push.across)
+        needed = body.mass * (growth + (1j * acc - w * w) * centre - gravity)
+        couple = body.inertia * acc - push.couple
+        for force, arm in ((needed, centre), (-complex(push.force_x, push.force_y), point)):
+            place, velocity = origin + arm, speed + 1j * w * arm
+            totals += (force.real, force.imag, (place.conjugate() * force).imag, (velocity.conjugate() * force).real)
+            sizes += (abs(force), abs(place) * abs(force), abs(velocity) * abs(force))
+        totals += (0.0, 0.0, couple, couple * w)
+        sizes += (0.0, abs(couple), abs(couple * w))
+    return complex(*totals[:2]), totals[2], totals[3], sizes
+
+
+def check_balance(kind, seed, count):
+    """Shaking = -dP/dt, -dH/dt + given loads, power of the drive = dE/dt: 1e-13 of the summed magnitudes."""
+    for mechanism, given in random_loaded(kind, seed, count):
+        motion, loads = mechanism.step(*given)
+        force, moment, power, (size_force, size_moment, size_power) = inertia_state(mechanism, motion)
+        inner = loads.f41 + loads.f43 + loads.f21 + loads.f32
+        shaking = complex(loads.shaking_force_x, loads.shaking_force_y)
+        assert abs(shaking + force) <= 1e-13 * size_force
+        assert abs(shaking + complex(loads.f41_x + loads.f43_x, loads.f41_y + loads.f43_y)) <= 16 * EPS * inner
+        assert abs(loads.shaking_moment + moment) <= 1e-13 * size_moment
+        given_power = loads.driving_torque * motion.omega1 + loads.driving_force * motion.slide_velocity
+        assert abs(given_power - power) <= 1e-13 * size_power
+        assert (loads.driving_torque == 0.0) == (kind[1] != 'crank') and (loads.driving_force == 0.0) == (kind[1] == 'crank')
+
+
+def check_arrays(kind, seed, count):
+    """An array is its samples: fields to rounding, shapes kept, both read from one source."""
+    for mechanism, given in random_loaded(kind, seed, count):
+        one = mechanism.step(*given)
+        many = mechanism.step(*(np.full((2, 1, 3), v) for v in given))
+        for single, array in zip(one, many):
+            scale = {}
+            for name, value in single._asdict().items():
+                scale.setdefault(name[:3], []).append(abs(value))
+            for name, value, values in zip(single._fields, single, array):
+                assert values.shape == (2, 1, 3), name
+                assert (values == values[0, 0, 0]).all() and abs(values[0, 0, 0] - value) <= (
+                    1e-11 * max(1.0, max(map(abs, single)))), name
+        assert mechanism.motion(np.float64(given[0]), *given[1:]) == one[0]
+
+
+def check_complex_step(kind, seed, count):
+    """The analytic dialect gives the derivatives by the input."""
+    for mechanism, (value, _, _) in random_loaded(kind, seed, count):
+        rates = mechanism.motion(np.array([value]) + 1e-40j, 1.0)
+        for name in ('crank_ratio', 'slide_ratio'):
+            moved = {'crank_ratio': 'alpha1', 'slide_ratio': 'slide_acceleration'}[name]
+            derivative = getattr(rates, name).imag[0] / 1e-40
+            assert abs(derivative - getattr(rates, moved).real[0]) <= 1e-11 * max(1.0, abs(derivative))
+
+
+def check_scaling(kind, seed, count, power):
+    """All lengths times a power of two: no bit changes."""
+    scale = 2.0**power
+    for mechanism, (value, rate, acceleration) in random_loaded(kind, seed, count):
+        bodies = Bodies(*(Body(b.mass / scale, b.cg_along * scale, b.cg_across * scale, b.inertia * scale)
+                          for b in mechanism.bodies))
+        external = External(*(Applied(a.force_x, a.force_y, a.along * scale, a.across * scale, a.couple * scale)
+                              for a in mechanism.external))
+        scaled = kind[0](*(length * scale for length in mechanism.lengths), mode=mechanism.mode, input=kind[1],
+                         bodies=bodies, external=external, gravity=tuple(g * scale for g in mechanism.gravity))
+        given = [value, rate, acceleration]
+        if kind[1] != 'crank':
+            given = [v * scale for v in given]
+        (one, loads), (other, scaled_loads) = mechanism.step(value, rate, acceleration), scaled.step(*given)
+        assert one.slide * scale == other.slide and one.alpha1 == other.alpha1
+        assert loads[:8] == scaled_loads[:8] and loads.guide_couple * scale == scaled_loads.guide_couple
+        assert loads.driving_force == scaled_loads.driving_force
+        assert loads.driving_torque * scale == scaled_loads.driving_torque
