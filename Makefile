@@ -1,4 +1,4 @@
-# Thin: scripts/setup.sh makes and keeps everything, scripts/env.sh puts it on the path.
+# Thin: scripts/setup.sh does the set-up, scripts/env.sh puts its results on the path.
 SHELL := /bin/bash
 SCENE ?= config/paper.yaml
 SECONDS ?= 5
@@ -9,26 +9,27 @@ export PYTHON
 env := . scripts/env.sh
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all check-pip soak bench clean
+.PHONY: help setup run test test-all lint check-pip soak bench clean
 
 help:
-	@echo 'fourbar_ros: exact motion, loads and extrema of four-bars, slider-cranks, inverted slider-cranks;'
+	@echo 'fourbar_ros: exact motion, loads and extrema of planar linkages;'
 	@echo 'a ROS 2 node and a Python library'
 	@echo
-	@echo '  make run        a linkage through the node: live table, extrema, bag, bag checked'
+	@echo '  make run        run a linkage in the node: live table, extrema, recorded bag, bag recomputed'
 	@echo '                    SCENE=$(SCENE)  SECONDS=$(SECONDS)'
-	@echo '  make test       the tests but the slow ones      ARGS="-k loads" goes to pytest'
-	@echo '  make test-all   all tests'
-	@echo '  make check-pip  the library without ROS: sdist, wheel, fresh venv, every command'
-	@echo '  make soak       an hour of floods, garbage, restarts    MINUTES=60'
-	@echo '  make bench      what a step, a search for extrema, a message costs here   ARGS=...'
-	@echo '  make setup      only what the others do first: .venv, ROS 2, build'
-	@echo '  make clean      removes .venv build install log'
+	@echo '  make test       run the tests, except the slow ones    ARGS="-k loads" is passed to pytest'
+	@echo '  make test-all   run all tests'
+	@echo '  make lint       run ruff, mypy and the ament linters'
+	@echo '  make check-pip  test the library without ROS: sdist, wheel, fresh venv, every command'
+	@echo '  make soak       flood the node with messages, garbage and restarts    MINUTES=60'
+	@echo '  make bench      measure accuracy, speed, extrema, node and recorder   ARGS="speed"'
+	@echo '  make setup      only set up: .venv, ROS 2, build'
+	@echo '  make clean      remove .venv build install log'
 	@echo
-	@echo 'Each sets up what is missing, the first time some minutes, later only what changed.'
-	@echo 'PYTHON=python3.12 chooses the interpreter (3.10 to 3.13).'
-	@echo 'A sourced ROS 2 is used; without one ROS 2 Jazzy comes from PyPI into .venv.'
-	@echo 'For your own shell:  . scripts/env.sh   then  fourbar --help,  fourbar_node,  python'
+	@echo 'Each target first sets up what is missing: minutes the first time, seconds later.'
+	@echo 'PYTHON=python3.12 selects the interpreter (3.10 to 3.13).'
+	@echo 'A sourced ROS 2 is used; otherwise ROS 2 Jazzy is installed from PyPI into .venv.'
+	@echo 'In your own shell:  . scripts/env.sh   then  fourbar --help,  fourbar_node,  python'
 
 setup:
 	@scripts/setup.sh
@@ -47,6 +48,9 @@ test-all:
 	@scripts/setup.sh test
 	@$(env) && python -m pytest $(ARGS)
 
+lint:
+	@scripts/lint.sh
+
 check-pip:
 	@scripts/check_pip.sh
 
@@ -59,4 +63,4 @@ bench:
 	@$(env) && python -m bench $(ARGS)
 
 clean:
-	rm -rf .venv/setup install/*/.built .venv .venv-peers build install log
+	rm -rf .venv/setup install/*/.built .venv .venv-lint .venv-peers build install log

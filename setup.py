@@ -1,19 +1,23 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 from glob import glob
 from pathlib import Path
+import re
 
 from setuptools import find_packages, setup
 
 NAME = 'fourbar_ros'
 HERE = Path(__file__).resolve().parent      # colcon runs it through a link
-# Scenes are found by name because they lie in the package; for ROS they are in share, too.
+# Scenes are installed in the package, to be found by name, and in share, as ROS does.
 SCENES = [f'{NAME}.config', f'{NAME}.config.published']
 
 setup(
     name=NAME,
-    version='0.1.0',
+    version=re.search("__version__ = '(.+)'", (HERE / NAME / '__init__.py').read_text())[1],
     packages=find_packages(include=[NAME, NAME + '.*']) + SCENES,
     package_dir={SCENES[0]: 'config', SCENES[1]: 'config/published'},
-    package_data={NAME: ['py.typed'], f'{NAME}.reproduction': ['*.yaml'], SCENES[0]: ['*.yaml'], SCENES[1]: ['*.yaml']},
+    package_data={NAME: ['py.typed'], f'{NAME}.reproduction': ['*.yaml'],
+                  SCENES[0]: ['*.yaml'], SCENES[1]: ['*.yaml']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + NAME]),
         ('share/' + NAME, ['package.xml']),
@@ -28,8 +32,8 @@ setup(
         'parquet': ['pyarrow'],
         'plot': ['matplotlib'],
         'proof': ['python-flint'],
-        'test': ['pytest<9', 'mpmath', 'rosbags', 'mcap>=1.5,<2', 'lz4', 'zstandard', 'mcap-ros2-support>=0.6,<1',
-                 'hypothesis', 'scipy', 'matplotlib', 'python-flint'],
+        'test': ['pytest<9', 'mpmath', 'rosbags', 'mcap>=1.5,<2', 'lz4', 'zstandard',
+                 'mcap-ros2-support>=0.6,<1', 'scipy', 'matplotlib', 'python-flint'],
     },
     zip_safe=False,
     maintainer='fourbar_ros developers',

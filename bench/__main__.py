@@ -1,13 +1,15 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Run measurements and print their tables; ``--write`` puts them into docs/."""
 import argparse
 import contextlib
 import importlib
 import inspect
 import io
+from pathlib import Path
 import platform
 import sys
 import time
-from pathlib import Path
 
 from . import ROOT
 
@@ -27,20 +29,23 @@ class Tee(io.StringIO):
 def machine():
     """Return one line about where the figures come from."""
     import numpy
-    return (f'{time.strftime("%Y-%m-%d")}, Python {platform.python_version()}, numpy {numpy.__version__}, '
-            f'{platform.system()} {platform.machine()}')
+    return (f'{time.strftime("%Y-%m-%d")}, Python {platform.python_version()}, numpy '
+            f'{numpy.__version__}, {platform.system()} {platform.machine()}')
 
 
 def main():
     """Parse arguments and run."""
-    about = {name: importlib.import_module(f'bench.{name}').__doc__.strip().splitlines()[0] for name in MODULES}
+    about = {name: importlib.import_module(f'bench.{name}').__doc__.strip().splitlines()[0]
+             for name in MODULES}
     parser = argparse.ArgumentParser(
-        prog='make bench ARGS="..."', description='Measure. Ratios of one run can be trusted, absolute times not.',
+        prog='make bench ARGS="..."', description='Measure. Ratios of one run can be trusted, '
+                                                  'absolute times not.',
         epilog='\n'.join(f'{name:12} {text}' for name, text in about.items()),
         formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('names', nargs='*', metavar='NAME', help='which (default: all)')
     parser.add_argument('--write', action='store_true', help='also write docs/bench/NAME.md')
-    parser.add_argument('--samples', type=int, metavar='N', help='how many, where a measurement takes samples')
+    parser.add_argument('--samples', type=int, metavar='N',
+                        help='how many, where a measurement takes samples')
     arguments = parser.parse_args()
     if unknown := [name for name in arguments.names if name not in MODULES]:
         parser.error(f'{unknown[0]!r}: choose from {", ".join(MODULES)}')
@@ -48,11 +53,13 @@ def main():
         print(f'\n# {about[name]}\n\n{machine()}\n')
         with contextlib.redirect_stdout(Tee()) as kept:
             run = importlib.import_module(f'bench.{name}').main
-            run(*[arguments.samples] * (arguments.samples is not None and 'samples' in inspect.signature(run).parameters))
+            run(*[arguments.samples] * (arguments.samples is not None
+                                        and 'samples' in inspect.signature(run).parameters))
         if arguments.write:
             page = ROOT / 'docs' / 'bench' / f'{name}.md'
             page.parent.mkdir(exist_ok=True)
-            page.write_text(f'# {about[name]}\n\nWritten by `make bench ARGS="{name} --write"`: {machine()}.\n\n'
+            page.write_text(f'# {about[name]}\n\nWritten by `make bench ARGS="{name} --write"`: '
+                            f'{machine()}.\n\n'
                             + kept.getvalue())
 
 

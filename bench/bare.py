@@ -1,18 +1,23 @@
-"""A bare rclpy node to compare with: the same messages, nothing computed, nothing filled but the stamp."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+A bare rclpy node to compare with.
+
+The same messages, nothing computed, nothing filled but the stamp.
+"""
 import signal
 import sys
 import threading
 import time
 
-import rclpy
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import Motion
+from fourbar_ros.ros.messages import resolve
+from fourbar_ros.scene.topics import OUTPUTS
+import rclpy
 from rclpy.experimental import EventsExecutor
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
-
-from fourbar_ros.scene.topics import OUTPUTS
-from fourbar_ros.ros.messages import resolve
 
 
 def run(kind, rate, outputs):
@@ -52,7 +57,8 @@ def run(kind, rate, outputs):
         threading.Thread(target=tick, daemon=True).start()
     else:
         qos = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
-        node.create_subscription(Motion, '~/input', lambda message: send(message.header.stamp), qos)
+        node.create_subscription(Motion, '~/input', lambda message: send(message.header.stamp),
+                                 qos)
     executor = EventsExecutor()
     executor.add_node(node)
     while not stop.is_set():

@@ -1,34 +1,39 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """All extrema of theta4' and theta4'' beside other ways to them: run time, misses, errors."""
-import gc
-import time
 from functools import partial
+import gc
 from math import inf
 from statistics import median
+import time
 
+from fourbar_ros import Bodies, find_extrema, find_extrema_many, FourBar, round_rod
+from fourbar_ros.extrema.find import RATES
 import mpmath
 import numpy as np
 from rich.console import Console
 from rich.progress import track
-
-from fourbar_ros import Bodies, FourBar, find_extrema, find_extrema_many, round_rod
-from fourbar_ros.extrema.find import RATES
+from support.extrema_reference import exact_roots
 
 from . import rivals
 from .shaking import crank_rockers
 
-from support.extrema_reference import exact_roots
-
-SEEDS = ((0.4, 1.2, 0.8, 1.0), (2.0, 6.0, 7.0, 5.0))     # the paper's linkage; the slides' Example 7.7
+# the paper's linkage; the slides' Example 7.7
+SEEDS = ((0.4, 1.2, 0.8, 1.0), (2.0, 6.0, 7.0, 5.0))
 LOADS = ('shaking_force', 'shaking_moment', 'driving_torque', 'f41', 'f21', 'f32', 'f43')
 ROUNDS, PER_FAMILY, ONLY, MANY = 5, 20, 3, 100_000
 LEAST = 0.1              # [s] of CPU time for one figure
 PROGRESS = Console(stderr=True)
 
 
-# --- linkages --------------------------------------------------------------------------------------
+# --- linkages ------------------------------------------------------------------------------------
 
 def near_change_point(rng, gap):
-    """Return lengths with the crank the shortest; ``gap``: how far from a change point, relative."""
+    """
+    Return lengths with the crank the shortest.
+
+    ``gap``: how far from a change point, relative.
+    """
     while True:
         a = np.sort(rng.uniform(0.1, 1.0, 4))
         a[3] = (a[1] + a[2] - a[0]) * (1.0 - gap)
@@ -47,13 +52,15 @@ def near_kite(rng):
 
 def families(rng):
     """Return {name: lengths of linkages}."""
-    draws = {**{f'gap {gap:.0e}': partial(near_change_point, gap=gap) for gap in (1e-3, 1e-6, 1e-10)},
+    draws = {**{f'gap {gap:.0e}': partial(near_change_point, gap=gap)
+                for gap in (1e-3, 1e-6, 1e-10)},
              'near kite 1e-06': near_kite}
     return {'seeds': SEEDS, 'random': crank_rockers(PER_FAMILY, rng).tolist(),
-            **{name: [tuple(map(float, draw(rng))) for _ in range(PER_FAMILY)] for name, draw in draws.items()}}
+            **{name: [tuple(map(float, draw(rng))) for _ in range(PER_FAMILY)]
+               for name, draw in draws.items()}}
 
 
-# --- ours ------------------------------------------------------------------------------------------
+# --- ours ----------------------------------------------------------------------------------------
 
 def ours(lengths, conditions=True):
     """Return theta1 of the extrema of omega4 and of alpha4."""
@@ -90,10 +97,11 @@ SLOW = {
     'scipy differential_evolution, global only': rivals.by_evolution,
     'scipy dual_annealing, 250 iterations, global only': rivals.by_annealing,
 }
-FINDERS = {name: way for name, way in {**QUICK, **SLOW}.items() if way not in (ours_proved, ours_with_loads)}
+FINDERS = {name: way for name, way in {**QUICK, **SLOW}.items()
+           if way not in (ours_proved, ours_with_loads)}
 
 
-# --- time ------------------------------------------------------------------------------------------
+# --- time ----------------------------------------------------------------------------------------
 
 def time_of(function, *arguments):
     """
@@ -116,7 +124,11 @@ def each(way, linkages):
 
 
 def measure(linkages, many):
-    """Return {name: CPU times per linkage [s], one a round}; the slow ones in few rounds, with some linkages."""
+    """
+    Return {name: CPU times per linkage [s], one a round}.
+
+    The slow ones in few rounds, with some linkages.
+    """
     times = {name: [] for name in (*QUICK, *SLOW, 'batch')}
     each(ours, linkages)
     for _ in track(range(ROUNDS), 'rounds', transient=True, console=PROGRESS):
@@ -135,15 +147,16 @@ def table_of_times(times):
     for name in (*QUICK, *SLOW):
         print(f'| {name} | {1e3 * median(times[name]):.3g} | {ratio(times, name, OURS):.3g} '
               f'| {ratio(times, name, BARE):.3g} |')
-    print(f'\nA batch of {MANY} linkages (`find_extrema_many`): {1.0 / median(times["batch"]):.3g} linkages per second '
-          f'of CPU time, {ratio(times, BARE, "batch"):.0f} times the rate of {BARE}.\n')
+    print(f'\nA batch of {MANY} linkages (`find_extrema_many`): '
+          f'{1.0 / median(times["batch"]):.3g} linkages per second of CPU time, '
+          f'{ratio(times, BARE, "batch"):.0f} times the rate of {BARE}.\n')
 
 
 def ratio(times, one, other):
     return median(a / b for a, b in zip(times[one], times[other]))
 
 
-# --- misses and errors -----------------------------------------------------------------------------
+# --- misses and errors ---------------------------------------------------------------------------
 
 def judge(found, exact):
     """Return (missed, spurious, largest error of theta1 [rad]) of one quantity of one linkage."""
@@ -183,7 +196,8 @@ def table_of_misses(families):
 
 def column(family, linkages):
     """Return {way: text} about the linkages of one family."""
-    exact = [[[x for x, _ in exact_roots(lengths, order)] for order in (0, 1)] for lengths in linkages]
+    exact = [[[x for x, _ in exact_roots(lengths, order)] for order in (0, 1)]
+             for lengths in linkages]
     results = {name: [] for name in FINDERS}
     for lengths, truth in zip(track(linkages, family, transient=True, console=PROGRESS), exact):
         for name, way in FINDERS.items():
@@ -197,17 +211,21 @@ def table_of_algebra(lengths):
     try:
         algebra = rivals.Algebra()
     except ImportError:
-        print('sympy: skipped, not installed (it is not among the requirements: `pip install sympy`).')
+        print('sympy: skipped, not installed (it is not among the requirements: `pip install '
+              'sympy`).')
         return
     with mpmath.workdps(40):
         exact = [[x for x, _ in exact_roots(lengths, order)] for order in (0, 1)]
-        print(f"| theta4' and theta4'' of the paper's linkage | CPU time [ms] | missed; error of theta1 [rad] |\n"
+        print("| theta4' and theta4'' of the paper's linkage | CPU time [ms] | missed; error of "
+              'theta1 [rad] |\n'
               '| --- | --- | --- |')
-        for name, way in ((OURS, ours), ('sympy, derivatives + nsolve from eight starts', algebra.nsolve),
+        for name, way in ((OURS, ours), ('sympy, derivatives + nsolve from eight starts',
+                                         algebra.nsolve),
                           ('sympy, resultants + nroots', algebra.elimination)):
             found = []
             used = time_of(lambda: found.extend(way(lengths)))
-            print(f'| {name} | {1e3 * used:.3g} | {cell(list(map(judge, found, exact)), sum(map(len, exact)))} |')
+            print(f'| {name} | {1e3 * used:.3g} | '
+                  f'{cell(list(map(judge, found, exact)), sum(map(len, exact)))} |')
     print()
 
 
@@ -215,15 +233,17 @@ def main():
     """Print run times, misses and errors."""
     rng = np.random.default_rng(1)
     known = families(rng)
-    print(f'CPU time of the process; {PER_FAMILY} random crank-rockers ({ONLY} of them for global optimisers), '
-          f'{ROUNDS} rounds, in each all ways in turn; medians.\n')
+    print(f'CPU time of the process; {PER_FAMILY} random crank-rockers ({ONLY} of them for global '
+          f'optimisers), {ROUNDS} rounds, in each all ways in turn; medians.\n')
     table_of_times(measure(known['random'], crank_rockers(MANY, rng).T))
     table_of_algebra(SEEDS[0])
-    print(f"Crank-rockers; seeds: the paper's linkage and the slides' Example 7.7; others: {PER_FAMILY} linkages each. "
-          'Exact: polynomials of degree 6 and 11 with rational coefficients, their roots isolated in integers. '
-          'A root counts as found if nearer than a quarter of the distance to the next one, and than 0.01 rad; '
-          'what is found beside is spurious. The grids have 0 and pi among their points, where near change points '
-          'all happens; one is without. Those for global extrema miss the others by design.\n')
+    print("Crank-rockers; seeds: the paper's linkage and the slides' Example 7.7; "
+          f'others: {PER_FAMILY} linkages each. Exact: polynomials of degree 6 and 11 with '
+          'rational coefficients, their roots isolated in integers. A root counts as found if '
+          'nearer than a quarter of the distance to the next one, and than 0.01 rad; what is '
+          'found beside is spurious. The grids have 0 and pi '
+          'among their points, where near change points all happens; one is without. Those for '
+          'global extrema miss the others by design.\n')
     table_of_misses(known)
 
 

@@ -1,17 +1,22 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 What textbooks and the seeds do, for comparison: each formula as printed, in doubles, without care.
 
-``m`` is where sin, cos, sqrt, acos, atan2 come from: :data:`SCALAR` or :data:`ARRAY`. All functions
-return y, b, y', b', y'', b'' (output and coupler angle and their derivatives by theta1 = x).
+``m`` is where sin, cos, sqrt, acos, atan2 come from: :data:`SCALAR` or :data:`ARRAY`. All
+functions return y, b, y', b', y'', b'' (output and coupler angle and their derivatives by theta1 =
+x).
 """
 import math
 from types import SimpleNamespace
 
 import numpy as np
 
-SCALAR = SimpleNamespace(sin=math.sin, cos=math.cos, tan=math.tan, sqrt=math.sqrt, acos=math.acos, atan=math.atan,
+SCALAR = SimpleNamespace(sin=math.sin, cos=math.cos, tan=math.tan, sqrt=math.sqrt, acos=math.acos,
+                         atan=math.atan,
                          atan2=math.atan2)
-ARRAY = SimpleNamespace(sin=np.sin, cos=np.cos, tan=np.tan, sqrt=np.sqrt, acos=np.arccos, atan=np.arctan,
+ARRAY = SimpleNamespace(sin=np.sin, cos=np.cos, tan=np.tan, sqrt=np.sqrt, acos=np.arccos,
+                        atan=np.arctan,
                         atan2=np.arctan2)
 
 
@@ -20,7 +25,8 @@ def law_of_cosines(lengths, sign, x, m=ARRAY):
     a1, a2, a3, a4 = lengths
     ax, ay = a1 * m.cos(x), a1 * m.sin(x)
     square = a1 * a1 + a4 * a4 - 2.0 * a1 * a4 * m.cos(x)
-    y = m.atan2(ay, ax - a4) - sign * m.acos((a3 * a3 + square - a2 * a2) / (2.0 * a3 * m.sqrt(square)))
+    y = m.atan2(ay, ax - a4) - sign * m.acos((a3 * a3 + square - a2 * a2)
+                                             / (2.0 * a3 * m.sqrt(square)))
     b = m.atan2(a3 * m.sin(y) - ay, a4 + a3 * m.cos(y) - ax)
     sine, cosine = m.sin(y - b), m.cos(y - b)
     dy, db = a1 * m.sin(x - b) / (a3 * sine), a1 * m.sin(x - y) / (a2 * sine)
@@ -30,7 +36,7 @@ def law_of_cosines(lengths, sign, x, m=ARRAY):
 
 
 def coordinates(lengths, sign, x, m=ARRAY):
-    """B as the intersection of two circles, rates and accelerations from the differentiated loop."""
+    """Intersect two circles for B; rates and accelerations from the differentiated loop."""
     a1, a2, a3, a4 = lengths
     ax, ay = a1 * m.cos(x), a1 * m.sin(x)
     dx, dy = a4 - ax, -ay
@@ -48,7 +54,11 @@ def coordinates(lengths, sign, x, m=ARRAY):
 
 
 def half_angle(lengths, sign, x, m=ARRAY):
-    """The seeds: v4 = tan(y/2) from the quadratic (16) in v1 = tan(x/2), then (22) and (28); no coupler."""
+    """
+    Solve the formulas of the slides: v4 = tan(y/2) from (16), then (22), (28).
+
+    No coupler.
+    """
     a1, a2, a3, a4 = lengths
     A, B = (a1 - a2 - a3 + a4) * (a1 + a2 - a3 + a4), (a1 - a2 + a3 + a4) * (a1 + a2 + a3 + a4)
     C, D = (a1 - a2 + a3 - a4) * (a1 + a2 + a3 - a4), (a1 + a2 - a3 - a4) * (a1 - a2 - a3 - a4)
@@ -69,16 +79,21 @@ def half_angle(lengths, sign, x, m=ARRAY):
 
 def free_bodies(lengths, motion, x, omega, alpha, bodies, applied, gravity, m=ARRAY):
     """
-    Yield for crank, coupler, output link: sum of joint forces (x, y), their moment about the CG, then the
-    CG and the other joint from the first joint (O1, A, O4).
+    Yield the free body of crank, coupler and output link.
+
+    Sum of joint forces (x, y), their moment about the CG, then the CG and the other joint from
+    the first joint (O1, A, O4).
     """
     y, b, dy, db, ddy, ddb = motion
     rates = (omega, alpha), (db * omega, db * alpha + ddb * omega * omega), (dy * omega,
-                                                                             dy * alpha + ddy * omega * omega)
+                                                                             dy * alpha + ddy
+                                                                             * omega * omega)
     at = 0.0, 0.0
-    for i, ((mass, along, across, inertia), angle, (rate, second)) in enumerate(zip(bodies, (x, b, y), rates)):
+    for i, ((mass, along, across,
+             inertia), angle, (rate, second)) in enumerate(zip(bodies, (x, b, y), rates)):
         c, s = m.cos(angle), m.sin(angle)
-        gx, gy, ex, ey = along * c - across * s, along * s + across * c, lengths[i] * c, lengths[i] * s
+        gx, gy, ex, ey = (along * c - across * s, along * s + across * c, lengths[i] * c,
+                          lengths[i] * s)
         ox, oy = at if i == 1 else (0.0, 0.0)
         fx = mass * (ox - second * gy - rate * rate * gx - gravity[0])
         fy = mass * (oy + second * gx - rate * rate * gy - gravity[1])
@@ -91,15 +106,21 @@ def free_bodies(lengths, motion, x, omega, alpha, bodies, applied, gravity, m=AR
         yield fx, fy, moment, gx, gy, ex, ey
 
 
-def nine_by_nine(lengths, motion, x, omega, alpha, bodies, applied=(), gravity=(0.0, 0.0), m=ARRAY):
-    """Return F41, F21, F32, F43 (x, y each) and T41 on the last axis: the paper's Eq. (9), numpy's solve."""
+def nine_by_nine(lengths, motion, x, omega, alpha, bodies, applied=(), gravity=(0.0, 0.0),
+                 m=ARRAY):
+    """
+    Return F41, F21, F32, F43 (x, y each) and T41 on the last axis: the paper's Eq.
+
+    (9), numpy's solve.
+    """
     matrix, right = np.zeros((*np.shape(x), 9, 9)), np.zeros((*np.shape(x), 9))
     links = free_bodies(lengths, motion, x, omega, alpha, bodies, applied, gravity, m)
     for i, (fx, fy, moment, gx, gy, ex, ey) in enumerate(links):
         arms = [(-gx, -gy), (ex - gx, ey - gy)]
         if i == 2:
             arms.reverse()     # F32 acts at the end of the output link, F43 at its origin O4
-        for column, sign, (rx, ry) in zip((2 * i, 2 * i + 2), (1.0 if i == 0 else -1.0, 1.0), arms):
+        for column, sign, (rx, ry) in zip((2 * i, 2 * i + 2), (1.0 if i == 0 else -1.0, 1.0),
+                                          arms):
             matrix[..., 3 * i, column] = matrix[..., 3 * i + 1, column + 1] = sign
             matrix[..., 3 * i + 2, column] = -sign * ry
             matrix[..., 3 * i + 2, column + 1] = sign * rx

@@ -1,13 +1,15 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The node beside a bare rclpy node that publishes or echoes the same bytes."""
+from contextlib import contextmanager, ExitStack
 import gc
+from statistics import median
 import subprocess
 import sys
 import tempfile
 import time
-from contextlib import ExitStack, contextmanager
-from statistics import median
 
-from bench.processes import FULL, KINEMATICS, ROOT, Listener, Slice, bare, ours, percentile, sent
+from bench.processes import bare, FULL, KINEMATICS, Listener, ours, percentile, ROOT, sent, Slice
 
 ROUNDS, SLICES, SECONDS = 3, 2, 3.0
 FLOOD = 5000                    # [Hz]
@@ -30,9 +32,10 @@ def running(*children, outputs=KINEMATICS, poked=False):
 
 def side_by_side(theirs, mine, outputs, work, poked=False):
     """
-    Return the slices of two children that run at once, during ``work(listeners)``: of the first, of the second.
+    Return the slices of two children that run at once, during ``work(listeners)``.
 
-    Started anew several times, each first in turn: two processes of one kind may differ by a tenth.
+    Started anew several times, each first in turn: two processes of one kind may differ by a
+    tenth.
     """
     parts = [], []
     for k in range(ROUNDS):
@@ -57,7 +60,8 @@ def beside(theirs, mine, take):
 def print_beside(what, columns, digits=1):
     """Print three rows: bare, ours, ratio."""
     for name, values in zip(('bare', 'fourbar'), columns):
-        print(f'| {what} | {name} | ' + ' | '.join(f'{value:.{digits}f}' for value in values) + ' |')
+        print(f'| {what} | {name} | ' + ' | '.join(f'{value:.{digits}f}' for value in values)
+              + ' |')
     print('| | ratio | ' + ' | '.join(f'{value:.2f}' for value in columns[2]) + ' |')
 
 
@@ -67,9 +71,11 @@ def timers():
     print('| --- | --- | --- | --- | --- | --- |')
     for what, rate, outputs in (('kinematics only, 1000 Hz', 1000.0, KINEMATICS),
                                 ('full loads, 5 topics, 500 Hz', 500.0, FULL)):
-        parts = side_by_side(lambda: bare('timer', outputs, rate), lambda: ours(outputs, drive__rate=rate), outputs,
+        parts = side_by_side(lambda: bare('timer', outputs, rate),
+                             lambda: ours(outputs, drive__rate=rate), outputs,
                              lambda listeners: time.sleep(SECONDS))
-        print_beside(what, beside(*parts, lambda p: (len(p.late) / p.seconds, percentile(p.late, 0.5),
+        print_beside(what, beside(*parts, lambda p: (len(p.late) / p.seconds,
+                                                     percentile(p.late, 0.5),
                                                      percentile(p.late, 0.99), p.per_step)))
     print()
 
@@ -81,7 +87,8 @@ def highest():
         held = {'bare': 0, 'fourbar': 0}
         for name in held:
             for rate in (1000.0, 2000.0, 5000.0):
-                child = bare('timer', outputs, rate) if name == 'bare' else ours(outputs, drive__rate=rate)
+                child = (bare('timer', outputs, rate) if name == 'bare'
+                         else ours(outputs, drive__rate=rate))
                 with running(child, outputs=outputs) as [pair], Slice(*pair) as part:
                     time.sleep(2.0)
                 if len(part.late) < 0.995 * rate * part.seconds:
@@ -93,7 +100,8 @@ def highest():
 
 def echoes():
     """Print the latency table: inputs go to both in turns, half a millisecond apart."""
-    print('| input to output, 1 kHz | node | lost [%] | p50 [us] | p99 [us] | CPU a message [us] |')
+    print('| input to output, 1 kHz | node | lost [%] | p50 [us] | p99 [us] | CPU a message [us] '
+          '|')
     print('| --- | --- | --- | --- | --- | --- |')
     counts = []
 
@@ -103,21 +111,25 @@ def echoes():
 
     for outputs in (KINEMATICS, FULL):
         counts.clear()
-        parts = side_by_side(lambda: bare('echo', outputs), lambda: ours(outputs, drive__source='motion'), outputs,
+        parts = side_by_side(lambda: bare('echo', outputs),
+                             lambda: ours(outputs, drive__source='motion'), outputs,
                              work, poked=True)
         total = sum(counts)
-        columns = beside(*parts, lambda p: (percentile(p.late, 0.5), percentile(p.late, 0.99), p.per_step))
+        columns = beside(*parts, lambda p: (percentile(p.late, 0.5), percentile(p.late, 0.99),
+                                            p.per_step))
         lost = [100.0 * (1.0 - sum(len(p.late) for p in side) / total) for side in parts]
         topics = f'{len(outputs)} output' + 's' * (len(outputs) > 1)
         for name, values, missing in zip(('bare', 'fourbar'), columns, lost):
-            print(f'| {topics} | {name} | {missing:.2f} | ' + ' | '.join(f'{v:.1f}' for v in values) + ' |')
+            print(f'| {topics} | {name} | {missing:.2f} | '
+                  + ' | '.join(f'{v:.1f}' for v in values) + ' |')
         print('| | ratio | | ' + ' | '.join(f'{v:.2f}' for v in columns[2]) + ' |')
     print()
 
 
 def floods():
     """Print what is lost of inputs that come faster than a node may be able to answer."""
-    print(f'| input at {FLOOD} Hz | bare: lost [%] | CPU a message [us] | fourbar: lost [%] | CPU a message [us] |')
+    print(f'| input at {FLOOD} Hz | bare: lost [%] | CPU a message [us] | fourbar: lost [%] | CPU '
+          'a message [us] |')
     print('| --- | --- | --- | --- | --- |')
     for outputs in (KINEMATICS, FULL):
         with running(bare('echo', outputs), ours(outputs, drive__source='motion'), outputs=outputs,
@@ -133,19 +145,22 @@ def floods():
                     lost[i] += int(FLOOD * 2.0) - len(part.late)
                     cpu[i] += part.cpu
             for i in range(2):
-                cells += [f'{100.0 * lost[i] / total:.2f}', f'{cpu[i] / (total - lost[i]) * 1e6:.1f}']
+                cells += [f'{100.0 * lost[i] / total:.2f}',
+                          f'{cpu[i] / (total - lost[i]) * 1e6:.1f}']
         print(f'| {len(outputs)} output{"s" * (len(outputs) > 1)} | ' + ' | '.join(cells) + ' |')
     with running(ours(drive__source='motion'), poked=True) as [pair], Slice(*pair) as part:
         total = sent(1000.0, 30.0, [pair[1].send])
         time.sleep(0.5)
-    print(f'\nHalf a minute at 1 kHz, publisher depth 10: {total - len(part.late)} of {total} lost.\n')
+    print(f'\nHalf a minute at 1 kHz, publisher depth 10: {total - len(part.late)} of {total} '
+          'lost.\n')
 
 
 def recorder(rate=500.0):
     """Print what recording costs: the same process with its recorder off and on in turns."""
     from fourbar_msgs.srv import StartRecording
     from std_srvs.srv import Trigger
-    print(f'| {rate:g} Hz, 5 topics heard | CPU a step [us] | late p99 [us] |\n| --- | --- | --- |')
+    print(f'| {rate:g} Hz, 5 topics heard | CPU a step [us] | late p99 [us] |\n| --- | --- | --- '
+          '|')
     with tempfile.TemporaryDirectory() as folder, running(
             ours(FULL, drive__rate=rate, recording__directory=folder), outputs=FULL) as [pair]:
         services = [(pair[1].node.create_client(kind, f'/fourbar/{name}'), kind) for kind, name in
@@ -163,13 +178,15 @@ def recorder(rate=500.0):
             parts[k % 2].append(part)
     columns = beside(*parts, lambda p: (p.per_step, percentile(p.late, 0.99)))
     for what, values in zip(('recorder off', 'recorder on', 'ratio'), columns):
-        print(f'| {what} | ' + ' | '.join(f'{v:.2f}' if what == 'ratio' else f'{v:.1f}' for v in values) + ' |')
+        print(f'| {what} | ' + ' | '.join(f'{v:.2f}' if what == 'ratio' else f'{v:.1f}'
+                                          for v in values) + ' |')
     print()
 
 
 def scenes():
     """Print what scenes cost."""
-    print('| scene at 200 Hz | CPU a step [us] | memory [MB] | start to first message [s] | SIGTERM to exit [s] |')
+    print('| scene at 200 Hz | CPU a step [us] | memory [MB] | start to first message [s] | '
+          'SIGTERM to exit [s] |')
     print('| --- | --- | --- | --- | --- |')
     motion = ['state', 'output', 'joint_states']
     for what, outputs, heard in (('all outputs', FULL, FULL), ('kinematics only', motion, motion),
@@ -193,26 +210,29 @@ def scenes():
 
 
 def requests():
-    """Print what a request for all extrema with proof, in both modes, does to a stream of 200 Hz."""
+    """Print how a request for all extrema with proof disturbs a stream of 200 Hz."""
     from fourbar_msgs.srv import FindExtrema
-    print('| stream of 200 Hz | answered in [s] | rate got [Hz] | largest gap [ms] | gap p99 [ms] |')
+    print('| stream of 200 Hz | answered in [s] | rate got [Hz] | largest gap [ms] | gap p99 [ms] '
+          '|')
     print('| --- | --- | --- | --- | --- |')
     with running(ours(drive__rate=200.0)) as [pair]:
         client = pair[1].node.create_client(FindExtrema, '/fourbar/find_extrema')
         client.wait_for_service(20.0)
 
         def ask_all():
-            future = client.call_async(FindExtrema.Request(velocity=25.0, mode=FindExtrema.Request.MODE_BOTH,
+            future = client.call_async(FindExtrema.Request(velocity=25.0,
+                                                           mode=FindExtrema.Request.MODE_BOTH,
                                                            certify=True))
             while not future.done():
                 time.sleep(0.002)
 
-        for what, ask in (('nothing asked', lambda: time.sleep(SECONDS)), ('everything asked, with proof', ask_all)):
+        for what, ask in (('nothing asked', lambda: time.sleep(SECONDS)), ('everything asked, '
+                                                                           'with proof', ask_all)):
             with Slice(*pair) as part:
                 ask()
             gaps = [(b - a) * 1e-6 for a, b in zip(part.arrived, part.arrived[1:])]
-            print(f'| {what} | {part.seconds:.1f} | {len(gaps) / part.seconds:.1f} | {max(gaps):.1f} | '
-                  f'{percentile(gaps, 0.99):.1f} |')
+            print(f'| {what} | {part.seconds:.1f} | {len(gaps) / part.seconds:.1f} | '
+                  f'{max(gaps):.1f} | {percentile(gaps, 0.99):.1f} |')
     print()
 
 
@@ -220,8 +240,10 @@ def imports():
     """Print how long imports take in a fresh Python."""
     print('| import, in a fresh Python | wall time [ms] | over that of rclpy |')
     print('| --- | --- | --- |')
-    modules = {'nothing': 'sys', 'fourbar_ros and numpy (no ROS)': 'fourbar_ros.mechanisms.kinds', 'rclpy': 'rclpy',
-               'the node': 'fourbar_ros.ros.node.node', 'the node and its recorder': 'fourbar_ros.ros.node.node, fourbar_ros.bag.recorder'}
+    modules = {'nothing': 'sys', 'fourbar_ros and numpy (no ROS)': 'fourbar_ros.mechanisms.kinds',
+               'rclpy': 'rclpy',
+               'the node': 'fourbar_ros.ros.node.node',
+               'the node and its recorder': 'fourbar_ros.ros.node.node, fourbar_ros.bag.recorder'}
     took = {what: [] for what in modules}
     for _ in range(2 * ROUNDS + 1):
         for what, module in modules.items():
@@ -238,8 +260,10 @@ def main():
     """Print all tables of the node."""
     import rclpy
     rclpy.init()
-    anchor = rclpy.create_node('bench')                  # so that this process is in the graph all the time
-    gc.disable()                                         # of this process, so that no pause of it is measured
+    # so that this process is in the graph all the time
+    anchor = rclpy.create_node('bench')
+    # of this process, so that no pause of it is measured
+    gc.disable()
     try:
         for table in (timers, highest, echoes, floods, recorder, scenes, requests, imports):
             table()

@@ -1,6 +1,13 @@
-"""What the measurements of the node share: nodes in processes of their own, and one that listens and drives them."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What the measurements of the node share.
+
+Nodes in processes of their own, and one that listens and drives them.
+"""
 import json
 import os
+from pathlib import Path
 import signal
 import struct
 import subprocess
@@ -8,7 +15,6 @@ import sys
 import tempfile
 import threading
 import time
-from pathlib import Path
 
 from . import ROOT
 
@@ -28,9 +34,11 @@ class Child:
 
     def __init__(self, name, *command):
         self.name, self.started = name, time.time()
-        self.process = subprocess.Popen([sys.executable, *command], cwd=ROOT, stdout=subprocess.DEVNULL,
+        self.process = subprocess.Popen([sys.executable, *command], cwd=ROOT,
+                                        stdout=subprocess.DEVNULL,
                                         stderr=subprocess.DEVNULL)
-        self._clock = (~self.process.pid << 3) | 2      # clock_getcpuclockid(3): all its threads, in nanoseconds
+        # clock_getcpuclockid(3): all its threads, in nanoseconds
+        self._clock = (~self.process.pid << 3) | 2
 
     def cpu(self):
         """Return the CPU time used so far [s]."""
@@ -38,7 +46,8 @@ class Child:
 
     def rss(self):
         """Return the resident memory [MB]."""
-        return int(Path(f'/proc/{self.process.pid}/statm').read_text().split()[1]) * os.sysconf('SC_PAGE_SIZE') / 1e6
+        return (int(Path(f'/proc/{self.process.pid}/statm').read_text().split()[1])
+                * os.sysconf('SC_PAGE_SIZE') / 1e6)
 
     def stop(self):
         """End it; return how long that took [s]."""
@@ -50,10 +59,12 @@ class Child:
 
 def ours(outputs=KINEMATICS, **parameters):
     """Start fourbar_node with these outputs and parameters (dots written as two underscores)."""
-    values = {**PAPER, 'outputs': outputs, **{name.replace('__', '.'): value for name, value in parameters.items()}}
+    values = {**PAPER, 'outputs': outputs,
+              **{name.replace('__', '.'): value for name, value in parameters.items()}}
     file = Path(tempfile.mkdtemp()) / 'scene.yaml'
     file.write_text(json.dumps({'/**': {'ros__parameters': values}}))
-    return Child('fourbar', '-m', 'fourbar_ros.ros.node.node', '--ros-args', '--params-file', str(file),
+    return Child('fourbar', '-m', 'fourbar_ros.ros.node.node', '--ros-args', '--params-file',
+                 str(file),
                  '-r', 'joint_states:=/fourbar/joint_states')
 
 
@@ -66,13 +77,13 @@ class Listener:
     """
     Hears the state of a child in raw bytes: arrival times and stamps; drives its input.
 
-    Its other outputs have a reader too, but of a node that nobody spins: they are delivered, and cost this
-    process as little as can be.
+    Its other outputs have a reader too, but of a node that nobody spins: they are delivered, and
+    cost this process as little as can be.
     """
 
     def __init__(self, name, outputs=KINEMATICS):
-        import rclpy
         from fourbar_msgs.msg import Motion
+        import rclpy
         from rclpy.experimental import EventsExecutor
         from rclpy.serialization import serialize_message
 
@@ -90,8 +101,8 @@ class Listener:
         self._thread.start()
 
     def _subscribe(self, output, topic):
-        from fourbar_ros.scene.topics import OUTPUTS
         from fourbar_ros.ros.messages import resolve
+        from fourbar_ros.scene.topics import OUTPUTS
         kind = resolve(OUTPUTS[output].type)
         if output == 'state':
             self.node.create_subscription(kind, topic, self._take, 1000, raw=True)
@@ -113,7 +124,11 @@ class Listener:
         self._input.publish(bytes(self._motion))
 
     def wait(self, poke=None):
-        """Wait for the first message, and then until all is found; ``poke`` is called meanwhile."""
+        """
+        Wait for the first message, and then until all is found.
+
+        ``poke`` is called meanwhile.
+        """
         end = time.monotonic() + PATIENCE
         while not self.arrived and time.monotonic() < end:
             if poke:
@@ -156,7 +171,11 @@ class Slice:
 
 
 def sent(rate, seconds, sends):
-    """Call the functions in turn, ``rate`` times a second, on an absolute grid; return how often."""
+    """
+    Call the functions in turn, ``rate`` times a second, on an absolute grid.
+
+    Return how often.
+    """
     began, total = time.monotonic(), int(rate * seconds)
     for k in range(total):
         wait = began + k / rate - time.monotonic()

@@ -1,15 +1,15 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Recording: what a message costs, what a kill costs, how fast a long bag is written and read."""
+from contextlib import contextmanager
 import json
 import os
+from pathlib import Path
+from statistics import median
 import struct
 import tempfile
 import threading
 import time
-from contextlib import contextmanager
-from pathlib import Path
-from statistics import median
-
-from . import ROOT
 
 MINUTES = float(os.environ.get('MINUTES', '6'))     # of the long bag; 60 for the whole hour
 RATE = 1000                                         # [Hz] all outputs
@@ -27,12 +27,14 @@ def rss():
 
 def steps():
     """Return (values, channels, about, [[bytes of every topic] of every step of a period])."""
-    from support import bags
-    from fourbar_ros.scene import topics as interfaces
-    from fourbar_ros.scene import scene as scenes
     from fourbar_ros.pipeline.stepper import Stepper
+    from fourbar_ros.scene import scene as scenes
+    from fourbar_ros.scene import topics as interfaces
+    from support import bags
     from support.scenes import PAPER, RODS
-    scene = scenes.from_values({**PAPER, **RODS, 'drive.speed': 25.0, 'outputs': [name for name in interfaces.OUTPUTS if name != 'points']})
+    scene = (scenes.from_values({**PAPER, **RODS, 'drive.speed': 25.0,
+                                 'outputs': [name for name in interfaces.OUTPUTS
+                                             if name != 'points']}))
     topics = [interfaces.DRIVEN, *scene.topics.values()]
     names = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
     about = {'scene': json.dumps(scene.values), 'topics': json.dumps(names)}
@@ -40,7 +42,8 @@ def steps():
     for k in range(PERIOD * RATE):
         crank = (25.0 * k / RATE, 25.0, 0.0)
         status, values = stepper.step(*crank, True, False)
-        messages.append([bags.output_message(name, 1, status, values, scene) for name in ('driven', *scene.outputs)])
+        messages.append([bags.output_message(name, 1, status, values, scene)
+                         for name in ('driven', *scene.outputs)])
     return [bags.channel(names[t.name], t.type) for t in topics], about, messages
 
 
@@ -73,7 +76,8 @@ def fill_library(folder, channels, about, messages):
     with open(Path(folder) / f'{time.time_ns()}.mcap', 'wb') as file:
         writer = Writer(file)
         writer.start('ros2', 'bench')
-        ids = [writer.register_channel(c.topic, 'cdr', writer.register_schema(c.type, 'ros2msg', c.schema.encode()),
+        ids = [writer.register_channel(c.topic, 'cdr', writer.register_schema(c.type, 'ros2msg',
+                                                                              c.schema.encode()),
                                        c.metadata) for c in channels]
 
         def flush():
@@ -104,20 +108,23 @@ def cost_table(channels, about, messages):
         for fill, costs in found.items():
             with tempfile.TemporaryDirectory() as folder:
                 costs.append(fill(folder, channels, about, messages))
-    ours, library = ([1e6 * median(column) for column in zip(*found[fill])] for fill in (fill_ours, fill_library))
-    print(f'One message of {len(channels)} topics in turn, CPU, median of {ROUNDS} rounds in turn:\n')
+    ours, library = ([1e6 * median(column) for column in zip(*found[fill])]
+                     for fill in (fill_ours, fill_library))
+    print(f'One message of {len(channels)} topics in turn, CPU, median of {ROUNDS} rounds in '
+          'turn:\n')
     print('| | in the caller [us] | in all [us] | ratio |\n| --- | --- | --- | --- |')
     print(f'| `BagWriter` | {ours[0]:.2f} | {ours[1]:.2f} | {ours[1] / library[1]:.2f} |')
     print(f'| `mcap.Writer`, lock and flush thread | {library[0]:.2f} | {library[1]:.2f} | 1 |')
 
 
 def node_table():
-    """Print the CPU of a node at RATE with its recorder off and on, while somebody listens to everything."""
+    """Print the CPU of a node at RATE, recorder off and on, with every topic subscribed."""
     import rclpy
 
     from bench.node import recorder
     rclpy.init()
-    print('\nA node whose recorder is off and on in turns; on, the motion of the input is a sixth message:\n')
+    print('\nA node whose recorder is off and on in turns; on, the motion of the input is a sixth '
+          'message:\n')
     try:
         recorder(float(RATE))
     finally:
@@ -131,7 +138,8 @@ def kill_table():
     print('| recorder | median [ms] | worst [ms] |\n| --- | --- | --- |')
     for kind in KINDS:
         lost = [1e3 * kill_once(kind, 5000 + seed) for seed in range(KILLS)]
-        print(f'| {"1 kHz" if kind == "busy" else "50 Hz"} | {median(lost):.0f} | {max(lost):.0f} |')
+        print(f'| {"1 kHz" if kind == "busy" else "50 Hz"} | {median(lost):.0f} | {max(lost):.0f} '
+              '|')
 
 
 @contextmanager
@@ -140,13 +148,13 @@ def measured(what, count, rows):
     before, begin, cpu = rss(), time.perf_counter(), time.process_time()
     yield
     seconds, cpu = time.perf_counter() - begin, time.process_time() - cpu
-    rows.append(f'| {what} | {seconds:.2f} | {1e6 * cpu / count:.2f} | {60 * MINUTES / seconds:.0f} | '
-                f'{rss() - before:+.0f} |')
+    rows.append(f'| {what} | {seconds:.2f} | {1e6 * cpu / count:.2f} | '
+                f'{60 * MINUTES / seconds:.0f} | {rss() - before:+.0f} |')
 
 
 def write_long(folder, channels, about, messages, total):
     """Write a long bag as fast as it goes; return (path, memory at each tenth [MB])."""
-    from fourbar_ros.bag.recorder import QUEUE_MESSAGES, BagWriter
+    from fourbar_ros.bag.recorder import BagWriter, QUEUE_MESSAGES
     # A chunk in 5 ms here is about one in 0.1 s of the run.
     writer = BagWriter(folder, 'long', channels, about, flush_period=0.005, sync_period=0.0)
     memory = []
@@ -189,9 +197,10 @@ def long_table(channels, about, messages):
         with measured('`export` csv, state only', total, rows):
             export(path, folder / 'csv', topics=['/fourbar/state'])
         size = sum(f.stat().st_size for f in path.iterdir())
-    print(f'\nA bag of {MINUTES:g} minutes at {RATE} Hz, {len(channels)} topics, {count} messages, '
-          f'{size / 1e6:.0f} MB:\n')
-    print('| | [s] | CPU a message [us] | times real time | memory [MB] |\n| --- | --- | --- | --- | --- |')
+    print(f'\nA bag of {MINUTES:g} minutes at {RATE} Hz, {len(channels)} topics, {count} '
+          f'messages, {size / 1e6:.0f} MB:\n')
+    print('| | [s] | CPU a message [us] | times real time | memory [MB] |\n| --- | --- | --- | '
+          '--- | --- |')
     print('\n'.join(rows))
     print('\nMemory while writing, at each tenth [MB]: ' + ', '.join(f'{m:.0f}' for m in memory))
 

@@ -1,15 +1,17 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
-Other ways to the extrema of theta4' and theta4'' at constant input rate: of one crank-rocker, in mode 2.
+Other ways to the extrema of theta4' and theta4'' of a crank-rocker at constant input rate.
 
 Each takes the four lengths and returns two lists of theta1 [rad], of theta4' and of theta4''.
 """
 from math import acos, atan, cos, pi
 
 import numpy as np
-from numpy.polynomial import Polynomial, chebyshev
+from numpy.polynomial import chebyshev, Polynomial
 from scipy.optimize import brentq, differential_evolution, dual_annealing, shgo
 
-from .naive import ARRAY, SCALAR, coordinates
+from .naive import ARRAY, coordinates, SCALAR
 
 GRID = [2.0 * pi * i / 720 for i in range(721)]
 STEP = 1e-4                    # [rad] of differences
@@ -28,10 +30,11 @@ def slopes(lengths, x, m=SCALAR):
     a1, a2, a3, _ = lengths
     y, b, dy, db, ddy, ddb = coordinates(lengths, 1.0, x, m)
     sine, cosine = m.sin(y - b), m.cos(y - b)
-    return ddy, ((3.0 * a2 * db * ddb - a1 * m.sin(x - b)) / a3 - 3.0 * dy * ddy * cosine) / sine + dy * dy * dy
+    return (ddy, ((3.0 * a2 * db * ddb - a1 * m.sin(x - b)) / a3 - 3.0 * dy * ddy * cosine) / sine
+            + dy * dy * dy)
 
 
-# --- grids -----------------------------------------------------------------------------------------
+# --- grids ---------------------------------------------------------------------------------------
 
 def grid_with_differences(lengths):
     """720 points in plain Python; theta4''' by differences."""
@@ -50,11 +53,12 @@ def grid_with_formulas(lengths):
 
 def grid_in_numpy(lengths, grid=GRID):
     """720 points in numpy, the same formulas."""
-    return refined_pair(lengths, (v.tolist() for v in slopes(lengths, np.array(grid), ARRAY)), grid)
+    return refined_pair(lengths, (v.tolist() for v in slopes(lengths, np.array(grid), ARRAY)),
+                        grid)
 
 
 def shifted_grid(lengths):
-    """The same half a step on: 0 and pi, where change points are, are not among the points."""
+    """Shift the grid by half a step, off 0 and pi, where the change points are."""
     return grid_in_numpy(lengths, [x + pi / 720 for x in GRID])
 
 
@@ -64,10 +68,11 @@ def refined_pair(lengths, samples, grid=GRID):
 
 def refined(function, f, grid=GRID):
     """Return the roots between samples of different sign."""
-    return [brentq(function, xa, xb) for xa, xb, fa, fb in zip(grid, grid[1:], f, f[1:]) if (fa >= 0.0) != (fb >= 0.0)]
+    return [brentq(function, xa, xb) for xa, xb, fa, fb in zip(grid, grid[1:], f, f[1:])
+            if (fa >= 0.0) != (fb >= 0.0)]
 
 
-# --- the polynomials -------------------------------------------------------------------------------
+# --- the polynomials -----------------------------------------------------------------------------
 
 class Equations:
     """The polynomials of degree 6 and 11 in q = |A O4|^2, in doubles, times q^2 and q^3."""
@@ -76,20 +81,29 @@ class Equations:
         a1, a2, a3, a4 = (length / max(lengths) for length in lengths)
         self.ends = (a1 - a4)**2, (a1 + a4)**2
         self.e, f, q = (a1 - a4) * (a1 + a4), (a2 - a3) * (a2 + a3), Polynomial((0.0, 1.0))
-        self.S, self.T = (self.ends[1] - q) * (q - self.ends[0]), ((a2 + a3)**2 - q) * (q - (a2 - a3)**2)
+        self.S, self.T = (self.ends[1] - q) * (q - self.ends[0]), ((a2 + a3)**2
+                                                                   - q) * (q - (a2 - a3)**2)
         dS, dT = self.S.deriv(), self.T.deriv()
         self.R = 0.5 * q * (q + f) * (dS * self.T - self.S * dT) - f * self.S * self.T
         self.W = 4.0 * self.S - q * dS
         self.M = 2.0 * q * self.T * self.R.deriv() - 4.0 * self.R * self.T - 3.0 * q * self.R * dT
 
     def of(self, order, q=lambda polynomial: polynomial):
-        """Return the polynomial times q^2 (q^3); or its value where ``q`` evaluates polynomials."""
+        """
+        Return the polynomial times q^2 (q^3).
+
+        Or its value where ``q`` evaluates polynomials.
+        """
         if order == 0:
             return self.e**2 * q(self.S) * q(self.T)**3 - q(self.R)**2
         return self.e**2 * q(self.W)**2 * q(self.T)**5 - q(self.S) * q(self.M)**2
 
     def angle(self, order, cosine):
-        """Return the angle in mode 2 of a root: of the two with this cosine, the one before squaring."""
+        """
+        Return the angle in mode 2 of a root.
+
+        Of the two with this cosine, the one before squaring.
+        """
         low, high = self.ends
         q = 0.5 * (low + high) - 0.5 * (high - low) * cosine
         factor = self.R(q) if order == 0 else -self.W(q) * self.M(q)
@@ -107,7 +121,8 @@ def chebyshev_colleague(lengths):
             return equations.of(order, lambda polynomial: polynomial(q)) / q**power
         roots = chebyshev.chebroots(chebyshev.chebinterpolate(value, degree))
         cosines = real(roots[np.abs(roots.real) <= 1.0 + IMAGINARY])
-        found.append(polished(lengths, order, [equations.angle(order, min(1.0, max(-1.0, c))) for c in cosines]))
+        found.append(polished(lengths, order,
+                              [equations.angle(order, min(1.0, max(-1.0, c))) for c in cosines]))
     return found
 
 
@@ -151,10 +166,10 @@ def third(lengths, x, step=1e-7):
     return value, (high - low) / (2.0 * step)
 
 
-# --- global optimisers -----------------------------------------------------------------------------
+# --- global optimisers ---------------------------------------------------------------------------
 
 def by_optimiser(run):
-    """Return a rival: ``run(function)`` returns where a function of an array of one angle is least."""
+    """Return a rival: ``run(function)`` returns the angle at which a function is least."""
     def rival(lengths):
         found = [], []
         for order, sign in RUNS:
@@ -171,16 +186,21 @@ by_annealing = by_optimiser(lambda f: [dual_annealing(f, BOUNDS, seed=1, maxiter
 def by_shgo(function):
     """All local minima inside the bounds, each once."""
     found = []
-    for x in np.ravel(shgo(function, BOUNDS, n=64, sampling_method='sobol').get('xl', ())).tolist():
+    for x in np.ravel(shgo(function, BOUNDS, n=64,
+                           sampling_method='sobol').get('xl', ())).tolist():
         if 1e-9 < x < BOUNDS[0][1] - 1e-9 and all(abs(x - other) > 1e-5 for other in found):
             found.append(x)
     return found
 
 
-# --- computer algebra ------------------------------------------------------------------------------
+# --- computer algebra ----------------------------------------------------------------------------
 
 class Algebra:
-    """sympy, with the loop in half-angles v, w = tan(theta1/2), tan(theta4/2). Raises ImportError without it."""
+    """
+    sympy, with the loop in half-angles v, w = tan(theta1/2), tan(theta4/2).
+
+    Raises ImportError without it.
+    """
 
     def __init__(self):
         import sympy
@@ -207,16 +227,24 @@ class Algebra:
         return found
 
     def elimination(self, lengths):
-        """Resultants in rational numbers, nroots; of these, the roots where theta4'' or theta4''' is zero."""
+        """
+        Resultants in rational numbers, nroots.
+
+        Of these, the roots where theta4'' or theta4''' is zero.
+        """
         sp = self.sympy
         a1, a2, a3, a4 = (sp.Rational(str(length)) for length in lengths)
         v, w = sp.symbols('v w')
-        loop = sp.expand(((a1 - a4)**2 + a3**2 - a2**2 + ((a1 + a4)**2 + a3**2 - a2**2) * v**2) * (1 + w**2)
-                         + 2 * a3 * (a4 * (1 + v**2) - a1 * (1 - v**2)) * (1 - w**2) - 8 * a1 * a3 * v * w)
-        down, up = sp.diff(loop, w) * (1 + w**2), -sp.diff(loop, v) * (1 + v**2)     # theta4' = up / down
+        loop = sp.expand(((a1 - a4)**2 + a3**2 - a2**2 + ((a1 + a4)**2 + a3**2 - a2**2) * v**2)
+                         * (1 + w**2)
+                         + 2 * a3 * (a4 * (1 + v**2) - a1 * (1 - v**2)) * (1 - w**2)
+                         - 8 * a1 * a3 * v * w)
+        # theta4' = up / down
+        down, up = sp.diff(loop, w) * (1 + w**2), -sp.diff(loop, v) * (1 + v**2)
         found, numerator, power = [], up, 1
         for order in (0, 1):
-            turn = [sp.diff(p, v) * (1 + v**2) * down + sp.diff(p, w) * (1 + w**2) * up for p in (numerator, down)]
+            turn = [sp.diff(p, v) * (1 + v**2) * down + sp.diff(p, w) * (1 + w**2) * up
+                    for p in (numerator, down)]
             numerator, power = sp.expand(turn[0] * down - power * numerator * turn[1]), power + 2
             reduced = sp.numer(sp.together(sp.rem(numerator, loop, w)))
             polynomial = sp.Poly(sp.resultant(loop, reduced, w), v)

@@ -1,21 +1,24 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Error against run time beside the engines a user would otherwise pick; ratios of one run."""
 import json
+from math import inf, pi
 import os
+from pathlib import Path
+from statistics import median
 import subprocess
 import sys
 import tempfile
-from math import inf, pi
-from pathlib import Path
-from statistics import median
 
-from . import ROOT, hard
+from . import hard, ROOT
 
 PEERS = Path(__file__).resolve().parent / 'peers'
 ENVIRONMENT = ROOT / '.venv-peers'
 PICTURE = ROOT / 'docs' / 'bench' / 'speed'
-LENGTHS, OMEGA, DENSITY, RADIUS = (0.4, 1.2, 0.8, 1.0), 25.0, 7750.0, 0.01     # the paper's, mode 2
+# the paper's, mode 2
+LENGTHS, OMEGA, DENSITY, RADIUS = (0.4, 1.2, 0.8, 1.0), 25.0, 7750.0, 0.01
 SAMPLES, ROUNDS = 1000, 5
-ONE_THREAD = {name: '1' for name in ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS')}
+ONE_THREAD = dict.fromkeys(('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS'), '1')
 OURS = 'fourbar_ros'
 SCALAR, SCALAR_MOTION = f'{OURS}, scalar', f'{OURS}, scalar, motion only'
 BATCHES = [f'{OURS}, batch of {count}' for count in (1000, 10000, 100000)]
@@ -24,17 +27,17 @@ STEP, UNITS = 'one step', ('math.sin', 'numpy.sin')
 FIELDS = [f'{batch}, fields of the textbook' for batch in BATCHES]
 TEXTBOOK = [f'textbook numpy, batch of {count}' for count in (1000, 10000, 100000)]
 SCALAR_LIMIT, BATCH_LIMIT = 180, 20     # in bare calls of math.sin, in elements of numpy.sin
-FIELDS_LIMIT = 1.2                      # times the textbook script for its 15 outputs, in batches of 10000 and more
+# times the textbook script for its 15 outputs, in batches of 10000 and more
+FIELDS_LIMIT = 1.2
 
 
-# --- the case and the peers ------------------------------------------------------------------------
+# --- the case and the peers ----------------------------------------------------------------------
 
 def write_case(file):
     """Write one revolution of the linkage with its true values for the runners."""
+    from fourbar_ros.mechanics.bodies import round_rod
     import mpmath as mp
     from support.reference import loads_of, motion_of
-
-    from fourbar_ros.mechanics.bodies import round_rod
     bodies = [(b.mass, b.cg_along, b.cg_across, b.inertia)
               for b in (round_rod(length, DENSITY, RADIUS) for length in LENGTHS[:3])]
     theta1 = [2.0 * pi * k / SAMPLES for k in range(SAMPLES)]
@@ -46,7 +49,8 @@ def write_case(file):
         for name, value in zip(names, (motion[0], motion[1], motion[2], motion[3], motion[6])):
             truth[name].append(float(value))
         truth['f41'].append((float(force.real), float(force.imag)))
-    file.write_text(json.dumps({'lengths': LENGTHS, 'omega': OMEGA, 'bodies': bodies, 'theta1': theta1,
+    file.write_text(json.dumps({'lengths': LENGTHS, 'omega': OMEGA, 'bodies': bodies,
+                                'theta1': theta1,
                                 'truth': truth}))
 
 
@@ -55,18 +59,22 @@ def install():
     python = ENVIRONMENT / 'bin' / 'python'
     if not python.exists():
         subprocess.run([sys.executable, '-m', 'venv', str(ENVIRONMENT)], check=True)
-    lines = [line for line in (PEERS / 'requirements.txt').read_text().splitlines() if line and line[0] != '#']
+    lines = [line for line in (PEERS / 'requirements.txt').read_text().splitlines() if line
+             and line[0] != '#']
     found = {}
     for line in lines:
-        done = subprocess.run([str(python), '-m', 'pip', 'install', '--quiet', '--disable-pip-version-check',
-                               *line.split()], capture_output=True, text=True, env=clean())
+        done = subprocess.run([str(python), '-m', 'pip', 'install', '--quiet',
+                               '--disable-pip-version-check',
+                               *line.split()],
+                              check=False, capture_output=True, text=True, env=clean())
         found[line] = (done.stderr.strip().splitlines() or ['?'])[-1] if done.returncode else None
     return found
 
 
 def clean():
     """Return the environment variables for a runner."""
-    return {**{name: value for name, value in os.environ.items() if name != 'PYTHONPATH'}, **ONE_THREAD}
+    return {**{name: value for name, value in os.environ.items() if name != 'PYTHONPATH'},
+            **ONE_THREAD}
 
 
 class Runner:
@@ -76,20 +84,27 @@ class Runner:
         self.name = script
         self.log = Path(folder) / f'{script}.log'
         with self.log.open('w') as log:
-            self.process = subprocess.Popen([python, str(PEERS / f'run_{script}.py'), str(case)], text=True,
-                                            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, cwd=folder,
+            self.process = subprocess.Popen([python, str(PEERS / f'run_{script}.py'), str(case)],
+                                            text=True,
+                                            stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                            stderr=log, cwd=folder,
                                             env=clean())
         about = self._read()
         self.errors, self.numpy = about['errors'], about['numpy']
 
     def _read(self):
-        """Return the next JSON line; engines may print others. Raise RuntimeError if there is none."""
+        """
+        Return the next JSON line; engines may print others.
+
+        Raise RuntimeError if there is none.
+        """
         for line in self.process.stdout:
             if line.startswith('{'):
                 return json.loads(line)
-        raise RuntimeError((self.log.read_text().strip().splitlines() or ['ended without a word'])[-1])
+        raise RuntimeError((self.log.read_text().strip().splitlines()
+                            or ['ended without a word'])[-1])
 
-    def round(self):
+    def one_round(self):
         """Return {method: CPU time per sample [s]}."""
         self.process.stdin.write('\n')
         self.process.stdin.flush()
@@ -101,7 +116,7 @@ class Runner:
 
 
 def measure(rounds):
-    """Return errors {method: ...}, times {method: one a round}, what was left out {peer: why}, {runner: its numpy}."""
+    """Return errors and times by method, {peer: why it was left out}, {runner: its numpy}."""
     left_out = {line: why for line, why in install().items() if why}
     with tempfile.TemporaryDirectory() as folder:
         case = Path(folder) / 'case.json'
@@ -117,7 +132,7 @@ def measure(rounds):
         times = {name: [] for name in errors}
         for _ in range(rounds):     # in turn, so that all see the same machine
             for runner in runners:
-                for name, took in runner.round().items():
+                for name, took in runner.one_round().items():
                     times[name].append(took)
         for runner in runners:
             runner.close()
@@ -125,7 +140,7 @@ def measure(rounds):
     return errors, times, left_out, versions
 
 
-# --- what is printed -------------------------------------------------------------------------------
+# --- what is printed -----------------------------------------------------------------------------
 
 def ratios(times, name, other):
     """Return the ratio of two methods in each round."""
@@ -134,57 +149,73 @@ def ratios(times, name, other):
 
 def print_methods(errors, times):
     """Print error and run time of every method, ours first, then by time."""
-    print('| method | CPU time [us/sample] | times ours, scalar | (lowest to highest round) | theta4 [rad] | '
+    print('| method | CPU time [us/sample] | times ours, scalar | (lowest to highest round) | '
+          'theta4 [rad] | '
           "theta4'' | F41 |\n| --- | --- | --- | --- | --- | --- | --- |")
-    for name in sorted(set(errors) - {STEP, *UNITS}, key=lambda n: (not n.startswith(OURS), median(times[n]))):
+    for name in sorted(set(errors) - {STEP, *UNITS},
+                       key=lambda n: (not n.startswith(OURS), median(times[n]))):
         ratio = ratios(times, name, SCALAR)
-        error = [f'{errors[name][key]:.1e}' if key in errors[name] else '-' for key in ('theta4', 'alpha4', 'f41')]
-        print(f'| {name} | {median(times[name]) * 1e6:.3g} | {median(ratio):.3g} | {min(ratio):.3g} to {max(ratio):.3g} | '
+        error = [f'{errors[name][key]:.1e}' if key in errors[name] else '-'
+                 for key in ('theta4', 'alpha4', 'f41')]
+        print(f'| {name} | {median(times[name]) * 1e6:.3g} | {median(ratio):.3g} | '
+              f'{min(ratio):.3g} to {max(ratio):.3g} | '
               + ' | '.join(error) + ' |')
     print()
 
 
 def print_units(times):
     """Print what a sample of ours costs in sines."""
-    print('| motion and all loads | unit | cost | (lowest to highest round) | limit |\n| --- | --- | --- | --- | --- |')
-    for name, unit, limit in [(STEP, UNITS[0], SCALAR_LIMIT)] + [(b, UNITS[1], BATCH_LIMIT) for b in BATCHES]:
+    print('| motion and all loads | unit | cost | (lowest to highest round) | limit |\n| --- | '
+          '--- | --- | --- | --- |')
+    for name, unit, limit in ([(STEP, UNITS[0], SCALAR_LIMIT)]
+                              + [(b, UNITS[1], BATCH_LIMIT) for b in BATCHES]):
         ratio = ratios(times, name, unit)
-        print(f'| {name} | {"bare calls of math.sin" if unit == UNITS[0] else "elements of numpy.sin"} | {median(ratio):.0f} '
-              f'| {min(ratio):.0f} to {max(ratio):.0f} | {limit} |')
+        print(f'| {name} | '
+              f'{"bare calls of math.sin" if unit == UNITS[0] else "elements of numpy.sin"} | '
+              f'{median(ratio):.0f} | {min(ratio):.0f} to {max(ratio):.0f} | {limit} |')
     print()
 
 
 def print_textbook(times):
     """Print what the same 15 outputs cost beside the textbook script."""
-    print('| the 15 outputs of the textbook script | times the script | (lowest to highest round) | limit |\n| --- | --- | --- | --- |')
+    print('| the 15 outputs of the textbook script | times the script | (lowest to highest round) '
+          '| limit |\n| --- | --- | --- | --- |')
     for ours, theirs, limit in zip(FIELDS, TEXTBOOK, ('-', FIELDS_LIMIT, FIELDS_LIMIT)):
         ratio = ratios(times, ours, theirs)
         print(f'| {ours} | {median(ratio):.2f} | {min(ratio):.2f} to {max(ratio):.2f} | {limit} |')
     single = ratios(times, SCALAR, 'textbook, one a call')
-    print(f'| {SCALAR}, all fields | {median(single):.2f} | {min(single):.2f} to {max(single):.2f} | - |\n')
+    print(f'| {SCALAR}, all fields | {median(single):.2f} | {min(single):.2f} to '
+          f'{max(single):.2f} | - |\n')
 
 
 def print_verdict(errors, times):
     """Print for accuracies the cheapest engine that reaches them: forces, and motion only."""
-    engines = [name for name in errors if not name.startswith((OURS, '9x9', 'textbook')) and name not in (STEP, *UNITS)]
-    print('| to reach | cheapest engine | times our scalar | times our batch of 10000 |\n| --- | --- | --- | --- |')
+    engines = [name for name in errors if not name.startswith((OURS, '9x9', 'textbook'))
+               and name not in (STEP, *UNITS)]
+    print('| to reach | cheapest engine | times our scalar | times our batch of 10000 |\n| --- | '
+          '--- | --- | --- |')
     for what, key, single, batch in (('F41', 'f41', SCALAR, BATCHES[1]),
                                      ("theta4''", 'alpha4', SCALAR_MOTION, BATCH_MOTION)):
         for bound in (1e-12, 1e-4, 1e-2):
             good = [name for name in engines if errors[name].get(key, inf) <= bound]
             if good:
                 best = min(good, key=lambda name: median(times[name]))
-                print(f'| {what} to {bound:.0e} | {best} | {median(ratios(times, best, single)):.3g} | '
-                      + (f'{median(ratios(times, best, batch)):.3g} |' if best.startswith(IN_BATCH) else '- |'))
+                print(f'| {what} to {bound:.0e} | {best} | '
+                      f'{median(ratios(times, best, single)):.3g} | '
+                      + (f'{median(ratios(times, best, batch)):.3g} |' if best.startswith(IN_BATCH)
+                         else '- |'))
     print()
 
 
-IN_BATCH = ('MuJoCo rollout', 'pylinkage', 'Exudyn')     # many samples in one call: fair beside our batch
+# many samples in one call: fair beside our batch
+IN_BATCH = ('MuJoCo rollout', 'pylinkage', 'Exudyn')
 
-GROUPS = ((OURS, '#d62728', '*'), ('textbook', '#000000', 'd'), ('9x9 numpy', '#7f7f7f', 's'), ('fourbarhinge', '#8c564b', 'D'),
-          ('pylinkage', '#e377c2', 'v'), ('MuJoCo tree', '#1f77b4', 'o'), ('MuJoCo connect, default', '#17becf', 'x'),
-          ('MuJoCo connect, hardest', '#17becf', 'o'),
-          ('MuJoCo rollout', '#9467bd', 'o'), ('Pinocchio tree', '#2ca02c', '^'), ('Pinocchio constraintDynamics', '#98df8a', '^'),
+GROUPS = ((OURS, '#d62728', '*'), ('textbook', '#000000', 'd'), ('9x9 numpy', '#7f7f7f', 's'),
+          ('fourbarhinge', '#8c564b', 'D'),
+          ('pylinkage', '#e377c2', 'v'), ('MuJoCo tree', '#1f77b4', 'o'),
+          ('MuJoCo connect, default', '#17becf', 'x'), ('MuJoCo connect, hardest', '#17becf', 'o'),
+          ('MuJoCo rollout', '#9467bd', 'o'), ('Pinocchio tree', '#2ca02c', '^'),
+          ('Pinocchio constraintDynamics', '#98df8a', '^'),
           ('Exudyn generalized', '#ff7f0e', 'P'), ('Exudyn trapezoidal', '#bcbd22', 'X'))
 
 
@@ -194,34 +225,44 @@ def draw(errors, times):
     matplotlib.use('Agg')
     matplotlib.rcParams['svg.hashsalt'] = 'fourbar'
     from matplotlib import pyplot
-    figure, axes = pyplot.subplots(1, 2, figsize=(11.0, 5.2), sharex=True, sharey=True, layout='constrained')
+    figure, axes = pyplot.subplots(1, 2, figsize=(11.0, 5.2), sharex=True, sharey=True,
+                                   layout='constrained')
     for axis, key, title in zip(axes, ('alpha4', 'f41'), ("θ4''", 'F41')):
         for group, color, marker in GROUPS:
             points = sorted((median(times[name]) * 1e6, errors[name][key]) for name in errors
                             if name.startswith(group) and key in errors[name])
             if points or key == 'f41':
-                axis.loglog(*(zip(*points) if points else ([], [])), marker=marker, color=color, label=group,
-                            linestyle='-' if group.startswith(('Exudyn', 'MuJoCo connect, hardest', 'MuJoCo rollout')) else 'none', linewidth=0.8,
-                            markersize=14 if group == OURS else 8, zorder=3 if group == OURS else 2)
+                axis.loglog(*(zip(*points) if points else ([], [])), marker=marker, color=color,
+                            label=group,
+                            linestyle='-'
+                            if group.startswith(('Exudyn', 'MuJoCo connect, hardest',
+                                                 'MuJoCo rollout')) else 'none', linewidth=0.8,
+                            markersize=14 if group == OURS else 8, zorder=3 if group == OURS
+                            else 2)
         axis.set_title(f'{title}: largest error over one revolution, of its peak')
         axis.set_xlabel('CPU time per sample [µs]')
         axis.grid(True, which='major', color='0.9')
     axes[0].set_ylabel('error')
-    axes[0].annotate('better', (0.02, 0.2), (0.12, 0.3), xycoords='axes fraction', textcoords='axes fraction',
+    axes[0].annotate('better', (0.02, 0.2), (0.12, 0.3), xycoords='axes fraction',
+                     textcoords='axes fraction',
                      arrowprops={'arrowstyle': '->', 'color': '0.4'}, color='0.4')
-    figure.legend(*axes[0].get_legend_handles_labels(), loc='outside lower center', ncols=4, frameon=False)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc='outside lower center', ncols=4,
+                  frameon=False)
     for kind in ('svg', 'png'):
-        figure.savefig(f'{PICTURE}.{kind}', dpi=110, metadata={'Date': None} if kind == 'svg' else None)
+        figure.savefig(f'{PICTURE}.{kind}', dpi=110, metadata={'Date': None} if kind == 'svg'
+                       else None)
 
 
 def main():
     """Print all tables and draw."""
     errors, times, left_out, versions = measure(ROUNDS)
-    print(f'Linkage {LENGTHS} m with its rods, mode 2, {OMEGA:g} rad/s, {SAMPLES} samples of one revolution. One thread, '
-          f'CPU time, {ROUNDS} rounds in turn: medians, ratios within the same round. Errors against many digits: theta4 '
-          'absolute, the others of the largest magnitude. Engines are called from Python, as a Python project would; '
-          'steppers start exactly, the second of two turns is scored.\n')
-    print('numpy of the runners: ' + ', '.join(f'{name} {version}' for name, version in versions.items())
+    print(f'Linkage {LENGTHS} m with its rods, mode 2, {OMEGA:g} rad/s, {SAMPLES} samples of one '
+          f'revolution. One thread, CPU time, {ROUNDS} rounds in turn: medians, ratios within the '
+          'same round. Errors against many digits: theta4 absolute, the others of the largest '
+          'magnitude. Engines are called from Python, as a Python project would; steppers start '
+          'exactly, the second of two turns is scored.\n')
+    print('numpy of the runners: ' + ', '.join(f'{name} {version}'
+                                               for name, version in versions.items())
           + '. Garbage collection is off while timing.\n')
     print_methods(errors, times)
     print_textbook(times)

@@ -1,18 +1,28 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
-A textbook four-bar in as few operations as a careful user would write: the batch to beat, and its scalar twin.
+A textbook four-bar, in as few operations as a careful user would write.
 
-Diagonal and law of cosines, directions by projection, Cramer's rule for the rates, for the accelerations and for
-the force at B: position, velocity, acceleration of coupler and output link, the eight components of the
-reactions and the driving torque, 15 numbers. Links with their centre of gravity on their line, without gravity.
+The batch to beat, and its scalar twin.
+
+Diagonal and law of cosines, directions by projection, Cramer's rule for the rates, for the
+accelerations and for the force at B: position, velocity, acceleration of coupler and output link,
+the eight components of the reactions and the driving torque, 15 numbers. Links with their centre
+of gravity on their line, without gravity.
 """
 from .naive import ARRAY
 
-FIELDS = ('theta4', 'beta', 'omega4', 'omega_beta', 'alpha4', 'alpha_beta', 'f41_x', 'f41_y', 'f21_x', 'f21_y',
+FIELDS = ('theta4', 'beta', 'omega4', 'omega_beta', 'alpha4', 'alpha_beta', 'f41_x', 'f41_y',
+          'f21_x', 'f21_y',
           'f32_x', 'f32_y', 'f43_x', 'f43_y', 'driving_torque')
 
 
 def textbook(lengths, sign, bodies, x, w, acc, m=ARRAY):
-    """Return :data:`FIELDS` at theta1 = x, omega1 = w, alpha1 = acc; ``bodies``: (mass, cg_along, _, inertia) each."""
+    """
+    Return :data:`FIELDS` at theta1 = x, omega1 = w, alpha1 = acc.
+
+    ``bodies``: (mass, cg_along, _, inertia) each.
+    """
     (a1, a2, a3, a4), ((m1, c1, _, i1), (m2, c2, _, i2), (m3, c3, _, i3)) = lengths, bodies
     cx, sx = m.cos(x), m.sin(x)
     ax, ay = a1 * cx, a1 * sx
@@ -32,7 +42,8 @@ def textbook(lengths, sign, bodies, x, w, acc, m=ARRAY):
     p, r = m3o / (a3 * s), m2a / (a2 * s)
     f32x, f32y = p * cb + r * cy, p * sb + r * sy
     f21x, f21y = f32x - f2x, f32y - f2y
-    f43x, f43y = f32x - m3 * c3 * (ey * sy + wy * wy * cy), f32y + m3 * c3 * (ey * cy - wy * wy * sy)
+    f43x, f43y = (f32x - m3 * c3 * (ey * sy + wy * wy * cy),
+                  f32y + m3 * c3 * (ey * cy - wy * wy * sy))
     f41x, f41y = m1 * c1 / a1 * px - f21x, m1 * c1 / a1 * py - f21y
     torque = (i1 + m1 * c1 * c1) * acc - ax * f21y + ay * f21x
     return y, b, wy, wb, ey, eb, f41x, f41y, f21x, f21y, f32x, f32y, f43x, f43y, torque

@@ -1,12 +1,14 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Draw conventions and sliders, .svg and .png, in docs: ``python docs/pictures.py``.
 
 Poses come from the core; black and white; the same bytes on every run with the same matplotlib.
 Each panel is drawn in inches of paper from its own lower left corner.
 """
-import sys
 from math import atan2, cos, degrees, pi, radians, sin
 from pathlib import Path
+import sys
 
 import matplotlib
 
@@ -17,7 +19,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from fourbar_ros import CROSSED, OPEN, FourBar, InvertedSlider, SliderCrank  # noqa: E402
+from fourbar_ros import CROSSED, FourBar, InvertedSlider, OPEN, SliderCrank  # noqa: E402, I100
 
 LENGTHS = (0.4, 1.2, 0.8, 1.0)      # the paper's linkage [m]
 THETA1 = radians(60.0)
@@ -33,7 +35,7 @@ NOTE = {'fontsize': 11, 'style': 'italic'}
 F = r'\mathbf{F}'
 
 
-# --- strokes ------------------------------------------------------------------------------------
+# --- strokes -------------------------------------------------------------------------------------
 
 def polar(origin, angle, radius):
     """Return the point at this angle and distance from the origin."""
@@ -68,7 +70,8 @@ def reference(ax, origin, angle, radius):
 def arrow(ax, start, end, width=1.8, **style):
     """Draw an arrow."""
     ax.annotate('', end, start, zorder=6, arrowprops={
-        'arrowstyle': '-|>,head_width=0.26,head_length=0.55', 'shrinkA': 0, 'shrinkB': 0, 'lw': width,
+        'arrowstyle': '-|>,head_width=0.26,head_length=0.55', 'shrinkA': 0, 'shrinkB': 0,
+        'lw': width,
         'color': 'k', 'joinstyle': 'miter', **style})
 
 
@@ -118,7 +121,8 @@ def hatch(ax, left, right, y, up=False):
     count = round((right - left) / 0.08)
     for i in range(count):
         x = left + (i + 0.9) * (right - left) / count
-        line(ax, (x - 0.07 * up, y + 0.07 * up), (x - 0.07 * (not up), y - 0.07 * (not up)), lw=0.7)
+        line(ax, (x - 0.07 * up, y + 0.07 * up), (x - 0.07 * (not up), y - 0.07 * (not up)),
+             lw=0.7)
 
 
 def centre_of_gravity(ax, at, size=0.085):
@@ -132,12 +136,14 @@ def centre_of_gravity(ax, at, size=0.085):
 def dimension(ax, start, end, label, shift, **style):
     """Draw a dimension line, its label ``shift`` off the middle."""
     ax.annotate('', end, start, zorder=4, arrowprops={
-        'arrowstyle': '<|-|>,head_width=0.14,head_length=0.35', 'shrinkA': 0, 'shrinkB': 0, 'lw': 0.8,
+        'arrowstyle': '<|-|>,head_width=0.14,head_length=0.35', 'shrinkA': 0, 'shrinkB': 0,
+        'lw': 0.8,
         'color': 'k'})
-    text(ax, ((start[0] + end[0]) / 2 + shift[0], (start[1] + end[1]) / 2 + shift[1]), label, **style)
+    text(ax, ((start[0] + end[0]) / 2 + shift[0], (start[1] + end[1]) / 2 + shift[1]), label,
+         **style)
 
 
-# --- panels -------------------------------------------------------------------------------------
+# --- panels --------------------------------------------------------------------------------------
 
 def panel(figure, left, bottom, width, height, title):
     """Return axes whose unit is the inch."""
@@ -188,7 +194,8 @@ def angles_panel(ax):
     angle(ax, b, 0.5, beta, theta4 - pi, r'$\theta_3$', 0.17, 0.45)
     angle(ax, b, 0.5, beta + pi, theta4 + pi, r'$\mu$', 0.14, sense=False)
 
-    text(ax, (0.0, 2.88), r'$\theta_1,\ \beta,\ \theta_4$ absolute,  $\theta_2,\ \theta_3$ relative,',
+    text(ax, (0.0, 2.88), r'$\theta_1,\ \beta,\ \theta_4$ absolute,  $\theta_2,\ \theta_3$ '
+                          r'relative,',
          ha='left', fontsize=11)
     text(ax, (0.0, 2.66), 'counter-clockwise positive', ha='left', fontsize=11)
     middle = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
@@ -224,7 +231,11 @@ def modes_panel(ax):
 
 
 def bodies_panel(ax):
-    """Draw (c): free bodies and the ground. The directions of the forces are examples, pairs are opposite."""
+    """
+    Draw (c): free bodies and the ground.
+
+    The directions of the forces are examples, pairs are opposite.
+    """
     scale = 1.85
     motion, o1, a, b, o4 = pose(OPEN, (0.75, 0.78), scale)
     a2, b2 = moved(a, 0.95, 0.5), moved(b, 0.95, 0.5)
@@ -262,7 +273,8 @@ def bodies_panel(ax):
     line(ax, cg, polar(cg, beta, 0.42))
     dimension(ax, polar(a2, up, 0.64), polar(foot, up, 0.64), 'along', polar((0, 0), up, 0.13),
               fontsize=11, rotation=degrees(beta))
-    dimension(ax, polar(foot, beta, 0.34), polar(cg, beta, 0.34), 'across', polar((0, 0), beta, 0.3),
+    dimension(ax, polar(foot, beta, 0.34), polar(cg, beta, 0.34), 'across',
+              polar((0, 0), beta, 0.3),
               fontsize=11, rotation=degrees(beta))
     centre_of_gravity(ax, cg)
     text(ax, polar(cg, beta + pi, 0.27), 'CG', fontsize=11)
@@ -316,7 +328,8 @@ def slider_crank_panel(ax):
     linkage, theta1 = SLIDER_CRANK
     motion, scale, o1 = linkage.motion(theta1), 2.2, (0.5, 2.5)
     beta = motion.beta
-    a, b = polar(o1, theta1, linkage.a1 * scale), moved(o1, motion.slide * scale, linkage.offset * scale)
+    a, b = polar(o1, theta1, linkage.a1 * scale), moved(o1, motion.slide * scale,
+                                                        linkage.offset * scale)
     guide, low = b[1] - 0.15, o1[1] - 0.47
 
     x_axis(ax, o1, 4.0)
@@ -346,7 +359,8 @@ def slider_crank_panel(ax):
     text(ax, moved(b, -0.13, 0.29), '$B$')
     dimension(ax, moved(o1, 1.15, 0.0), (o1[0] + 1.15, b[1]), 'offset', (0.3, 0.0), fontsize=11)
     line(ax, (b[0], guide - 0.12), (b[0], low - 0.07))
-    dimension(ax, (o1[0], low), (b[0], low), 'slide', (0, 0), fontsize=11, bbox={'fc': 'w', 'lw': 0, 'pad': 1.5})
+    dimension(ax, (o1[0], low), (b[0], low), 'slide', (0, 0), fontsize=11,
+              bbox={'fc': 'w', 'lw': 0, 'pad': 1.5})
 
     slider_alone(ax, (1.3, 0.75), 0.0, (0.52, 0.0), (0.0, 0.13), (0.0, -0.13))
     text(ax, (0.0, 1.55), '3 slider', ha='left', **NOTE)
@@ -392,7 +406,8 @@ def inverted_panel(ax):
     line(ax, polar(o4, left, -0.1), polar(o4, left, -0.69))
     dimension(ax, polar(foot, left, aside), polar(a, left, aside), 'slide', (0, 0), fontsize=11,
               rotation=degrees(theta4) - 180.0, bbox={'fc': 'w', 'lw': 0, 'pad': 1.5})
-    dimension(ax, (o1[0], low), (o4[0], low), '$a_4$', (0, 0), bbox={'fc': 'w', 'lw': 0, 'pad': 1.5})
+    dimension(ax, (o1[0], low), (o4[0], low), '$a_4$', (0, 0),
+              bbox={'fc': 'w', 'lw': 0, 'pad': 1.5})
 
     slider_alone(ax, (1.75, 0.8), theta4, (-0.1, 0.12), (-0.42, -0.03), (0.52, 0.07))
     text(ax, (0.0, 1.55), '2 block', ha='left', **NOTE)
@@ -420,7 +435,8 @@ def main():
     with plt.rc_context({**plt.rcParamsDefault, **STYLE, 'backend': 'agg'}):
         figure = plt.figure(figsize=SIZE)
         angles_panel(panel(figure, 0.15, 3.6, 5.9, 3.3, '(a) Joints, lengths, angles'))
-        modes_panel(panel(figure, 6.2, 3.6, 3.7, 3.3, '(b) Assembly modes at the same input angle'))
+        modes_panel(panel(figure, 6.2, 3.6, 3.7, 3.3,
+                          '(b) Assembly modes at the same input angle'))
         bodies_panel(panel(figure, 0.15, 0.1, 9.7, 3.4,
                            rf'(c) Loads: ${F}_{{ij}}$ is the force of link $i$ on link $j$,  '
                            rf'${F}_{{ji}} = -{F}_{{ij}}$'))

@@ -1,19 +1,23 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Write the tables of docs/node.md that have a source in the code: ``python docs/tables.py``.
 
-Text between ``<!-- NAME -->`` and ``<!-- end -->`` is replaced; a test checks that nothing is out of date.
+Text between ``<!-- NAME -->`` and ``<!-- end -->`` is replaced; a test checks that nothing is out
+of date.
 """
-import re
-import sys
 from math import isnan
 from pathlib import Path
+import re
+import sys
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from fourbar_ros.mechanisms.kinds import KINDS  # noqa: E402
-from fourbar_ros.mechanisms.quantities import QUANTITIES, known  # noqa: E402
-from fourbar_ros.scene.topics import (
+from fourbar_ros.mechanisms.quantities import known, QUANTITIES  # noqa: E402
+from fourbar_ros.scene.parameters import PARAMETERS, POINT, REQUIRED  # noqa: E402
+from fourbar_ros.scene.topics import (  # noqa: E402
     APPLIED,
     DRIVEN,
     FIND_EXTREMA,
@@ -22,8 +26,7 @@ from fourbar_ros.scene.topics import (
     SCENE,
     SERVICES,
     WRENCHES,
-)  # noqa: E402
-from fourbar_ros.scene.parameters import PARAMETERS, POINT, REQUIRED  # noqa: E402
+)
 
 PAGE = ROOT / 'docs' / 'node.md'
 
@@ -31,7 +34,8 @@ PAGE = ROOT / 'docs' / 'node.md'
 def table(head, rows):
     """Return a Markdown table."""
     lines = [head, ['---'] * len(head), *rows]
-    return '\n'.join('| ' + ' | '.join(str(cell).replace('|', '\\|') for cell in line) + ' |' for line in lines)
+    return '\n'.join('| ' + ' | '.join(str(cell).replace('|', '\\|') for cell in line) + ' |'
+                     for line in lines)
 
 
 def default(parameter):
@@ -51,7 +55,8 @@ def having(quantity):
     for name, kind in KINDS.items():
         inputs = [driven for driven in kind.INPUTS if quantity in known(kind, driven)]
         if inputs:
-            found.append(name if len(inputs) == len(kind.INPUTS) else f'{name} driven at its {inputs[0]}')
+            found.append(name if len(inputs) == len(kind.INPUTS)
+                         else f'{name} driven at its {inputs[0]}')
     return 'all' if found == list(KINDS) else ', '.join(found)
 
 
@@ -59,30 +64,37 @@ def tables():
     """Return {name: Markdown table}."""
     return {
         'inputs': table(('`drive.source`', 'topic', 'type', 'what'),
-                        [(f'`{t.name}`', f'`{t.topic}`', f'`{t.type}`', t.text) for t in INPUTS.values()]),
+                        [(f'`{t.name}`', f'`{t.topic}`', f'`{t.type}`', t.text)
+                         for t in INPUTS.values()]),
         'outputs': table(('name in `outputs`', 'topic', 'type', 'what', 'needs masses'),
-                         [(f'`{t.name}`', f'`{t.topic}`', f'`{t.type}`', t.text, 'yes' if t.needs_loads else '')
+                         [(f'`{t.name}`', f'`{t.topic}`', f'`{t.type}`', t.text,
+                           'yes' if t.needs_loads else '')
                           for t in OUTPUTS.values()]),
         'wrenches': table(('topic', 'type', 'what'),
-                          [(f'`{t.topic}`', f'`{t.type}`', t.text) for topics in (WRENCHES, APPLIED) for t in topics.values()]),
-        'always': table(('topic', 'type', 'what'), [(f'`{t.topic}`', f'`{t.type}`', t.text) for t in (DRIVEN, SCENE)]),
+                          [(f'`{t.topic}`', f'`{t.type}`', t.text)
+                           for topics in (WRENCHES, APPLIED) for t in topics.values()]),
+        'always': table(('topic', 'type', 'what'),
+                        [(f'`{t.topic}`', f'`{t.type}`', t.text) for t in (DRIVEN, SCENE)]),
         'services': table(('service', 'type', 'what'),
                           [(f'`{s.service}`', f'`{s.type}`', s.text) for s in SERVICES.values()]),
         'actions': table(('action', 'type', 'what'),
-                         [(f'`{FIND_EXTREMA.service}`', f'`{FIND_EXTREMA.type}`', FIND_EXTREMA.text)]),
+                         [(f'`{FIND_EXTREMA.service}`', f'`{FIND_EXTREMA.type}`',
+                           FIND_EXTREMA.text)]),
         'parameters': table(('parameter', 'type', 'unit', 'default', 'allowed', 'live', 'what'),
-                            [(f'`{p.name}`', p.type, p.unit, default(p), p.allowed, 'yes' if p.live else '', p.text)
+                            [(f'`{p.name}`', p.type, p.unit, default(p), p.allowed, 'yes' if p.live
+                              else '', p.text)
                              for p in (*PARAMETERS.values(), *POINT.values())]),
         'quantities': table(('quantity', 'unit', 'what', 'of'),
-                            [(f'`{q.name}`', q.unit, q.text, having(q.name)) for q in QUANTITIES.values()]),
+                            [(f'`{q.name}`', q.unit, q.text, having(q.name))
+                             for q in QUANTITIES.values()]),
     }
 
 
 def filled(text):
     """Return the page with its tables as they should be."""
     for name, content in tables().items():
-        text, count = re.subn(rf'(<!-- {name} -->\n).*?(<!-- end -->)', lambda m: m[1] + content + '\n' + m[2], text,
-                              flags=re.S)
+        text, count = re.subn(rf'(?<=<!-- {name} -->\n).*?(?=<!-- end -->)',
+                              (content + '\n').replace('\\', r'\\'), text, flags=re.S)
         if count != 1:
             raise SystemExit(f'{PAGE}: expected one <!-- {name} -->, found {count}')
     return text

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Start the node with a scene: ``ros2 launch fourbar_ros fourbar.launch.py scene:=paper``.
 

@@ -13,7 +13,7 @@ step() { echo "check-pip: $*"; }
 
 step building
 mkdir "$work/source"
-tar -C "$source" --exclude=./.venv --exclude=./.venv-peers --exclude=./.git --exclude=./build --exclude=./install \
+tar -C "$source" --exclude='./.venv*' --exclude=./.git --exclude=./build --exclude=./install \
   --exclude=./log --exclude=./bags --exclude='*.egg-info' --exclude=__pycache__ -cf - . | tar -C "$work/source" -xf -
 "${PYTHON:-python3}" -m venv "$work/builder"
 "$work/builder/bin/pip" -q install build

@@ -1,22 +1,28 @@
-"""What the runners share: the case, the clock and the score. Runs in any environment that has numpy."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What the runners share: the case, the clock and the score.
+
+Runs in any environment that has numpy.
+"""
+from collections import namedtuple
 import gc
 import json
-import sys
-from collections import namedtuple
 from pathlib import Path
+import sys
 from time import process_time
 
 import numpy as np
 
 LEAST = 0.15     # CPU seconds a measurement takes at least
 
-# run(theta1) is timed; read(what it returned) -> dict of arrays, one value a sample, is not. Of two
-# turns the second is scored.
+# run(theta1) is timed; read(what it returned) -> dict of arrays, one value a sample, is not. Of
+# two turns the second is scored.
 Method = namedtuple('Method', 'name run read turns', defaults=(1,))
 
 
 class Case:
-    """The linkage, its motion, and the true values at its samples, from the file on the command line."""
+    """The linkage, its motion and the true values, from the file on the command line."""
 
     def __init__(self):
         case = json.loads(Path(sys.argv[1]).read_text())
@@ -28,11 +34,16 @@ class Case:
     def start(self):
         """Return theta1, beta, theta4 and their rates at the first sample."""
         first = {name: values[0].tolist() for name, values in self.truth.items()}
-        return (float(self.theta1[0]), first['beta'], first['theta4']), (self.omega, first['omega_beta'], first['omega4'])
+        return (float(self.theta1[0]), first['beta'],
+                first['theta4']), (self.omega, first['omega_beta'], first['omega4'])
 
 
 def errors(case, found):
-    """Return the largest errors: theta4 in rad, the others relative to the largest true magnitude."""
+    """
+    Return the largest errors.
+
+    theta4 in rad, the others relative to the largest true magnitude.
+    """
     repeat = len(found['theta4']) // len(case.theta1)
     result = {}
     for name, values in found.items():
@@ -48,7 +59,7 @@ def errors(case, found):
 
 
 def serve(case, methods):
-    """Print the errors of all methods, then for each line of input their CPU time per sample [s]."""
+    """Print the errors of all methods, then their CPU time per sample [s] for each line read."""
     repeats, first = {}, {}
     for method in methods:
         method.run(case.theta1)     # compiles, fills caches

@@ -1,4 +1,10 @@
-"""The loop of two tree ends that must coincide: the 2x2 systems that a tree engine leaves to its user."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The loop of two tree ends that must coincide.
+
+The 2x2 systems that a tree engine leaves to its user.
+"""
 
 
 def solve(matrix, right):
@@ -10,11 +16,13 @@ def solve(matrix, right):
 
 def run_tree(engine, case, tolerance):
     """
-    Return the function theta1 -> rows (theta4, omega4, alpha4, F41) for an engine with
+    Return the function theta1 -> rows (theta4, omega4, alpha4, F41) for an engine.
 
-    ``gap(q)``: end of the output link minus end of the coupler (x, y), and its Jacobian (2 rows of 3);
-    ``bias(q, v)``: what the gap's acceleration is without joint accelerations; ``efforts(q, v, a)``: joint
-    efforts of the open tree and its force on the crank. q: crank, coupler relative to it, output link.
+    It needs
+    ``gap(q)``: end of the output link minus end of the coupler (x, y), and its Jacobian (2 rows of
+    3); ``bias(q, v)``: what the gap's acceleration is without joint accelerations;
+    ``efforts(q, v, a)``: joint efforts of the open tree and its force on the crank. q: crank,
+    coupler relative to it, output link.
     """
     (x0, b0, y0), (dx0, db0, dy0) = case.start()
     dt = case.step / case.omega

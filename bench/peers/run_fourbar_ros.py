@@ -1,23 +1,30 @@
-"""This package, a textbook script and 9x9 systems in numpy, and the units: math.sin and numpy.sin."""
-import math
-import sys
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+This package, a textbook script and 9x9 systems in numpy, and the units.
+
+Math.sin and numpy.sin.
+"""
 from collections import deque
 from itertools import repeat
+import math
 from pathlib import Path
+import sys
 
-import numpy as np
 from common import Case, Method, serve
+import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from bench.naive import ARRAY, SCALAR, law_of_cosines, nine_by_nine  # noqa: E402
+from bench.naive import ARRAY, law_of_cosines, nine_by_nine, SCALAR  # noqa: E402, I100
 from bench.textbook import FIELDS, textbook  # noqa: E402
 from fourbar_ros import Bodies, Body, FourBar  # noqa: E402
 
 case = Case()
 omega = float(case.omega)
 sign = 1.0 if math.sin(case.truth['theta4'][0] - case.truth['beta'][0]) > 0.0 else -1.0
-linkage = FourBar(*case.lengths, mode=2 if sign > 0.0 else 1, bodies=Bodies(*(Body(*b) for b in case.bodies)))
+linkage = FourBar(*case.lengths, mode=2 if sign > 0.0 else 1,
+                  bodies=Bodies(*(Body(*b) for b in case.bodies)))
 masses = [(b.mass, b.cg_along, b.cg_across, b.inertia) for b in linkage.bodies]
 
 
@@ -111,14 +118,21 @@ samples = np.tile(case.theta1, 10)
 serve(case, [
     Method('fourbar_ros, scalar', scalar, read_scalar),
     Method('fourbar_ros, scalar, motion only', scalar_motion, read_scalar),
-    *(Method(f'fourbar_ros, batch of {count}', batch(linkage.step, count), read) for count in (1000, 10000, 100000)),
-    Method('fourbar_ros, batch of 10000, motion only', batch(linkage.motion, 10000), read_motion),
-    *(Method(f'fourbar_ros, batch of {count}, fields of the textbook', batch(only, count), read_fields)
+    *(Method(f'fourbar_ros, batch of {count}', batch(linkage.step, count), read)
       for count in (1000, 10000, 100000)),
-    *(Method(f'textbook numpy, batch of {count}', batch(by_textbook, count), read_fields) for count in (1000, 10000, 100000)),
-    Method('textbook, one a call', lambda theta1: [by_textbook(x, omega, 0.0, SCALAR) for x in theta1.tolist()],
+    Method('fourbar_ros, batch of 10000, motion only', batch(linkage.motion, 10000), read_motion),
+    *(Method(f'fourbar_ros, batch of {count}, fields of the textbook', batch(only, count),
+             read_fields)
+      for count in (1000, 10000, 100000)),
+    *(Method(f'textbook numpy, batch of {count}', batch(by_textbook, count), read_fields)
+      for count in (1000, 10000, 100000)),
+    Method('textbook, one a call', lambda theta1: [by_textbook(x, omega, 0.0, SCALAR)
+                                                   for x in theta1.tolist()],
            lambda rows: read_fields(np.array(rows).T)),
-    Method('9x9 numpy, one a call', lambda theta1: [one_system(x) for x in theta1.tolist()], read_systems),
-    *(Method(f'9x9 numpy, batch of {count}', batch_system(count), read_system) for count in (1000, 100000)),
+    Method('9x9 numpy, one a call', lambda theta1: [one_system(x) for x in theta1.tolist()],
+           read_systems),
+    *(Method(f'9x9 numpy, batch of {count}', batch_system(count), read_system)
+      for count in (1000, 100000)),
     Method('one step', one_step, nothing), Method('math.sin', math_sin, nothing),
-    Method('numpy.sin', lambda _: np.sin(samples), lambda _: {'theta4': np.tile(case.truth['theta4'], 10)})])
+    Method('numpy.sin', lambda _: np.sin(samples),
+           lambda _: {'theta4': np.tile(case.truth['theta4'], 10)})])

@@ -1,9 +1,15 @@
-"""MuJoCo: inverse dynamics of a tree with the loop closed here; and its own loop, the connect constraint."""
-import mujoco
-import numpy as np
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+MuJoCo: inverse dynamics of a tree with the loop closed here.
+
+And its own loop, the connect constraint.
+"""
 from common import Case, Method, serve
-from mujoco import rollout as runner
 from loop import read, run_tree
+import mujoco
+from mujoco import rollout as runner
+import numpy as np
 
 case = Case()
 (x0, b0, y0), (dx0, db0, dy0) = case.start()
@@ -12,21 +18,23 @@ FLYWHEEL = 1e8     # [kg m^2] keeps the stepped crank at its speed
 
 def link(name, at, end, body, inside='', armature=0.0):
     mass, along, across, inertia = body
-    return f'''
+    return f"""
 <body name="{name}" pos="{at!r} 0 0">
   <joint name="{name}" axis="0 0 1" armature="{armature!r}"/>
-  <inertial pos="{along!r} {across!r} 0" mass="{mass!r}" diaginertia="{inertia!r} {inertia!r} {inertia!r}"/>
+  <inertial pos="{along!r} {across!r} 0" mass="{mass!r}"
+            diaginertia="{inertia!r} {inertia!r} {inertia!r}"/>
   <site name="{name}" pos="{end!r} 0 0"/>{'<site name="o1"/>' if name == 'crank' else ''}{inside}
-</body>'''
+</body>"""
 
 
 def model(equality='', options='', armature=0.0, sensors=''):
     a1, a2, a3, a4 = case.lengths
     crank, coupler, output = case.bodies
-    tree = link('crank', 0.0, a1, crank, link('coupler', a1, a2, coupler), armature) + link('output', a4, a3, output)
-    return mujoco.MjModel.from_xml_string(f'''
+    tree = (link('crank', 0.0, a1, crank, link('coupler', a1, a2, coupler), armature)
+            + link('output', a4, a3, output))
+    return mujoco.MjModel.from_xml_string(f"""
 <mujoco><compiler angle="radian"/><option gravity="0 0 0" {options}/>
-<worldbody>{tree}</worldbody><equality>{equality}</equality><sensor>{sensors}</sensor></mujoco>''')
+<worldbody>{tree}</worldbody><equality>{equality}</equality><sensor>{sensors}</sensor></mujoco>""")
 
 
 class Tree:
@@ -83,20 +91,26 @@ def connect(steps, hardest):
         for _ in range(2 * len(theta1)):
             mujoco.mj_forward(loop, data)
             mujoco.mj_rnePostConstraint(loop, data)
-            rows.append((data.qpos[2], data.qvel[2], data.qacc[2], data.cfrc_int[crank, 3:5].tolist()))
+            rows.append((data.qpos[2], data.qvel[2], data.qacc[2],
+                         data.cfrc_int[crank, 3:5].tolist()))
             mujoco.mj_step(loop, data, steps)
         return rows[len(theta1):]
     return run
 
 
 def rollout(steps, hardest):
-    """Return the same stepping as one call of mujoco.rollout: all of it in C++, outputs by sensors."""
+    """
+    Return the same stepping as one call of mujoco.rollout.
+
+    All of it in C++, outputs by sensors.
+    """
     dt = case.step / case.omega / steps
     solver = f'solref="{2.0 * dt!r} 1" solimp="0.9999 0.9999 0.001 0.5 2"' if hardest else ''
     sensors = ('<force site="o1"/><frameangvel objtype="body" objname="output"/>'
                '<frameangacc objtype="body" objname="output"/>')
     loop = model(f'<connect site1="coupler" site2="output" {solver}/>',
-                 f'timestep="{dt!r}" integrator="RK4" iterations="20" tolerance="0"', FLYWHEEL, sensors)
+                 f'timestep="{dt!r}" integrator="RK4" iterations="20" tolerance="0"', FLYWHEEL,
+                 sensors)
     data, count = mujoco.MjData(loop), 2 * len(case.theta1) * steps
     data.qpos[:], data.qvel[:] = (x0, b0 - x0, y0), (dx0, db0 - dx0, dy0)
     start = np.zeros(mujoco.mj_stateSize(loop, mujoco.mjtState.mjSTATE_FULLPHYSICS))
@@ -109,7 +123,11 @@ def rollout(steps, hardest):
 
 
 def read_rollout(found):
-    """States are those after a step, what the sensors say is from before it; the force is in the crank's frame."""
+    """
+    States are those after a step, what the sensors say is from before it.
+
+    The force is in the crank's frame.
+    """
     state, sensed = found
     state = np.concatenate((np.array([[0.0, x0, b0 - x0, y0]]), state[:-1, :4]))
     steps = len(state) // (2 * len(case.theta1))
@@ -120,12 +138,15 @@ def read_rollout(found):
             'f41': np.stack((cosine * fx - sine * fy, sine * fx + cosine * fy), -1)}
 
 
-methods = [Method(f'MuJoCo tree, loop closed to {tolerance:.0e} m', run_tree(Tree(), case, tolerance), read)
+methods = [Method(f'MuJoCo tree, loop closed to {tolerance:.0e} m',
+                  run_tree(Tree(), case, tolerance), read)
            for tolerance in (1e-3, 1e-9)]
 methods.append(Method('MuJoCo connect, default softness', connect(1, False), read, 2))
 methods += [
-    Method(f'MuJoCo connect, hardest, {steps} step{"s" * (steps > 1)}', connect(steps, True), read, 2)
+    Method(f'MuJoCo connect, hardest, {steps} step{"s" * (steps > 1)}', connect(steps, True), read,
+           2)
     for steps in (1, 4, 16)]
-methods += [Method(f'MuJoCo rollout, hardest, {steps} step{"s" * (steps > 1)}', rollout(steps, True), read_rollout, 2)
+methods += [Method(f'MuJoCo rollout, hardest, {steps} step{"s" * (steps > 1)}',
+                   rollout(steps, True), read_rollout, 2)
             for steps in (1, 4, 16)]
 serve(case, methods)

@@ -1,8 +1,10 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Pinocchio: rnea of a tree with the loop closed here; and its own loop, constraintDynamics."""
-import numpy as np
-import pinocchio as pin
 from common import Case, Method, serve
 from loop import read, run_tree
+import numpy as np
+import pinocchio as pin
 
 case = Case()
 a1, a2, a3, a4 = case.lengths
@@ -18,9 +20,11 @@ crank = model.addJoint(0, pin.JointModelRZ(), place(0.0), 'crank')
 coupler = model.addJoint(crank, pin.JointModelRZ(), place(a1), 'coupler')
 output = model.addJoint(0, pin.JointModelRZ(), place(a4), 'output')
 for joint, (mass, along, across, inertia) in zip((crank, coupler, output), case.bodies):
-    model.appendBodyToJoint(joint, pin.Inertia(mass, np.array([along, across, 0.0]), inertia * np.eye(3)), place(0.0))
+    model.appendBodyToJoint(joint, pin.Inertia(mass, np.array([along, across, 0.0]),
+                                               inertia * np.eye(3)), place(0.0))
 ends = [model.addFrame(pin.Frame(name, joint, 0, place(length), pin.FrameType.OP_FRAME))
-        for name, joint, length in (('end of coupler', coupler, a2), ('end of output', output, a3))]
+        for name, joint, length in (('end of coupler', coupler, a2),
+                                    ('end of output', output, a3))]
 WORLD = pin.LOCAL_WORLD_ALIGNED
 
 
@@ -42,7 +46,8 @@ class Tree:
     def bias(self, q, v):
         data = self.data
         pin.forwardKinematics(model, data, self.q, np.array(v), np.zeros(3))
-        one, other = (pin.getFrameClassicalAcceleration(model, data, end, WORLD).linear for end in ends)
+        one, other = (pin.getFrameClassicalAcceleration(model, data, end, WORLD).linear
+                      for end in ends)
         return (other - one).tolist()
 
     def efforts(self, q, v, a):
@@ -54,7 +59,8 @@ class Tree:
 def closed(mu, iterations):
     """Return the tree above, its accelerations and loop force by constraintDynamics."""
     constraints, datas = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
-    constraints.append(pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, coupler, place(a2), output,
+    constraints.append(pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, coupler,
+                                                place(a2), output,
                                                 place(a3), pin.LOCAL))
     datas.append(constraints[0].createData())
     data = model.createData()
@@ -63,22 +69,27 @@ def closed(mu, iterations):
     unit, zero = np.array([1.0, 0.0, 0.0]), np.zeros(3)
 
     class Loop(Tree):
+
         def bias(self, q, v):
             return 0.0, 0.0     # not needed: the accelerations are found below
 
         def efforts(self, q, v, a):
             v = np.array(v)
-            free = pin.constraintDynamics(model, data, self.q, v, zero, constraints, datas, settings).copy()
-            pushed = pin.constraintDynamics(model, data, self.q, v, unit, constraints, datas, settings).copy()
+            free = pin.constraintDynamics(model, data, self.q, v, zero, constraints, datas,
+                                          settings).copy()
+            pushed = pin.constraintDynamics(model, data, self.q, v, unit, constraints, datas,
+                                            settings).copy()
             torque = -free[0] / (pushed[0] - free[0])
             a[:] = (free + torque * (pushed - free)).tolist()
             return Tree.efforts(self, q, v, a)
     return run_tree(Loop(), case, 1e-9)
 
 
-methods = [Method(f'Pinocchio tree, loop closed to {tolerance:.0e} m', run_tree(Tree(), case, tolerance), read)
+methods = [Method(f'Pinocchio tree, loop closed to {tolerance:.0e} m',
+                  run_tree(Tree(), case, tolerance), read)
            for tolerance in (1e-3, 1e-9)]
 methods += [
-    Method(f'Pinocchio constraintDynamics, mu {mu:.0e}, {iterations} it.', closed(mu, iterations), read)
+    Method(f'Pinocchio constraintDynamics, mu {mu:.0e}, {iterations} it.', closed(mu, iterations),
+           read)
     for mu, iterations in ((1e-4, 1), (1e-4, 20))]
 serve(case, methods)

@@ -1,6 +1,8 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """pylinkage with numba: its compiled loop over positions, velocities, accelerations. No forces."""
-import numpy as np
 from common import Case, Method, serve
+import numpy as np
 from pylinkage.solver.simulation import simulate_with_kinematics
 from pylinkage.solver.types import JOINT_CRANK, JOINT_REVOLUTE, JOINT_STATIC
 
@@ -21,7 +23,8 @@ def run(samples):
     return simulate_with_kinematics(
         start, np.zeros((4, 2)), np.zeros((4, 2)), np.array([a1, case.step, a2, a3]),
         ints(JOINT_STATIC, JOINT_CRANK, JOINT_REVOLUTE, JOINT_STATIC),
-        ints((-1, -1, -1), (O1, -1, -1), (A, O4, -1), (-1, -1, -1)), ints(0, 0, 2, 4), ints(O1, O4, A, B),
+        ints((-1, -1, -1), (O1, -1, -1), (A, O4, -1), (-1, -1, -1)), ints(0, 0, 2, 4),
+        ints(O1, O4, A, B),
         np.array([case.omega]), np.array([0.0]), ints(A), len(samples), 1.0)
 
 
@@ -31,7 +34,8 @@ def read(found):
     def turning(vector):
         return (arm[:, 0] * vector[:, 1] - arm[:, 1] * vector[:, 0]) / a3**2
 
-    return {'theta4': np.arctan2(arm[:, 1], arm[:, 0]), 'omega4': turning(velocity), 'alpha4': turning(acceleration)}
+    return {'theta4': np.arctan2(arm[:, 1], arm[:, 0]), 'omega4': turning(velocity),
+            'alpha4': turning(acceleration)}
 
 
 serve(case, [Method('pylinkage + numba (motion only)', run, read)])

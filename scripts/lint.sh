@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# Runs the linters of requirements/lint.txt over the tree, all of them, and fails if one complains.
+# Needs no ROS: they live in .venv-lint, which is made on first use and when the list changes.
+#
+#   PYTHON=python3.12 scripts/lint.sh
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+venv=.venv-lint
+if ! cmp -s requirements/lint.txt "$venv/installed"; then
+  rm -rf "$venv"
+  "${PYTHON:-python3}" -m venv "$venv"
+  "$venv/bin/pip" -q --disable-pip-version-check install -r requirements/lint.txt
+  cp requirements/lint.txt "$venv/installed"
+fi
+
+failed=()
+run() {
+  echo "lint: $1"
+  "$venv/bin/$@" || failed+=("$1")
+}
+sources=(fourbar_ros test bench docs launch setup.py)
+quietly() {             # ament's wrappers list every file they check: show the findings alone
+  echo "lint: $1"
+  local out
+  out=$("$venv/bin/$@" 2>&1) || { grep -v -e '^checking ' -e '^\* ' <<<"$out"; failed+=("$1"); }
+}
+run ruff check --quiet .
+run mypy
+quietly ament_flake8 "${sources[@]}"
+quietly ament_pep257 fourbar_ros bench docs launch setup.py
+[ ${#failed[@]} = 0 ] || { echo "lint: ${failed[*]} complained" >&2; exit 1; }
+echo 'lint: nothing to complain about'

@@ -1,0 +1,102 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Lists that nobody reads are right: versions, dependencies, the linter, headers."""
+import ast
+from pathlib import Path
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+# Distribution or package.xml name of each import that has another name than its package.
+NAMES = {'yaml': 'pyyaml', 'flint': 'python-flint', 'mcap_ros2': 'mcap-ros2-support'}
+OURS = ('fourbar_ros', 'bench', 'support')
+
+
+def text(path):
+    return (ROOT / path).read_text(encoding='utf-8')
+
+
+def packages_imported(*folders):
+    """Return the top names of all modules that Python files in the folders import."""
+    found = set()
+    for folder in folders:
+        for path in (ROOT / folder).rglob('*.py'):
+            for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
+                if isinstance(node, ast.Import):
+                    found |= {alias.name.partition('.')[0] for alias in node.names}
+                elif isinstance(node, ast.ImportFrom) and node.module:
+                    found.add(node.module.partition('.')[0])
+    return found
+
+
+def third_party(*folders):
+    return sorted(packages_imported(*folders) - set(sys.stdlib_module_names) - set(OURS))
+
+
+def ros_depends():
+    return set(re.findall(r'<(?:exec_|test_)?depend>([^<]+)<', text('package.xml')))
+
+
+def required(*files):
+    """Return the names of the distributions that requirements files list, in lower case."""
+    lines = [line for file in files for line in text(f'requirements/{file}.txt').splitlines()]
+    return {re.split(r'[\[=<>~ #]', line, maxsplit=1)[0].lower() for line in lines
+            if line and not line.startswith('#')}
+
+
+def test_the_version_stands_in_one_place_and_its_copies_agree():
+    version = re.search(r"^__version__ = '([^']+)'$", text('fourbar_ros/__init__.py'), re.M)[1]
+    for file in ('package.xml', 'msg_defs/package.xml'):
+        assert re.findall('<version>([^<]+)</version>', text(file)) == [version], file
+    assert re.findall('^version: (.+)$', text('CITATION.cff'), re.M) == [version]
+    done = subprocess.run([sys.executable, 'setup.py', '--version'], cwd=ROOT, check=True,
+                          capture_output=True, text=True)
+    assert done.stdout.split()[-1] == version
+    assert f'\n## {version}' in text('CHANGELOG.md') or '\n## Unreleased' in text('CHANGELOG.md')
+
+
+def test_what_the_product_imports_is_declared():
+    ros, pip = ros_depends(), required('python', 'ros', 'test')
+    for name in third_party('fourbar_ros', 'launch'):
+        distribution = NAMES.get(name, name)
+        assert (name in ros or f'python3-{name}' in ros or distribution in pip
+                or distribution in text('setup.py')), name
+
+
+def test_every_message_package_that_is_imported_is_in_package_xml():
+    packages = {name for name in third_party('fourbar_ros', 'launch')
+                if name.endswith(('_msgs', '_interfaces')) or name in ('rclpy', 'launch_ros')}
+    assert packages <= ros_depends(), packages - ros_depends()
+
+
+@pytest.mark.parametrize(('list_name', 'folders'),
+                         [('python', ('fourbar_ros',)), ('test', ('test', 'bench', 'docs', 'fourbar_ros'))])
+def test_no_requirement_is_dead(list_name, folders):
+    imported = {NAMES.get(name, name) for name in third_party(*folders)}
+    tools = {'ruff'}                        # commands, not modules
+    assert required(list_name) - imported - tools == set()
+
+
+def ruff():
+    for place in (Path(sys.executable).parent / 'ruff', ROOT / '.venv-lint/bin/ruff'):
+        if place.exists():
+            return str(place)
+    return shutil.which('ruff')
+
+
+def test_the_linter_has_nothing_to_complain_about():
+    if ruff() is None:
+        pytest.skip('ruff is not installed: make lint')
+    done = subprocess.run([ruff(), 'check', '--no-cache', '--output-format=concise', '.'], cwd=ROOT,
+                          check=False, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_every_exception_from_the_linter_has_a_reason():
+    lines = text('pyproject.toml').partition('\nignore = [')[2].partition('\n]')[0].splitlines()
+    for line in filter(None, lines):
+        assert '#' in line, line
