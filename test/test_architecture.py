@@ -9,7 +9,8 @@ MODULES = {'.'.join(path.relative_to(ROOT).with_suffix('').parts).removesuffix('
            for path in sorted(PACKAGE.rglob('*.py'))}
 
 # From the bottom up; a folder may import from its own layer's folders only where LATERAL says so.
-LAYERS = (('errors',), ('optional',), ('numerics',), ('mechanics',), ('mechanisms',), ('extrema', 'pipeline'),
+LAYERS = (('errors',), ('optional',), ('numerics',), ('mechanics',), ('mechanisms',),
+          ('extrema', 'pipeline', 'dynamics'),
           ('scene', 'report'), ('bag', 'reproduction'), ('ros',), ('cli',))
 LEVEL = {folder: level for level, folders in enumerate(LAYERS) for folder in folders}
 LATERAL = {('report', 'scene'), ('reproduction', 'bag'), ('scene', 'report')}

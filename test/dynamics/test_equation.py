@@ -1,0 +1,172 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The equation of motion: against loads, against energies with many digits, power balance."""
+from dataclasses import replace
+
+import mpmath as mp
+import numpy as np
+import pytest
+from support.machines import (
+    EPS,
+    KINDS,
+    exact_inertia,
+    exact_links,
+    exact_potential,
+    exact_stretch,
+    random_elements,
+    random_machines,
+)
+
+from fourbar_ros import Bodies, Body, FourBar, InvalidParameter, MissingBodies
+from fourbar_ros.dynamics.elements import GROUND, Attachment, Spring, TorsionSpring
+from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.mechanics.bodies import NOT_APPLIED, External
+from fourbar_ros.mechanisms.points import point_motion
+
+
+SEEDS = [pytest.param(200, 10), pytest.param(201, 300, marks=pytest.mark.slow)]
+
+
+def sizes(mechanism, position, rate, acceleration):
+    """Return the sum of the sizes of all terms of the torque, of each body and load alone."""
+    total, nothing = 0.0, Bodies(*[Body(0.0)] * 3)
+    for name, body in mechanism.bodies._asdict().items():
+        for kept in (replace(body, inertia=0.0), Body(0.0, inertia=body.inertia)):
+            bodies = nothing._replace(**{name: kept})
+            alone = replace(mechanism, bodies=bodies, external=External())
+            terms = Equation(alone).terms(position)
+            total += abs(terms.inertia * acceleration) + abs(terms.half_slope) * rate**2
+            total += abs(terms.force)
+            total += terms.inertia * rate**2        # of which the slope is a difference
+    for name, applied in mechanism.external._asdict().items():
+        for change in ({'couple': 0.0}, {'force_x': 0.0, 'force_y': 0.0}):
+            external = External(**{name: replace(applied, **change)})
+            alone = replace(mechanism, bodies=nothing, external=external)
+            total += abs(Equation(alone).terms(position).force)
+    return total
+
+
+@pytest.mark.parametrize('name', KINDS)
+@pytest.mark.parametrize('seed, count', SEEDS)
+def test_its_torque_is_the_driving_torque_of_the_loads(name, seed, count):
+    """Two formulations: virtual work of curves at unit rate, and Newton-Euler joint by joint."""
+    rng = np.random.default_rng(seed)
+    for mechanism, position in random_machines(name, seed, count):
+        rate, acceleration = rng.normal(size=2).tolist()
+        loads = mechanism.loads(position, rate, acceleration)
+        theirs = loads.driving_force if mechanism.is_driven_by_slide else loads.driving_torque
+        condition = 1.0 + mechanism.motion(position).condition / mechanism.input_unit
+        bound = 32.0 * EPS * condition**2 * sizes(mechanism, position, rate, acceleration)
+        assert abs(Equation(mechanism).torque(position, rate, acceleration) - theirs) <= bound
+
+
+@pytest.mark.parametrize('name', KINDS)
+@pytest.mark.parametrize('seed, count', [(210, 2), pytest.param(211, 30, marks=pytest.mark.slow)])
+def test_terms_are_derivatives_of_energies(name, seed, count):
+    rng = np.random.default_rng(seed)
+    for mechanism, position in random_machines(name, seed, count):
+        elements = random_elements(rng)
+        terms = Equation(mechanism, elements, 0.3).terms(position)
+        with mp.workdps(40):
+            q = mp.mpf(position)
+            step = {'h': mp.mpf(10)**-12}
+            inertia = exact_inertia(mechanism, q) + mp.mpf(0.3)
+            slope = mp.diff(lambda x: exact_inertia(mechanism, x), q, **step) / 2
+            force = -mp.diff(lambda x: exact_potential(mechanism, elements, x), q, **step)
+            damping = sum(e.damping * stretch_rate(mechanism, e, q, **step)**2 for e in elements)
+            for ours, exact in zip(terms, (inertia, slope, force, damping)):
+                assert abs(ours - exact) <= 1e-12 * (1 + abs(exact) + inertia)
+
+
+@pytest.mark.parametrize('name', KINDS)
+def test_arrays_give_what_single_values_give(name):
+    rng = np.random.default_rng(220)
+    for mechanism, position in random_machines(name, 221, 3):
+        equation = Equation(mechanism, random_elements(rng), 0.1)
+        positions = position + np.linspace(-1e-2, 1e-2, 50).reshape(5, 10) * mechanism.input_unit
+        many = equation.terms(positions)
+        for place in np.ndindex(positions.shape):
+            one = equation.terms(float(positions[place]))
+            for column, value in zip(many, one):
+                assert abs(column[place] - value) <= 64 * EPS * (abs(value) + one.inertia)
+        for function in (equation.potential, equation.couples):
+            values, one = function(positions), float(positions[2, 3])
+            assert values.shape == positions.shape
+            assert values[2, 3] == pytest.approx(function(one), rel=1e-12)
+
+
+@pytest.mark.parametrize('name', KINDS)
+def test_power_of_the_drive_is_what_the_bodies_gain_and_the_dampers_take(name):
+    """Sum over bodies of m v.a + I omega alpha - forces . v, from the motion at this rate."""
+    rng = np.random.default_rng(230)
+    for mechanism, position in random_machines(name, 231, 5):
+        equation = Equation(mechanism)
+        rate, drive = rng.normal(size=2).tolist()
+        acceleration = equation.acceleration(position, rate, drive)
+        motion = mechanism.motion(position, rate, acceleration)
+        power, size = 0.0, 0.0
+        for link, body in mechanism.bodies._asdict().items():
+            centre = point_motion(mechanism, motion, link, body.cg_along, body.cg_across)
+            omega, alpha = turning(mechanism, motion, link)
+            applied = getattr(mechanism.external, link, NOT_APPLIED)
+            at = point_motion(mechanism, motion, link, applied.along, applied.across).velocity
+            parts = (*(body.mass * centre.velocity * centre.acceleration),
+                     body.inertia * omega * alpha,
+                     *(-body.mass * centre.velocity * mechanism.gravity),
+                     *(-at * (applied.force_x, applied.force_y)), -applied.couple * omega)
+            power, size = power + sum(parts), size + sum(map(abs, parts))
+        assert abs(power - drive * rate) <= 1e-12 * (size + abs(drive * rate))
+
+
+def stretch_rate(mechanism, element, q, **step):
+    return mp.diff(lambda x: exact_stretch(element, exact_links(mechanism, x)), q, **step)
+
+
+def turning(mechanism, motion, link):
+    """Return angular velocity and acceleration of a link by the names of the fields."""
+    if link == 'crank':
+        return motion.omega1, motion.alpha1
+    if hasattr(motion, 'omega_beta'):
+        return ((motion.omega_beta, motion.alpha_beta) if link == 'coupler'
+                else (getattr(motion, 'omega4', 0.0), getattr(motion, 'alpha4', 0.0)))
+    return motion.omega4, motion.alpha4
+
+
+def test_a_pendulum_of_the_ground_and_a_flywheel():
+    """Only the crank has mass: J = I + m l^2 + flywheel, Q = -m g l cos q."""
+    bodies = Bodies(Body(2.0, 0.25, 0.0, 0.1), Body(0.0), Body(0.0))
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies, gravity=(0.0, -9.81))
+    terms = Equation(linkage, extra_inertia=3.0).terms(0.7)
+    assert terms.inertia == pytest.approx(0.1 + 2.0 * 0.0625 + 3.0, rel=4 * EPS)
+    assert terms.half_slope == 0.0
+    assert terms.force == pytest.approx(-2.0 * 9.81 * 0.25 * np.cos(0.7), rel=8 * EPS)
+
+
+def test_a_spring_of_no_length_and_no_free_length_pulls_nothing():
+    """Its ends meet at q = 0, up to an infinitesimal: the force is k r.r', not 0/0."""
+    bodies = Bodies(Body(1.0, 0.2, 0.0, 0.1), Body(0.0), Body(0.0))
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies)
+    spring = Spring(Attachment(GROUND, 0.4), Attachment('crank', 0.4), 5.0)
+    assert abs(Equation(linkage, [spring]).terms(0.0).force) <= 1e-70
+
+
+@pytest.mark.parametrize('make, name', [
+    (lambda: Spring(Attachment('crank'), Attachment('crank', 1.0)), 'second'),
+    (lambda: TorsionSpring('crank', 'crank'), 'second'),
+    (lambda: Spring(Attachment('crank'), Attachment(), stiffness=-1.0), 'stiffness'),
+    (lambda: TorsionSpring(GROUND, 'crank', damping=float('nan')), 'damping'),
+    (lambda: Attachment('crank', along='x'), 'along'),
+])
+def test_what_is_wrong_is_refused_by_name(make, name):
+    with pytest.raises(InvalidParameter) as caught:
+        make()
+    assert caught.value.name == name
+
+
+def test_an_unknown_link_and_missing_masses_are_errors():
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0)
+    with pytest.raises(MissingBodies):
+        Equation(linkage)
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=Bodies(*[Body(1.0)] * 3))
+    with pytest.raises(InvalidParameter, match='crank, coupler, output, ground'):
+        Equation(linkage, [TorsionSpring('crank', 'rod', 1.0)])

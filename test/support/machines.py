@@ -1,0 +1,141 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Mechanisms with masses for tests of dynamics, and their poses and energies to many digits."""
+import mpmath as mp
+import numpy as np
+
+from fourbar_ros import (
+    Applied,
+    Bodies,
+    Body,
+    External,
+    FourBar,
+    FourBarError,
+    InvertedSlider,
+    SliderCrank,
+)
+from fourbar_ros.dynamics.elements import GROUND, Attachment, Spring, TorsionSpring
+
+EPS = 2.0**-52
+KINDS = {'four-bar': (FourBar, 4, {}), 'slider-crank': (SliderCrank, 3, {'input': 'crank'}),
+         'slider': (SliderCrank, 3, {'input': 'slide'}),
+         'inverted': (InvertedSlider, 3, {'input': 'crank'}),
+         'cylinder': (InvertedSlider, 3, {'input': 'slide'})}
+
+
+def random_bodies(rng):
+    return Bodies(*(Body(float(rng.uniform(0.2, 3.0)), *rng.uniform(-0.5, 0.8, 2).tolist(),
+                         float(rng.uniform(0.05, 1.0))) for _ in range(3)))
+
+
+def random_machines(name, seed, count):
+    """Yield mechanisms of a kind with masses, gravity, loads, and an input away from toggles."""
+    rng = np.random.default_rng(seed)
+    kind, lengths, options = KINDS[name]
+    while count:
+        given = rng.uniform(0.3, 2.0, lengths)
+        if lengths == 3:
+            given[2] -= 1.0
+        external = External(*(Applied(*rng.normal(size=5).tolist()) for _ in range(2)))
+        try:
+            mechanism = kind(*given.tolist(), mode=int(rng.integers(1, 3)),
+                             bodies=random_bodies(rng), gravity=tuple(rng.normal(size=2).tolist()),
+                             external=external, **options)
+        except FourBarError:
+            continue
+        low, high = mechanism.input_ranges[int(rng.integers(len(mechanism.input_ranges)))]
+        position = float(low + (high - low) * rng.uniform(0.1, 0.9))
+        if mechanism.motion(position).condition < 10.0 * mechanism.input_unit:
+            count -= 1
+            yield mechanism, position
+
+
+def random_elements(rng):
+    """Return a spring with a damper between two links, one to the ground, and a torsion spring."""
+    def point(link):
+        return Attachment(link, *rng.uniform(-1.0, 1.0, 2).tolist())
+    return (Spring(point('crank'), point('coupler'), *rng.uniform(0.1, 5.0, 3).tolist()),
+            Spring(point(GROUND), point('output'), *rng.uniform(0.1, 5.0, 3).tolist()),
+            TorsionSpring('crank', 'coupler', 3.0, float(rng.uniform(-0.4, 0.4)), 0.7))
+
+
+def exact_links(mechanism, q):
+    """Return {link: (place of its first joint, angle)} in the current precision."""
+    sign, a1 = mp.mpf(mechanism.sign), mp.mpf(mechanism.a1)
+    if isinstance(mechanism, FourBar):
+        a2, a3, a4 = mp.mpf(mechanism.a2), mp.mpf(mechanism.a3), mp.mpf(mechanism.a4)
+        a = a1 * mp.expj(q)
+        d = a4 - a
+        r = abs(d)
+        along = (a2**2 - a3**2 + r**2) / (2 * r)
+        b = a + d / r * mp.mpc(along, sign * mp.sqrt(a2**2 - along**2))
+        return {'crank': (mp.mpc(0), q), 'coupler': (a, mp.arg(b - a)),
+                'output': (mp.mpc(a4), mp.arg(b - a4)), GROUND: (mp.mpc(0), mp.mpf(0))}
+    e = mp.mpf(mechanism.offset)
+    if isinstance(mechanism, SliderCrank):
+        a2 = mp.mpf(mechanism.a2)
+        if mechanism.input == 'crank':
+            a = a1 * mp.expj(q)
+            b = mp.mpc(a.real + sign * mp.sqrt(a2**2 - (e - a.imag)**2), e)
+        else:
+            b = mp.mpc(q, e)
+            r = abs(b)
+            along = (a1**2 - a2**2 + r**2) / (2 * r)
+            a = b / r * mp.mpc(along, -sign * mp.sqrt(a1**2 - along**2))
+        return {'crank': (mp.mpc(0), mp.arg(a)), 'coupler': (a, mp.arg(b - a)),
+                'output': (b, mp.mpf(0)), GROUND: (mp.mpc(0), mp.mpf(0))}
+    a4 = mp.mpf(mechanism.a4)
+    if mechanism.input == 'crank':
+        a = a1 * mp.expj(q)
+        slide = sign * mp.sqrt(abs(a - a4)**2 - e**2)
+    else:
+        slide, r2 = q, q**2 + e**2
+        cosine = (a1**2 + a4**2 - r2) / (2 * a1 * a4)
+        a = a1 * mp.mpc(cosine, sign * mp.sqrt(1 - cosine**2))
+    y = mp.arg((a - a4) / mp.mpc(slide, e))
+    return {'crank': (mp.mpc(0), mp.arg(a)), 'coupler': (a, y), 'output': (mp.mpc(a4), y),
+            GROUND: (mp.mpc(0), mp.mpf(0))}
+
+
+def point_on(links, link, along, across):
+    place, angle = links[link]
+    return place + mp.expj(angle) * mp.mpc(along, across)
+
+
+def exact_potential(mechanism, elements, q):
+    """Return V(q), couples and springs included."""
+    links, energy = exact_links(mechanism, q), mp.mpf(0)
+    gravity = mp.mpc(*mechanism.gravity)
+    for link, body in mechanism.bodies._asdict().items():
+        at = point_on(links, link, body.cg_along, body.cg_across)
+        energy -= body.mass * (gravity * mp.conj(at)).real
+    for link, applied in mechanism.external._asdict().items():
+        at = point_on(links, link, applied.along, applied.across)
+        energy -= (mp.mpc(applied.force_x, applied.force_y) * mp.conj(at)).real
+        energy -= applied.couple * links[link][1]
+    for element in elements:
+        energy += element.stiffness * exact_stretch(element, links)**2 / 2
+    return energy
+
+
+def exact_stretch(element, links):
+    if isinstance(element, TorsionSpring):
+        turn = links[element.second][1] - links[element.first][1] - mp.mpf(element.free_angle)
+        return mp.arg(mp.expj(turn))
+    one, two = element.first, element.second
+    return abs(point_on(links, two.link, two.along, two.across)
+               - point_on(links, one.link, one.along, one.across)) - element.free_length
+
+
+def exact_inertia(mechanism, q):
+    """Return J(q) from derivatives of the places of the centres of gravity and of the angles."""
+    total = mp.mpf(0)
+    for link, body in mechanism.bodies._asdict().items():
+        def centre(x, link=link, body=body):
+            return point_on(exact_links(mechanism, x), link, body.cg_along, body.cg_across)
+
+        def direction(x, link=link):
+            return mp.expj(exact_links(mechanism, x)[link][1])
+        total += body.mass * abs(mp.diff(centre, q))**2
+        total += body.inertia * abs(mp.diff(direction, q))**2
+    return total
