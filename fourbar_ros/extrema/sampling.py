@@ -73,13 +73,13 @@ class Sampler:
 
     def with_lengths(self, lengths, x, row):
         """Return :meth:`at` for mechanisms of other lengths, shapes (n, mechanisms)."""
-        others = [replace(self.linkage, **dict(zip(self.linkage.LENGTHS, changed))) for changed in lengths]
+        others = [replace(self.linkage, **dict(zip(self.linkage.length_names, changed))) for changed in lengths]
         if not isinstance(self.linkage, FourBar):
             return [np.stack(parts, axis=1) for parts in zip(*(self.of(other).at(x, row) for other in others))]
         # Of a 4R all at once: the formulas take columns of lengths.
         sampler, linkage = copy(self), copy(others[0])
         sampler.flats = {}          # of a change point: the others are none
-        for name, column in zip(linkage.LENGTHS, zip(*lengths)):
+        for name, column in zip(linkage.length_names, zip(*lengths)):
             object.__setattr__(linkage, name, np.array(column)[:, None])
         kind = 1 + self.IS_COMPLEX
         motion = linkage._make_motion(kind, lambda factory: for_columns(angles_too(factory) if self.with_angles

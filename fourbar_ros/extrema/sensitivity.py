@@ -69,7 +69,7 @@ def rate_changes(lengths, motion, third):
 def perturbed_lengths(mechanism):
     """Return a relative step for each length, and the lengths with that one changed by it, away from change points."""
     size = min(LARGEST, max(SMALLEST, PART * mechanism.change_point_margin))
-    signs, margin = min(zip(mechanism.MARGIN_SIGNS, mechanism._margins), key=lambda pair: abs(pair[1]))
+    signs, margin = min(zip(mechanism.MARGIN_SIGNS, mechanism.margins), key=lambda pair: abs(pair[1]))
     steps = [sign * size if margin >= 0.0 else -sign * size for sign in signs]
     lengths = mechanism.lengths
     return steps, [(*lengths[:i], length * (1.0 + step), *lengths[i + 1:])

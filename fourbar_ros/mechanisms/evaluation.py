@@ -4,7 +4,7 @@ from __future__ import annotations
 from functools import cache
 from itertools import chain, repeat
 from math import prod
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,22 +12,19 @@ from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.given import array
 from fourbar_ros.numerics.recorded import constants_of, program, record_of
 
-if TYPE_CHECKING:
-    from fourbar_ros.mechanisms.mechanism import Mechanism
-
 # Samples for which numpy's calls of all operations of a formula take as long as the formula with floats does:
 # of fewer, or where fewer operations are needed, as many fewer, each sample is computed by itself.
 ONE_BY_ONE = 30
 
 
-def recorded(mechanism: Mechanism, with_loads: bool) -> tuple:
+def recorded(mechanism: Any, with_loads: bool) -> tuple:
     """Return the record of a mechanism's motion, or motion and loads, the constants of its programs, which are zero."""
     functions = [mechanism._make_motion(1), *([mechanism._loads[1]] if with_loads else ())]
     constants = [value for function in functions for value in constants_of(function)]
     return record_of(functions), constants, frozenset([i for i, value in enumerate(constants) if value == 0.0])
 
 
-def evaluate(mechanism: Mechanism, given: tuple, wanted: tuple[int, ...] | None, with_loads: bool) -> list[np.ndarray]:
+def evaluate(mechanism: Any, given: tuple, wanted: tuple[int, ...] | None, with_loads: bool) -> list[np.ndarray]:
     """
     Return fields of motion, or of motion and loads, as arrays of the inputs' common shape.
 
@@ -72,7 +69,7 @@ def range_of(record: Any) -> tuple[int, ...]:
     return tuple(range(len(record.results)))
 
 
-def _inputs(mechanism: Mechanism, given: tuple) -> tuple[list[np.ndarray], tuple[int, ...]]:
+def _inputs(mechanism: Any, given: tuple) -> tuple[list[np.ndarray], tuple[int, ...]]:
     """Return the inputs as arrays of real or (the position, for a complex step) complex doubles, and their common shape."""
     names = mechanism.input_coordinate
     inputs = [array(name, value, name == names.position) for name, value in zip(names, given)]
@@ -85,7 +82,7 @@ def _inputs(mechanism: Mechanism, given: tuple) -> tuple[list[np.ndarray], tuple
                                'must have shapes that broadcast') from None
 
 
-def _one_by_one(mechanism: Mechanism, inputs: list, wanted: tuple[int, ...] | None, with_loads: bool) -> Any:
+def _one_by_one(mechanism: Any, inputs: list, wanted: tuple[int, ...] | None, with_loads: bool) -> Any:
     """Return the rows computed with floats, or None if any sample has no finite result: numpy knows infinities."""
     motion, loads = mechanism._motion[0], mechanism._loads[0] if with_loads else None
     columns = [repeat(v) if type(v) is float else v.tolist() for v in inputs]
@@ -101,7 +98,7 @@ def _one_by_one(mechanism: Mechanism, inputs: list, wanted: tuple[int, ...] | No
     return list(rows) if np.isfinite(rows).all() else None
 
 
-def _complex_rows(mechanism: Mechanism, inputs: list, shape: tuple, wanted: tuple[int, ...] | None,
+def _complex_rows(mechanism: Any, inputs: list, shape: tuple, wanted: tuple[int, ...] | None,
                   with_loads: bool) -> list[np.ndarray]:
     """Return the rows of a complex step; angles carry their derivatives."""
     inputs = [np.broadcast_to(v.astype(complex), shape).reshape(-1) for v in inputs]

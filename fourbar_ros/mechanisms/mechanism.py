@@ -1,26 +1,45 @@
 """
-What the mechanisms of one crank and one dyad have in common: evaluation and its errors.
+The contract of a mechanism: what it states about itself, and what it can then do.
 
 A mechanism says how one sample is computed (functions made by :func:`~fourbar_ros.numerics.dialects.dialects`); here it is
 called for floats and arrays, with the same rules for all.
 """
 from __future__ import annotations
 
-from collections.abc import Iterable
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping
 from dataclasses import fields as fields_of
 from dataclasses import replace
 from functools import cache, cached_property
-from math import frexp, isfinite, ldexp, nan, pi, remainder
+from math import frexp, fsum, isfinite, ldexp, nan, pi, remainder
 from numbers import Real
-from typing import NamedTuple
+from operator import itemgetter
+from typing import Any, ClassVar
 
 import numpy as np
 
 from fourbar_ros.mechanisms.evaluation import evaluate, recorded
-from fourbar_ros.mechanics.bodies import Applied, Bodies, Body, External
+from fourbar_ros.mechanics.bodies import NOT_APPLIED, Applied, Bodies, Body, External
 from fourbar_ros.numerics.dialects import with_angles
 from fourbar_ros.errors import InvalidParameter, MissingBodies, OutOfRange, Toggle, in_words
 from fourbar_ros.numerics.given import number, records
+from fourbar_ros.mechanisms.parts import (  # noqa: F401
+    BETA,
+    SLOT,
+    THETA1,
+    THETA2,
+    THETA3,
+    THETA4,
+    TRAVEL,
+    Arrow,
+    Coordinate,
+    Diagram,
+    Joint,
+    Length,
+    Link,
+    Output,
+)
+from fourbar_ros.mechanisms.points import LinkMotion
 
 CROSSED, OPEN = 1, 2     # assembly modes: sin(theta4 - beta) < 0, > 0 of a 4R linkage
 CRANK, SLIDE = 'crank', 'slide'     # inputs
@@ -28,18 +47,6 @@ CRANK, SLIDE = 'crank', 'slide'     # inputs
 LONGEST = 2.0**1000     # [m]
 EPS = 2.0**-52
 _new = tuple.__new__     # of a NamedTuple from a tuple: four times faster than its own constructor
-
-
-class Coordinate(NamedTuple):
-    """Names of a joint's position, rate and acceleration among the fields of a motion."""
-
-    position: str
-    rate: str
-    acceleration: str
-
-
-THETA1, THETA2, THETA3, THETA4 = (Coordinate(f'theta{i}', f'omega{i}', f'alpha{i}') for i in (1, 2, 3, 4))
-TRAVEL = Coordinate('slide', 'slide_velocity', 'slide_acceleration')
 
 
 class ByDialect(dict):
@@ -54,25 +61,176 @@ class ByDialect(dict):
         return made
 
 
-class Mechanism:
+class Mechanism(ABC):
     """
-    Base of a frozen dataclass with ``mode``, ``input``, ``bodies``, ``gravity``.
+    Base of a frozen dataclass with its lengths, ``mode``, ``input``, ``bodies``, ``gravity``, ``external``.
 
-    A subclass has
+    Everything outside of a mechanism's own folder asks these names, of an instance: a kind has them as
+    attributes of its class, a mechanism put together at run time as attributes of its own. How many links,
+    joints, loads and outputs there are is known nowhere else.
 
-    * ``LENGTHS``: names of its lengths and offsets, in the order of ``lengths``;
-    * ``LINK_LENGTHS``: which of them is the length of a link, for the links that have one;
-    * ``INPUTS``: the :class:`Coordinate` of each kind of input;
-    * ``OUTPUTS``: for each kind of input the coordinate it is used for, and the field d output / d input;
-    * ``JOINTS``: the coordinates of all joints, from O1 on;
-    * ``MOTION`` and ``LOADS``: types of the results;
-    * ``input_ranges``, and but for the 4R ``singular_inputs`` and ``closing_ranges``: those without a stroke;
-    * ``MARGIN_SIGNS``: how the lengths enter each of ``_margins``;
-    * ``_make_motion(dialect, change)`` and ``_make_loads(dialect, change)``: they return the functions that
-      compute them, from factories that ``change`` may have rebound.
+    Attributes
+    ----------
+    TITLE : str
+        What the kind is called in texts.
+    TEXT : str
+        What it is, for the manual.
+    LENGTHS : tuple of Length
+        In the order of :attr:`lengths`.
+    LINKS : tuple of Link
+        The moving links, in the order of the fields of ``BODIES``.
+    JOINTS : tuple of Joint
+        As ``joint_states`` shows them, from O1 on.
+    PARTS : mapping
+        {Coordinate: what moves, as text}: the table of a pose.
+    DRAWN : tuple of Coordinate
+        Those that are written below a picture.
+    INPUTS : mapping
+        {name of the input: its Coordinate}.
+    OUTPUTS : mapping
+        {name of the input: tuple of :class:`Output`, the one that is published as ``output`` first}.
+    MOTION, LOADS : NamedTuple types
+        Of the results. A motion has ``transmission_angle`` and ``condition``, loads have ``shaking_force_x``,
+        ``_y``, ``shaking_force``, ``shaking_moment``.
+    WATCHED : tuple of str
+        Two loads or more, of which one is not finite if any load is not.
+    BODIES, EXTERNAL : NamedTuple types
+        Of ``bodies`` and ``external``: a field for each link, and for each link that can be loaded.
+    MARGIN_SIGNS : tuple of tuple
+        How the sizes of the lengths enter each of :attr:`margins`.
+    MODES : mapping
+        {assembly mode: its name as text}; an instance may have fewer than its kind.
+    SLIDE_DIRECTION : tuple of 2 str, optional
+        Fields of the motion: cosine and sine of the direction of a driven slide; None: it is x.
+
     """
 
-    stroke = None            # of mechanisms that have none
+    TITLE: ClassVar[str]
+    TEXT: ClassVar[str]
+    LENGTHS: ClassVar[tuple[Length, ...]]
+    LINKS: ClassVar[tuple[Link, ...]]
+    JOINTS: ClassVar[tuple[Joint, ...]]
+    PARTS: ClassVar[Mapping[Coordinate, str]]
+    DRAWN: ClassVar[tuple[Coordinate, ...]]
+    INPUTS: ClassVar[Mapping[str, Coordinate]]
+    OUTPUTS: ClassVar[Mapping[str, tuple[Output, ...]]]
+    MOTION: ClassVar[type[Any]]
+    LOADS: ClassVar[type[Any]]
+    WATCHED: ClassVar[tuple[str, ...]] = ('f41', 'shaking_moment')
+    BODIES: ClassVar[type[Any]] = Bodies
+    EXTERNAL: ClassVar[type[Any]] = External
+    MARGIN_SIGNS: ClassVar[tuple[tuple[int, ...], ...]]
+    MODES: ClassVar[Mapping[int, str]] = {CROSSED: '1', OPEN: '2'}
+    SLIDE_DIRECTION: ClassVar[tuple[str, str] | None] = None
+
+    # --- what a kind must give ------------------------------------------------------------------
+
+    @property
+    @abstractmethod
+    def closing_ranges(self):
+        """Return the ranges of the input in which the links close, (low, high) each, from below [rad] or [m]."""
+
+    @property
+    @abstractmethod
+    def singular_inputs(self):
+        """
+        Return the complex inputs where the dyad is in line, or quantities have a pole, as a list.
+
+        As far as their real part and the size of their imaginary part go: toggles (real), flat positions of
+        change points (real) and others. Extrema are searched for with samples that crowd there.
+        """
+
+    @property
+    @abstractmethod
+    def margins(self):
+        """Return the differences of sums of lengths [m] that are zero at change points."""
+
+    @property
+    @abstractmethod
+    def classification(self):
+        """Return the type by name: which links turn fully."""
+
+    @abstractmethod
+    def link_motion(self, motion, link):
+        """
+        Return the :class:`~fourbar_ros.mechanisms.points.LinkMotion` of a link by name.
+
+        Plain arithmetic with fields of the motion, whatever numbers these are.
+        """
+
+    @abstractmethod
+    def transmission_sine(self, motion):
+        """Return a number that is zero where the dyad is in line, at most one."""
+
+    @abstractmethod
+    def diagram(self, motion) -> Diagram:
+        """Return what a picture shows in one pose."""
+
+    @abstractmethod
+    def velocity_polygon(self, motion) -> list[Arrow]:
+        """Return the arrows of the velocities [m/s]; the pole is the origin."""
+
+    @abstractmethod
+    def acceleration_polygon(self, motion) -> list[Arrow]:
+        """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
+
+    # --- what follows from it -------------------------------------------------------------------
+
+    @property
+    def lengths(self):
+        """Return the lengths [m]."""
+        return tuple([getattr(self, length.name) for length in self.LENGTHS])
+
+    @property
+    def length_names(self):
+        """Return the names of the lengths."""
+        return tuple([length.name for length in self.LENGTHS])
+
+    @property
+    def change_point_margin(self):
+        """
+        Return the least size of :attr:`margins` over the sum of all lengths.
+
+        Zero: a change point, where both assembly modes meet and the linkage can leave its mode.
+        """
+        return min(map(abs, self.margins)) / fsum(map(abs, self.lengths))
+
+    @property
+    def description(self):
+        """Return what it is as text: kind, type, input."""
+        return f'{self.TITLE}, {self.classification}, driven at its {self.input}'
+
+    @cached_property
+    def input_ranges(self):
+        """Return the ranges of the input, from low to high: :attr:`closing_ranges`, as far as they lie in the stroke."""
+        return self._within_stroke(self.closing_ranges)
+
+    @property
+    def dead_points(self):
+        """Return where the output turns back at any speed of the input: NamedTuples, the input first."""
+        return ()
+
+    @property
+    def ranges_of_both_modes(self):
+        """Return {position of an output: its ranges over both modes}, as far as they are known in closed form."""
+        return {}
+
+    @property
+    def outputs(self):
+        """Return the tuple of :class:`Output` for what is driven."""
+        return self.OUTPUTS[self.input]
+
+    def link(self, name):
+        """Return the :class:`Link` of this name."""
+        return find_link(self.LINKS, name)
+
+    def loads_of_links(self):
+        """Return {name of a link: (Body, Applied)}: what is given for each; nothing without masses."""
+        given = self.external._asdict()
+        return {name: (body, given.get(name, NOT_APPLIED))
+                for name, body in (self.bodies._asdict().items() if self.bodies else ())}
+
+    stroke: Any = None       # of mechanisms that have none
 
     @cached_property
     def _motion(self):
@@ -128,6 +286,10 @@ class Mechanism:
         return self._motion[0], self._loads[0]
 
     @cached_property
+    def _watched(self):
+        return itemgetter(*map(self.LOADS._fields.index, self.WATCHED))
+
+    @cached_property
     def _recorded(self):
         return ByDialect(lambda with_loads: recorded(self, with_loads))
 
@@ -139,22 +301,22 @@ class Mechanism:
         """Make the functions of one sample, as the first would; ArithmeticError or ValueError where numbers overflow."""
         return self._motion[0], self.bodies and self._loads[0]
 
-    def _check(self, lengths, signed=()):
-        """Refuse what no mechanism can have: lengths by name positive, signed ones finite."""
+    def _check(self):
+        """Refuse what no mechanism can have: lengths that are not positive, or if signed not finite, and so on."""
         given = {name: number(name, getattr(self, name), 'a length must be a positive number', above=0.0)
-                 for name in lengths}
-        given.update((name, number(name, getattr(self, name))) for name in signed)
+                 for name, _, signed in self.LENGTHS if not signed}
+        given.update((name, number(name, getattr(self, name))) for name, _, signed in self.LENGTHS if signed)
         for name, value in given.items():
             if abs(value) >= LONGEST:
                 raise InvalidParameter(name, value, f'must be shorter than {LONGEST:.3g} m: sums of lengths overflow')
-        if isinstance(self.mode, bool) or self.mode not in (CROSSED, OPEN):
-            raise InvalidParameter('mode', self.mode, 'must be 1 (crossed) or 2 (open)')
         if self.input not in self.INPUTS:
             raise InvalidParameter('input', self.input, f'must be one of {", ".join(self.INPUTS)}')
+        if isinstance(self.mode, bool) or self.mode not in self.MODES:
+            raise InvalidParameter('mode', self.mode, 'must be 1 (crossed) or 2 (open)')
         given.update(mode=int(self.mode), gravity=_two_numbers('gravity', self.gravity),
-                     external=records('external', self.external, Applied, External))
+                     external=records('external', self.external, Applied, self.EXTERNAL))
         if self.bodies is not None:
-            given['bodies'] = records('bodies', self.bodies, Body, Bodies)
+            given['bodies'] = records('bodies', self.bodies, Body, self.BODIES)
         for name, value in given.items():
             object.__setattr__(self, name, value)
 
@@ -175,7 +337,8 @@ class Mechanism:
         """Return the same mechanism with another :class:`~fourbar_ros.mechanics.bodies.External`; what does not depend on it is shared."""
         other = object.__new__(type(self))
         other.__dict__.update(self.__dict__, external=external)      # what else is in it was checked
-        other.__dict__.pop('_loads', None)
+        for name in ('_loads', '_of_one', '_recorded'):              # made for the loads as they were
+            other.__dict__.pop(name, None)
         return other
 
     @property
@@ -208,7 +371,7 @@ class Mechanism:
 
     def term_sizes(self, motion, rate, acceleration):
         """Return {unit: size} of the terms that rates and accelerations are sums of, for noise bounds."""
-        angles = [joint for joint in self.JOINTS if joint is not TRAVEL]
+        angles = [joint.coordinate for joint in self.JOINTS if joint.coordinate.unit == 'rad']
         omega = sum(abs(getattr(motion, joint.rate).real) for joint in angles)
         alpha = omega * omega + sum(abs(getattr(motion, joint.acceleration).real) for joint in angles)
         size = max(map(abs, self.lengths))
@@ -287,7 +450,7 @@ class Mechanism:
             loads = loads_of(motion)
         except (ValueError, ZeroDivisionError):
             raise self._why_no_motion(position) from None
-        if (loads[8] + loads[-1]) * 0.0 != 0.0:     # |F41| and the shaking moment: overflow reaches one of them
+        if sum(self._watched(loads)) * 0.0 != 0.0:
             raise InvalidParameter(self.input_coordinate.rate, rate, 'so fast, or with such masses, that loads overflow')
         return _new(self.MOTION, motion), _new(self.LOADS, loads)
 
@@ -315,7 +478,7 @@ class Mechanism:
         """Return the fields of these names alone, as a tuple in their order."""
         if isinstance(fields, Iterable) and not isinstance(fields, str):
             fields = tuple(fields)
-        wanted, needs_loads = _places(type(self), fields, with_loads)
+        wanted, needs_loads = _places(self.MOTION, self.LOADS if with_loads else None, fields)
         if needs_loads and self.bodies is None:
             raise MissingBodies
         if not _are_numbers(*given):
@@ -325,15 +488,23 @@ class Mechanism:
         return tuple([values[i] for i in wanted])
 
 
+def find_link(links, name):
+    """Return the :class:`Link` of a name; InvalidParameter if there is none."""
+    for link in links:
+        if link.name == name:
+            return link
+    raise InvalidParameter('link', name, f'must be one of {", ".join(link.name for link in links)}')
+
+
 @cache
-def _places(kind, fields, with_loads):
-    """Return the places of fields among those of motion and loads, and whether any is a load."""
-    known = kind.MOTION._fields + (kind.LOADS._fields if with_loads else ())
+def _places(motion, loads, fields):
+    """Return the places of fields among those of motion and loads (of these types), and whether any is a load."""
+    known = motion._fields + (loads._fields if loads else ())
     for name in fields if isinstance(fields, tuple) else (fields,):
         if name not in known or not isinstance(fields, tuple):
             raise InvalidParameter('fields', name, f'must be some of {", ".join(known)}')
     wanted = tuple(map(known.index, fields))
-    return wanted, any(i >= len(kind.MOTION._fields) for i in wanted)
+    return wanted, any(i >= len(motion._fields) for i in wanted)
 
 
 def _are_numbers(*values):

@@ -12,12 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fourbar_ros.numerics.dialects import dialects, where
-from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.given import number
-from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
-from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
-
-CRANK, COUPLER, OUTPUT = LINKS = ('crank', 'coupler', 'output')
 
 
 class LinkMotion(NamedTuple):
@@ -86,33 +81,19 @@ def vector(x, y):
 
 def link_motion(mechanism, motion, link):
     """
-    Return the :class:`LinkMotion` of 'crank', 'coupler' or 'output'.
+    Return the :class:`LinkMotion` of a link.
 
     Parameters
     ----------
-    mechanism : FourBar, SliderCrank or InvertedSlider
+    mechanism : Mechanism
     motion : Motion of that mechanism
         One sample or arrays.
     link : str
-        As in Bodies: the coupler of an inverted slider is its block, the output of a slider-crank its
-        slider, of an inverted one its bar.
+        Name of one of its ``LINKS``: the coupler of an inverted slider is its block, the output of a
+        slider-crank its slider, of an inverted one its bar.
 
     """
-    if link not in LINKS:
-        raise InvalidParameter('link', link, f'must be one of {", ".join(LINKS)}')
-    crank = LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_x, motion.sin_x, motion.omega1, motion.alpha1)
-    if link == CRANK:
-        return crank
-    if isinstance(mechanism, SliderCrank):
-        if link == OUTPUT:
-            return LinkMotion(motion.slide, mechanism.offset, motion.slide_velocity, 0.0,
-                              motion.slide_acceleration, 0.0, 1.0, 0.0, 0.0, 0.0)
-    elif link == OUTPUT:
-        return LinkMotion(mechanism.a4, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_y, motion.sin_y, motion.omega4, motion.alpha4)
-    at_a = point_of(crank, mechanism.a1)
-    if isinstance(mechanism, InvertedSlider):
-        return LinkMotion(*at_a, motion.cos_y, motion.sin_y, motion.omega4, motion.alpha4)
-    return LinkMotion(*at_a, motion.cos_b, motion.sin_b, motion.omega_beta, motion.alpha_beta)
+    return mechanism.link_motion(motion, mechanism.link(link).name)
 
 
 def point_of(link, along, across=0.0):
@@ -126,6 +107,11 @@ def point_of(link, along, across=0.0):
     square = omega * omega
     return (x0 + x, y0 + y, v_x - omega * y, v_y + omega * x,
             a_x - alpha * y - square * x, a_y + alpha * x - square * y)
+
+
+def crank_motion(motion):
+    """Return the :class:`LinkMotion` of a crank that turns about O1."""
+    return LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_x, motion.sin_x, motion.omega1, motion.alpha1)
 
 
 @dialects
@@ -162,7 +148,7 @@ def point_motion(mechanism, motion, link, along, across=0.0):
 
     """
     along, across = number('along', along), number('across', across)
-    shape = np.shape(motion.cos_x)
+    shape = np.shape(motion[0])
     if not shape:
         return PointMotion(*make_point.scalar(mechanism, link, along, across)(motion))
     with np.errstate(divide='ignore', invalid='ignore'):

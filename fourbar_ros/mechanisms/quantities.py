@@ -7,7 +7,7 @@ from typing import Callable, NamedTuple
 import numpy as np
 
 from fourbar_ros.errors import FourBarError, nearest
-from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
+from fourbar_ros.mechanisms.mechanism import CRANK
 from fourbar_ros.mechanisms.points import link_motion, point_of
 
 
@@ -85,16 +85,18 @@ QUANTITIES = {quantity.name: quantity for quantity in (
 )}
 
 
-# What one kind of input makes given, or nothing.
-_NOT_OF = {CRANK: ('omega1', 'alpha1', 'driving_force'),
-           SLIDE: ('slide_velocity', 'slide_acceleration', 'driving_torque')}
+def known(mechanism, driven=CRANK):
+    """Return {name: Quantity} of what a mechanism, or a kind, has, driven at its crank or slide."""
+    return _known(mechanism.MOTION._fields, mechanism.LOADS._fields, mechanism.INPUTS[driven])
 
 
 @cache
-def known(kind, driven=CRANK):
-    """Return {name: Quantity} of what a kind of mechanism has, driven at its crank or slide."""
-    return {name: quantity for name, quantity in QUANTITIES.items() if name not in _NOT_OF[driven]
-            and name in (kind.LOADS if quantity.is_load else kind.MOTION)._fields}
+def _known(motion, loads, coordinate):
+    """Return {name: Quantity} of these fields, without what is given where a coordinate is driven, or zero."""
+    absent = {coordinate.rate, coordinate.acceleration,
+              'driving_force' if coordinate.unit == 'rad' else 'driving_torque'}
+    return {name: quantity for name, quantity in QUANTITIES.items()
+            if name not in absent and name in (loads if quantity.is_load else motion)}
 
 
 def is_published(quantity):
@@ -108,7 +110,7 @@ def select(names, mechanism, others=()):
 
     ``others``: more quantities that have a name, as those of a scene's points.
     """
-    available = known(type(mechanism), mechanism.input) | {quantity.name: quantity for quantity in others}
+    available = known(mechanism, mechanism.input) | {quantity.name: quantity for quantity in others}
     for name in names:
         if name not in available:
             raise UnknownQuantity(name, available)

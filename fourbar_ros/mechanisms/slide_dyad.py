@@ -72,6 +72,11 @@ def closes(p, r, e):
     return fsum((p, r, -abs(e))) > 0.0
 
 
+def margins(p, r, e):
+    """Return r - p - |e| and p - r - |e| [m], which are zero at change points."""
+    return fsum((r, -p, -abs(e))), fsum((p, -r, -abs(e)))
+
+
 def reach(p, r, e):
     """Return (inner, outer) distances squared, minus e^2: (p - r)^2 - e^2 and (p + r)^2 - e^2 [m^2]."""
     return difference_of_squares(p, -r, e, 0.0), difference_of_squares(p, r, e, 0.0)

@@ -105,7 +105,7 @@ def rebound(function, **names):
     """
     scope = {**function.__globals__, **names}
     for name in _global_names(function.__code__) - names.keys():
-        if isinstance(scope.get(name), FunctionType):
+        if isinstance(scope.get(name), FunctionType) and scope[name].__code__ is not function.__code__:
             scope[name] = rebound(scope[name], **names)
     return FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
 

@@ -9,8 +9,12 @@ from __future__ import annotations
 from math import isnan, nan
 from typing import NamedTuple
 
-NAMES = tuple(f'joint {i} {what}' for what in ('position', 'velocity', 'effort')
-              for i in (1, 2, 3, 4))
+FIELDS = ('position', 'velocity', 'effort')
+
+
+def names(count: int) -> tuple[str, ...]:
+    """Return the names of the values that :meth:`Joints.of` returns for so many joints."""
+    return tuple(f'joint {i + 1} {what}' for what in FIELDS for i in range(count))
 
 
 class Scale(NamedTuple):
@@ -28,7 +32,7 @@ class Scale(NamedTuple):
 
 class Joints:
     """
-    The four joints of a scene, one sample after the other.
+    The joints of a scene, one sample after the other.
 
     Parameters
     ----------
@@ -50,7 +54,7 @@ class Joints:
         self._last = (nan,) * len(joints)
 
     def of(self, values) -> tuple[float, ...]:
-        """Return four positions, rates and efforts of one sample, as :data:`NAMES` has them."""
+        """Return positions, rates and efforts of one sample, as :func:`names` has them."""
         scales = self._scales
         positions = tuple(s.ratio * values[i] + s.offset for s, i in zip(scales, self._positions))
         if self._holds:

@@ -10,16 +10,14 @@ from math import nan
 from typing import NamedTuple
 
 from fourbar_ros.pipeline import joints, wrenches
-from fourbar_ros.mechanisms.four_bar.loads import Loads
-from fourbar_ros.mechanisms.four_bar.motion import Motion
-from fourbar_ros.mechanisms.mechanism import THETA1, TRAVEL
+from fourbar_ros.mechanisms.parts import BETA, THETA1, THETA2, THETA3, THETA4, TRAVEL
 from fourbar_ros.mechanisms.points import PointMotion
-from fourbar_ros.mechanisms.slider_loads import SliderLoads
 
-# Fields of LinkageState; what a mechanism does not have is NaN there. omega_beta says the coupler's ratio.
-STATE_FIELDS = (*(name for name in Motion._fields[:Motion._fields.index('condition') + 1] if name != 'coupler_ratio'),
-                *TRAVEL)
-LOADS_FIELDS = tuple(dict.fromkeys(Loads._fields + SliderLoads._fields))
+# Fields of LinkageState and LinkageLoads; what a mechanism does not have is NaN there.
+STATE_FIELDS = (*THETA1, *THETA2, *THETA3, *THETA4, *BETA, 'transmission_angle', 'velocity_ratio', 'condition', *TRAVEL)
+LOADS_FIELDS = ('f41_x', 'f41_y', 'f21_x', 'f21_y', 'f32_x', 'f32_y', 'f43_x', 'f43_y', 'f41', 'f21', 'f32', 'f43',
+                'driving_torque', 'shaking_force_x', 'shaking_force_y', 'shaking_force', 'shaking_moment',
+                'guide_force', 'guide_couple', 'driving_force')
 PASSIVE_EFFORT = 0.0                                   # frictionless joints
 _EFFORTS = {THETA1: 'driving_torque', TRAVEL: 'driving_force'}
 
@@ -55,25 +53,41 @@ class Layout(NamedTuple):
                 for name in (source if isinstance(source, tuple) else (source,)) if name is not None}
 
 
+class Names(NamedTuple):
+    """What a mechanism calls its numbers: fields of motion and loads, input, output with its ratio, joints."""
+
+    motion: tuple
+    loads: tuple
+    driven: tuple
+    output: tuple
+    joints: tuple
+
+    @classmethod
+    def of(cls, mechanism):
+        """Return the names of a mechanism."""
+        return cls(mechanism.MOTION._fields, mechanism.LOADS._fields, mechanism.input_coordinate,
+                   mechanism.outputs[0], tuple(joint.coordinate for joint in mechanism.JOINTS))
+
+
 @cache
-def layout(kind, driven, points=(), with_effort=True, own_joints=False, with_drive=False):
+def layout(given, points=(), with_effort=True, own_joints=False, with_drive=False):
     """
-    Return the :class:`Layout` of a kind of mechanism, driven at its crank or slide, with named points.
+    Return the :class:`Layout` of a mechanism by its :class:`Names`, with named points.
 
     ``with_effort``: joint_states have it; ``own_joints``: what they show are values of :mod:`fourbar_ros.pipeline.joints`, not
     those of the motion; ``with_drive``: with the drive wrench of :mod:`fourbar_ros.pipeline.wrenches`.
     """
-    names = kind.MOTION._fields + kind.LOADS._fields
-    output, ratio = kind.OUTPUTS[driven]
+    names = given.motion + given.loads
+    output, ratio = given.output
     motion = ('position', 'velocity', 'acceleration')
     fields = {
-        'driven': dict(zip(motion, kind.INPUTS[driven])),
+        'driven': dict(zip(motion, given.driven)),
         'output': dict(zip(motion, output)),
         'state': {'velocity_ratio': ratio, **{name: name for name in STATE_FIELDS if name in names}},
         'loads': {name: name for name in LOADS_FIELDS if name in names},
         'shaking_wrench': {'wrench.force.x': 'shaking_force_x', 'wrench.force.y': 'shaking_force_y',
                            'wrench.torque.z': 'shaking_moment'},
-        'joint_states': _joint_states(kind, with_effort, own_joints),
+        'joint_states': _joint_states(given.joints, with_effort, own_joints),
         **{f'points/{point}': {name: f'{point}.{name}' for name in PointMotion._fields} for point in points},
     }
     absent = {'state': tuple(name for name in STATE_FIELDS if name not in fields['state']),
@@ -81,18 +95,19 @@ def layout(kind, driven, points=(), with_effort=True, own_joints=False, with_dri
     names += tuple(f'{point}.{name}' for point in points for name in PointMotion._fields)
     if with_drive:
         fields['drive_wrench'] = dict(zip(('wrench.force.x', 'wrench.force.y', 'wrench.torque.z'), wrenches.NAMES))
-    names += (wrenches.NAMES if with_drive else ()) + (joints.NAMES if own_joints else ())
+    names += (wrenches.NAMES if with_drive else ()) + (joints.names(len(given.joints)) if own_joints else ())
     return Layout(fields, absent, {name: i for i, name in enumerate(names)},
-                  tuple((joint, _EFFORTS.get(joint)) for joint in kind.JOINTS))
+                  tuple((joint, _EFFORTS.get(joint)) for joint in given.joints))
 
 
-def _joint_states(kind, with_effort, own):
+def _joint_states(coordinates, with_effort, own):
     if own:
-        fields = {what: joints.NAMES[4 * i:4 * i + 4] for i, what in enumerate(('position', 'velocity', 'effort'))}
+        count, names = len(coordinates), joints.names(len(coordinates))
+        fields = {what: names[count * i:count * (i + 1)] for i, what in enumerate(joints.FIELDS)}
     else:
-        fields = {'position': tuple(joint.position for joint in kind.JOINTS),
-                  'velocity': tuple(joint.rate for joint in kind.JOINTS),
-                  'effort': tuple(_EFFORTS.get(joint) for joint in kind.JOINTS)}
+        fields = {'position': tuple(joint.position for joint in coordinates),
+                  'velocity': tuple(joint.rate for joint in coordinates),
+                  'effort': tuple(_EFFORTS.get(joint) for joint in coordinates)}
     if not with_effort:
         del fields['effort']                             # empty in the message: not known
     return fields

@@ -34,7 +34,8 @@ class Stepper:
         self._good = None
         self._limits = None
         self._joints = None if scene.joint_states.are_plain else joints.Joints(scene.layout, scene.joint_states)
-        self._nothing = (nan,) * (len(scene.layout.place) - (len(joints.NAMES) if self._joints else 0))
+        self._nothing = (nan,) * (len(scene.layout.place)
+                                  - (len(joints.FIELDS) * len(scene.layout.joints) if self._joints else 0))
         self._drive_wrench = (wrenches.drive_wrench(scene.linkage, scene.layout.place)
                               if 'drive_wrench' in scene.outputs else None)
         self.acting, self._loads_unknown = {}, False

@@ -58,8 +58,8 @@ def drive_wrench(linkage, place: dict[str, int]) -> Callable[[tuple], tuple[floa
     """
     Return the function values -> (force_x, force_y, torque) of the linkage on its drive.
 
-    Minus the driving torque; minus the driving force along the slide: x of a slider-crank, the bar
-    of an inverted slider-crank. NaN where that is not known. ``place``: where values stand.
+    Minus the driving torque; minus the driving force along the slide, in the direction that the
+    mechanism states. NaN where that is not known. ``place``: where values stand.
     """
     drive = place['driving_force' if linkage.is_driven_by_slide else 'driving_torque']
 
@@ -70,7 +70,11 @@ def drive_wrench(linkage, place: dict[str, int]) -> Callable[[tuple], tuple[floa
     def push(values):
         return -values[drive], 0.0 * abs(values[drive]), 0.0 * abs(values[drive])
 
-    def push_along_bar(values):
+    if not linkage.is_driven_by_slide or linkage.SLIDE_DIRECTION is None:
+        return push if linkage.is_driven_by_slide else turn
+    cosine, sine = (place[name] for name in linkage.SLIDE_DIRECTION)
+
+    def push_along(values):
         force = -values[drive]
-        return force * values[place['cos_y']], force * values[place['sin_y']], 0.0 * abs(force)
-    return turn if not linkage.is_driven_by_slide else push_along_bar if 'cos_y' in place else push
+        return force * values[cosine], force * values[sine], 0.0 * abs(force)
+    return push_along

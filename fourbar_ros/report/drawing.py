@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.report.mechanism_panel import draw_mechanism, joints, renamed, significant  # noqa: F401
-from fourbar_ros.report.polygons import O1, acceleration_polygon, velocity_polygon
+from fourbar_ros.mechanisms.parts import ORIGIN
+from fourbar_ros.report.mechanism_panel import draw_mechanism, renamed, significant
 from fourbar_ros.report.sheet import Sheet
 
 STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 11, 'svg.hashsalt': 'fourbar_ros',
@@ -53,16 +53,16 @@ def draw_polygon(axes, arrows, title, unit, names=None):
     shown = [arrow for arrow in arrows if hypot(*arrow.vector) > LEAST * longest and (arrow.is_sum or not any(
         np.allclose(arrow.vector, other.vector, 0.0, LEAST * longest) and np.allclose(arrow.start, other.start)
         for other in sums))]
-    sheet = Sheet(axes, [O1] + [point for arrow in shown for point in (arrow.start, arrow.start + arrow.vector)],
+    sheet = Sheet(axes, [ORIGIN] + [point for arrow in shown for point in (arrow.start, arrow.start + arrow.vector)],
                   f'{title} [{unit}]')
     for arrow in shown:
         sheet.arrow(arrow.start, arrow.vector, *((SUM, 2.0) if arrow.is_sum else (PART, 1.4)))
         sheet.occupy(arrow.start, arrow.start + arrow.vector)
     axes.plot(0.0, 0.0, 'o', ms=5, mfc='w', mec='k', zorder=7)
     if not shown:
-        axes.annotate('all zero', O1, (8, 0), textcoords='offset points', va='center')
+        axes.annotate('all zero', ORIGIN, (8, 0), textcoords='offset points', va='center')
         return
-    sheet.label('o', sheet.around(O1), 'k')
+    sheet.label('o', sheet.around(ORIGIN), 'k')
     for arrow in shown:
         sheet.label(arrow.label, sheet.beside(arrow.start, arrow.vector), SUM if arrow.is_sum else PART)
     sheet.scale(unit)
@@ -85,8 +85,8 @@ def make_figure(mechanism, motion, loads=None, title='', points=None, names=None
         figure.suptitle(title, x=0.012, y=0.98, ha='left', fontsize=13, fontweight='bold')
         below = '   $F_{ij}$: force of link $i$ on link $j$' if loads else ''
         draw_mechanism(axes[0], mechanism, motion, loads, points, names, units.length, f'mechanism{below}')
-        draw_polygon(axes[1], velocity_polygon(mechanism, motion), 'velocities', units.speed, names)
-        draw_polygon(axes[2], acceleration_polygon(mechanism, motion), 'accelerations', units.acceleration, names)
+        draw_polygon(axes[1], mechanism.velocity_polygon(motion), 'velocities', units.speed, names)
+        draw_polygon(axes[2], mechanism.acceleration_polygon(motion), 'accelerations', units.acceleration, names)
     return figure
 
 

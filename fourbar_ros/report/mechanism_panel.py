@@ -7,29 +7,13 @@ from math import degrees, hypot, pi, remainder
 import numpy as np
 
 from fourbar_ros.mechanics.moving_frames import turned
-from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
-from fourbar_ros.mechanisms.points import LINKS, link_motion, point_motion
-from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
-from fourbar_ros.report.polygons import O1
+from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.report.sheet import Sheet
 
 LEAST_FORCE = 0.1      # forces shorter than this share of the longest have no arrow
 ARROW = 0.4            # length of the longest force over the size of the mechanism
 BODY, FORCE, POINT, ANGLE = '0.35', '#1e6b37', '#7a4b00', '0.45'      # dark enough for print in grey
-FORCES = ('f41', 'f21', 'f32', 'f43')
-
-
-def joints(mechanism, motion):
-    """Return the places of the joints by name, in order along the chain, each of shape (2,) [m]."""
-    def place(link, along):
-        return point_motion(mechanism, motion, link, along).place
-
-    places = {'O_1': O1, 'A': place('crank', mechanism.a1)}
-    if isinstance(mechanism, SliderCrank):
-        return places | {'B': place('output', 0.0)}
-    if isinstance(mechanism, InvertedSlider):
-        return places | {'O_4': place('output', 0.0)}
-    return places | {'B': place('output', mechanism.a3), 'O_4': place('output', 0.0)}
+SYMBOLS = {'theta': r'\theta_', 'omega': r'\omega_', 'alpha': r'\alpha_'}
 
 
 def renamed(label, names):
@@ -63,31 +47,31 @@ def draw_mechanism(axes, mechanism, motion, loads=None, points=None, names=None,
 
     """
     names, points = names or {}, points or {}
-    places = joints(mechanism, motion)
+    diagram = mechanism.diagram(motion)
+    places = diagram.joints
     size = max(np.ptp(np.array(list(places.values())), axis=0))
-    forces = _forces(places, loads, ARROW * size) if loads else {}
-    lines, block = _lines(mechanism, motion, places, size)
+    forces = _forces(diagram, loads, ARROW * size) if loads else {}
     centres = _centres(mechanism, motion)
     arms = _arms(mechanism, motion, points)
-    ends = [end for line, _ in lines for end in line] + [places[at] + force for at, force in forces.values()]
+    ends = [end for bar in diagram.bars for end in bar[:2]] + [places[at] + force for at, force in forces.values()]
     below = [at - (0.0, 0.08 * size) for at in places.values()]
     sheet = Sheet(axes, [*ends, *below, *centres.values(), *(arm[-1] for arm in arms.values())], title)
-    for start, end in _extensions(mechanism, motion, points, centres):
+    for start, end in _extensions(mechanism, motion, points, centres, diagram.drawn_whole):
         _link(sheet, start, end, 1.0)
-    for (start, end), width in lines:
-        _link(sheet, start, end, width)
+    for bar in diagram.bars:
+        _link(sheet, *bar)
     for arm in arms.values():
         axes.plot(*np.transpose(arm), color=POINT, lw=0.9, ls=(0, (4, 2)), zorder=4)
-    if block:
-        _draw_block(sheet, mechanism, places, *block)
-    _draw_joints(sheet, places)
+    for block in diagram.blocks:
+        _draw_block(sheet, *block)
+    _draw_joints(sheet, places, diagram.ground)
     for centre in centres.values():
         _draw_centre(sheet, centre)
     for name, arm in arms.items():
         axes.plot(*arm[-1], 's', ms=4.5, color=POINT, zorder=7)
         sheet.occupy(arm[-1], arm[-1])
     torque = getattr(loads, 'driving_torque', 0.0) if loads else 0.0
-    angles = _draw_angles(sheet, motion, places)
+    angles = _draw_angles(sheet, motion, diagram)
     for at, force in forces.values():
         sheet.arrow(places[at], force, FORCE, 1.8)
         sheet.occupy(places[at], places[at] + force)
@@ -104,41 +88,17 @@ def draw_mechanism(axes, mechanism, motion, loads=None, points=None, names=None,
         sheet.label(f'F_{{{name[1:]}}}', sheet.around(tip, force), FORCE)
     sheet.scale(*unit)
     if forces:
-        sheet.scale('N', ARROW * size / max(getattr(loads, name) for name in FORCES), 0.5)
-    sheet.write(_about(loads, forces) if loads else [], _motion_lines(motion, unit))
+        sheet.scale('N', ARROW * size / max(getattr(loads, name) for name in diagram.forces), 0.5)
+    sheet.write(_about(loads, diagram.forces, forces) if loads else [], _motion_lines(mechanism, motion, unit))
 
 
 # --- what is drawn ---------------------------------------------------------------------------------
 
-def _forces(places, loads, length):
+def _forces(diagram, loads, length):
     """Return {name: (joint, arrow)} of the forces that can be seen, the longest of this length."""
-    at = {'f41': 'O_1', 'f21': 'A', 'f32': 'B' if 'B' in places else 'A', 'f43': 'O_4' if 'O_4' in places else 'B'}
-    longest = max(getattr(loads, name) for name in FORCES)
-    return {name: (at[name], length / longest * np.array([getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y')]))
-            for name in FORCES if getattr(loads, name) > LEAST_FORCE * longest}
-
-
-def _lines(mechanism, motion, places, size):
-    """Return the links as (line, width), and (place, direction) of the block or slider or None."""
-    lines = [((places['O_1'], places['A']), 1.0)]
-    if isinstance(mechanism, InvertedSlider):
-        bar = link_motion(mechanism, motion, 'output').direction
-        foot = places['A'] - motion.slide * bar
-        sense = np.sign(motion.slide) * bar
-        if mechanism.is_driven_by_slide:        # a cylinder: the tube from O4, the rod out of it to A
-            tube = foot + min(_tube(mechanism), 0.98 * abs(motion.slide)) * sense
-            return lines + [((places['O_4'], foot), 1.0), ((foot, places['A']), 0.7), ((foot, tube), 2.4)], None
-        return lines + [((places['O_4'], foot), 1.0), ((foot, places['A'] + 0.14 * size * sense), 1.0)], (places['A'], bar)
-    lines.append(((places['A'], places['B']), 1.0))
-    if isinstance(mechanism, SliderCrank):
-        return lines, (places['B'], np.array([1.0, 0.0]))
-    return lines + [((places['O_4'], places['B']), 1.0)], None
-
-
-def _tube(mechanism):
-    """Return the length of the tube of a cylinder: its rod is in at the shortest, or half the longest."""
-    low, high = sorted(map(abs, mechanism.input_ranges[-1]))
-    return max(0.9 * low, 0.45 * high)
+    longest = max(getattr(loads, name) for name in diagram.forces)
+    return {name: (at, length / longest * np.array([getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y')]))
+            for name, at in diagram.forces.items() if getattr(loads, name) > LEAST_FORCE * longest}
 
 
 def _centres(mechanism, motion):
@@ -155,17 +115,18 @@ def _arms(mechanism, motion, points):
             for name, (link, along, across) in points.items()}
 
 
-def _extensions(mechanism, motion, points, centres):
+def _extensions(mechanism, motion, points, centres, drawn_whole):
     """Return lines of the links that reach beyond their joints, to points and centres of gravity."""
-    reach = {link: [0.0] for link in LINKS}
+    reach = {link.name: [0.0] for link in mechanism.LINKS}
     for link, along, _ in points.values():
         reach[link].append(along)
     for link in centres:
         reach[link].append(getattr(mechanism.bodies, link).cg_along)
     for link, alongs in reach.items():
-        length = getattr(mechanism, mechanism.LINK_LENGTHS[link]) if link in mechanism.LINK_LENGTHS else 0.0
+        name = mechanism.link(link).length
+        length = getattr(mechanism, name) if name else 0.0
         ends = [point_motion(mechanism, motion, link, along).place for along in (0.0, min(alongs), max(alongs), length)]
-        if max(alongs) > length and not (isinstance(mechanism, InvertedSlider) and link == 'output'):
+        if max(alongs) > length and link not in drawn_whole:
             yield ends[0], ends[2]
         if min(alongs) < 0.0:
             yield ends[1], ends[0]
@@ -179,22 +140,22 @@ def _link(sheet, start, end, width):
     sheet.occupy(start, end)
 
 
-def _draw_block(sheet, mechanism, places, at, direction):
+def _draw_block(sheet, at, direction, is_guided):
     half = 0.2 * sheet.inch
     corners = [at + half * (a * direction + 0.55 * b * turned(1.0, direction))
                for a, b in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
     sheet.axes.fill(*zip(*corners), fc='0.95', ec='k', lw=1.2, zorder=4)
     for one, other in zip(corners, corners[1:] + corners[:1]):
         sheet.occupy(one, other)
-    if isinstance(mechanism, SliderCrank):
-        sides = places['B'] + sheet.inch * np.array([[-0.7, -0.11], [0.7, -0.11]])
+    if is_guided:
+        sides = at + sheet.inch * np.array([[-0.7, -0.11], [0.7, -0.11]])
         sheet.axes.plot(*sides.T, color='k', lw=1.4)
         sheet.occupy(*sides)
 
 
-def _draw_joints(sheet, places):
+def _draw_joints(sheet, places, ground):
     for name, at in places.items():
-        if name in ('O_1', 'O_4'):
+        if name in ground:
             half = 0.12 * sheet.inch
             sheet.axes.fill(at[0] + half * np.array([0.0, -1.0, 1.0]), at[1] + half * np.array([0.0, -1.6, -1.6]), fc='w',
                             ec='k', lw=1.1, zorder=1)
@@ -214,22 +175,20 @@ def _draw_centre(sheet, at):
     sheet.occupy(at, at)
 
 
-def _draw_angles(sheet, motion, places):
-    """Draw the arcs of theta1 and theta4 from x; return [(label, places for it)]."""
-    found = []
-    for name, joint, text in (('theta1', 'O_1', r'\theta_1'), ('theta4', 'O_4', r'\theta_4')):
-        if joint in places and hasattr(motion, name):
-            angle = remainder(getattr(motion, name), 2.0 * pi)
-            radius = 0.3 * sheet.inch
-            arc = places[joint] + radius * _directions(np.linspace(0.0, angle, 40))
-            sheet.axes.plot(*arc.T, color=ANGLE, lw=0.9, zorder=1.5)
-            base = places[joint] + np.array([[0.0, 0.0], [1.5 * radius, 0.0]])
-            sheet.axes.plot(*base.T, color=ANGLE, lw=0.7, zorder=1.2)
-            sheet.occupy(*base)
-            for point in arc[::4]:
-                sheet.occupy(point, point)
-            found.append((text, [places[joint] + out * radius * direction for out in (1.5, 1.8, 2.1)
-                                 for direction in _directions(angle * np.array([0.5, 0.35, 0.65, 0.8, 0.2]))]))
+def _draw_angles(sheet, motion, diagram):
+    """Draw the arcs of the absolute angles from x; return [(label, places for it)]."""
+    found, radius = [], 0.3 * sheet.inch
+    for name, joint in diagram.angles.items():
+        at, angle = diagram.joints[joint], remainder(getattr(motion, name), 2.0 * pi)
+        arc = at + radius * _directions(np.linspace(0.0, angle, 40))
+        sheet.axes.plot(*arc.T, color=ANGLE, lw=0.9, zorder=1.5)
+        base = at + np.array([[0.0, 0.0], [1.5 * radius, 0.0]])
+        sheet.axes.plot(*base.T, color=ANGLE, lw=0.7, zorder=1.2)
+        sheet.occupy(*base)
+        for point in arc[::4]:
+            sheet.occupy(point, point)
+        found.append((_symbol(name), [at + out * radius * direction for out in (1.5, 1.8, 2.1)
+                                      for direction in _directions(angle * np.array([0.5, 0.35, 0.65, 0.8, 0.2]))]))
     return found
 
 
@@ -252,29 +211,35 @@ def _directions(angles):
 
 # --- text ------------------------------------------------------------------------------------------
 
-def _motion_lines(motion, unit):
-    """Return lines about the motion: position, rate and acceleration of what turns or slides, and the mode."""
-    lines = []
-    for name, symbol, index in (('theta1', r'\theta_1', '1'), ('beta', r'\beta', r'\beta'), ('theta4', r'\theta_4', '4')):
-        if hasattr(motion, name):
-            rate, acceleration = (getattr(motion, f'{kind}_{name}' if name == 'beta' else f'{kind}{name[-1]}')
-                                  for kind in ('omega', 'alpha'))
-            angle = degrees(remainder(getattr(motion, name), 2.0 * pi))
-            lines.append(rf'${symbol}$ = {angle:.2f}°,  $\omega_{index}$ = {significant(rate)} rad/s,  '
-                         rf'$\alpha_{index}$ = {significant(acceleration)} rad/s$^2$')
-    if hasattr(motion, 'slide'):
-        text, size = unit
-        slide, rate, acceleration = (significant(value / size) for value in (
-            motion.slide, motion.slide_velocity, motion.slide_acceleration))
-        lines.append(rf'slide $s$ = {slide} {text},  $\dot s$ = {rate} {text}/s,  '
-                     rf'$\ddot s$ = {acceleration} {text}/s$^2$')
+def _symbol(name):
+    """Return the name of a position or a rate as mathtext: theta1, beta, omega_beta, slide."""
+    if name[:5] in SYMBOLS:
+        index = name[5:].removeprefix('_')
+        return SYMBOLS[name[:5]] + (index if index.isdigit() else f'\\{index}')
+    return {'beta': r'\beta', 'slide': 's'}.get(name, rf'\mathrm{{{name}}}')
+
+
+def _motion_lines(mechanism, motion, unit):
+    """Return lines about the motion: position, rate and acceleration of what turns, absolute, or slides."""
+    lines, (text, size) = [], unit
+    for coordinate in mechanism.DRAWN:
+        position, rate, acceleration = (getattr(motion, name) for name in coordinate)
+        if coordinate.unit == 'rad':
+            symbol, omega, alpha = map(_symbol, coordinate)
+            lines.append(rf'${symbol}$ = {degrees(remainder(position, 2.0 * pi)):.2f}°,  ${omega}$ = {significant(rate)} rad/s,  '
+                         rf'${alpha}$ = {significant(acceleration)} rad/s$^2$')
+        else:
+            name, symbol = coordinate.position, _symbol(coordinate.position)
+            slide, rate, acceleration = (significant(value / size) for value in (position, rate, acceleration))
+            lines.append(rf'{name} ${symbol}$ = {slide} {text},  $\dot {symbol}$ = {rate} {text}/s,  '
+                         rf'$\ddot {symbol}$ = {acceleration} {text}/s$^2$')
     return lines
 
 
-def _about(loads, drawn):
+def _about(loads, forces, drawn):
     """Return the lines of text about loads; ``drawn``: the forces that have an arrow."""
     lines = [f'$F_{{{name[1:]}}}$ = {significant(getattr(loads, name))} N' + ('' if name in drawn else ' (not drawn)')
-             for name in FORCES]
+             for name in forces]
     force = getattr(loads, 'driving_force', 0.0)
     lines.append(f'drive $P$ = {significant(force)} N' if force else
                  f'drive $T_{{41}}$ = {significant(loads.driving_torque)} N m')

@@ -5,19 +5,9 @@ from math import degrees, hypot, radians
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.errors import UNITS
-from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
-from fourbar_ros.mechanisms.mechanism import (
-    THETA1,
-    THETA2,
-    THETA3,
-    THETA4,
-    TRAVEL,
-    Coordinate,
-    Mechanism,
-)
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
 from fourbar_ros.pipeline.status import (
     INVALID_INPUT,
     OUT_OF_RANGE,
@@ -27,7 +17,6 @@ from fourbar_ros.pipeline.status import (
 )
 from fourbar_ros.report.terminal import PlainTable, plain_table
 
-BETA = Coordinate('beta', 'omega_beta', 'alpha_beta')
 FORCES = {'f41': ('F41', 'ground on crank'), 'f21': ('F21', 'crank on coupler'), 'f32': ('F32', 'output on coupler'),
           'f43': ('F43', 'ground on output'), 'shaking_force': ('shaking force', 'linkage on ground')}
 MOMENTS = {'driving_torque': ('driving torque T41', 'N m'), 'driving_force': ('driving force', 'N'),
@@ -87,15 +76,19 @@ def no_pose(linkage: Mechanism, at: float, why: str) -> NoPose:
     return NoPose(f'{linkage.input_coordinate.position} = {at:.12g} {unit} {why}')
 
 
-def shown(name: str, value: float) -> str:
+def shown(coordinate: Coordinate, value: float) -> str:
     """Return a position as text: angles in degrees."""
-    return f'{value:.6g} m' if name == 'slide' else f'{degrees(value):.4f} deg'
+    return f'{value:.6g} m' if coordinate.unit == 'm' else in_degrees(value)
+
+
+def in_degrees(angle: float) -> str:
+    """Return an angle as text, in degrees."""
+    return f'{degrees(angle):.4f} deg'
 
 
 def ranges_in_words(linkage: Mechanism) -> str:
     """Return the range of the input as text, angles in degrees."""
-    name = linkage.input_coordinate.position
-    if name == 'slide':
+    if linkage.input_coordinate.unit == 'm':
         return ' or '.join(f'{low:.9g} to {high:.9g}' for low, high in linkage.input_ranges) + ' m'
     return ' or '.join(f'{degrees(low):.4f} to {degrees(high):.4f}' for low, high in linkage.input_ranges) + ' deg'
 
@@ -107,30 +100,19 @@ def number(value: float) -> str:
 
 # --- tables ----------------------------------------------------------------------------------------
 
-def _parts(linkage):
-    """Return {coordinate: what moves} of a kind of mechanism."""
-    if isinstance(linkage, SliderCrank):
-        return {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'slider to coupler', BETA: 'coupler',
-                TRAVEL: 'slider'}
-    if isinstance(linkage, InvertedSlider):
-        return {THETA1: 'crank', THETA2: 'block to crank', THETA4: 'bar', TRAVEL: 'block on the bar'}
-    return {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'output link to coupler', THETA4: 'output link',
-            BETA: 'coupler'}
-
-
 def motion_table(linkage: Mechanism, pose: Pose) -> PlainTable:
     """Return the table of all joints: position, rate, acceleration."""
     driven = linkage.input_coordinate
-    given = (f'at {driven.position} = {shown(driven.position, getattr(pose.motion, driven.position))}, '
-             f'{getattr(pose.motion, driven.rate):g} {UNITS[driven.position]}/s, '
-             f'{getattr(pose.motion, driven.acceleration):g} {UNITS[driven.position]}/s^2: {STATUS_NAMES[pose.status]}')
+    given = (f'at {driven.position} = {shown(driven, getattr(pose.motion, driven.position))}, '
+             f'{getattr(pose.motion, driven.rate):g} {driven.unit}/s, '
+             f'{getattr(pose.motion, driven.acceleration):g} {driven.unit}/s^2: {STATUS_NAMES[pose.status]}')
     table = plain_table(given, ('', 'position>', 'unit', 'rate>', 'acceleration>', 'unit', 'of'))
-    for coordinate, part in _parts(linkage).items():
-        value, unit = shown(coordinate.position, getattr(pose.motion, coordinate.position)).split()
-        rates = UNITS.get(coordinate.position, 'rad')
+    for coordinate, part in linkage.PARTS.items():
+        value, unit = shown(coordinate, getattr(pose.motion, coordinate.position)).split()
+        rates = coordinate.unit
         table.add_row(coordinate.position, value, unit, number(getattr(pose.motion, coordinate.rate)),
                       number(getattr(pose.motion, coordinate.acceleration)), f'{rates}/s, {rates}/s^2', part)
-    table.add_row('transmission angle', *shown('', pose.motion.transmission_angle).split())
+    table.add_row('transmission angle', *in_degrees(pose.motion.transmission_angle).split())
     return table
 
 

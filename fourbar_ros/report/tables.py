@@ -6,10 +6,7 @@ from math import degrees, tau
 import numpy as np
 
 from fourbar_ros.scene import scene as scenes
-from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
-from fourbar_ros.errors import UNITS
 from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
 from fourbar_ros.mechanisms.quantities import select
 from fourbar_ros.report.poses import (
     evaluate_at,
@@ -24,7 +21,6 @@ from fourbar_ros.report.terminal import make_console, plain_table
 
 SAMPLES, END, FULL_TURN = 721, 1e-14, tau * (1.0 - 1e-9)
 SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the range is approached
-MODE_NAMES = {1: '1 (crossed)', 2: '2 (open)'}
 
 
 def show(path, mode=None, speed=None, at=None, acceleration=0.0, console=None):
@@ -54,44 +50,46 @@ def show(path, mode=None, speed=None, at=None, acceleration=0.0, console=None):
 
 def class_name(linkage):
     """Return the class of a linkage as text; of sliders also the kind and what is driven."""
-    if isinstance(linkage, FourBar):
-        return linkage.classification
-    kind = 'inverted slider-crank' if isinstance(linkage, InvertedSlider) else 'slider-crank'
-    return f'{kind}, {linkage.classification}, driven at its {linkage.input}'
+    return linkage.description
 
 
 def mode_name(linkage):
     """Return the assembly mode as text."""
-    return MODE_NAMES[linkage.mode] if isinstance(linkage, FourBar) else str(linkage.mode)
+    return linkage.MODES[linkage.mode]
 
 
 def rate_unit(linkage):
     """Return the unit of the input's rate."""
-    return f'{UNITS[linkage.input_coordinate.position]}/s'
+    return f'{linkage.input_coordinate.unit}/s'
 
 
-def _ranges(name, ranges):
-    if name != 'slide' and any(high - low >= FULL_TURN for low, high in ranges):
+def _ranges(coordinate, ranges):
+    name, unit = coordinate.position, 'm' if coordinate.unit == 'm' else 'deg'
+    if unit == 'deg' and any(high - low >= FULL_TURN for low, high in ranges):
         return f'{name}: full turns'
-    ends = [[shown(name, end).split()[0] for end in bounds] for bounds in ranges]
-    return f'{name}: {", ".join(map(" to ".join, ends))} {"m" if name == "slide" else "deg"}'
+    ends = [[shown(coordinate, end).split()[0] for end in bounds] for bounds in ranges]
+    return f'{name}: {", ".join(map(" to ".join, ends))} {unit}'
 
 
-def output_ranges(linkage):
+def output_ranges(linkage, coordinate=None):
     """
-    Return the ranges of theta4 in the mode of a 4R linkage, one for each range of the input.
+    Return the ranges of an output coordinate in the mode of a linkage, one for each range of the input.
 
-    theta4 turns back at dead points only, so these and the ends of the input are where it is extreme.
+    The output turns back at dead points only, so these and the ends of the input are where it is extreme.
+    ``coordinate``: not given, that of the first output.
     """
+    coordinate = coordinate or linkage.outputs[0].coordinate
     found = []
     for low, high in linkage.input_ranges:
-        turns = [point.theta1 + turn for point in linkage.dead_points for turn in (-tau, 0.0, tau)]
-        theta1 = np.sort([*np.linspace(low, high, SAMPLES), *(x for x in turns if low < x < high)])
-        theta1[0] += END                        # of a range that ends in a toggle, the end itself may be NaN
-        theta1[-1] -= END
-        theta4 = np.unwrap(linkage.motion(theta1).theta4)
-        turn = tau * round(0.5 * (theta4.min() + theta4.max()) / tau)
-        found.append((theta4.min() - turn, theta4.max() - turn))
+        turns = [point[0] + turn for point in linkage.dead_points for turn in (-tau, 0.0, tau)]
+        given = np.sort([*np.linspace(low, high, SAMPLES), *(x for x in turns if low < x < high)])
+        given[0] += END * linkage.input_unit    # of a range that ends in a toggle, the end itself may be NaN
+        given[-1] -= END * linkage.input_unit
+        places, = linkage.motion(given, fields=(coordinate.position,))
+        if coordinate.unit == 'rad':
+            places = np.unwrap(places)
+            places = places - tau * round(0.5 * (places.min() + places.max()) / tau)
+        found.append((places.min(), places.max()))
     return sorted(found)
 
 
@@ -99,18 +97,19 @@ def what_it_is(linkage, title):
     """Return the table of a linkage's own properties."""
     table = plain_table(str(title), ('', ''))
     table.show_header = False
-    driven = linkage.input_coordinate.position
-    rows = [('lengths', '  '.join(f'{name} {length:g}' for name, length in zip(linkage.LENGTHS, linkage.lengths)) + '  m'),
+    rows = [('lengths', '  '.join(f'{name} {length:g}' for name, length in zip(linkage.length_names, linkage.lengths)) + '  m'),
             ('class', class_name(linkage)),
             ('assembly mode', mode_name(linkage)),
-            ('input', _ranges(driven, linkage.input_ranges))]
-    if isinstance(linkage, FourBar):
+            ('input', _ranges(linkage.input_coordinate, linkage.input_ranges))]
+    for coordinate, _ in linkage.outputs:
         if linkage.change_point_margin > 0.0:
-            rows.append(('output', _ranges('theta4', output_ranges(linkage)) + ', in this mode'))
-        else:
-            rows.append(('output', _ranges('theta4', linkage.output_ranges) + ', in both modes: they meet'))
+            rows.append(('output', _ranges(coordinate, output_ranges(linkage, coordinate)) + ', in this mode'))
+        elif coordinate.position in linkage.ranges_of_both_modes:
+            rows.append(('output', _ranges(coordinate, linkage.ranges_of_both_modes[coordinate.position])
+                         + ', in both modes: they meet'))
     rows += [('dead point' + (f', {"stretched" if point.stretched else "folded"}' if hasattr(point, 'stretched') else ''),
-              ', '.join(f'{name} {shown(name, value)}' for name, value in zip(point._fields, point[:2])))
+              ', '.join(f'{coordinate.position} {shown(coordinate, value)}' for coordinate, value in zip(
+                  (linkage.input_coordinate, *(output.coordinate for output in linkage.outputs)), point)))
              for point in linkage.dead_points]
     rows.append(('change-point margin', f'{linkage.change_point_margin:.6g} of the perimeter'))
     if linkage.bodies:

@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
-from fourbar_ros.mechanisms.points import COUPLER, LINKS
+from fourbar_ros.scene import of_kinds
 from fourbar_ros.scene.topics import INPUTS, OUTPUTS, WRENCHES
 
 REQUIRED = object()        # as a default: the scene must give the value
@@ -93,6 +92,13 @@ def _as_float(value):
     return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
+def _length(name, length):
+    name = f'linkage.{name}'
+    if length.signed:
+        return Parameter(name, 'double', 0.0, 'm', length.text)
+    return Parameter(name, 'double', REQUIRED if length.is_in_all else nan, 'm', length.text, positive=True)
+
+
 def _body(link, first_joint):
     name = f'bodies.{link}.'
     return (
@@ -125,18 +131,11 @@ def _external(link, first_joint):
 
 PARAMETERS = {parameter.name: parameter for parameter in (
     Parameter('linkage.kind', 'string', 'four_bar', '',
-              'kind of linkage: four revolute joints (four_bar); a slider on a guide parallel to x (slider_crank); a block '
-              'on a bar that turns about O4 (inverted_slider, e.g. an oscillating cylinder)', choices=tuple(KINDS), live=False),
-    Parameter('linkage.input', 'string', CRANK, '',
-              'driven joint: the crank, or the slide of a slider_crank or inverted_slider', choices=(CRANK, SLIDE),
+              f'kind of linkage: {of_kinds.KINDS_IN_WORDS}', choices=tuple(KINDS), live=False),
+    Parameter('linkage.input', 'string', 'crank', '',
+              f'driven joint: the crank, or the slide of a {of_kinds.MORE_INPUTS_IN_WORDS}', choices=of_kinds.INPUTS,
               live=False),
-    Parameter('linkage.a1', 'double', REQUIRED, 'm', 'length of the crank O1-A', positive=True),
-    Parameter('linkage.a2', 'double', nan, 'm', 'length of the coupler A-B (not for an inverted_slider)', positive=True),
-    Parameter('linkage.a3', 'double', nan, 'm', 'length of the output link O4-B (four_bar only)', positive=True),
-    Parameter('linkage.a4', 'double', nan, 'm', 'length of the ground link O1-O4 (not for a slider_crank)', positive=True),
-    Parameter('linkage.offset', 'double', 0.0, 'm',
-              'slider_crank: y of the guide; inverted_slider: distance of the path of A on the bar from O4, positive to the '
-              'left of the bar'),
+    *(_length(*item) for item in of_kinds.LENGTHS.items()),
     Parameter('linkage.range', 'doubles', [], 'm',
               'stroke of a driven slide: [shortest, longest]; empty: every position where the linkage can be assembled', live=False),
     Parameter('linkage.mode', 'integer', 2, '',
@@ -147,11 +146,8 @@ PARAMETERS = {parameter.name: parameter for parameter in (
               'model every link with two revolute joints as a solid cylinder of this density', positive=True),
     Parameter('bodies.rods.radius', 'double', nan, 'm',
               'radius of these cylinders (with bodies.rods.density)', positive=True),
-    *_body('crank', 'O1'),
-    *_body('coupler', 'A'),
-    *_body('output', 'O4 (B for a slider)'),
-    *_external('coupler', 'A'),
-    *_external('output', 'O4 (B for a slider)'),
+    *(parameter for item in of_kinds.LINKS.items() for parameter in _body(*item)),
+    *(parameter for item in of_kinds.LOADED_LINKS.items() for parameter in _external(*item)),
     Parameter('external.timeout', 'double', 1.0, 's', 'with from_topic: a link without a wrench for longer than this counts as silent; 0: never',
               low=0.0),
     Parameter('external.when_silent', 'string', 'unknown', '',
@@ -184,8 +180,7 @@ PARAMETERS = {parameter.name: parameter for parameter in (
     Parameter('frame_id', 'string', 'fourbar', '', 'frame_id of all outputs; origin O1, x towards O4 or along the guide',
               live=False),
     Parameter('joint_names', 'strings', ['crank', 'coupler', 'coupler_output', 'output'], '',
-              'names of the joints in joint_states: at O1, A, B, O4 (slider_crank: O1, A, B, guide; inverted_slider: '
-              'O1, A, slide, O4)', live=False),
+              f'names of the joints in joint_states, in this order: {of_kinds.JOINTS_IN_WORDS}', live=False),
     Parameter('joint_states.prefix', 'string', '', '', 'prefix of every name in joint_names', live=False),
     Parameter('joint_states.ratios', 'doubles', [1.0] * 4, '',
               'ratio of each joint: published position = ratio * (angle or slide) + offset; negative: opposite direction', live=False),
@@ -211,7 +206,8 @@ PARAMETERS = {parameter.name: parameter for parameter in (
 
 # One set for each point of a scene; NAME is free: points.NAME.link and so on.
 POINT = {parameter.name: parameter for parameter in (
-    Parameter('points.NAME.link', 'string', COUPLER, '', 'link to which the point NAME is fixed', choices=LINKS),
+    Parameter('points.NAME.link', 'string', 'coupler', '', 'link to which the point NAME is fixed',
+              choices=tuple(of_kinds.LINKS)),
     Parameter('points.NAME.along', 'double', 0.0, 'm', 'position of the point NAME: distance from the first joint of its link along the link'),
     Parameter('points.NAME.across', 'double', 0.0, 'm',
               'position of the point NAME: distance to the left of the line of its link'),

@@ -5,17 +5,18 @@ import json
 from math import isnan
 from typing import NamedTuple
 
-from fourbar_ros.scene import parameters
-from fourbar_ros.mechanics.bodies import Applied, Bodies, Body, External, round_rod
+from fourbar_ros.scene import of_kinds, parameters
+from fourbar_ros.mechanics.bodies import Applied, Body, round_rod
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.mechanism import SLIDE, Mechanism
-from fourbar_ros.mechanisms.points import LINKS, OUTPUT
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
 from fourbar_ros.scene.topics import APPLIED, WRENCHES, topics_of
-from fourbar_ros.pipeline.message_fields import layout
+from fourbar_ros.pipeline.message_fields import Names, layout
 from fourbar_ros.scene.files import SceneError, flatten, read_values  # noqa: F401
+
+
+IN_WORDS = {1: 'one', 2: 'two', 3: 'three', 4: 'four', 5: 'five', 6: 'six', 7: 'seven', 8: 'eight'}
 
 
 class Drive(NamedTuple):
@@ -107,7 +108,7 @@ class Scene(NamedTuple):
     @property
     def layout(self):
         """Return the :class:`~.records.Layout` of its values."""
-        return layout(type(self.linkage), self.linkage.input, tuple(self.points), self.needs_loads,
+        return layout(Names.of(self.linkage), tuple(self.points), self.needs_loads,
                       not self.joint_states.are_plain, 'drive_wrench' in self.outputs)
 
     @property
@@ -136,9 +137,10 @@ def from_values(values):
     points = {name: Point(*(values[f'points.{name}.{field}'] for field in Point._fields))
               for name in parameters.points_in(values)}
     shown = _group(JointStates, 'joint_states', values)
-    wrenches = Wrenches(tuple(link for link in External._fields if values[f'external.{link}.from_topic']),
+    linkage = _linkage(values)
+    wrenches = Wrenches(tuple(link for link in linkage.EXTERNAL._fields if values[f'external.{link}.from_topic']),
                         values['external.timeout'], values['external.when_silent'])
-    scene = Scene(_linkage(values), points, wrenches, _group(Drive, 'drive', values), tuple(values['outputs']),
+    scene = Scene(linkage, points, wrenches, _group(Drive, 'drive', values), tuple(values['outputs']),
                   values['frame_id'], tuple(shown.prefix + name for name in values['joint_names']), shown,
                   _group(Recording, 'recording', values), values)
     _check_together(scene)
@@ -153,14 +155,15 @@ def _linkage(values):
     """Return the mechanism of a scene."""
     name = values['linkage.kind']
     kind = KINDS[name]
-    for length in dict.fromkeys(length for other in KINDS.values() for length in other.LENGTHS):
+    lengths = [length.name for length in kind.LENGTHS]
+    for length in of_kinds.LENGTHS:
         parameter = parameters.PARAMETERS[f'linkage.{length}']
         value = values[parameter.name]
-        if length in kind.LENGTHS and isnan(value):
+        if length in lengths and isnan(value):
             raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
-        if length not in kind.LENGTHS and not isnan(value) and value != parameter.default:
-            raise InvalidParameter(parameter.name, value, f'linkage.kind {name} has {", ".join(kind.LENGTHS)} only')
-    arguments = {length: values[f'linkage.{length}'] for length in kind.LENGTHS}
+        if length not in lengths and not isnan(value) and value != parameter.default:
+            raise InvalidParameter(parameter.name, value, f'linkage.kind {name} has {", ".join(lengths)} only')
+    arguments = {length: values[f'linkage.{length}'] for length in lengths}
     if len(kind.INPUTS) > 1:
         arguments['input'] = values['linkage.input']
     elif values['linkage.input'] not in kind.INPUTS:
@@ -171,7 +174,7 @@ def _linkage(values):
         arguments['stroke'] = tuple(values['linkage.range'])
     try:
         linkage = kind(**arguments, mode=values['linkage.mode'], bodies=_bodies(values, kind),
-                       gravity=(values['gravity.x'], values['gravity.y']), external=_external(values))
+                       gravity=(values['gravity.x'], values['gravity.y']), external=_external(values, kind))
         linkage.prepare()
         return linkage
     except InvalidParameter as error:
@@ -196,11 +199,12 @@ def _check_together(scene):
     if not scene.frame_id:
         refuse('frame_id', 'must not be empty')
     names = scene.values['joint_names']
-    if len(names) != 4 or len(set(names)) != 4 or '' in names:
-        refuse('joint_names', 'must be four different names, one for each joint')
+    count = len(scene.linkage.JOINTS)
+    if len(names) != count or len(set(names)) != count or '' in names:
+        refuse('joint_names', f'must be {IN_WORDS.get(count, count)} different names, one for each joint')
     for name in ('ratios', 'offsets'):
-        if len(getattr(scene.joint_states, name)) != 4:
-            refuse(f'joint_states.{name}', 'must be four numbers, one for each joint')
+        if len(getattr(scene.joint_states, name)) != count:
+            refuse(f'joint_states.{name}', f'must be {IN_WORDS.get(count, count)} numbers, one for each joint')
     if 0.0 in scene.joint_states.ratios:
         refuse('joint_states.ratios', 'must not be zero')
     if scene.drive.joint_ratio == 0.0:
@@ -213,9 +217,9 @@ def _check_together(scene):
         refuse('drive.joint', 'must name the joint that is the input')
 
 
-def _external(values):
-    return External(*(Applied(*(values[f'external.{link}.{field}'] for field in Applied.__dataclass_fields__))
-                      for link in External._fields))
+def _external(values, kind):
+    return kind.EXTERNAL(*(Applied(*(values[f'external.{link}.{field}'] for field in Applied.__dataclass_fields__))
+                           for link in kind.EXTERNAL._fields))
 
 
 def _bodies(values, kind):
@@ -224,33 +228,32 @@ def _bodies(values, kind):
         return not isnan(values[name])
 
     has_rods = given('bodies.rods.density') or given('bodies.rods.radius')
-    if not has_rods and not any(given(f'bodies.{link}.mass') for link in LINKS):
+    if not has_rods and not any(given(f'bodies.{link.name}.mass') for link in kind.LINKS):
         return None
     for name in ('bodies.rods.density', 'bodies.rods.radius'):
         if has_rods and not given(name):
             raise InvalidParameter(name, None, 'must be given: rods have density and radius')
-    return Bodies(*(_rod(values, link, kind, given) if has_rods and link in kind.LINK_LENGTHS
-                    else _body(values, link, kind, given) for link in LINKS))
+    return kind.BODIES(*((_rod if has_rods and link.length else _body)(values, link, given) for link in kind.LINKS))
 
 
-def _rod(values, link, kind, given):
+def _rod(values, link, given):
     for field in ('mass', 'inertia', 'cg_along'):
-        if given(f'bodies.{link}.{field}'):
-            raise InvalidParameter(f'bodies.{link}.{field}', values[f'bodies.{link}.{field}'],
+        name = f'bodies.{link.name}.{field}'
+        if given(name):
+            raise InvalidParameter(name, values[name],
                                    'give either bodies.rods or the bodies one by one, not both')
-    return round_rod(values[f'linkage.{kind.LINK_LENGTHS[link]}'], values['bodies.rods.density'],
+    return round_rod(values[f'linkage.{link.length}'], values['bodies.rods.density'],
                      values['bodies.rods.radius'])
 
 
-def _body(values, link, kind, given):
-    name = f'bodies.{link}.'
-    turns = not (kind is SliderCrank and link == OUTPUT)
-    for field in ('mass', 'inertia') if turns else ('mass',):
+def _body(values, link, given):
+    name = f'bodies.{link.name}.'
+    for field in ('mass', 'inertia') if link.turns else ('mass',):
         if not given(name + field):
             raise InvalidParameter(name + field, None,
-                                   f'must be given: loads need mass{" and inertia" * turns} of the {link}')
-    length = kind.LINK_LENGTHS.get(link)
-    along = values[name + 'cg_along'] if given(name + 'cg_along') else 0.5 * values[f'linkage.{length}'] if length else 0.0
+                                   f'must be given: loads need mass{" and inertia" * link.turns} of the {link.name}')
+    along = (values[name + 'cg_along'] if given(name + 'cg_along')
+             else 0.5 * values[f'linkage.{link.length}'] if link.length else 0.0)
     return Body(values[name + 'mass'], along, values[name + 'cg_across'],
                 values[name + 'inertia'] if given(name + 'inertia') else 0.0)
 

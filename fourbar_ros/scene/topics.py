@@ -7,11 +7,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from fourbar_ros.scene.of_kinds import LOADED_LINKS
+
 QUEUE_DEPTH = 10          # reliable, keep last: matches reliable and best-effort subscribers
 INPUT_DEPTH = 100         # best effort matches every publisher; deep enough for a burst
-
-
-LOADED_LINKS = ('coupler', 'output')     # links that external forces can act on
 
 
 class Topic(NamedTuple):

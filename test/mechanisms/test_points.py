@@ -10,7 +10,6 @@ from support.reference import EPS, pose, random_lengths
 from fourbar_ros import CROSSED, OPEN, FourBar, InvalidParameter
 from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
 from fourbar_ros.mechanisms.points import (
-    LINKS,
     acceleration_image,
     link_motion,
     point_motion,
@@ -18,6 +17,9 @@ from fourbar_ros.mechanisms.points import (
     velocity_image,
 )
 from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+
+
+LINKS = [link.name for link in FourBar.LINKS]
 
 
 def four_bars(seed, count):

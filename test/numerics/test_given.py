@@ -92,7 +92,7 @@ def test_other_arrays_are_computed_with_as_doubles(kind, lengths, more, dtype):
 @odd
 @every_kind
 def test_what_is_no_number_is_refused_by_name(kind, lengths, more, value):
-    for i, name in enumerate(kind.LENGTHS):
+    for i, name in enumerate(length.name for length in kind.LENGTHS):
         with pytest.raises(InvalidParameter, match=f'^{name}'):
             kind(*lengths[:i], value, *lengths[i + 1:], **more)
     with pytest.raises(InvalidParameter, match='^gravity'):
@@ -201,7 +201,7 @@ def test_no_samples_give_none(kind, lengths, more, empty):
 def test_a_complex_step_differentiates_angles_too(kind, lengths, more):
     mechanism = kind(*lengths, **more)
     moved, plain = mechanism.motion(np.array([1.2]) + 1e-40j, 1.0), mechanism.motion(1.2, 1.0)
-    for joint in kind.JOINTS:
+    for _, joint in kind.JOINTS:
         position = getattr(moved, joint.position)[0]
         assert position.real == pytest.approx(getattr(plain, joint.position), rel=1e-14)
         assert position.imag / 1e-40 == pytest.approx(getattr(plain, joint.rate), rel=1e-12, abs=1e-14)
@@ -220,7 +220,7 @@ def test_too_fast_is_said(kind, lengths, more):
 @pytest.mark.parametrize('power', [1000, 1022, 1023])
 @every_kind
 def test_too_long_is_said(kind, lengths, more, power):
-    for i, name in enumerate(kind.LENGTHS[:2]):
+    for i, name in enumerate(length.name for length in kind.LENGTHS[:2]):
         with pytest.raises(InvalidParameter, match=f'^{name}.*shorter than'):
             kind(*lengths[:i], 2.0**power, *lengths[i + 1:], **more)
 

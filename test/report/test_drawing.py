@@ -12,8 +12,7 @@ from fourbar_ros import Bodies, Body, FourBar
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
 from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
-from fourbar_ros.report.drawing import joints, renamed, significant
-from fourbar_ros.report.polygons import acceleration_polygon, velocity_polygon
+from fourbar_ros.report.drawing import renamed, significant
 from fourbar_ros.scene.scene import load
 from fourbar_ros.report.sheet import nice
 
@@ -29,8 +28,7 @@ def test_polygons_close():
     """Parts in a chain end where a sum from the pole ends; to 1e-12 of the longest arrow."""
     for mechanism, given in cases(15):
         motion = mechanism.motion(*given)
-        for polygon in (velocity_polygon, acceleration_polygon):
-            arrows = polygon(mechanism, motion)
+        for arrows in (mechanism.velocity_polygon(motion), mechanism.acceleration_polygon(motion)):
             longest = max(hypot(*arrow.vector) for arrow in arrows)
             ends = [arrow.vector for arrow in arrows if arrow.is_sum]
             starts = [arrow.start for arrow in arrows]
@@ -42,11 +40,11 @@ def test_polygons_close():
 
 def test_sums_are_the_motion_of_the_joints():
     motion = SliderCrank(0.1, 0.3, 0.02).motion(0.7, 30.0, 4.0)
-    velocity = {arrow.label: arrow.vector for arrow in velocity_polygon(SliderCrank(0.1, 0.3, 0.02), motion)}
+    velocity = {arrow.label: arrow.vector for arrow in SliderCrank(0.1, 0.3, 0.02).velocity_polygon(motion)}
     assert velocity['V_B'] == pytest.approx((motion.slide_velocity, 0.0), abs=1e-14)
     inverted = InvertedSlider(0.1, 0.3, 0.02)
     motion = inverted.motion(0.7, 30.0, 4.0)
-    arrows = {arrow.label: arrow.vector for arrow in acceleration_polygon(inverted, motion)}
+    arrows = {arrow.label: arrow.vector for arrow in inverted.acceleration_polygon(motion)}
     assert hypot(*arrows['A_{Cor}']) == pytest.approx(abs(2.0 * motion.omega4 * motion.slide_velocity), rel=1e-14)
     assert hypot(*arrows['A_{rel}']) == pytest.approx(abs(motion.slide_acceleration), rel=1e-14)
     assert hypot(*arrows['A_A']) == pytest.approx(0.1 * hypot(30.0**2, 4.0), rel=1e-14)
@@ -54,7 +52,7 @@ def test_sums_are_the_motion_of_the_joints():
 
 def test_joints_keep_the_lengths():
     for mechanism, given in cases(5):
-        places = joints(mechanism, mechanism.motion(*given))
+        places = mechanism.diagram(mechanism.motion(*given)).joints
         assert hypot(*(places['A'] - places['O_1'])) == pytest.approx(mechanism.a1, rel=1e-14)
         if hasattr(mechanism, 'a2'):
             assert hypot(*(places['B'] - places['A'])) == pytest.approx(mechanism.a2, rel=1e-12)
@@ -82,9 +80,9 @@ def test_pictures_have_equal_scales_and_all_labels(mechanism, value):
         (left, bottom), (right, top) = axes.transData.transform([(0.0, 0.0), (1.0, 1.0)])
         assert (right - left) == pytest.approx(top - bottom, rel=1e-9)
     words = [[text.get_text() for text in axes.texts] for axes in figure.axes]
-    assert {f'${name}$' for name in joints(mechanism, motion)} <= set(words[0])
+    assert {f'${name}$' for name in mechanism.diagram(motion).joints} <= set(words[0])
     assert any(f'{significant(loads.f41)} N' in text for text in words[0])
-    for arrow in velocity_polygon(mechanism, motion):
+    for arrow in mechanism.velocity_polygon(motion):
         assert f'${arrow.label}$' in words[1] and f'${arrow.label}$ = {significant(hypot(*arrow.vector))}' in words[1]
 
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from fourbar_ros.scene import scene
+from fourbar_ros.scene import of_kinds, scene
 from fourbar_ros import InvalidParameter
 from fourbar_ros.scene.parameters import PARAMETERS, POINT, REQUIRED
 from support import ROOT
@@ -38,7 +38,7 @@ def test_json_of_a_scene_is_strict_and_gives_the_same_scene():
 
 
 def test_bodies_one_by_one():
-    bodies = {f'bodies.{link}.{field}': value for link in scene.LINKS
+    bodies = {f'bodies.{link}.{field}': value for link in of_kinds.LINKS
               for field, value in (('mass', 2.0), ('inertia', 0.5), ('cg_across', 0.01))}
     linkage = scene.from_values({**PAPER, **bodies, 'bodies.coupler.cg_along': 0.9}).linkage
     assert (linkage.bodies.crank.cg_along, linkage.bodies.coupler.cg_along) == (0.2, 0.9)

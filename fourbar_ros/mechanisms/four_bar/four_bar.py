@@ -11,15 +11,20 @@ from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.four_bar.half_angle import difference_of_squares, scaled
 from fourbar_ros.mechanisms.four_bar.motion import Motion, make_motion
 from fourbar_ros.mechanisms.four_bar.loads import Loads, make_loads
-from fourbar_ros.mechanisms.mechanism import (
-    CRANK,
-    OPEN,
+from fourbar_ros.mechanisms.four_bar import diagram
+from fourbar_ros.mechanisms.mechanism import CRANK, CROSSED, OPEN, Mechanism
+from fourbar_ros.mechanisms.parts import (
+    BETA,
     THETA1,
     THETA2,
     THETA3,
     THETA4,
-    Mechanism,
+    Joint,
+    Length,
+    Link,
+    Output,
 )
+from fourbar_ros.mechanisms.points import LinkMotion, crank_motion, point_of
 
 # Signs of (a4 - a1 + a3 - a2, a4 - a1 - a3 + a2, a2 + a3 - a4 - a1) for the eight basic planar 4R
 # linkages: McCarthy and Soh, Geometric Design of Linkages, whose first two are exchanged here. Of a
@@ -51,7 +56,7 @@ def _squares_of_half(one, other, a3, a4):
 
 
 def _ranges(a1, a2, a3, a4):
-    """Return the ranges of the angle at which a1 leaves the ground link; see FourBar.input_ranges."""
+    """Return the ranges of the angle at which a1 leaves the ground link; see FourBar.closing_ranges."""
     a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
     s1 = difference_of_squares(a2, a3, a1, a4)
     s2 = difference_of_squares(a1, -a4, a2, -a3)
@@ -101,16 +106,24 @@ class FourBar(Mechanism):
     gravity: tuple[float, float] = (0.0, 0.0)
     external: External = External()
 
-    LENGTHS = ('a1', 'a2', 'a3', 'a4')
-    LINK_LENGTHS = {'crank': 'a1', 'coupler': 'a2', 'output': 'a3'}
+    TITLE = 'four-bar'
+    TEXT = 'four revolute joints'
+    LENGTHS = (Length('a1', 'length of the crank O1-A'), Length('a2', 'length of the coupler A-B'),
+               Length('a3', 'length of the output link O4-B'), Length('a4', 'length of the ground link O1-O4'))
+    LINKS = (Link('crank', 'crank', 'O1', 'a1', is_loadable=False), Link('coupler', 'coupler', 'A', 'a2'),
+             Link('output', 'output link', 'O4', 'a3'))
+    MODES = {CROSSED: '1 (crossed)', OPEN: '2 (open)'}
     MARGIN_SIGNS = ((-1, -1, 1, 1), (-1, 1, -1, 1), (-1, 1, 1, -1))
     input = CRANK
-    INPUTS, OUTPUTS = {CRANK: THETA1}, {CRANK: (THETA4, 'velocity_ratio')}
-    JOINTS = (THETA1, THETA2, THETA3, THETA4)
+    INPUTS, OUTPUTS = {CRANK: THETA1}, {CRANK: (Output(THETA4, 'velocity_ratio'),)}
+    JOINTS = (Joint('O1', THETA1), Joint('A', THETA2), Joint('B', THETA3), Joint('O4', THETA4))
+    PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'output link to coupler', THETA4: 'output link',
+             BETA: 'coupler'}
+    DRAWN = (THETA1, BETA, THETA4)
     MOTION, LOADS = Motion, Loads
 
     def __post_init__(self):
-        self._check(('a1', 'a2', 'a3', 'a4'))
+        self._check()
         lengths = self.lengths
         longest = max(lengths)
         if fsum(lengths + (-longest, -longest)) <= 0.0:
@@ -118,36 +131,28 @@ class FourBar(Mechanism):
                                    'the links cannot close: it must be shorter than the other three '
                                    f'together ({fsum(lengths + (-longest,))!r})')
 
-    @property
-    def lengths(self):
-        """Return (a1, a2, a3, a4) [m]."""
-        return (self.a1, self.a2, self.a3, self.a4)
-
     # --- what it is -----------------------------------------------------------------------------
 
     @cached_property
-    def change_point_margin(self):
-        """
-        Return the smallest of |a1+a4-a2-a3|, |a1+a2-a3-a4|, |a1+a3-a2-a4| over the perimeter.
-
-        Zero: a change point, where both assembly modes meet and the linkage can leave its mode.
-        """
-        return min(map(abs, self._margins)) / fsum(self.lengths)
-
-    @cached_property
-    def _margins(self):
+    def margins(self):
+        """Return a4 - a1 + a3 - a2, a4 - a1 - a3 + a2 and a2 + a3 - a4 - a1 [m]."""
         a1, a2, a3, a4 = self.lengths
         return (fsum((a4, -a1, a3, -a2)), fsum((a4, -a1, -a3, a2)), fsum((a2, a3, -a4, -a1)))
 
     @cached_property
     def classification(self):
         """Return the Grashof type by name; 'change point' where the sums of two links are equal."""
-        if 0.0 in self._margins:
+        if 0.0 in self.margins:
             return 'change point'
-        return _CLASSES[tuple(1 if margin > 0.0 else -1 for margin in self._margins)]
+        return _CLASSES[tuple(1 if margin > 0.0 else -1 for margin in self.margins)]
+
+    @property
+    def description(self):
+        """Return what it is as text: its type."""
+        return self.classification
 
     @cached_property
-    def input_ranges(self):
+    def closing_ranges(self):
         """
         Return the ranges of theta1 in which the linkage can be assembled [rad].
 
@@ -187,6 +192,11 @@ class FourBar(Mechanism):
             ranges.append((low - turn, high - turn))
         return ((-pi, pi),) if ranges == [(0.0, 2.0 * pi)] else tuple(sorted(ranges))
 
+    @property
+    def ranges_of_both_modes(self):
+        """Return the ranges of theta4 over both modes by its name."""
+        return {'theta4': self.output_ranges}
+
     @cached_property
     def dead_points(self):
         """
@@ -216,6 +226,15 @@ class FourBar(Mechanism):
     def _make_loads(self, dialect, change=lambda factory: factory):
         return change(make_loads[dialect])(*self.lengths, self.bodies, self.gravity, self.external)
 
+    def link_motion(self, motion, link):
+        """Return the LinkMotion of a link by name."""
+        if link == 'output':
+            return LinkMotion(self.a4, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_y, motion.sin_y, motion.omega4, motion.alpha4)
+        crank = crank_motion(motion)
+        if link == 'crank':
+            return crank
+        return LinkMotion(*point_of(crank, self.a1), motion.cos_b, motion.sin_b, motion.omega_beta, motion.alpha_beta)
+
     def transmission_sine(self, motion):
         """Return a number that is zero where the dyad is in line, at most one: sin(mu)."""
         return motion.sin_mu
@@ -224,3 +243,15 @@ class FourBar(Mechanism):
         """Return {unit: size} of the terms that rates and accelerations are sums of, for noise bounds."""
         gain = min(1.0, self.a1 / min(self.a2, self.a3))
         return {'rad/s': gain * abs(rate), 'rad/s^2': gain * (abs(acceleration) + rate**2)}
+
+    def diagram(self, motion):
+        """Return what a picture shows in one pose."""
+        return diagram.diagram(self, motion)
+
+    def velocity_polygon(self, motion):
+        """Return the arrows of the velocities [m/s]; the pole is the origin."""
+        return diagram.velocity_polygon(self, motion)
+
+    def acceleration_polygon(self, motion):
+        """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
+        return diagram.acceleration_polygon(self, motion)

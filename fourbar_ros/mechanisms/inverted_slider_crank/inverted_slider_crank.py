@@ -30,21 +30,24 @@ from fourbar_ros.numerics.dialects import dialects
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.four_bar.half_angle import difference_of_squares, scaled
 from fourbar_ros.mechanisms.four_bar.motion import INFINITESIMAL
-from fourbar_ros.mechanisms.mechanism import (
-    CRANK,
-    EPS,
-    OPEN,
-    SLIDE,
+from fourbar_ros.mechanisms.inverted_slider_crank import diagram
+from fourbar_ros.mechanisms.mechanism import CRANK, EPS, OPEN, SLIDE, Mechanism
+from fourbar_ros.mechanisms.parts import (
     THETA1,
     THETA2,
     THETA4,
     TRAVEL,
-    Mechanism,
+    Joint,
+    Length,
+    Link,
+    Output,
 )
+from fourbar_ros.mechanisms.points import LinkMotion, crank_motion, point_of
 from fourbar_ros.mechanisms.slider_loads import SliderLoads, make_inverted_loads
 from fourbar_ros.mechanisms.slide_dyad import (
     closes,
     make_triangle,
+    margins,
     reach,
     singular_slides,
     slide_ranges,
@@ -194,49 +197,41 @@ class InvertedSlider(Mechanism):
     external: External = External()
     stroke: tuple[float, float] | None = None
 
-    LENGTHS = ('a1', 'a4', 'offset')
+    TITLE = 'inverted slider-crank'
+    TEXT = 'a block on a bar that turns about O4, e.g. an oscillating cylinder'
+    LENGTHS = (Length('a1', 'length of the crank O1-A'), Length('a4', 'length of the ground link O1-O4'),
+               Length('offset', 'distance of the path of A on the bar from O4, positive to the left of the bar', signed=True))
+    LINKS = (Link('crank', 'crank', 'O1', 'a1', is_loadable=False), Link('coupler', 'block', 'A'),
+             Link('output', 'bar', 'O4'))
     MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
-    LINK_LENGTHS = {'crank': 'a1'}
     INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
-    OUTPUTS = {CRANK: (THETA4, 'output_ratio'), SLIDE: (THETA1, 'crank_ratio')}
-    JOINTS = (THETA1, THETA2, TRAVEL, THETA4)
+    OUTPUTS = {CRANK: (Output(THETA4, 'output_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
+    JOINTS = (Joint('O1', THETA1), Joint('A', THETA2), Joint('slide', TRAVEL), Joint('O4', THETA4))
+    PARTS = {THETA1: 'crank', THETA2: 'block to crank', THETA4: 'bar', TRAVEL: 'block on the bar'}
+    SLIDE_DIRECTION = ('cos_y', 'sin_y')
+    DRAWN = (THETA1, THETA4, TRAVEL)
     MOTION, LOADS = InvertedSliderMotion, SliderLoads
 
     def __post_init__(self):
-        self._check(('a1', 'a4'), ('offset',))
+        self._check()
         if not closes(*self.lengths):
             raise InvalidParameter('offset', self.offset, 'the links cannot close: it must be shorter than '
                                    f'crank and ground together ({self.a1 + self.a4!r})')
         self._check_stroke()
 
-    @property
-    def lengths(self):
-        """Return (a1, a4, offset) [m]."""
-        return (self.a1, self.a4, self.offset)
-
     @cached_property
-    def _margins(self):
-        aside = abs(self.offset)
-        return fsum((self.a4, -self.a1, -aside)), fsum((self.a1, -self.a4, -aside))
-
-    @property
-    def change_point_margin(self):
-        """Return the smaller of |a4 - a1 - |h|| and |a1 - a4 - |h|| over a1 + a4 + |h|; zero: change point."""
-        return min(map(abs, self._margins)) / fsum((self.a1, self.a4, abs(self.offset)))
+    def margins(self):
+        """Return a4 - a1 - |h| and a1 - a4 - |h| [m]."""
+        return margins(self.a1, self.a4, self.offset)
 
     @property
     def classification(self):
         """Return the type: crank and bar turn fully, or only the crank, or neither."""
-        if 0.0 in self._margins:
+        if 0.0 in self.margins:
             return 'change point'
-        rocks, turns = self._margins
+        rocks, turns = self.margins
         return ('Grashof crank-rocker' if rocks > 0.0 else
                 'Grashof double-crank' if turns > 0.0 else 'non-Grashof double-rocker')
-
-    @cached_property
-    def input_ranges(self):
-        """Return the ranges of the input, from low to high: :attr:`closing_ranges`, as far as they lie in the stroke."""
-        return self._within_stroke(self.closing_ranges)
 
     @cached_property
     def closing_ranges(self):
@@ -294,9 +289,30 @@ class InvertedSlider(Mechanism):
         return change(make_inverted_loads[dialect])(*self.lengths, self.input == CRANK, self.bodies, self.gravity,
                                                     self.external)
 
+    def link_motion(self, motion, link):
+        """Return the LinkMotion of a link by name."""
+        if link == 'output':
+            return LinkMotion(self.a4, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_y, motion.sin_y, motion.omega4, motion.alpha4)
+        crank = crank_motion(motion)
+        if link == 'crank':
+            return crank
+        return LinkMotion(*point_of(crank, self.a1), motion.cos_y, motion.sin_y, motion.omega4, motion.alpha4)
+
     def transmission_sine(self, motion):
         """Return a number that is zero where the dyad is in line, at most one."""
         size = max(map(abs, self.lengths))
         slide, aside = motion.slide / size, self.offset / size
         opposite = slide if self.input == CRANK else self.a4 / size * motion.sin_x
         return opposite / (slide * slide + aside * aside)**0.5
+
+    def diagram(self, motion):
+        """Return what a picture shows in one pose."""
+        return diagram.diagram(self, motion)
+
+    def velocity_polygon(self, motion):
+        """Return the arrows of the velocities [m/s]; the pole is the origin."""
+        return diagram.velocity_polygon(self, motion)
+
+    def acceleration_polygon(self, motion):
+        """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
+        return diagram.acceleration_polygon(self, motion)

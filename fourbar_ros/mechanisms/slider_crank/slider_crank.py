@@ -34,20 +34,25 @@ from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.numerics.dialects import dialects, where
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.four_bar.half_angle import difference_of_squares, scaled
-from fourbar_ros.mechanisms.mechanism import (
-    CRANK,
-    OPEN,
-    SLIDE,
+from fourbar_ros.mechanisms.mechanism import CRANK, OPEN, SLIDE, Mechanism
+from fourbar_ros.mechanisms.parts import (
+    BETA,
     THETA1,
     THETA2,
     THETA3,
     TRAVEL,
-    Mechanism,
+    Joint,
+    Length,
+    Link,
+    Output,
 )
+from fourbar_ros.mechanisms.points import LinkMotion, crank_motion, point_of
+from fourbar_ros.mechanisms.slider_crank import diagram
 from fourbar_ros.mechanisms.slider_loads import SliderLoads, make_slider_crank_loads
 from fourbar_ros.mechanisms.slide_dyad import (
     closes,
     make_triangle,
+    margins,
     power_of_two,
     reach,
     singular_slides,
@@ -208,49 +213,40 @@ class SliderCrank(Mechanism):
     external: External = External()
     stroke: tuple[float, float] | None = None
 
-    LENGTHS = ('a1', 'a2', 'offset')
+    TITLE = 'slider-crank'
+    TEXT = 'a slider on a guide parallel to x'
+    LENGTHS = (Length('a1', 'length of the crank O1-A'), Length('a2', 'length of the coupler A-B'),
+               Length('offset', 'y of the guide', signed=True))
+    LINKS = (Link('crank', 'crank', 'O1', 'a1', is_loadable=False), Link('coupler', 'coupler', 'A', 'a2'),
+             Link('output', 'slider', 'B', turns=False))
     MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
-    LINK_LENGTHS = {'crank': 'a1', 'coupler': 'a2'}
     INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
-    OUTPUTS = {CRANK: (TRAVEL, 'slide_ratio'), SLIDE: (THETA1, 'crank_ratio')}
-    JOINTS = (THETA1, THETA2, THETA3, TRAVEL)
+    OUTPUTS = {CRANK: (Output(TRAVEL, 'slide_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
+    JOINTS = (Joint('O1', THETA1), Joint('A', THETA2), Joint('B', THETA3), Joint('guide', TRAVEL))
+    PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'slider to coupler', BETA: 'coupler', TRAVEL: 'slider'}
+    DRAWN = (THETA1, BETA, TRAVEL)
     MOTION, LOADS = SliderCrankMotion, SliderLoads
 
     def __post_init__(self):
-        self._check(('a1', 'a2'), ('offset',))
+        self._check()
         if not closes(*self.lengths):
             raise InvalidParameter('offset', self.offset, 'the links cannot close: it must be shorter than '
                                    f'crank and coupler together ({self.a1 + self.a2!r})')
         self._check_stroke()
 
-    @property
-    def lengths(self):
-        """Return (a1, a2, offset) [m]."""
-        return (self.a1, self.a2, self.offset)
-
     @cached_property
-    def _margins(self):
-        aside = abs(self.offset)
-        return fsum((self.a2, -self.a1, -aside)), fsum((self.a1, -self.a2, -aside))
-
-    @property
-    def change_point_margin(self):
-        """Return the smaller of |a2 - a1 - |e|| and |a1 - a2 - |e|| over a1 + a2 + |e|; zero: change point."""
-        return min(map(abs, self._margins)) / fsum((self.a1, self.a2, abs(self.offset)))
+    def margins(self):
+        """Return a2 - a1 - |e| and a1 - a2 - |e| [m]."""
+        return margins(self.a1, self.a2, self.offset)
 
     @property
     def classification(self):
         """Return the type: whose full turns there are, the crank's, the coupler's or nobody's."""
-        if 0.0 in self._margins:
+        if 0.0 in self.margins:
             return 'change point'
-        crank, coupler = self._margins
+        crank, coupler = self.margins
         return ('Grashof crank-slider' if crank > 0.0 else
                 'Grashof rocker-slider' if coupler > 0.0 else 'non-Grashof rocker-slider')
-
-    @cached_property
-    def input_ranges(self):
-        """Return the ranges of the input, from low to high: :attr:`closing_ranges`, as far as they lie in the stroke."""
-        return self._within_stroke(self.closing_ranges)
 
     @cached_property
     def closing_ranges(self):
@@ -315,6 +311,28 @@ class SliderCrank(Mechanism):
         return change(make_slider_crank_loads[dialect])(*self.lengths, self.input == CRANK, self.bodies, self.gravity,
                                                         self.external)
 
+    def link_motion(self, motion, link):
+        """Return the LinkMotion of a link by name."""
+        if link == 'output':
+            return LinkMotion(motion.slide, self.offset, motion.slide_velocity, 0.0, motion.slide_acceleration, 0.0,
+                              1.0, 0.0, 0.0, 0.0)
+        crank = crank_motion(motion)
+        if link == 'crank':
+            return crank
+        return LinkMotion(*point_of(crank, self.a1), motion.cos_b, motion.sin_b, motion.omega_beta, motion.alpha_beta)
+
     def transmission_sine(self, motion):
         """Return a number that is zero where the dyad is in line, at most one."""
         return motion.cos_b if self.input == CRANK else motion.sin_2
+
+    def diagram(self, motion):
+        """Return what a picture shows in one pose."""
+        return diagram.diagram(self, motion)
+
+    def velocity_polygon(self, motion):
+        """Return the arrows of the velocities [m/s]; the pole is the origin."""
+        return diagram.velocity_polygon(self, motion)
+
+    def acceleration_polygon(self, motion):
+        """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
+        return diagram.acceleration_polygon(self, motion)

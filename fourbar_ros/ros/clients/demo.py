@@ -21,7 +21,6 @@ from fourbar_ros.bag.recompute import recompute
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.pipeline.status import STATUS_NAMES
 from fourbar_ros.report.tables import (
-    MODE_NAMES,
     make_console,
     mode_name,
     plain_table,
@@ -202,7 +201,7 @@ def compare_poses(client, published, console):
         if 'at' not in entry:
             continue
         answer = client.ask('evaluate', mode=entry['mode'], **entry['at'])
-        table = plain_table(f'{entry["source"]}, mode {MODE_NAMES[entry["mode"]]}, asked over {NODE}/evaluate',
+        table = plain_table(f'{entry["source"]}, mode {client.scene.linkage.MODES[entry["mode"]]}, asked over {NODE}/evaluate',
                             ('', 'ours>', 'published>'))
         for name, value in entry['values'].items():
             ours = getattr(answer.state, name.removesuffix('_deg'))

@@ -1,0 +1,164 @@
+"""What mechanisms are described with: coordinates, lengths, links, and what a picture of them shows."""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fourbar_ros.mechanics.moving_frames import acceleration_terms
+
+
+class Coordinate(NamedTuple):
+    """Names of a joint's position, rate and acceleration among the fields of a motion."""
+
+    position: str
+    rate: str
+    acceleration: str
+
+    @property
+    def unit(self) -> str:
+        """Return the unit of the position: m of what slides, whose rate is called ..._velocity; else rad."""
+        return 'm' if self.rate.endswith('_velocity') else 'rad'
+
+
+class Output(NamedTuple):
+    """What a mechanism is used for: a coordinate, and the field of the motion d output / d input."""
+
+    coordinate: Coordinate
+    ratio: str
+
+
+THETA1, THETA2, THETA3, THETA4 = (Coordinate(f'theta{i}', f'omega{i}', f'alpha{i}')
+                                  for i in (1, 2, 3, 4))
+BETA = Coordinate('beta', 'omega_beta', 'alpha_beta')
+TRAVEL = Coordinate('slide', 'slide_velocity', 'slide_acceleration')
+SLOT = Coordinate('slot', 'slot_velocity', 'slot_acceleration')
+
+
+class Length(NamedTuple):
+    """A length that a mechanism is given by, positive unless ``signed``; zero if not given, then."""
+
+    name: str
+    text: str
+    signed: bool = False
+
+
+class Link(NamedTuple):
+    """
+    A moving link.
+
+    Parameters
+    ----------
+    name : str
+        In scenes: ``bodies.NAME``.
+    text : str
+        What it is in this mechanism: coupler, block, slider.
+    first_joint : str
+        The joint from which points and centres of gravity are measured, in words: 'O1'.
+    length : str
+        Name of its length, if it has two joints that turn; else empty.
+    turns : bool
+        Whether it needs a moment of inertia.
+    is_loadable : bool
+        Whether forces from outside can act on it; the torque of a driven crank is the drive's.
+
+    """
+
+    name: str
+    text: str
+    first_joint: str
+    length: str = ''
+    turns: bool = True
+    is_loadable: bool = True
+
+
+class Joint(NamedTuple):
+    """A joint as ``joint_states`` shows it: where it is, in words, and its coordinate."""
+
+    place: str
+    coordinate: Coordinate
+
+
+# --- what a picture shows --------------------------------------------------------------------------
+
+class Bar(NamedTuple):
+    """A straight part of a link from ``start`` to ``end``, each of shape (2,) [m]; ``width`` 1: usual."""
+
+    start: np.ndarray
+    end: np.ndarray
+    width: float = 1.0
+
+
+class Block(NamedTuple):
+    """A block at a place that slides in a direction (unit vector); ``is_guided``: along the ground."""
+
+    place: np.ndarray
+    direction: np.ndarray
+    is_guided: bool = False
+
+
+class Diagram(NamedTuple):
+    """
+    A mechanism in one pose, as a textbook draws it.
+
+    Parameters
+    ----------
+    joints : mapping
+        {name: place of shape (2,) [m]}, in order along the chain.
+    ground : tuple of str
+        Those of them that the ground holds.
+    bars, blocks : tuple
+        Of :class:`Bar` and :class:`Block`.
+    forces : mapping
+        {field of the loads: joint at which the arrow starts}.
+    angles : mapping
+        {field of the motion: joint about which its arc is drawn, from x}.
+    drawn_whole : tuple of str
+        Links whose bars reach as far as the link does: they are not drawn longer for points on them.
+
+    """
+
+    joints: Mapping[str, np.ndarray]
+    ground: tuple[str, ...]
+    bars: tuple[Bar, ...]
+    blocks: tuple[Block, ...]
+    forces: Mapping[str, str]
+    angles: Mapping[str, str]
+    drawn_whole: tuple[str, ...] = ()
+
+
+ORIGIN = np.zeros(2)      # O1, and the pole of polygons
+
+
+class Arrow(NamedTuple):
+    """One side of a polygon, by ``vector``; parts add up to sums, which start at the pole."""
+
+    start: np.ndarray
+    vector: np.ndarray
+    label: str             # mathtext without dollars
+    is_sum: bool
+
+
+def total(vector: np.ndarray, label: str) -> Arrow:
+    """Return the arrow of a sum, from the pole."""
+    return Arrow(ORIGIN, vector, label, True)
+
+
+def chain(start: np.ndarray, *steps: tuple[np.ndarray, str]) -> list[Arrow]:
+    """Return the arrows of a chain of (vector, label): each starts where the one before ends."""
+    arrows = []
+    for vector, label in steps:
+        arrows.append(Arrow(start, vector, label, False))
+        start = start + vector
+    return arrows
+
+
+def around(start: np.ndarray, link: Any, arm: np.ndarray, name: str) -> list[Arrow]:
+    """
+    Return the normal and the tangential acceleration of a point beside another of its link.
+
+    ``link``: a :class:`~fourbar_ros.mechanisms.points.LinkMotion`; ``arm``: from the other to the point.
+    """
+    terms = acceleration_terms(ORIGIN, link.omega, link.alpha, arm)
+    return chain(start, (terms.normal, f'A_{{{name}}}^n'), (terms.tangential, f'A_{{{name}}}^t'))
