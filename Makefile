@@ -9,7 +9,7 @@ export PYTHON
 env := . scripts/env.sh
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all lint check-pip soak bench clean
+.PHONY: help setup run test test-all lint check-pip check-clean check-oldest soak bench clean
 
 help:
 	@echo 'fourbar_ros: exact motion, loads and extrema of planar linkages;'
@@ -21,6 +21,8 @@ help:
 	@echo '  make test-all   run all tests'
 	@echo '  make lint       run ruff, mypy and the ament linters'
 	@echo '  make check-pip  test the library without ROS: sdist, wheel, fresh venv, every command'
+	@echo '  make check-clean   make run and make test in a fresh clone with a bare environment'
+	@echo '  make check-oldest  the same with numpy 1.26 and scipy 1.11, as in Ubuntu 24.04'
 	@echo '  make soak       flood the node with messages, garbage and restarts    MINUTES=60'
 	@echo '  make bench      measure accuracy, speed, extrema, node and recorder   ARGS="speed"'
 	@echo '  make setup      only set up: .venv, ROS 2, build'
@@ -53,6 +55,12 @@ lint:
 
 check-pip:
 	@scripts/check_pip.sh
+
+check-clean:
+	@scripts/check_clean.sh
+
+check-oldest:
+	@scripts/check_clean.sh oldest
 
 soak:
 	@scripts/setup.sh test
