@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Write the tables of docs/node.md that have a source in the code: ``python docs/tables.py``.
+Write the tables of the docs that have a source in the code: ``python docs/tables.py``.
 
 Text between ``<!-- NAME -->`` and ``<!-- end -->`` is replaced; a test checks that nothing is out
 of date.
@@ -12,9 +12,10 @@ import re
 import sys
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))
+sys.path[:0] = [str(ROOT), str(ROOT / 'docs')]
 
-from fourbar_ros.mechanisms.kinds import KINDS  # noqa: E402
+import formulas  # noqa: E402
+from fourbar_ros.mechanisms.kinds import KINDS  # noqa: E402, I100
 from fourbar_ros.mechanisms.quantities import known, QUANTITIES  # noqa: E402
 from fourbar_ros.scene.parameters import PARAMETERS, POINT, REQUIRED  # noqa: E402
 from fourbar_ros.scene.topics import (  # noqa: E402
@@ -28,14 +29,7 @@ from fourbar_ros.scene.topics import (  # noqa: E402
     WRENCHES,
 )
 
-PAGE = ROOT / 'docs' / 'node.md'
-
-
-def table(head, rows):
-    """Return a Markdown table."""
-    lines = [head, ['---'] * len(head), *rows]
-    return '\n'.join('| ' + ' | '.join(str(cell).replace('|', '\\|') for cell in line) + ' |'
-                     for line in lines)
+DOCS = ROOT / 'docs'
 
 
 def default(parameter):
@@ -60,8 +54,9 @@ def having(quantity):
     return 'all' if found == list(KINDS) else ', '.join(found)
 
 
-def tables():
-    """Return {name: Markdown table}."""
+def node_tables():
+    """Return {name: Markdown table} of node.md."""
+    table = formulas.table
     return {
         'inputs': table(('`drive.source`', 'topic', 'type', 'what'),
                         [(f'`{t.name}`', f'`{t.topic}`', f'`{t.type}`', t.text)
@@ -90,15 +85,23 @@ def tables():
     }
 
 
-def filled(text):
-    """Return the page with its tables as they should be."""
-    for name, content in tables().items():
-        text, count = re.subn(rf'(?<=<!-- {name} -->\n).*?(?=<!-- end -->)',
-                              (content + '\n').replace('\\', r'\\'), text, flags=re.S)
+def pages():
+    """Return {path: text as it should be} of the pages with tables."""
+    return {DOCS / name: filled(DOCS / name, tables)
+            for name, tables in (('node.md', node_tables()), ('formulas.md', formulas.tables()))}
+
+
+def filled(page, tables):
+    """Return the text of a page with these tables in it."""
+    text = page.read_text(encoding='utf-8')
+    for name, content in tables.items():
+        whole = f'<!-- {name} -->\n{content}\n<!-- end -->'.replace('\\', r'\\')
+        text, count = re.subn(rf'<!-- {name} -->\n.*?<!-- end -->', whole, text, flags=re.S)
         if count != 1:
-            raise SystemExit(f'{PAGE}: expected one <!-- {name} -->, found {count}')
+            raise SystemExit(f'{page}: expected one <!-- {name} -->, found {count}')
     return text
 
 
 if __name__ == '__main__':
-    PAGE.write_text(filled(PAGE.read_text()))
+    for path, text in pages().items():
+        path.write_text(text, encoding='utf-8')

@@ -10,8 +10,22 @@ sys.path.insert(0, str(ROOT / 'docs'))
 
 def test_the_tables_of_the_manual_are_those_of_the_code():
     import tables
-    text = tables.PAGE.read_text()
-    assert tables.filled(text) == text, 'run: python docs/tables.py'
+    for page, text in tables.pages().items():
+        assert page.read_text(encoding='utf-8') == text, f'{page.name}: run python docs/tables.py'
+
+
+def test_every_number_in_the_code_names_an_equation_and_numbers_are_given_once():
+    import formulas
+    for module in formulas.modules():
+        tags = [tag for tag, _ in formulas.NUMBERED.findall(module.doc)]
+        assert len(tags) == len(set(tags)), module.path
+
+
+def test_the_list_of_formulas_finds_the_equations_of_both_documents():
+    import formulas
+    slides, paper = formulas.cited('slides'), formulas.cited('paper')
+    assert {2, 6, *range(9, 38)} <= set(slides) and {*range(1, 7), 9} <= set(paper)
+    assert any(name == 'IOEquation.velocity' for _, name in slides[24])
 
 
 def test_every_field_of_every_message_has_its_unit_or_meaning():
