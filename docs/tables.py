@@ -6,6 +6,7 @@ Write the tables of the docs that have a source in the code: ``python docs/table
 Text between ``<!-- NAME -->`` and ``<!-- end -->`` is replaced; a test checks that nothing is out
 of date.
 """
+import argparse
 from math import isnan
 from pathlib import Path
 import re
@@ -15,7 +16,8 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT), str(ROOT / 'docs')]
 
 import formulas  # noqa: E402
-from fourbar_ros.mechanisms.kinds import KINDS  # noqa: E402, I100
+from fourbar_ros.cli import main  # noqa: E402, I100
+from fourbar_ros.mechanisms.kinds import KINDS  # noqa: E402
 from fourbar_ros.mechanisms.quantities import known, QUANTITIES  # noqa: E402
 from fourbar_ros.scene.parameters import PARAMETERS, POINT, REQUIRED  # noqa: E402
 from fourbar_ros.scene.topics import (  # noqa: E402
@@ -85,10 +87,46 @@ def node_tables():
     }
 
 
+def _verbs():
+    """Yield (name, help, parser) of every command that takes arguments of its own."""
+    def below(name, parser):
+        for action in parser._actions:
+            if isinstance(action, argparse._SubParsersAction):
+                texts = {choice.dest: choice.help for choice in action._choices_actions}
+                for verb, sub in action.choices.items():
+                    if not any(isinstance(a, argparse._SubParsersAction) for a in sub._actions):
+                        yield f'{name} {verb}', texts[verb], sub
+                    yield from below(f'{name} {verb}', sub)
+
+    yield from below('fourbar', main.parser())
+
+
+def _option(action):
+    """Return an argument as it is typed, and its help."""
+    choices = '{' + ','.join(map(str, action.choices)) + '}' if action.choices else None
+    value = action.metavar or choices or action.dest.upper()
+    if isinstance(value, tuple):
+        value = ' '.join(value)
+    typed = [f'{name} {value}' if action.nargs != 0 else name for name in action.option_strings]
+    return f'`{", ".join(typed) or value}`', (action.help or '').replace('%(default)s',
+                                                                        str(action.default))
+
+
+def command_tables():
+    """Return {name: Markdown} of command_line.md."""
+    overview = formulas.table(('command', 'what it does'),
+                              [(f'`{name}`', text) for name, text, _ in _verbs()])
+    arguments = [f'### {name}\n\n' + formulas.table(('argument', 'meaning'), [
+        _option(action) for action in sub._actions if action.dest != 'help'])
+        for name, _, sub in _verbs()]
+    return {'verbs': overview, 'arguments': '\n\n'.join(arguments)}
+
+
 def pages():
     """Return {path: text as it should be} of the pages with tables."""
     return {DOCS / name: filled(DOCS / name, tables)
-            for name, tables in (('node.md', node_tables()), ('formulas.md', formulas.tables()))}
+            for name, tables in (('node.md', node_tables()), ('formulas.md', formulas.tables()),
+                                 ('command_line.md', command_tables()))}
 
 
 def filled(page, tables):
