@@ -52,7 +52,8 @@ class Module(NamedTuple):
 
     path: str           # below the root
     doc: str            # docstring, '' without one
-    texts: list         # (where, text) of every docstring and comment; where: '' or a qualified name
+    # (where, text) of every docstring and comment; where: '' or a qualified name
+    texts: list
 
 
 def _functions(tree, outer=''):

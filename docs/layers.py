@@ -14,8 +14,8 @@ import matplotlib
 
 matplotlib.use('svg')
 
-import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.patches import FancyArrowPatch, FancyBboxPatch  # noqa: E402, I100
+import matplotlib.pyplot as plt  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / 'fourbar_ros'
@@ -78,16 +78,18 @@ def draw():
             x, y = start + place * (WIDTH + 0.4), level * ROW
             at[folder] = x + 0.5 * WIDTH, y
             axes.add_patch(FancyBboxPatch((x, y), WIDTH, HEIGHT, 'round,pad=0.04',
-                                          facecolor=COLORS[level % len(COLORS)], edgecolor='#335', zorder=2))
-            axes.text(x + 0.5 * WIDTH, y + 0.52, f'{folder}/', ha='center', weight='bold', size=12, zorder=3)
+                                          facecolor=COLORS[level % len(COLORS)],
+                                          edgecolor='#335', zorder=2))
+            axes.text(x + 0.5 * WIDTH, y + 0.52, f'{folder}/', ha='center', weight='bold',
+                      size=12, zorder=3)
             axes.text(x + 0.5 * WIDTH, y + 0.24, fill(text_of(folder), 48), ha='center',
                       va='center', size=8, zorder=3)
     for one, other in arrows(folders):
         (x, y), (u, v) = at[one], at[other]
         if y == v:                                  # neighbours in a row
             side = 0.5 * WIDTH + 0.05
-            ends = (x - side if u < x else x + side, y + 0.36), (u + side if u < x else u - side,
-                                                                v + 0.36)
+            toward = side if u > x else -side
+            ends = (x + toward, y + 0.36), (u - toward, v + 0.36)
         else:
             ends = (x, y - 0.05), (u, v + HEIGHT + 0.05)
         axes.add_patch(FancyArrowPatch(*ends, arrowstyle='-|>', mutation_scale=11, shrinkA=0,

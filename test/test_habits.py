@@ -74,7 +74,8 @@ def test_every_message_package_that_is_imported_is_in_package_xml():
 
 
 @pytest.mark.parametrize(('list_name', 'folders'),
-                         [('python', ('fourbar_ros',)), ('test', ('test', 'bench', 'docs', 'fourbar_ros'))])
+                         [('python', ('fourbar_ros',)),
+                          ('test', ('test', 'bench', 'docs', 'fourbar_ros'))])
 def test_no_requirement_is_dead(list_name, folders):
     imported = {NAMES.get(name, name) for name in third_party(*folders)}
     tools = {'ruff'}                        # commands, not modules
@@ -91,7 +92,8 @@ def ruff():
 def test_the_linter_has_nothing_to_complain_about():
     if ruff() is None:
         pytest.skip('ruff is not installed: make lint')
-    done = subprocess.run([ruff(), 'check', '--no-cache', '--output-format=concise', '.'], cwd=ROOT,
+    done = subprocess.run([ruff(), 'check', '--no-cache', '--output-format=concise', '.'],
+                          cwd=ROOT,
                           check=False, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
 
