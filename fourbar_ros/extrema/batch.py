@@ -9,7 +9,8 @@ import numpy as np
 from fourbar_ros.numerics.dialects import rebound
 from fourbar_ros.extrema.four_bar_rates.input_paths import POINTS_PER_FEATURE, half_turn, phases
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.extrema.find import CONSTANT, MAXIMUM, RATES, find_extrema
+from fourbar_ros.extrema.find import CONSTANT, MAXIMUM, find_extrema
+from fourbar_ros.extrema.methods import RATES
 from fourbar_ros.mechanisms.four_bar.half_angle import difference_of_squares
 from fourbar_ros.numerics.given import array
 from fourbar_ros.mechanisms.four_bar.motion import make_motion

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fourbar_ros.extrema.four_bar_rates.input_paths import InputPath
+from fourbar_ros.extrema.input_paths import InputPath
 from fourbar_ros.numerics.laurent import (
     TERMS,
     Length,
@@ -134,7 +134,7 @@ class FlatSide:
 def flat_sides(mechanism, rates: tuple[float, float], path: InputPath) -> dict[int, FlatSide]:
     """Return the :class:`FlatSide` of each end of a path that is a flat position; by the side, +1 at its lower end."""
     return {side: FlatSide(mechanism, rates, end.x, side)
-            for side, end in ((1, path.low), (-1, path.high)) if end and end.is_flat}
+            for side, end in path.ends() if end.is_flat}
 
 
 def _fields(values: tuple) -> Fields:

@@ -1,5 +1,5 @@
 """
-Sample points of the input that resolve any mechanism: for the 4R by :mod:`fourbar_ros.extrema.four_bar_rates.input_paths`, for sliders here.
+Sample points of the input that resolve any mechanism of which the singular inputs are known.
 
 The input is x = phi for a crank that turns fully, x = middle + half sin(phi) for a range between two toggles,
 where phi goes through them into the other assembly mode without a root. The samples are equal steps of
@@ -12,107 +12,237 @@ the samples thin out with the distance.
 """
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from math import pi
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from fourbar_ros.extrema.four_bar_rates.input_paths import End, InputPath, closer_points
-from fourbar_ros.extrema.four_bar_rates.input_paths import input_paths as elliptic_paths
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
+from fourbar_ros.numerics.arrays import Array
 
 # Samples of a kernel; widths of the kernels of a singular point; the least that is resolved.
 PER_KERNEL, WIDER, NARROWEST = 16, 4.0, 1e-12
 HALVINGS, POLISHINGS = 24, 6        # to solve t(phi) = t
+# Points added towards a toggle, each twice as close as the one before, and towards a flat position, every second
+# one twice as close. The last are 1e-6 in u from a toggle and 1e-12 in x from either, where x itself has four
+# digits left.
+TOGGLE_POINTS, FLAT_POINTS = 14, 64
+
+
+class End(NamedTuple):
+    """
+    End of an input path: a toggle, a flat position or the end of a stroke.
+
+    Parameters
+    ----------
+    x : float
+        Input, in the mechanism's unit.
+    is_flat : bool
+        It is the flat position of a change point.
+    is_regular : bool
+        It is the end of a stroke, where nothing is singular.
+
+    """
+
+    x: float
+    is_flat: bool
+    is_regular: bool = False
+
+
+class InputPath(NamedTuple):
+    """
+    A range of the input in which a mechanism moves smoothly in one assembly mode.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Inputs inside the range, in the order of motion; a full turn in [-pi, pi]: after pi comes -pi.
+    low, high : End or None
+        Where it begins and ends; None for full turns: after the last point comes the first.
+    first, last : int
+        Indices of the points half a step of the path's parameter from ``low`` and ``high``; between them
+        steps are equal.
+
+    """
+
+    x: Array
+    low: End | None
+    high: End | None
+    first: int
+    last: int
+
+    @property
+    def is_closed(self) -> bool:
+        """Return whether the path is a full turn."""
+        return self.low is None
+
+    def ends(self) -> list[tuple[int, End]]:
+        """Return (side, end) of both ends: +1, inputs above it, for the lower one; none of a full turn."""
+        return [(side, end) for side, end in ((1, self.low), (-1, self.high)) if end]
+
+    def inward(self, side: int) -> Array:
+        """Return the indices of all points, from the end on this side on."""
+        return np.arange(self.x.size)[::side]
+
+    def half_a_step_from(self, side: int) -> int:
+        """Return the index of the point half a step from the end on this side."""
+        return self.first if side > 0 else self.last
+
+
+def closer_points(end: End | None, count: int) -> Array:
+    """Return the parameters t of the points added at an end at t = 0, outwards, to ``count`` in [0, 1]."""
+    if end is None:
+        return np.zeros(0)
+    octaves = 0.5 * np.arange(1, 1 + FLAT_POINTS) if end.is_flat else np.arange(1.0, 1 + TOGGLE_POINTS)
+    return 0.5 / count * 2.0**-octaves
 
 
 class TooNarrow(FourBarError, ValueError):
     """The range of the input is so narrow beside the input itself that floats do not resolve it."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__('the range of the input is too narrow, beside the input itself, to be searched')
 
 
-def input_paths(mechanism, points):
+class Kernels(NamedTuple):
     """
-    Return the list of :class:`~fourbar_ros.extrema.four_bar_rates.input_paths.InputPath` that make up the motion of a mechanism in its mode.
+    What crowds the samples, see above; the first stands for equal steps.
+
+    Parameters
+    ----------
+    centres, tangents, weights : ndarray, shape (kernels, 1)
+        c, tanh(w/2), and the number of samples over 2 pi.
+
+    """
+
+    centres: Array
+    tangents: Array
+    weights: Array
+
+    def samples(self, phi: Array) -> tuple[Array, Array]:
+        """Return t and dt/dphi: t rises by the number of samples of all kernels in a turn of phi."""
+        half = 0.5 * (phi - self.centres)
+        turns = np.round(half / pi)
+        half = half - turns * pi                      # in [-pi/2, pi/2]
+        sine, cosine = np.sin(half), np.cos(half)
+        t = 2.0 * (np.arctan2(sine, self.tangents * cosine) + turns * pi)
+        slope = self.weights * self.tangents / (sine * sine + (self.tangents * cosine)**2)
+        return (self.weights * t).sum(axis=0), slope.sum(axis=0)
+
+
+class Range(NamedTuple):
+    """The inputs between two toggles, x = middle + half sin(phi), -pi/2 <= phi <= pi/2."""
+
+    low: float
+    high: float
+
+    @property
+    def middle(self) -> float:
+        """Return the input at phi = 0."""
+        return 0.5 * (self.low + self.high)
+
+    @property
+    def half(self) -> float:
+        """Return half the width."""
+        return 0.5 * (self.high - self.low)
+
+    def to_input(self, phi: Array) -> Array:
+        """Return x from the distance to the nearer end, on which quantities near a toggle depend."""
+        return np.where(phi < 0.0, self.low + 2.0 * self.half * np.sin(0.5 * (phi + 0.5 * pi))**2,
+                        self.high - 2.0 * self.half * np.sin(0.5 * (0.5 * pi - phi))**2)
+
+    def phi(self, x: float) -> float:
+        """Return the phi of an input."""
+        return float(np.arcsin((x - self.middle) / self.half))
+
+
+def input_paths(mechanism: Any, points: int) -> list[InputPath]:
+    """
+    Return the paths that make up the motion of a mechanism in its mode.
 
     ``points`` is the least number of points of a full turn, without those added at the ends. A slide is
     given in units of :attr:`input_unit`.
     """
-    if isinstance(mechanism, FourBar):
-        return elliptic_paths(mechanism, points)
     unit = mechanism.input_unit
     singular = np.array(mechanism.singular_inputs, complex) / unit
     if mechanism.turns_fully:
         return _closed(singular, points)
-    stroke = None if mechanism.stroke is None else [end / unit for end in mechanism.stroke]
-    return [path for low, high in mechanism.closing_ranges
-            for path in _between(singular, low / unit, high / unit, points, not mechanism.is_driven_by_slide, stroke)]
+    stroke = [end / unit for end in mechanism.stroke or ()]
+    paths = []
+    for low, high in mechanism.closing_ranges:
+        bounds = Range(low / unit, high / unit)
+        inside = _beside(singular, bounds, not mechanism.is_driven_by_slide)
+        paths += _between(bounds, inside, points, stroke)
+    return paths
 
 
-def _closed(singular, points):
+def _closed(singular: Array, points: int) -> list[InputPath]:
     """Return the paths of a crank that makes full turns: one, or those between its flat positions."""
     flat = np.unique(singular.real[singular.imag == 0.0])
     kernels = _kernels(singular[singular.imag != 0.0], points)
     if not flat.size:
-        return [InputPath(_spread(kernels, -pi, pi, ())[0], None, None, 0, -1)]
-    ends = [*flat, flat[0] + 2.0 * pi]
-    return [_path(kernels, *pair, lambda phi: phi, [End(float(end), True) for end in pair]) for pair in zip(ends, ends[1:])]
+        return [InputPath(_spread(kernels, (-pi, pi), ())[0], None, None, 0, -1)]
+    places = [*flat, flat[0] + 2.0 * pi]
+    ends = {place: End(float(place), True) for place in places}
+    return _paths(kernels, ends, lambda phi: phi)
 
 
-def _between(singular, low, high, points, is_periodic, stroke=None):
+def _beside(singular: Array, bounds: Range, is_periodic: bool) -> Array:
+    """Return the singular inputs of all turns but for the two toggles."""
+    singular = singular[(singular != bounds.low) & (singular != bounds.high)]
+    if is_periodic:
+        singular = np.concatenate([singular + turn for turn in (-2.0 * pi, 0.0, 2.0 * pi)])
+        singular = singular[(np.abs(singular - bounds.low) > NARROWEST)
+                            & (np.abs(singular - bounds.high) > NARROWEST)]
+    return singular
+
+
+def _between(bounds: Range, singular: Array, points: int, stroke: Sequence[float]) -> list[InputPath]:
     """
     Return the paths of a range between two toggles: one, or two with a flat position between them.
 
     With a stroke, only what of them lies in it, down to its ends.
     """
-    middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    singular = singular[(singular != low) & (singular != high)]
-    if is_periodic:
-        singular = np.concatenate([singular + turn for turn in (-2.0 * pi, 0.0, 2.0 * pi)])
-        singular = singular[(np.abs(singular - low) > NARROWEST) & (np.abs(singular - high) > NARROWEST)]
-    scaled = (singular - middle) / half
+    scaled = (singular - bounds.middle) / bounds.half
     is_flat = (scaled.imag == 0.0) & (np.abs(scaled.real) < 1.0)
     angles = np.arcsin(scaled[~is_flat])
     kernels = _kernels(np.concatenate((angles, pi - angles)), points)
     flat = {float(np.arcsin(place)): End(float(x), True)
             for place, x in zip(scaled.real[is_flat], singular.real[is_flat])}
-    ends = {-0.5 * pi: End(low, False), **dict(sorted(flat.items())), 0.5 * pi: End(high, False)}
-    if stroke:
-        ends = _within(ends, stroke, middle, half)
-
-    def to_input(phi):
-        # From the nearer end: that distance is what quantities near a toggle depend on.
-        return np.where(phi < 0.0, low + 2.0 * half * np.sin(0.5 * (phi + 0.5 * pi))**2,
-                        high - 2.0 * half * np.sin(0.5 * (0.5 * pi - phi))**2)
-    return [_path(kernels, *pair, to_input, [ends[end] for end in pair]) for pair in zip(ends, list(ends)[1:])]
+    ends = {-0.5 * pi: End(bounds.low, False), **dict(sorted(flat.items())), 0.5 * pi: End(bounds.high, False)}
+    return _paths(kernels, _within(ends, stroke, bounds) if stroke else ends, bounds.to_input)
 
 
-def _within(ends, stroke, middle, half):
+def _within(ends: dict[float, End], stroke: Sequence[float], bounds: Range) -> dict[float, End]:
     """Return {phi: End} of the part of a range that lies in a stroke."""
     low, high = stroke
     inside = {phi: end for phi, end in ends.items() if low <= end.x <= high}
     for x in stroke:
-        if abs(x - middle) < half and all(x != end.x for end in inside.values()):
-            inside[float(np.arcsin((x - middle) / half))] = End(x, False, True)
+        if abs(x - bounds.middle) < bounds.half and all(x != end.x for end in inside.values()):
+            inside[bounds.phi(x)] = End(x, False, True)
     return dict(sorted(inside.items()))
 
 
-def _path(kernels, first, last, to_input, ends):
-    phi, before, after = _spread(kernels, first, last, ends)
-    x = to_input(phi)
-    # Nearer to an end than this, x has no digits left for the distance.
-    near = [np.abs(x - end.x) < 2.0**-40 * max(abs(end.x), 2.0**-12) for end in ends]
-    before, after = before - near[0].sum(), after - near[1].sum()
-    x = x[~(near[0] | near[1])]
-    if min(before, after) < 0:
-        raise TooNarrow
-    return InputPath(x, *ends, int(before), int(x.size - 1 - after))
+def _paths(kernels: Kernels, ends: dict[float, End], to_input: Callable[[Array], Array]) -> list[InputPath]:
+    """Return the paths between neighbouring ends, {phi: End}."""
+    paths = []
+    for first, last in zip(ends, list(ends)[1:]):
+        low, high = ends[first], ends[last]
+        phi, before, after = _spread(kernels, (first, last), (low, high))
+        x = to_input(phi)
+        # Nearer to an end than this, x has no digits left for the distance.
+        near = [np.abs(x - end.x) < 2.0**-40 * max(abs(end.x), 2.0**-12) for end in (low, high)]
+        before, after = before - int(near[0].sum()), after - int(near[1].sum())
+        x = x[~(near[0] | near[1])]
+        if min(before, after) < 0:
+            raise TooNarrow
+        paths.append(InputPath(x, low, high, before, x.size - 1 - after))
+    return paths
 
 
-def _kernels(singular, points):
-    """Return (centres, tangents of half the widths, samples of a turn) of all kernels."""
+def _kernels(singular: Array, points: int) -> Kernels:
+    """Return the kernels of singular points, and that of equal steps."""
     centres, widths = [0.0], [40.0]               # as good as infinitely wide: equal steps
     for z in singular:
         width = max(abs(z.imag), NARROWEST)
@@ -122,33 +252,22 @@ def _kernels(singular, points):
             width *= WIDER
     weights = np.full(len(centres), float(PER_KERNEL))
     weights[0] = points
-    return np.array(centres)[:, None], np.tanh(0.5 * np.array(widths))[:, None], weights[:, None] / (2.0 * pi)
+    return Kernels(np.array(centres)[:, None], np.tanh(0.5 * np.array(widths))[:, None], weights[:, None] / (2.0 * pi))
 
 
-def _samples(kernels, phi):
-    """Return t and dt/dphi: t rises by the number of samples of all kernels in a turn of phi."""
-    centres, tangents, weights = kernels
-    half = 0.5 * (phi - centres)
-    turns = np.round(half / pi)
-    half = half - turns * pi                      # in [-pi/2, pi/2]
-    sine, cosine = np.sin(half), np.cos(half)
-    t = 2.0 * (np.arctan2(sine, tangents * cosine) + turns * pi)
-    return (weights * t).sum(axis=0), (weights * tangents / (sine * sine + (tangents * cosine)**2)).sum(axis=0)
-
-
-def _spread(kernels, first, last, ends):
-    """Return the phi of equal steps between two ends, half a step from them, and how many were added at each."""
-    begin, end = (_samples(kernels, np.array([v]))[0][0] for v in (first, last))
+def _spread(kernels: Kernels, bounds: tuple[float, float], ends: Sequence[End]) -> tuple[Array, int, int]:
+    """Return the phi of equal steps between two bounds, half a step from them, and how many were added at each."""
+    begin, end = (kernels.samples(np.array([phi]))[0][0] for phi in bounds)
     count = int(np.ceil(end - begin))
     before, after = (closer_points(end, count) for end in ends or (None, None))
     t = np.concatenate((before[::-1], (np.arange(count) + 0.5) / count, 1.0 - after))
     t = begin + (end - begin) * t
-    low, high = np.full(t.size, first), np.full(t.size, last)
+    low, high = np.full(t.size, bounds[0]), np.full(t.size, bounds[1])
     for _ in range(HALVINGS):
         phi = 0.5 * (low + high)
-        is_low = _samples(kernels, phi)[0] < t
+        is_low = kernels.samples(phi)[0] < t
         low, high = np.where(is_low, phi, low), np.where(is_low, high, phi)
     for _ in range(POLISHINGS):
-        value, slope = _samples(kernels, phi)
+        value, slope = kernels.samples(phi)
         phi = np.clip(phi - (value - t) / slope, low, high)
     return phi, before.size, after.size

@@ -1,20 +1,22 @@
 """
-Extremes of arbitrary quantities along one input path: interior ones, ends, ranges where they are constant.
+Extrema of arbitrary quantities along one input path: interior ones, ends, ranges where they are constant.
 
 Quantities are sampled with their derivatives on the points of :mod:`fourbar_ros.extrema.input_paths`. Sign changes of the
 derivative, hidden pairs of them too, are bracketed, and all brackets of all quantities solved at once.
 """
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import comb, inf, nan
 from typing import NamedTuple
 
 import numpy as np
 
-from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.numerics.roots import EPS, find_brackets, newton_roots, rises
-from fourbar_ros.extrema.sampling import DifferenceSampler
+from fourbar_ros.extrema.input_paths import End, InputPath
+from fourbar_ros.extrema.sampling import DifferenceSampler, Sampler, Samples
 from fourbar_ros.extrema.sensitivity import sampled_conditions
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.roots import EPS, find_brackets, newton_roots, rises
 
 # Power of sin(mu) by which derivatives grow at toggles (that of the acceleration; forces grow faster by
 # one, rates more slowly). With it they are smooth, that of a magnitude |F| only when multiplied by |F|: near a
@@ -24,7 +26,7 @@ POLE = 5
 NEIGHBOURS = 12
 
 
-def _weights(number, terms):
+def _weights(number: int, terms: Callable[[int], int]) -> Array:
     """Return weights, of sum one, of Lagrange's formula at 0."""
     weights = np.array([(-1)**j * terms(j) / (j + 0.5) for j in range(number)])
     return weights / weights.sum()
@@ -36,62 +38,76 @@ _UP_TO = _weights(NEIGHBOURS, lambda j: comb(NEIGHBOURS - 1, j))
 
 
 class Found(NamedTuple):
-    """One extreme of quantity number ``row``, at the input ``place``; other fields as in :class:`~fourbar_ros.extrema.find.Extremum`."""
+    """
+    One extremum of quantity number ``row``, as it was found.
+
+    Parameters
+    ----------
+    row : int
+    place : float
+        Input, in the mechanism's unit.
+    value : float
+    sense : int
+        +1 maximum, -1 minimum, 0 constant from here on.
+    side, condition, value_condition
+        As in :class:`~fourbar_ros.extrema.find.Extremum`.
+    is_flat : bool
+        At the flat position of a change point.
+    noise : float
+        Bound of the rounding error of the value, beside that of its last bits.
+
+    """
 
     row: int
     place: float
     value: float
-    sense: int          # +1 maximum, -1 minimum, 0 constant from here on
+    sense: int
     side: int = 0
     is_flat: bool = False
     condition: float = nan
     value_condition: float = nan
-    noise: float = 0.0  # bound of the rounding error of the value, beside that of its last bits
+    noise: float = 0.0
 
 
-def search_path(sampler, path, with_conditions=True):
-    """Return the list of :class:`Found` of all quantities along one :class:`~fourbar_ros.extrema.four_bar_rates.input_paths.InputPath`."""
-    sampler.enter(path)
-    with np.errstate(over='ignore', invalid='ignore'):
-        values, slopes = sampler.sample(path.x)
-    if np.isinf(values).any() or np.isinf(slopes).any():
-        raise InvalidParameter('rate, acceleration', sampler.rates, 'too large: quantities overflow')
-    middle = np.median(values, axis=1)
-    state = sampler.state(path.x)
-    noise = np.maximum(sampler.noise(state), 64.0 * EPS * np.abs(middle)[:, None])
-    varies = (np.abs(values - middle[:, None]) > noise).any(axis=1)
+def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True) -> list[Found]:
+    """Return the extrema of all quantities of a sampler along one path."""
+    samples = sampler.along(path)
+    constant, noise = _constant_values(sampler, samples)
+    start, side = (0.0, 0) if path.low is None else (path.low.x, 1)
+    found = [Found(row, sampler.fold(start), value, 0, side) for row, value in constant.items()]
+    rows = np.array([row for row in range(len(samples.values)) if row not in constant], int)
+    if rows.size:
+        found += _interior(sampler, samples, rows, with_conditions)
+        samples = samples._replace(noise=noise)
+        for side, end in path.ends():
+            found += _at_end(sampler, samples, (side, end), rows)
+    return found
+
+
+def _constant_values(sampler: Sampler, samples: Samples) -> tuple[dict[int, float], Array]:
+    """Return {row: value} of the quantities that do not vary along a path, and how much is nothing for each sample."""
+    middle = np.median(samples.values, axis=1)
+    noise = np.maximum(samples.noise, 64.0 * EPS * np.abs(middle)[:, None])
+    varies = (np.abs(samples.values - middle[:, None]) > noise).any(axis=1)
     for side in sampler.flats:
         varies &= sampler.varies_next_to(side)
         middle = np.where(varies, middle, sampler.limits(side))
     middle[np.abs(middle) <= noise.min(axis=1)] = 0.0
-    start = 0.0 if path.is_closed else path.low.x
-    found = [Found(row, sampler.fold(start), float(middle[row]), 0, 0 if path.is_closed else 1)
-             for row in np.nonzero(~varies)[0].tolist()]
-    rows = np.nonzero(varies)[0]
-    if rows.size:
-        found += _interior(sampler, path, values, slopes, state, rows, with_conditions)
-    if not path.is_closed:
-        inward = np.arange(path.x.size)
-        found += _end(sampler, path.x, path.low, +1, inward, path.first, values, slopes, noise, rows)
-        found += _end(sampler, path.x, path.high, -1, inward[::-1], path.last, values, slopes, noise, rows)
-    return found
+    return {row: float(middle[row]) for row in np.nonzero(~varies)[0].tolist()}, noise
 
 
-def _interior(sampler, path, values, slopes, state, rows, with_conditions):
-    """Return what the quantities ``rows`` do between the ends."""
-    sine = np.abs(sampler.linkage.transmission_sine(state[0]))
-    values = values[rows]
-    scale = np.where((values > 0.0).all(axis=1, keepdims=True), values * sine**(2 * POLE - 1), sine**POLE)
-    x, f = path.x, slopes[rows].T * scale.T
+def _interior(sampler: Sampler, samples: Samples, rows: Array, with_conditions: bool) -> list[Found]:
+    """Return the extrema of the quantities ``rows`` between the samples."""
+    x, is_closed = samples.path.x, samples.path.is_closed
+    f = _smooth_slopes(sampler, samples, rows)
     turn = rises(np.unwrap(x)[:, None], False)[:, 0]
     _, row, xa, xb, fa, guess = find_brackets(lambda x, row: sampler.slope(x, rows[row]),
-                                              lambda i, row: (x[i], turn[i]),
-                                              f, rises(f, path.is_closed), path.is_closed)
+                                              lambda i, row: (x[i], turn[i]), f, rises(f, is_closed), is_closed)
     if not row.size:
         return []
     row, spacing = rows[row], xb - xa
 
-    def at(x, which):
+    def at(x: Array, which: Array) -> tuple[Array, Array]:
         return sampler.newton(x, row[which], spacing[which])
 
     root = newton_roots(at, np.arange(row.size), xa, xb, fa, guess)
@@ -106,49 +122,50 @@ def _interior(sampler, path, values, slopes, state, rows, with_conditions):
             for fields in zip(*(v.tolist() for v in (row, place, value, sense, *conditions, noise)))]
 
 
-def _at_stroke(sampler, end, side, slopes, rows):
-    """Return what the quantities ``rows`` do at the end of a stroke; ``slopes``: those of the nearest sample."""
-    value, place = sampler.values(np.array([end.x]))[:, 0], sampler.fold(end.x)
-    return [Found(row, place, float(value[row]), -1 if slopes[row] * side > 0.0 else 1, side) for row in rows.tolist()]
+def _smooth_slopes(sampler: Sampler, samples: Samples, rows: Array) -> Array:
+    """Return the derivatives of quantities at the samples, shape (n, rows), times a power of the sine that has no poles."""
+    sine = np.abs(sampler.linkage.transmission_sine(samples.state[0]))
+    values = samples.values[rows]
+    scale = np.where((values > 0.0).all(axis=1, keepdims=True), values * sine**(2 * POLE - 1), sine**POLE)
+    return samples.slopes[rows].T * scale.T
 
 
-def _end(sampler, x, end, side, inward, first, values, slopes, noise, rows):
-    """
-    Return what the quantities ``rows`` do at an end.
-
-    ``inward``: the indices of all samples, the nearest to the end first; ``first``: of the sample half a
-    step away.
-    """
+def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End], rows: Array) -> list[Found]:
+    """Return what the quantities ``rows`` do at one end of a path: (side, end)."""
+    side, end = where
     if end.is_regular:
-        return _at_stroke(sampler, end, side, slopes[:, inward[0]], rows)
-    if end.is_flat:
+        limits = sampler.values(np.array([end.x]))[:, 0]
+    elif end.is_flat:
         limits = sampler.limits(side)
     else:
-        limits = _at_toggle(sampler, x, side, inward, first, values, noise, rows)
-    rises = slopes[:, inward[0]] * side > 0.0        # seen from the end
-    sense = np.where(np.isinf(limits), np.sign(limits), np.where(rises, -1, 1)).astype(int)
+        limits = _limits_at_toggle(sampler, samples, side, rows)
+    falls = samples.slopes[:, samples.path.inward(side)[0]] * side > 0.0        # seen from inside
+    sense = np.where(np.isinf(limits), np.sign(limits), np.where(falls, -1, 1)).astype(int)
     place = sampler.fold(end.x)
     return [Found(row, place, float(limits[row]), int(sense[row]), side, end.is_flat) for row in rows.tolist()]
 
 
-def _at_toggle(sampler, x, side, inward, first, values, noise, rows):
+def _limits_at_toggle(sampler: Sampler, samples: Samples, side: int, rows: Array) -> Array:
     """
-    Return the limits of quantities at a toggle.
+    Return the limits of all quantities at a toggle; right for ``rows``.
 
-    Quantities are meromorphic in u: one that grows twofold each time the distance falls to a quarter has a
-    pole. The others go on smoothly into the other assembly mode.
+    Quantities are meromorphic in the path's parameter: one that grows twofold each time the distance falls
+    to a quarter has a pole. The others go on smoothly into the other assembly mode.
     """
+    values, path = samples.values, samples.path
+    inward = path.inward(side)
     size = np.abs(values[:, inward[:5:2]])
     has_pole = (size[:, 0] > 2.0 * size[:, 1]) & (size[:, 1] > 2.0 * size[:, 2])
     limits = np.where(values[:, inward[0]] > 0.0, inf, -inf)
     if has_pole[rows].all():
         return limits
+    first = path.half_a_step_from(side)
     near = first + side * np.arange(NEIGHBOURS)
-    beyond = sampler.of(sampler.linkage.in_mode(3 - sampler.linkage.mode)).values(x[near])
+    beyond = sampler.of(sampler.linkage.in_mode(3 - sampler.linkage.mode)).values(path.x[near])
     bounded = (values[:, near] + beyond) @ _THROUGH
     one_sided = values[:, near] @ _UP_TO
     # Angles are folded there: they do not go on, and are extrapolated, at the loss of three digits.
     folded = np.abs(one_sided - bounded) > 1e-6 * np.ptp(values[:, near], axis=1)
     bounded = np.where(folded, one_sided, bounded)
-    bounded[np.abs(bounded) <= noise[:, first]] = 0.0
+    bounded[np.abs(bounded) <= samples.noise[:, first]] = 0.0
     return np.where(has_pole, limits, bounded)

@@ -5,19 +5,22 @@ The derivative is exact: a complex step through the same formulas that compute t
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 from itertools import repeat
 from math import sqrt
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from fourbar_ros.numerics.dialects import for_columns
 from fourbar_ros.numerics.dialects import with_angles as angles_too
-from fourbar_ros.errors import MissingBodies
-from fourbar_ros.extrema.flat_positions import REACH, flat_sides
-from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
-from fourbar_ros.mechanisms.quantities import Quantity
+from fourbar_ros.errors import InvalidParameter, MissingBodies
+from fourbar_ros.extrema.flat_positions import REACH, FlatSide, flat_sides
+from fourbar_ros.extrema.input_paths import InputPath
+from fourbar_ros.mechanisms.quantities import Quantity, is_published
+from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.roots import EPS, fold
 
 # Complex step: its square vanishes beside one, and it is nothing beside the distance of any sample
@@ -27,7 +30,7 @@ STEP = 2.0**-200
 DIFFERENCE = 2.0**-6
 
 
-def _with_part(fields, chosen, values):
+def _with_part(fields: Sequence[Values], chosen: Array, values: Array) -> Array:
     """Return fields, of which some may be numbers, as arrays with other values in a part of them."""
     whole = np.stack(np.broadcast_arrays(*fields, chosen)[:-1]).astype(values.dtype)
     whole[:, chosen] = values
@@ -37,46 +40,112 @@ def _with_part(fields, chosen, values):
 class NoLoads:
     """Stands for the loads of a linkage without masses."""
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Any:
         raise MissingBodies
+
+
+State = tuple[Any, Any]     # motion and loads: fields are floats or arrays
+
+
+class Samples(NamedTuple):
+    """
+    Some quantities at the n samples of one path.
+
+    Parameters
+    ----------
+    path : InputPath
+    values, slopes : ndarray, shape (quantities, n)
+        The quantities, each in its unit, and their derivatives with respect to the input in its unit.
+    state : (motion, loads)
+        From which they come: fields of shape (n,), or floats.
+    noise : ndarray, shape (quantities, n)
+        Bounds of the rounding errors of the values.
+
+    """
+
+    path: InputPath
+    values: Array
+    slopes: Array
+    state: State
+    noise: Array
+
+
+def needs_angles(quantity: Any) -> bool:
+    """Return whether a quantity may depend on angles themselves, not only on their sines, cosines and rates."""
+    return not is_published(quantity)
 
 
 class Sampler:
     """
     Values and derivatives of some quantities of a mechanism in its mode.
 
-    The input x is in units of :attr:`~fourbar_ros.mechanisms.mechanism.Mechanism.input_unit`. Next to the flat positions at the ends of
-    the path that was given to :meth:`enter` motion and loads come from series, see :mod:`fourbar_ros.extrema.flat_positions`.
+    The input x is in units of :attr:`~fourbar_ros.mechanisms.mechanism.Mechanism.input_unit`. Next to the flat
+    positions at the ends of the path that was given to :meth:`enter` motion and loads come from series, see
+    :mod:`fourbar_ros.extrema.flat_positions`.
+
+    Parameters
+    ----------
+    linkage : Mechanism
+    quantities : sequence of Quantity or Function
+    rates : tuple of 2 floats
+        Rate and acceleration of the input.
+    takes_columns : bool
+        The formulas of this kind of mechanism take columns of lengths: many linkages at once.
+
+    Raises
+    ------
+    MissingBodies
+        A quantity needs loads, and the linkage has no masses.
+
     """
 
-    IS_COMPLEX = True   # the steps by which quantities are differentiated
-    TURN = 2.0**-24     # step of real differences of derivatives, in samples: little enough for Newton's method
+    IS_COMPLEX: ClassVar[bool] = True   # the steps by which quantities are differentiated
+    # Step of real differences of derivatives, in samples: little enough for Newton's method.
+    TURN: ClassVar[float] = 2.0**-24
 
-    def __init__(self, linkage, quantities, omega1, alpha1, with_angles=False):
-        self.linkage, self.quantities, self.rates = linkage, quantities, (omega1, alpha1)
-        self.with_angles = with_angles
+    def __init__(self, linkage: Any, quantities: Sequence[Any], rates: tuple[float, float], takes_columns: bool = False):
+        self.linkage, self.quantities, self.rates = linkage, quantities, rates
+        self.takes_columns = takes_columns
+        self.with_angles = with_angles = any(map(needs_angles, quantities))
         self.needs_loads = any(q.is_load for q in quantities)
         if self.needs_loads and linkage.bodies is None:
             raise MissingBodies
-        self.unit, self.flats = linkage.input_unit, {}
+        self.unit: float = linkage.input_unit
+        self.flats: dict[int, FlatSide] = {}
         has_loads = linkage.bodies is not None and (self.needs_loads or with_angles)
         motions = linkage._motion[1], (linkage._make_motion(2, angles_too) if with_angles else linkage._motion[2])
         self._functions = motions, (linkage._loads[1], linkage._loads[2]) if has_loads else (None, None)
 
-    def enter(self, path):
-        """Take the flat positions of an :class:`~fourbar_ros.extrema.four_bar_rates.input_paths.InputPath` into account."""
+    def enter(self, path: InputPath) -> None:
+        """Take the flat positions at the ends of a path into account."""
         self.flats = flat_sides(self.linkage, self.rates, path)
 
-    def of(self, linkage):
+    def of(self, linkage: Any) -> Sampler:
         """Return the same for another linkage."""
-        return type(self)(linkage, self.quantities, *self.rates, self.with_angles)
+        return type(self)(linkage, self.quantities, self.rates, self.takes_columns)
 
-    def with_lengths(self, lengths, x, row):
+    def only(self, row: int) -> Sampler:
+        """Return the same for one of the quantities."""
+        other = copy(self)
+        other.quantities = (self.quantities[row],)
+        other.with_angles = needs_angles(self.quantities[row])
+        return other
+
+    def along(self, path: InputPath) -> Samples:
+        """Return the samples of a path; InvalidParameter where numbers overflow."""
+        self.enter(path)
+        with np.errstate(over='ignore', invalid='ignore'):
+            values, slopes = self.sample(path.x)
+        if np.isinf(values).any() or np.isinf(slopes).any():
+            raise InvalidParameter('rate, acceleration', self.rates, 'too large: quantities overflow')
+        state = self.state(path.x)
+        return Samples(path, values, slopes, state, self.noise(state))
+
+    def with_lengths(self, lengths: Sequence[tuple[float, ...]], x: Array, row: Array) -> Sequence[Array]:
         """Return :meth:`at` for mechanisms of other lengths, shapes (n, mechanisms)."""
         others = [replace(self.linkage, **dict(zip(self.linkage.length_names, changed))) for changed in lengths]
-        if not isinstance(self.linkage, FourBar):
+        if not self.takes_columns:
             return [np.stack(parts, axis=1) for parts in zip(*(self.of(other).at(x, row) for other in others))]
-        # Of a 4R all at once: the formulas take columns of lengths.
         sampler, linkage = copy(self), copy(others[0])
         sampler.flats = {}          # of a change point: the others are none
         for name, column in zip(linkage.length_names, zip(*lengths)):
@@ -88,11 +157,11 @@ class Sampler:
         sampler._functions = (motion,) * 2, (loads,) * 2
         return sampler.at(np.tile(x, (len(lengths), 1)), row)
 
-    def fold(self, x):
+    def fold(self, x: Values) -> Values:
         """Return inputs as they are reported: angles in [0, 2 pi)."""
         return x if self.linkage.is_driven_by_slide else fold(x)
 
-    def state(self, x):
+    def state(self, x: Array) -> State:
         """Return (motion, loads) at real or complex x."""
         motion, loads = (functions[x.dtype.kind == 'c'] for functions in self._functions)
         with np.errstate(all='ignore'):
@@ -106,11 +175,11 @@ class Sampler:
                 state = [_with_part(part, near, values) for part, values in zip(state, beside)]
         return self._named(state)
 
-    def _named(self, state):
+    def _named(self, state: Sequence[Any]) -> State:
         """Return (motion, loads) of their fields."""
         return (self.linkage.MOTION(*state[0]), self.linkage.LOADS(*state[1]) if len(state) > 1 else NoLoads())
 
-    def limits(self, side):
+    def limits(self, side: int) -> Array:
         """
         Return the quantities at the flat position that the path has on this side, with infinities.
 
@@ -124,7 +193,7 @@ class Sampler:
             growth = np.abs(other / one)
         return np.where(growth > 2.0**10, np.copysign(np.inf, other), np.where(growth > 2.0**-10, other, 0.0))
 
-    def varies_next_to(self, side):
+    def varies_next_to(self, side: int) -> Array:
         """Return whether each quantity is more than a constant on this side; True where that is not known."""
         flat = self.flats[side]
         varies = dict(zip(self.linkage.MOTION._fields, flat.motion.varies))
@@ -132,29 +201,29 @@ class Sampler:
             varies.update(zip(self.linkage.LOADS._fields, flat.loads.varies))
         return np.array([not isinstance(q, Quantity) or varies[q.name] for q in self.quantities])
 
-    def values(self, x):
+    def values(self, x: Array) -> Array:
         """Return the quantities at x, shape (quantities, *x.shape)."""
         state = self.state(x)
         with np.errstate(all='ignore'):
             return self._rows(state, x)
 
-    def _rows(self, state, x):
+    def _rows(self, state: State, x: Array) -> Array:
         rows = np.empty((len(self.quantities), *x.shape), x.dtype)
         for row, quantity in zip(rows, self.quantities):
             row[:] = quantity.of(*state)
         return rows
 
-    def sample(self, x):
+    def sample(self, x: Array) -> tuple[Array, Array]:
         """Return values and derivatives at the samples of a path."""
         values = self.values(x + 1j * STEP)
         return values.real, values.imag / STEP
 
-    def at(self, x, row):
+    def at(self, x: Array, row: Array) -> tuple[Array, Array]:
         """Return value and derivative of quantity ``row[i]`` at x[i], or, shape (n, linkages), at x[:, i]."""
         values = self.values(x + 1j * STEP)[row, ..., np.arange(row.size)]
         return values.real, values.imag / STEP
 
-    def values_and_noise(self, x, row):
+    def values_and_noise(self, x: Array, row: Array) -> tuple[Array, Array]:
         """
         Return quantity ``row[i]`` at x[i], zero where it is less than its rounding error, and a bound of that.
 
@@ -166,18 +235,18 @@ class Sampler:
         noise = np.zeros(row.size) if self.flats else 0.25 * self.noise(state)[row, i]
         return np.where(np.abs(value) <= noise, 0.0, value), noise
 
-    def slope(self, x, row):
+    def slope(self, x: Array, row: Array) -> Array:
         """Return the derivative of quantity ``row[i]`` at x[i]."""
         return self.at(x, row)[1]
 
-    def newton(self, x, row, spacing):
+    def newton(self, x: Array, row: Array, spacing: Array) -> tuple[Array, Array]:
         """Return the derivative of quantity ``row[i]`` at x[i], and the step of Newton's method to its zero."""
         turn = self.TURN * spacing
         here, there = np.split(self.slope(np.concatenate((x, x + turn)), np.tile(row, 2)), 2)
         with np.errstate(divide='ignore', invalid='ignore'):
             return here, here * turn / (there - here)
 
-    def noise(self, state):
+    def noise(self, state: State) -> Array:
         """
         Return a bound of the rounding errors of each quantity, shape (quantities, n).
 
@@ -200,16 +269,14 @@ class DifferenceSampler(Sampler):
     IS_COMPLEX = False
     TURN = DIFFERENCE
 
-    def __init__(self, linkage, quantities, omega1, alpha1, with_angles=True):
-        super().__init__(linkage, quantities, omega1, alpha1, with_angles)
-        self._x = None      # samples of the path in rising order
+    _x: Array                # samples of the path in rising order
 
-    def of(self, linkage):
-        other = super().of(linkage)
+    def of(self, linkage: Any) -> DifferenceSampler:
+        other = DifferenceSampler(linkage, self.quantities, self.rates, self.takes_columns)
         other._x = self._x
         return other
 
-    def _rows(self, state, x):
+    def _rows(self, state: State, x: Array) -> Array:
         try:
             return super()._rows(state, x)
         except (TypeError, ValueError):       # a function of plain numbers: one sample at a time
@@ -219,24 +286,29 @@ class DifferenceSampler(Sampler):
                       for v, w in zip(motions, loads)]
             return np.reshape([[q.of(*s) for s in states] for q in self.quantities], (-1, *x.shape)).astype(float)
 
-    def sample(self, x):
+    def sample(self, x: Array) -> tuple[Array, Array]:
         self._x = x[np.argsort(x)]
         return self.values(x), np.stack([self.slope(x, np.full(x.size, row))
                                          for row in range(len(self.quantities))])
 
-    def step(self, x):
+    def step(self, x: Array) -> Array:
         """Return the step of differences at x: a part of the distance between the samples around it."""
         i = np.clip(np.searchsorted(self._x, x), 1, self._x.size - 1)
         return DIFFERENCE * (self._x[i] - self._x[i - 1])
 
-    def at(self, x, row):
+    def at(self, x: Array, row: Array) -> tuple[Array, Array]:
         h = self.step(x)
         points = np.concatenate((x, x + h, x - h, x + 2.0 * h, x - 2.0 * h), axis=-1)
         value, *around = np.split(self.values(points)[np.tile(row, 5), ..., np.arange(5 * row.size)], 5)
         return value, (8.0 * (around[0] - around[1]) - (around[2] - around[3])) / (12.0 * h.T)
 
-    def polish(self, x, row, sense):
-        """Return x, or where it is a kink the place of the extreme by golden section around x."""
+    def polish(self, x: Array, row: Array, sense: Array) -> Array:
+        """
+        Return x, or where the quantity has a kink the place of the extremum by golden section around x.
+
+        By hand, as scipy.optimize.minimize_scalar takes one bracket at a time: this takes all of them, each of
+        another quantity, with one evaluation of motion and loads a step.
+        """
         low, high = x - 4.0 * self.step(x), x + 4.0 * self.step(x)
         part, i = 0.5 * (sqrt(5.0) - 1.0), np.arange(x.size)
         for _ in range(56):

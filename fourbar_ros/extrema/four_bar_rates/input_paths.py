@@ -14,88 +14,28 @@ Input ranges are symmetric about theta1 = 0, so the points of 0 < theta1 < pi gi
 """
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import pi
-from typing import NamedTuple
 
 import numpy as np
 
+from fourbar_ros.extrema.input_paths import End, InputPath, closer_points
+from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.mechanisms.four_bar.half_angle import difference_of_squares, scaled
+from fourbar_ros.numerics.arrays import Array, Values
+from fourbar_ros.numerics.elliptic_functions import jacobi, landen_steps
 
 # At a change point itself the period of u is infinite. There the branches are smooth in x, so the
 # points of a linkage that clears the flat position by this much (of 4 a1 a4) serve.
 CLEARANCE = 2.0**-6
-# Points added towards a toggle, each twice as close as the one before, and towards a flat position, every second
-# one twice as close. The last are 1e-6 in u from a toggle and 1e-12 in x from either, where x itself has four
-# digits left.
-TOGGLE_POINTS, FLAT_POINTS = 14, 64
 # Samples for each unit of u; counts.
 POINTS_PER_FEATURE = 4
 
-
-class End(NamedTuple):
-    """
-    End of an input path: a toggle, or (``is_flat``) the flat position of a change point, or
-    (``is_regular``) the end of a stroke, where nothing is singular.
-    """
-
-    x: float
-    is_flat: bool
-    is_regular: bool = False
+HalfTurn = Callable[[Values, Values], tuple[Values, Values]]
 
 
-class InputPath(NamedTuple):
-    """
-    A range of the input in which a mechanism moves smoothly in one assembly mode.
-
-    Parameters
-    ----------
-    x : ndarray, shape (n,)
-        Inputs inside the range, in the order of motion; a full turn in [-pi, pi]: after pi comes -pi.
-    low, high : End or None
-        Where it begins and ends; None for full turns: after the last point comes the first.
-    first, last : int
-        Indices of the points half a step of u from ``low`` and ``high``; between them steps are equal.
-
-    """
-
-    x: np.ndarray
-    low: End | None
-    high: End | None
-    first: int
-    last: int
-
-    @property
-    def is_closed(self):
-        """Return whether the path is a full turn."""
-        return self.low is None
-
-
-def landen_steps(m1):
-    """
-    Return the steps of the descending Landen transformation for the complementary parameter m1 = 1 - m.
-
-    ``m1`` is a float or an array. Written in the complementary modulus, with sums of positive terms
-    only, it loses nothing for m1 -> 0. Six digits will do, but relative to m for m -> 0.
-    """
-    steps, modulus, smallest = [], m1**0.5, float(np.min(m1))**0.5
-    while not steps or smallest < 1.0 - 1e-3:
-        next_one = 1.0 / (1.0 + modulus)
-        steps.append(((1.0 - modulus) * next_one, 2.0 * modulus * next_one))
-        modulus, smallest = 2.0 * modulus**0.5 * next_one, 2.0 * smallest**0.5 / (1.0 + smallest)
-    return steps[::-1]
-
-
-def jacobi(sine, cosine, steps):
-    """Return sn, cn, dn of u at the phase pi u/(2 K), given by its sine and cosine."""
-    sn, cn, dn = sine, cosine, sine * sine + cosine * cosine
-    for k, k1 in steps:
-        square = sn * sn
-        scale = 1.0 / (1.0 + k * square)
-        sn, cn, dn = (1.0 + k) * sn * scale, cn * dn * scale, (k1 + k * cn * cn) * scale
-    return sn, cn, dn
-
-
-def half_turn(s1, s2, k, crosses_out, crosses_in):
+def half_turn(s1: Values, s2: Values, k: Values, crosses_out: bool, crosses_in: bool
+              ) -> tuple[Values, Values, HalfTurn]:
     """
     Return K, one unit of it in u, and theta1/2 as a function: numerator and denominator of its tangent.
 
@@ -117,21 +57,21 @@ def half_turn(s1, s2, k, crosses_out, crosses_in):
     q = q if crosses_out == crosses_in else p + q
     steps, unit = landen_steps(p / q), 4.0 / q**0.5
 
-    period = 0.5 * pi
+    period: Values = 0.5 * pi
     for step, _ in steps:
         period = period * (1.0 + step)
 
-    def crank(sine, cosine):
+    def crank(sine: Values, cosine: Values) -> tuple[Values, Values]:
         sn, cn, _ = jacobi(sine, cosine, steps)
         return c * sn, d * cn
 
-    def through_zero(sine, cosine):
+    def through_zero(sine: Values, cosine: Values) -> tuple[Values, Values]:
         return b * jacobi(cosine, sine, steps)[1], a
 
-    def through_pi(sine, cosine):
+    def through_pi(sine: Values, cosine: Values) -> tuple[Values, Values]:
         return c, d * jacobi(sine, cosine, steps)[1]
 
-    def apart(sine, cosine):
+    def apart(sine: Values, cosine: Values) -> tuple[Values, Values]:
         return b * jacobi(cosine, sine, steps)[2], a
 
     if crosses_out:
@@ -139,7 +79,7 @@ def half_turn(s1, s2, k, crosses_out, crosses_in):
     return period, unit, through_zero if crosses_in else apart
 
 
-def phases(count, low_is_toggle, high_is_toggle):
+def phases(count: int, low_is_toggle: bool, high_is_toggle: bool) -> tuple[Array, Array, float]:
     """
     Return the arguments of the function of :func:`half_turn` for equal steps of u: sines, cosines; the step of t.
 
@@ -151,9 +91,9 @@ def phases(count, low_is_toggle, high_is_toggle):
     return np.sin(0.5 * pi * t), np.sin(0.5 * pi * (1.0 - t)), step
 
 
-def input_paths(linkage, points):
+def input_paths(linkage: FourBar, points: int) -> list[InputPath]:
     """
-    Return the list of :class:`InputPath` that make up the motion of a linkage in its mode.
+    Return the paths that make up the motion of a linkage in its mode.
 
     ``points`` is the least number of points of a full turn, without those added at the ends.
     """
@@ -174,23 +114,15 @@ def input_paths(linkage, points):
     # Nearer to a toggle than this, x has no digits left for the distance.
     beyond = [np.abs(x - end.x) < 2.0**-40 * end.x if end else np.zeros(x.shape, bool)
               for end in (low, high)]
-    before, after = before.size - beyond[0].sum(), after.size - beyond[1].sum()
+    first, last = before.size - int(beyond[0].sum()), after.size - int(beyond[1].sum())
     x = x[~(beyond[0] | beyond[1])]
     if low and high:
-        return [InputPath(-x[::-1], _mirror(high), _mirror(low), after, x.size - 1 - before),
-                InputPath(x, low, high, before, x.size - 1 - after)]
+        return [InputPath(-x[::-1], _mirror(high), _mirror(low), last, x.size - 1 - first),
+                InputPath(x, low, high, first, x.size - 1 - last)]
     if low:
-        return [InputPath(np.concatenate((x, -x[::-1])), low, _mirror(low), before, 2 * x.size - 1 - before)]
-    return [InputPath(np.concatenate((-x[::-1], x)), _mirror(high), high, after, 2 * x.size - 1 - after)]
+        return [InputPath(np.concatenate((x, -x[::-1])), low, _mirror(low), first, 2 * x.size - 1 - first)]
+    return [InputPath(np.concatenate((-x[::-1], x)), high and _mirror(high), high, last, 2 * x.size - 1 - last)]
 
 
-def closer_points(end, count):
-    """Return the parameters t of the points added at an end at t = 0, outwards, to ``count`` in [0, 1]."""
-    if end is None:
-        return np.zeros(0)
-    octaves = 0.5 * np.arange(1, 1 + FLAT_POINTS) if end.is_flat else np.arange(1.0, 1 + TOGGLE_POINTS)
-    return 0.5 / count * 2.0**-octaves
-
-
-def _mirror(end):
-    return end and End(-end.x, end.is_flat)
+def _mirror(end: End) -> End:
+    return End(-end.x, end.is_flat)

@@ -35,7 +35,7 @@ from fourbar_ros.numerics.roots import (
     newton_root,
     turn_after,
 )
-from fourbar_ros.extrema.sensitivity import rate_changes
+from fourbar_ros.extrema.four_bar_rates.sensitivity import rate_changes
 
 # Of a full turn, at least. Half as many have missed nothing in 280 000 linkages of all kinds.
 SAMPLES = 24

@@ -1,0 +1,151 @@
+"""
+Which search, which sample points and which proof serve which quantity of which mechanism: chosen here, once a request.
+
+=============================  ============================================  ==============================
+quantity                       search                                        proof
+=============================  ============================================  ==============================
+omega4, alpha4 of a four-bar,  :mod:`.four_bar_rates.search`; at a change    :mod:`.four_bar_rates.exact_count`
+constant input rate            point as the others
+omega4 of it, any input        :mod:`.path_search`, exact derivatives        the same
+others with a name             :mod:`.path_search`, exact derivatives        :mod:`.interval_proof`
+functions                      the same, or with differences: what a trial   the same
+                               of the exact derivatives says
+=============================  ============================================  ==============================
+
+The sample points are those of :mod:`.four_bar_rates.input_paths` for a four-bar, of :mod:`.input_paths` for others.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from fourbar_ros.extrema.four_bar_rates.input_paths import input_paths as elliptic_paths
+from fourbar_ros.extrema.four_bar_rates.search import SAMPLES as RATE_SAMPLES
+from fourbar_ros.extrema.four_bar_rates.search import rate_extrema
+from fourbar_ros.extrema.input_paths import InputPath, input_paths
+from fourbar_ros.extrema.path_search import Found, search_path
+from fourbar_ros.extrema.sampling import DifferenceSampler, Sampler
+from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
+from fourbar_ros.mechanisms.quantities import is_published
+from fourbar_ros.numerics.roots import fold
+
+# Points of a full turn, at least; those of a path that the trial of a function leaves out.
+SAMPLES, TRIAL = 128, 12
+RATES = ('omega4', 'alpha4')
+
+
+class Methods:
+    """
+    The searches and proofs for some quantities of a mechanism in its mode.
+
+    Parameters
+    ----------
+    linkage : Mechanism
+    quantities : sequence of Quantity or Function
+    rates : tuple of 2 floats
+        Rate and acceleration of the input.
+
+    """
+
+    def __init__(self, linkage: Any, quantities: Sequence[Any], rates: tuple[float, float]):
+        self._linkage, self._quantities, self._rates = linkage, quantities, rates
+        self._is_four_bar = isinstance(linkage, FourBar)
+        self._paths: dict[int, list[InputPath]] = {}
+        countable = RATES[:1 if rates[1] else 2] if self._is_four_bar and rates[0] else ()
+        self._exact = [row for row, quantity in enumerate(quantities)
+                       if quantity.name in countable and is_published(quantity)]
+        is_fast = len(countable) == 2 and linkage.change_point_margin > 0.0
+        self._fast = self._exact if is_fast else []
+        self._groups = self._samplers([row for row in range(len(quantities)) if row not in self._fast])
+
+    def paths(self, density: int = 1) -> list[InputPath]:
+        """Return the paths of the input, with ``density`` times the usual number of points."""
+        if density not in self._paths:
+            of = elliptic_paths if self._is_four_bar else input_paths
+            self._paths[density] = of(self._linkage, density * SAMPLES)
+        return self._paths[density]
+
+    def _samplers(self, rows: list[int]) -> list[tuple[Sampler, list[int]]]:
+        """Return the samplers of the quantities ``rows``, and which quantities each has."""
+        rough = [row for row in rows if not is_published(self._quantities[row])
+                 and not self._has_complex_step(self._quantities[row])]
+        smooth = [row for row in rows if row not in rough]
+        return [(self._sampler(kind, group), group)
+                for kind, group in ((Sampler, smooth), (DifferenceSampler, rough)) if group]
+
+    def _sampler(self, kind: type[Sampler], rows: list[int]) -> Sampler:
+        return kind(self._linkage, [self._quantities[row] for row in rows], self._rates, self._is_four_bar)
+
+    def _has_complex_step(self, quantity: Any) -> bool:
+        """Return whether the complex step gives the derivative of a function: tried at some points."""
+        path = self.paths()[0]
+        part = slice(path.first, path.last, TRIAL)
+        x, step = path.x[part], 2.0**-10 * np.gradient(path.x)[part]
+        sampler = Sampler(self._linkage, (quantity,), self._rates, self._is_four_bar)
+        try:
+            values, slopes = sampler.sample(x)
+            differences = (sampler.values(x + step) - sampler.values(x - step)) / (2.0 * step)
+        except (TypeError, ValueError):
+            return False
+        # Next to a toggle slopes are huge: a point is compared with its own, or those of most.
+        size = np.abs(differences)
+        agrees = np.abs(slopes - differences) <= 1e-3 * np.maximum(size, np.median(size))
+        agrees &= np.abs(values - sampler.values(x)) <= 1e-6 * np.max(np.abs(values))
+        return bool(agrees.mean() > 0.8)      # an angle may jump by 2 pi at one of the points
+
+    def search(self, density: int = 1, with_conditions: bool = True) -> list[list[Found]]:
+        """Return the extrema of each quantity, searched for with ``density`` times the usual number of samples."""
+        found: list[list[Found]] = [[] for _ in self._quantities]
+        if self._fast:
+            for part in self._rate_extrema(density, with_conditions):
+                found[self._fast[part.row]].append(part)
+        for sampler, rows in self._groups:
+            for path in self.paths(density):
+                for part in search_path(sampler, path, with_conditions):
+                    found[rows[part.row]].append(part)
+        return found
+
+    def _rate_extrema(self, density: int, with_conditions: bool) -> list[Found]:
+        """Return the extrema of omega4 and alpha4 at constant input rate; ``row`` counts those that are fast."""
+        extrema, toggles = rate_extrema(self._linkage, density * RATE_SAMPLES, with_conditions)
+        found, rate = [], self._rates[0]
+        for row, name in enumerate(self._quantities[row].name for row in self._fast):
+            i, factor, sign = (0, rate, 1 if rate > 0.0 else -1) if name == 'omega4' else (1, rate * rate, 1)
+            for theta1, value, is_maximum, *conditions in extrema[i]:
+                found.append(Found(row, theta1, factor * value, sign if is_maximum else -sign, 0, False, *conditions))
+            for x, side, *is_up in toggles:
+                sense = sign if is_up[i] else -sign
+                found.append(Found(row, fold(x), sense * inf, sense, side))
+        return found
+
+    def prove(self, found: list[list[Found]], check: Callable[[], None]) -> list[tuple[int | None, str]]:
+        """
+        Return how many extrema each quantity has inside the input range, and how that is known.
+
+        Parameters
+        ----------
+        found : list
+            What the search found of each quantity.
+        check : callable
+            Called between the pieces of the work; what it raises ends it.
+
+        Returns
+        -------
+        list of (int or None, str)
+            None: not proved; the text says why.
+
+        """
+        from fourbar_ros.extrema import proof
+
+        proofs: dict[int, tuple[int | None, str]] = {}
+        if self._exact:
+            counts = proof.exact_counts(self._linkage.lengths)
+            proofs = {row: counts[RATES.index(self._quantities[row].name)] for row in self._exact}
+        for sampler, rows in self._groups:
+            for i, row in enumerate(rows):
+                if row not in proofs:
+                    proofs[row] = proof.by_intervals(sampler.only(i), self.paths(), found[row], check)
+        return [proofs[row] for row in range(len(found))]
