@@ -125,7 +125,6 @@ def test_third_party_packages_stay_in_their_folders():
     assert not wrong, '\n'.join(wrong)
 
 
-@pytest.mark.xfail(strict=True, reason='the restructuring is under way')
 def test_no_type_test_of_a_kind():
     wrong = []
     for module, path in MODULES.items():

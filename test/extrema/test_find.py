@@ -389,6 +389,19 @@ def test_function_with_abs_has_its_kinks_as_minima():
         assert min(angle_between(extremum.theta1, e.theta1) for e in found) < 1e-9
 
 
+@pytest.mark.parametrize('lengths', [(1.2, 0.5, 0.8, 1.0), (4.0, 2.0, 3.0, 5.5), (0.8, 0.5, 1.2, 1.4)])
+def test_function_with_abs_of_a_rocker_has_an_extremum_between_its_unbounded_ends(lengths):
+    """Next to the toggles all derivatives are huge: they must not hide in the trial that abs has no complex step."""
+    linkage = with_rods(lengths)
+    found = find_extrema(linkage, lambda motion, loads: abs(loads.f41 - 1.0) + motion.omega_beta, 2.0, 0.5)
+    ends = [e for e in found if e.place == 'limit']
+    assert ends and all(e.value == inf for e in ends)
+    for low, high in linkage.input_ranges:
+        inside = [e.kind for e in found if e.place == 'interior'
+                  and 0.0 < (e.theta1 - low) % (2.0 * np.pi) < high - low]
+        assert inside.count('minimum') == inside.count('maximum') + 1, found
+
+
 def test_function_of_plain_numbers():
     import math
 

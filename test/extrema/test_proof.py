@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from fourbar_ros import Bodies, Body, FourBar, InvertedSlider, SliderCrank, round_rod
-from fourbar_ros.extrema.four_bar_rates import exact_count as sturm
-from fourbar_ros.extrema import find as module
 from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.extrema.methods import Methods
+from fourbar_ros.numerics import sturm
 from fourbar_ros.mechanisms.quantities import known, point_speed
 
 PAPER = (0.4, 1.2, 0.8, 1.0)
@@ -99,24 +99,24 @@ def test_a_function_without_enclosures_is_not_proved():
 
 
 @pytest.mark.parametrize('quantity', ['alpha4', 'driving_torque'])
-def test_a_missing_extreme_is_noticed(monkeypatch, quantity):
+def test_a_missing_extremum_is_noticed(monkeypatch, quantity):
     pytest.importorskip('flint')
-    search = module._search
-    monkeypatch.setattr(module, '_search', lambda *arguments: [part[1:] for part in search(*arguments)])
+    search = Methods.search
+    monkeypatch.setattr(Methods, 'search', lambda *arguments: [part[1:] for part in search(*arguments)])
     number = len(find_extrema(with_rods(PAPER), (quantity,), 25.0)) + 1
     text, = proofs(find_extrema(with_rods(PAPER), (quantity,), 25.0, certify=True))
     assert text == f'not proved: {number - 1} found, {number} exist'
 
 
-def test_a_missing_extreme_is_searched_for_again(monkeypatch):
-    search, densities = module._search, []
+def test_a_missing_extremum_is_searched_for_again(monkeypatch):
+    search, densities = Methods.search, []
 
-    def forgetful(linkage, quantities, omega1, alpha1, density, conditions):
+    def forgetful(self, density, conditions):
         densities.append(density)
-        found = search(linkage, quantities, omega1, alpha1, density, conditions)
+        found = search(self, density, conditions)
         return [part[1:] for part in found] if density == 1 else found
 
-    monkeypatch.setattr(module, '_search', forgetful)
+    monkeypatch.setattr(Methods, 'search', forgetful)
     found = find_extrema(FourBar(*PAPER), ('alpha4',), certify=True)
     assert len(found) == 2 and proofs(found) == {'exact count'} and densities == [1, 8]
 
@@ -131,10 +131,10 @@ def test_sturm_counts_like_descartes():
             P = P * Polynomial(-root, 1)
         low, high = -15, 20
         inside = [root for root in roots if low < root < high]
-        assert sturm._count(list(P.c), low, high) == len(inside)
+        assert sturm.count_roots(sturm.Polynomial(P.c), low, high) == len(inside)
         assert descartes(P, low, high, 0) >= len(inside)
         if inside:
-            assert sturm._count(list((P * Polynomial(-inside[0], 1)).c), low, high) is None
+            assert sturm.count_roots(sturm.Polynomial((P * Polynomial(-inside[0], 1)).c), low, high) is None
 
 
 @pytest.mark.slow
