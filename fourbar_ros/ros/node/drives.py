@@ -236,12 +236,12 @@ class TopicDrive(Drive):
     def _take(self, data):
         self.counts['received'] += 1
         self._heard, self._waiting = self._now(), True
-        self._recording.write(self._topic.name, data)
         try:
             stamp, given = self._read(data)
         except Exception:                                # whatever a foreign writer sends, the node goes on
             self._note('malformed', f'{self._topic.topic}: a message that is no {self._topic.type}')
-            return
+            return                                       # nor does a bag hold it: its readers would stumble
+        self._recording.write(self._topic.name, data)
         if given is None:
             self._note('without_joint', f'joint {self.settings.joint!r} is not in the input message')
             return

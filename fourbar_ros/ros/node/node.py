@@ -2,6 +2,8 @@
 from __future__ import annotations
 
 import sys
+import time
+from threading import Event, Thread
 
 import rclpy
 from rclpy.exceptions import NameValidationException, ParameterException
@@ -137,13 +139,30 @@ def spin(node, stop):
     """Handle what comes until it is asked to stop or anything has failed."""
     executor = EventsExecutor()
     executor.add_node(node)
+    spinning = Event()
+    waker = Thread(target=keep_awake, args=(executor, spinning), name='waker', daemon=True)
+    waker.start()
     try:
         while not stop.requested and not node.failure:
             executor.spin_once(timeout_sec=SPIN)
     except Exception as error:
         node.failure = error
     finally:
+        spinning.set()
+        waker.join()
         executor.shutdown()
+
+
+def keep_awake(executor, ended):
+    """
+    Give the executor something to do every SPIN seconds, by a steady clock.
+
+    It waits by the system clock (libstdc++ does, as old as that of the wheels): if that is set back by an hour, a
+    wait of SPIN takes an hour, and neither a timer runs nor a signal is seen.
+    """
+    while not ended.is_set():
+        time.sleep(SPIN)
+        executor.create_task(lambda: None)
 
 
 if __name__ == '__main__':
