@@ -23,7 +23,7 @@ help:
 	@echo '  make check-pip  test the library without ROS: sdist, wheel, fresh venv, every command'
 	@echo '  make check-clean   make run and make test in a fresh clone with a bare environment'
 	@echo '  make check-oldest  the same with numpy 1.26 and scipy 1.11, as in Ubuntu 24.04'
-	@echo '  make soak       flood the node with messages, garbage and restarts    MINUTES=60'
+	@echo '  make soak       flood the node: garbage, clock steps, a slow disk, restarts    MINUTES=60'
 	@echo '  make bench      measure accuracy, speed, extrema, node and recorder   ARGS="speed"'
 	@echo '  make setup      only set up: .venv, ROS 2, build'
 	@echo '  make clean      remove .venv build install log'

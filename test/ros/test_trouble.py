@@ -2,7 +2,7 @@
 import math
 import re
 import shutil
-import subprocess
+import signal
 import time
 
 import pytest
@@ -14,6 +14,7 @@ from sensor_msgs.msg import JointState
 
 from fourbar_ros.ros.node.quiet_log import QuietLog
 from fourbar_ros.ros.node.sequence import Sequence
+from support.faults import Faults
 from support.scenes import PAPER
 from ros.test_inputs import NANOSECONDS, answers, set_parameters, stamped
 
@@ -127,33 +128,10 @@ def test_good_and_bad_inputs_in_turns_are_a_few_lines(run_node, client, heard, b
 
 # --- clocks -----------------------------------------------------------------------------------------
 
-CLOCK = r'''
-#define _GNU_SOURCE
-#include <dlfcn.h>
-#include <fcntl.h>
-#include <stdlib.h>
-#include <time.h>
-#include <unistd.h>
-/* The system clock, set back by 100 s as soon as the file $CLOCK_IS_SET exists; other clocks as they are. */
-int clock_gettime(clockid_t which, struct timespec *now) {
-    static int (*real)(clockid_t, struct timespec *);
-    if (!real) real = dlsym(RTLD_NEXT, "clock_gettime");
-    int done = real(which, now);
-    if (which == CLOCK_REALTIME && access(getenv("CLOCK_IS_SET"), F_OK) == 0) now->tv_sec -= 100;
-    return done;
-}
-'''
-
-
 @pytest.mark.skipif(not shutil.which('cc'), reason='needs a C compiler')
-def test_diagnostics_and_timeout_go_on_when_the_clock_is_set_back(run_node, client, heard, tmp_path, monkeypatch):
-    source, library, flag = tmp_path / 'clock.c', tmp_path / 'clock.so', tmp_path / 'is_set'
-    source.write_text(CLOCK)
-    subprocess.run(['cc', '-shared', '-fPIC', '-o', library, source, '-ldl'], check=True)
-    monkeypatch.setenv('CLOCK_IS_SET', str(flag))
-    monkeypatch.setenv('LD_PRELOAD', str(library))
-    run_node({**DRIVEN, 'drive.timeout': 1.0})
-    monkeypatch.delenv('LD_PRELOAD')
+def test_diagnostics_and_timeout_go_on_when_the_clock_is_set_back(run_node, client, heard, tmp_path):
+    faults = Faults(tmp_path)
+    faults.start(lambda: run_node({**DRIVEN, 'drive.timeout': 1.0}))
     client.listen(['state'])
     publisher = client.publisher()
     client.handshake(lambda: publisher.publish(Motion(position=0.1)))
@@ -161,12 +139,26 @@ def test_diagnostics_and_timeout_go_on_when_the_clock_is_set_back(run_node, clie
     publisher.publish(Motion(position=0.1))
     before = heard.messages[-1].header.stamp.sec
     client.received['state'].clear()
-    flag.touch()
+    faults.set(clock=-100.0)
     client.until(lambda: any(s.status == LinkageState.STATUS_INPUT_TIMEOUT for s in client.received['state']),
                  'the timeout', patience=20.0)
     number = len(heard.messages)
     client.until(lambda: len(heard.messages) >= number + 3, 'diagnostics', patience=20.0)
     assert heard.messages[-1].header.stamp.sec < before - 50          # the clock of the node was set indeed
+
+
+@pytest.mark.skipif(not shutil.which('cc'), reason='needs a C compiler')
+@pytest.mark.parametrize('step', [-3600.0, 3600.0])
+def test_a_node_on_a_timer_stops_and_has_diagnostics_whatever_the_clock(run_node, client, heard, tmp_path, step):
+    """Nothing comes in that would wake it, and its executor waits by the clock that was set."""
+    faults = Faults(tmp_path)
+    node = faults.start(lambda: run_node({**PAPER, 'outputs': ['state']}))
+    client.until(lambda: heard.messages, 'diagnostics')
+    faults.set(clock=step)
+    number = len(heard.messages)
+    client.until(lambda: len(heard.messages) >= number + 2, 'diagnostics', patience=30.0)
+    node.process.send_signal(signal.SIGTERM)
+    assert node.process.wait(30.0) == 0
 
 
 class Simulation:

@@ -7,7 +7,6 @@ from math import isnan
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from fourbar_ros.pipeline.status import OK, STATUS_NAMES
-from fourbar_ros.ros.node.drives import steady_timer
 
 PERIOD = 1.0               # [s]
 NEAR_TOGGLE = 0.05         # |sin| of the transmission angle below which a warning is due
@@ -20,7 +19,7 @@ class Diagnostics:
         self._node = node
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
         self._before = (time.monotonic(), 0, 0, {})
-        self._timer = steady_timer(node, PERIOD, self._publish)
+        node.steady_timers.add(PERIOD, self._publish)
 
     def _publish(self):
         self._node.log.flush()

@@ -6,7 +6,6 @@ import time
 from math import isnan, nan
 from traceback import format_exc
 
-from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
@@ -23,11 +22,6 @@ CATCH_UP = 1.0         # [s] a thread later than this skips the samples it misse
 CLOCK_STEP = 0.05      # [s] the wall clock was set if it is this far from the monotonic one
 CHECK_CLOCK = 1.0      # [s] how often that is looked at
 FUTURE = 1.0           # [s] a stamp further ahead of our clock is counted as of the future
-
-
-def steady_timer(node, period, callback):
-    """Return a timer that goes on when the clock of the system is set, or a simulation stands still."""
-    return node.create_timer(period, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
 
 class Drive:
@@ -179,7 +173,7 @@ class TopicDrive(Drive):
         self._subscription = qos.create(
             self._node, 'subscription', resolve(self._topic.type), self._topic.topic, WithInfo(self._receive),
             profile, raw=True, event_callbacks=self._events())
-        self._timer = steady_timer(self._node, SLEEP, self._watch)
+        self._timer = self._node.steady_timers.add(SLEEP, self._watch)
 
     def _events(self):
         events = SubscriptionEventCallbacks(matched=lambda _: self._sequence.forget())
@@ -192,7 +186,7 @@ class TopicDrive(Drive):
 
     def stop(self):
         """Unsubscribe."""
-        self._node.destroy_timer(self._timer)
+        self._node.steady_timers.remove(self._timer)
         self._node.destroy_subscription(self._subscription)
 
     def apply(self, settings):

@@ -2,8 +2,6 @@
 from __future__ import annotations
 
 import sys
-import time
-from threading import Event, Thread
 
 import rclpy
 from rclpy.exceptions import NameValidationException, ParameterException
@@ -22,6 +20,7 @@ from fourbar_ros.ros.node.quiet_log import QuietLog
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.stop import Stop
 from fourbar_ros.ros.node.stream import Stream
+from fourbar_ros.ros.node.steady import SteadyTimers
 from fourbar_ros.ros.node.worker import Worker
 
 UnknownArguments = rclpy_implementation.UnknownROSArgsError
@@ -39,6 +38,7 @@ class FourBarNode(Node):
         super().__init__('fourbar', automatically_declare_parameters_from_overrides=True, **kwargs)
         scene = declare.scene(self, arguments)
         self.failure = None                  # a fault in any thread, raised by main
+        self.steady_timers = SteadyTimers()
         self.log = QuietLog(self.get_logger())
         self.recording = Recording(self)
         self.stream = Stream(self, scene, self.recording)
@@ -83,6 +83,10 @@ class FourBarNode(Node):
             self.wrenches.apply(scene)
         if settings_changed:
             self.drive.apply(scene.drive)
+
+    def fail(self, error):
+        """Have main raise an error."""
+        self.failure = error
 
     def close(self):
         """Abandon what is searched for, stop the stream, close the bag, leave the graph."""
@@ -139,30 +143,15 @@ def spin(node, stop):
     """Handle what comes until it is asked to stop or anything has failed."""
     executor = EventsExecutor()
     executor.add_node(node)
-    spinning = Event()
-    waker = Thread(target=keep_awake, args=(executor, spinning), name='waker', daemon=True)
-    waker.start()
+    node.steady_timers.start(executor, node.fail)
     try:
         while not stop.requested and not node.failure:
             executor.spin_once(timeout_sec=SPIN)
     except Exception as error:
         node.failure = error
     finally:
-        spinning.set()
-        waker.join()
+        node.steady_timers.stop()
         executor.shutdown()
-
-
-def keep_awake(executor, ended):
-    """
-    Give the executor something to do every SPIN seconds, by a steady clock.
-
-    It waits by the system clock (libstdc++ does, as old as that of the wheels): if that is set back by an hour, a
-    wait of SPIN takes an hour, and neither a timer runs nor a signal is seen.
-    """
-    while not ended.is_set():
-        time.sleep(SPIN)
-        executor.create_task(lambda: None)
 
 
 if __name__ == '__main__':

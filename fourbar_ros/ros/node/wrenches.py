@@ -11,7 +11,6 @@ from rclpy.serialization import deserialize_message, serialize_message
 from fourbar_ros.scene import topics as interfaces
 from fourbar_ros.pipeline.wrenches import Wrench, in_silence
 from fourbar_ros.ros.node import qos
-from fourbar_ros.ros.node.drives import steady_timer
 
 PERIOD = 0.1           # [s] how often silence is looked for
 
@@ -53,7 +52,7 @@ class WrenchInputs:
         for link in stream.scene.wrenches.links:
             qos.create(node, 'subscription', WrenchStamped, interfaces.WRENCHES[link].topic,
                        partial(self._take, link), profile, raw=True)
-        steady_timer(node, PERIOD, self._watch)
+        node.steady_timers.add(PERIOD, self._watch)
 
     def apply(self, scene):
         """Take over a scene: what acts in a silence may be another."""

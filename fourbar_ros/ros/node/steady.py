@@ -1,0 +1,63 @@
+"""
+Timers that no setting of the system clock can stop.
+
+The executor and rclpy's timers wait until a time of the system clock, those on a steady clock too: the wheels
+are built with a libstdc++ that knows no other wait. Set that clock back by an hour, and a wait of 0.1 s takes
+an hour: no timer runs, and no signal is seen.
+"""
+from __future__ import annotations
+
+import time
+from threading import Event, Thread
+from typing import Callable
+
+PERIOD = 0.1        # [s] so finely are these timers spaced, and so often is the executor woken
+
+
+class SteadyTimers:
+    """Functions that are called periodically, in the thread of an executor, while :meth:`waking` it."""
+
+    def __init__(self) -> None:
+        self._timers: dict[object, tuple[float, Callable[[], None]]] = {}
+        self._due: dict[object, float] = {}
+        self._ended, self._thread, self._is_asked = Event(), None, False
+
+    def add(self, period: float, callback: Callable[[], None]) -> object:
+        """Call a function every ``period`` seconds from now on; return what :meth:`remove` takes."""
+        timer = object()
+        self._due[timer], self._timers[timer] = time.monotonic() + period, (period, callback)
+        return timer
+
+    def remove(self, timer: object) -> None:
+        """Do not call it any more."""
+        del self._timers[timer], self._due[timer]
+
+    def start(self, executor, failed: Callable[[Exception], None]) -> None:
+        """Begin, in an executor; ``failed`` takes what a function raises."""
+        def run():
+            self._is_asked = False
+            try:
+                self._run()
+            except Exception as error:
+                failed(error)
+
+        def wake():
+            while not self._ended.is_set():
+                time.sleep(PERIOD)
+                if not self._is_asked:                   # it may be busy
+                    self._is_asked = True
+                    executor.create_task(run)
+        self._thread = Thread(target=wake, name='steady timers', daemon=True)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End it: nothing is called afterwards."""
+        self._ended.set()
+        self._thread.join()
+
+    def _run(self):
+        now = time.monotonic()
+        for timer, (period, callback) in list(self._timers.items()):
+            if now >= self._due[timer] - 0.5 * PERIOD:
+                self._due[timer] = max(self._due[timer] + period, now)
+                callback()
