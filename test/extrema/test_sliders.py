@@ -5,6 +5,8 @@ from math import inf, isfinite, isnan, nan, pi
 import numpy as np
 import pytest
 
+from support.scans import place
+
 from fourbar_ros import Bodies, Body, FourBar, InvalidParameter, InvertedSlider, SliderCrank
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
@@ -37,69 +39,9 @@ def random_mechanism(rng, kind, driven, least=1e-3):
             return mechanism
 
 
-def place(mechanism, extremum):
-    return extremum.slide if mechanism.input == SLIDE else extremum.theta1
-
-
-def check_against_scan(mechanism, quantities, rate, acceleration, points):
-    """Compare with the local extrema of a scan: each must be found, each found one be an extremum."""
-    found = find_extrema(mechanism, quantities, rate, acceleration)
-    number = 0
-    for low, high in mechanism.input_ranges:
-        step = (high - low) / points
-        x = low + step * (np.arange(-1, points + 1) + 0.5)
-        state = mechanism.step(x, rate, acceleration)
-        if not mechanism.turns_fully:
-            x, state = x[1:-1], [type(part)(*(field[1:-1] for field in part)) for part in state]
-        for quantity in quantities:
-            values = quantity.of(*state)
-            noise = 64 * EPS * np.abs(values[1:-1])
-            for sign, kind in ((1, 'maximum'), (-1, 'minimum')):
-                rise = sign * np.diff(values)
-                tops = x[1:-1][(rise[:-1] > noise) & (rise[1:] < -noise)]
-                extrema = [place(mechanism, e) for e in found if (e.quantity, e.kind, e.place) == (quantity.name, kind, 'interior')]
-                for top in tops:
-                    number += 1
-                    assert extrema and min(abs(mechanism.distance(top, at)) for at in extrema) <= 1.5 * step, \
-                        (mechanism, quantity.name, top)
-    by_name = {quantity.name: quantity for quantity in quantities}
-    for extremum in found:
-        if extremum.place == 'interior' and extremum.kind != 'constant':
-            at = place(mechanism, extremum)
-            d = min(1e-6 * mechanism.input_unit / max(1.0, extremum.condition / mechanism.input_unit),
-                    1e-3 * min(abs(z - at) for z in mechanism.singular_inputs))
-            around = by_name[extremum.quantity].of(*mechanism.step(at + d * np.array((-1.0, 0.0, 1.0)), rate, acceleration))
-            sense = 1 if extremum.kind == 'maximum' else -1
-            drop = (sense * (around[1] - around[[0, 2]])).min()
-            tolerance = 64 * EPS * abs(around[1]) * (1 + extremum.value_condition) if around[1] else 0.0
-            assert drop >= -tolerance, (mechanism, extremum)
-    return number
-
-
 def everything(mechanism, rng):
     return [*select((), mechanism), point_speed(mechanism, 'coupler', *rng.uniform(-0.5, 0.5, 2).tolist()),
             point_acceleration(mechanism, 'coupler', *rng.uniform(-0.5, 0.5, 2).tolist())]
-
-
-@pytest.mark.parametrize('kind, driven', KINDS)
-def test_all_quantities_against_a_scan(kind, driven):
-    rng = np.random.default_rng(4)
-    number = 0
-    for _ in range(8):
-        mechanism = random_mechanism(rng, kind, driven)
-        number += check_against_scan(mechanism, everything(mechanism, rng), float(rng.normal(0.0, 10.0)),
-                                     float(rng.normal(0.0, 50.0)), 20000)
-    assert number > 60
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize('seed', range(4))
-@pytest.mark.parametrize('kind, driven', KINDS)
-def test_500_mechanisms_against_a_scan(kind, driven, seed):
-    rng = np.random.default_rng(100 + seed)
-    for _ in range(32):
-        mechanism = random_mechanism(rng, kind, driven)
-        check_against_scan(mechanism, everything(mechanism, rng), float(rng.normal(0.0, 10.0)), 0.0, 60000)
 
 
 @pytest.mark.parametrize('kind, driven', KINDS)

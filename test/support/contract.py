@@ -1,0 +1,285 @@
+"""Mechanisms of every kind, input and mode for the tests of the contract: drawn at random and from hard families."""
+
+from typing import Any, NamedTuple
+
+import mpmath as mp
+import numpy as np
+
+from fourbar_ros import Applied, Bodies, Body, External, InvalidParameter
+from fourbar_ros.mechanisms.kinds import KINDS
+from support.reference import EPS, condition
+from support.references import REFERENCES
+
+FAMILIES = (
+    'random',
+    'near a toggle',
+    'near a change point',
+    'link ratios 1e8',
+    'near a special input',
+)
+ANGLE_BOUND, RATE_BOUND, LOADS_BOUND = 2.0, 5.0, 5.0  # in eps cond
+ANGLES = ('theta', 'beta')  # how fields begin that count modulo a turn
+TRIES = 10_000
+
+
+class Case(NamedTuple):
+    """A kind of mechanism with one of its inputs, in one assembly mode."""
+
+    name: str
+    kind: Any
+    driven: str
+    mode: int
+
+    @property
+    def reference(self):
+        """Return its Reference; KeyError names a kind that has none."""
+        return REFERENCES[self.name]
+
+    @property
+    def sign(self):
+        """Return the assembly mode as the references take it."""
+        return 2 * self.mode - 3
+
+    @property
+    def turns(self):
+        """Return whether the input is an angle."""
+        return self.kind.INPUTS[self.driven].position.startswith(ANGLES)
+
+    @property
+    def bodies(self):
+        """Return the type of its bodies: a field for each moving link."""
+        return getattr(self.kind, 'BODIES', Bodies)
+
+    @property
+    def external(self):
+        """Return the type of its external loads: a field for each link that can be loaded."""
+        return getattr(self.kind, 'EXTERNAL', External)
+
+    def make(self, lengths, masses=None, **others):
+        """Return the mechanism; ``masses``: what :func:`random_masses` returns."""
+        if len(self.kind.INPUTS) > 1:
+            others['input'] = self.driven
+        if masses is not None:
+            bodies, applied, gravity = self.pieces(masses)
+            others.update(
+                bodies=self.bodies(*(Body(*b) for b in bodies)),
+                gravity=tuple(gravity),
+                external=self.external(*(Applied(*a) for a in applied)),
+            )
+        return self.kind(*lengths, mode=self.mode, **others)
+
+    def pieces(self, values):
+        """Split a flat list into bodies (four numbers each), applied loads (five each) and gravity."""
+        count, first = len(self.bodies._fields), 4 * len(self.bodies._fields)
+        return (
+            [values[4 * i : 4 * i + 4] for i in range(count)],
+            [values[first + 5 * i : first + 5 * i + 5] for i in range(len(self.external._fields))],
+            values[-2:],
+        )
+
+
+def modes_of(kind):
+    """Return the assembly modes of a kind."""
+    return tuple(getattr(kind, 'MODES', (1, 2)))
+
+
+CASES = [
+    Case(name, kind, driven, mode)
+    for name, kind in KINDS.items()
+    for driven in kind.INPUTS
+    for mode in modes_of(kind)
+]
+
+
+def name_of(case):
+    """Return the name of a case in the list of tests."""
+    return f'{case.name}-{case.driven}-{case.mode}' if isinstance(case, Case) else str(case)
+
+
+def families_of(case):
+    """Return the names of the families of lengths and inputs: those of all, then its own."""
+    return (*FAMILIES, *case.reference.families)
+
+
+def are_signed(kind):
+    """Return for each length whether it may be negative."""
+    return [getattr(length, 'signed', length == 'offset') for length in kind.LENGTHS]
+
+
+def small(rng, low, high):
+    """Return a number of either sign, uniform in its logarithm."""
+    return float(rng.choice((-1.0, 1.0)) * 10.0 ** rng.uniform(low, high))
+
+
+def _lengths(rng, case, family):
+    """Return lengths that may or may not close."""
+    if family in case.reference.families:
+        return np.array(case.reference.families[family](rng), float)
+    signed = np.array(are_signed(case.kind))
+    if family == 'link ratios 1e8':
+        lengths = 10.0 ** rng.uniform(-4.0, 4.0, len(signed))
+        order = np.argsort(lengths)
+        if not signed.any() and rng.random() < 0.7:  # few close; two nearly equal long ones do
+            lengths[order[-2]] = (
+                lengths[order[-1]] + rng.uniform(-1.0, 1.0) * lengths[order[:-2]].sum()
+            )
+        return lengths * np.where(signed, rng.choice((-1.0, 1.0)), 1.0)
+    lengths = rng.uniform(np.where(signed, -1.0, 0.1), 1.0)
+    if family == 'near a change point' and case.kind.MARGIN_SIGNS:
+        signs = np.array(case.kind.MARGIN_SIGNS[rng.integers(len(case.kind.MARGIN_SIGNS))])
+        i = rng.choice(np.flatnonzero(signs))  # the length that makes this margin nearly zero
+        rest = -signs[i] * (signs @ np.abs(lengths) - signs[i] * abs(lengths[i]))
+        lengths[i] = (
+            rest * (1.0 + small(rng, -16, -3)) * (rng.choice((-1.0, 1.0)) if signed[i] else 1.0)
+        )
+    return lengths
+
+
+def _position(rng, case, mechanism, family):
+    low, high = mechanism.input_ranges[rng.integers(len(mechanism.input_ranges))]
+    special = family in ('near a special input', 'near a change point', *case.reference.families)
+    if special and rng.random() < 0.7:
+        at = 0.5 * np.pi * rng.integers(-2, 3) if case.turns else 0.0
+        return float(at + small(rng, -30 if family == 'near a special input' else -14, 0))
+    share = rng.uniform()
+    if family == 'near a toggle':
+        share = 10.0 ** rng.uniform(-14, -1)
+        share = share if rng.random() < 0.5 else 1.0 - share
+    return float(low + (high - low) * share)
+
+
+def draw(rng, case, family='random'):
+    """Return lengths [m] and (input, rate, acceleration) of a mechanism of a family that closes there."""
+    for _ in range(TRIES):
+        lengths = tuple(_lengths(rng, case, family).tolist())
+        try:
+            mechanism = case.make(lengths)
+        except InvalidParameter:
+            continue
+        if not mechanism.input_ranges:
+            continue
+        given = (_position(rng, case, mechanism, family), float(rng.normal()), float(rng.normal()))
+        if (
+            case.reference.motion(case.driven, _exact(lengths), case.sign, _exact(given))
+            is not None
+        ):
+            return lengths, given
+    raise AssertionError(f'{case}: no mechanism of the family {family!r} in {TRIES} tries')
+
+
+def random_masses(rng, case, reach, speed):
+    """Return numbers for :meth:`Case.pieces`, all of a size that matters."""
+    force, values = reach * speed**2, []
+    for _ in case.bodies._fields:
+        values += [
+            rng.uniform(0.1, 10.0),
+            *(rng.uniform(-1.0, 1.0, 2) * reach),
+            rng.uniform(0.0, 1.0) * reach**2,
+        ]
+    for _ in case.external._fields:
+        values += [
+            *(rng.uniform(-5.0, 5.0, 2) * force),
+            *(rng.uniform(-1.0, 1.0, 2) * reach),
+            rng.uniform(-5.0, 5.0) * force * reach,
+        ]
+    return [float(v) for v in (*values, *(rng.uniform(-1.0, 1.0, 2) * force))]
+
+
+def ordinary(case, seed, count):
+    """Yield (mechanism, input) with everything acting, away from toggles and change points."""
+    rng = np.random.default_rng(seed)
+    while count:
+        lengths, given = draw(rng, case)
+        mechanism = case.make(lengths, random_masses(rng, case, max(map(abs, lengths)), 3.0))
+        if (
+            abs(np.sin(mechanism.motion(*given).transmission_angle)) > 0.2
+            and mechanism.change_point_margin > 1e-2
+        ):
+            count -= 1
+            yield mechanism, given
+
+
+def _exact(values):
+    return [mp.mpf(value) for value in values]
+
+
+def values_and_conditions(function, case, given, others):
+    """
+    Return ({name: exact value}, {name: condition}) of function(given, others) -> {name: value}.
+
+    :func:`reference.condition` counts its first value modulo a turn, so a zero stands before an input that
+    is a length.
+    """
+    skip = 0 if case.turns else 1
+    names = []
+
+    def flat(values):
+        found = function(values[skip : skip + 3], values[skip + 3 :])
+        names[:] = found
+        return tuple(found.values())
+
+    truth, cond = condition(flat, _exact([0.0] * skip + [*given, *others]))
+    return dict(zip(names, truth)), dict(zip(names, cond))
+
+
+def error_in_conditions(name, value, truth, cond):
+    """Return |value - truth| in eps cond; of an angle modulo a turn, where a condition below 1 counts as 1."""
+    error = abs(value - truth)
+    if name.startswith(ANGLES):
+        error, cond = abs(mp.arg(mp.expj(value - truth))), max(cond, 1)
+    return float(error / (EPS * cond)) if cond else np.inf if error else 0.0
+
+
+def motion_errors(case, lengths, given):
+    """Return {field: error in eps cond}, the larger one of a single value and of an array."""
+    n = len(lengths)
+    truth, cond = values_and_conditions(
+        lambda at, v: case.reference.motion(case.driven, v[:n], case.sign, at),
+        case,
+        given,
+        lengths,
+    )
+    mechanism = case.make(lengths)
+    motions = mechanism.motion(*given), _first(mechanism.motion(*(np.full(100, v) for v in given)))
+    return {
+        name: max(
+            error_in_conditions(name, getattr(motion, name), truth[name], cond[name])
+            for motion in motions
+        )
+        for name in truth
+    }
+
+
+def load_errors(case, lengths, given, masses):
+    """Return {field, or beginning of a pair: error in eps cond}, the larger one of a value and of an array."""
+    n = len(lengths)
+    truth, cond = values_and_conditions(
+        lambda at, v: case.reference.loads(case.driven, v[:n], case.sign, at, *case.pieces(v[n:])),
+        case,
+        given,
+        [*lengths, *masses],
+    )
+    mechanism = case.make(lengths, masses)
+    loads = mechanism.loads(*given), _first(mechanism.loads(*(np.full(100, v) for v in given)))
+
+    def value(one, name):
+        if isinstance(truth[name], mp.mpc):
+            return mp.mpc(getattr(one, f'{name}_x'), getattr(one, f'{name}_y'))
+        return getattr(one, name)
+
+    return {
+        name: max(
+            error_in_conditions(name, value(one, name), truth[name], cond[name]) for one in loads
+        )
+        for name in truth
+    }
+
+
+def _first(arrays):
+    """Return the first sample of a motion or of loads, as numbers of Python."""
+    return type(arrays)(*(float(field[0]) for field in arrays))
+
+
+def coordinates(kind):
+    """Return the coordinates of its joints."""
+    return [getattr(joint, 'coordinate', joint) for joint in kind.JOINTS]

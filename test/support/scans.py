@@ -1,0 +1,65 @@
+"""Extrema against dense scans, for any mechanism."""
+import numpy as np
+from support.reference import EPS
+
+from fourbar_ros import find_extrema
+
+
+def place(mechanism, extremum):
+    return extremum.slide if mechanism.is_driven_by_slide else extremum.theta1
+
+
+def tops_of_a_scan(mechanism, quantities, rate, acceleration, points):
+    """Yield (quantity, kind, input, step) of every extremum that stands out of the rounding of a dense scan."""
+    for low, high in mechanism.input_ranges:
+        step = (high - low) / points
+        x = low + step * (np.arange(-1, points + 1) + 0.5)
+        state = mechanism.step(x, rate, acceleration)
+        if not mechanism.turns_fully:
+            x, state = x[1:-1], [type(part)(*(field[1:-1] for field in part)) for part in state]
+        for quantity in quantities:
+            values = quantity.of(*state)
+            noise = 64 * EPS * np.abs(values[1:-1])
+            for sign, kind in ((1, 'maximum'), (-1, 'minimum')):
+                rise = sign * np.diff(values)
+                for top in x[1:-1][(rise[:-1] > noise) & (rise[1:] < -noise)].tolist():
+                    yield quantity.name, kind, top, step
+
+
+def check_against_scan(mechanism, quantities, rate, acceleration, points):
+    """Each local extremum of a scan must be found, each found one be one; return how many the scan has."""
+    found, number = find_extrema(mechanism, quantities, rate, acceleration), 0
+    for name, kind, top, step in tops_of_a_scan(mechanism, quantities, rate, acceleration, points):
+        number += 1
+        extrema = [
+            place(mechanism, e)
+            for e in found
+            if (e.quantity, e.kind, e.place) == (name, kind, 'interior')
+        ]
+        assert extrema and min(abs(mechanism.distance(top, at)) for at in extrema) <= 1.5 * step, (
+            mechanism,
+            name,
+            top,
+        )
+    by_name = {quantity.name: quantity for quantity in quantities}
+    for extremum in found:
+        if extremum.place == 'interior' and extremum.kind != 'constant':
+            at, unit = (
+                place(mechanism, extremum),
+                getattr(mechanism, 'input_scale', None) or mechanism.input_unit,
+            )
+            d = min(
+                1e-6 * unit / max(1.0, extremum.condition / unit),
+                1e-3 * min(abs(z - at) for z in mechanism.singular_inputs),
+            )
+            around = by_name[extremum.quantity].of(
+                *mechanism.step(at + d * np.array((-1.0, 0.0, 1.0)), rate, acceleration)
+            )
+            drop = ((1 if extremum.kind == 'maximum' else -1) * (around[1] - around[[0, 2]])).min()
+            size = abs(around[1])
+            tolerance = 64 * EPS * size * (1 + extremum.value_condition) if size else 0.0
+            assert drop >= -tolerance, (
+                mechanism,
+                extremum,
+            )
+    return number
