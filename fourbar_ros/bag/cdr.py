@@ -1,13 +1,12 @@
 """
-From serialised messages to numbers, by the definition that stands in the bag.
+Serialised messages (CDR) as numbers, by the definition in the bag; no message type is known here.
 
-A :class:`Layout` knows where every field lies in a message of given lengths (of its strings and
-sequences). All messages of one layout are read as one numpy array of records, 50 times faster than one
-by one, and nothing about any message type is written down here.
+A :class:`Layout` knows where each field lies in a message whose strings and sequences have given
+lengths. All messages of one layout are read as one numpy array of records, 50 times faster than one by
+one.
 """
 from __future__ import annotations
 
-import re
 from functools import cached_property
 from struct import Struct
 from types import SimpleNamespace
@@ -16,26 +15,13 @@ from typing import NamedTuple
 import numpy as np
 
 from fourbar_ros.bag import BagError
+from fourbar_ros.bag.definitions import PRIMITIVES, Definition
 
 DEPTH = 64                  # of definitions within each other
 FIELDS = 10_000             # that may take no byte of a message: empty arrays, structures
 HEADER = 4                  # [bytes] encapsulation header; alignment counts from behind it
-_PRIMITIVES = {'bool': '?', 'byte': 'u1', 'char': 'u1', 'float32': 'f4', 'float64': 'f8', 'int8': 'i1',
-               'uint8': 'u1', 'int16': 'i2', 'uint16': 'u2', 'int32': 'i4', 'uint32': 'u4', 'int64': 'i8',
-               'uint64': 'u8'}
 _CODES = {'?': '?', 'u1': 'B', 'i1': 'b', 'f4': 'f', 'f8': 'd', 'i2': 'h', 'u2': 'H', 'i4': 'i', 'u4': 'I',
           'i8': 'q', 'u8': 'Q'}
-_FIELD = re.compile(r'([A-Za-z][\w/]*)(?:<=\d+)?(\[(?:(<=)?(\d+))?\])?\s+([A-Za-z]\w*)(?!\s*=|\w)')
-_UNIT = re.compile(r'\s*\[([^\]]+)\]')      # our definitions begin every comment with the unit
-
-
-class Field(NamedTuple):
-    """A field of a message: ``count`` is None for a single one, -1 for a sequence; ``unit`` as commented."""
-
-    name: str
-    type: str
-    count: int | None
-    unit: str = ''
 
 
 class Leaf(NamedTuple):
@@ -51,46 +37,6 @@ class Leaf(NamedTuple):
     def name(self):
         """Return the path as one writes it in Python."""
         return ''.join(f'[{step}]' if isinstance(step, int) else f'.{step}' for step in self.path)[1:]
-
-
-class Definition:
-    """The fields of a message type and of all it consists of, from the text of a schema."""
-
-    def __init__(self, name, text):
-        self.name = name
-        parts = re.split(r'^=+[ \t]*\n', text.replace('\r', ''), flags=re.M)
-        self._types = {short(name): _fields(name, parts[0])}
-        for part in parts[1:]:
-            head, _, body = part.partition('\n')
-            other = head.removeprefix('MSG:').strip()
-            self._types[short(other)] = _fields(other, body)
-
-    def fields(self, type_name):
-        """Return the fields of a type; an empty message has one byte on the wire."""
-        try:
-            return self._types[short(type_name)] or [Field('structure_needs_at_least_one_member', 'uint8', None)]
-        except KeyError:
-            raise BagError(f'{self.name}: the schema does not define {type_name}') from None
-
-
-def short(name):
-    """Return 'package/Name' of 'package/msg/Name'."""
-    package, *_, last = name.rpartition('/') if '/' not in name else name.split('/')
-    return f'{package}/{last}'
-
-
-def _fields(owner, text):
-    found = []
-    for line in text.splitlines():
-        line, _, comment = line.partition('#')
-        match = _FIELD.match(line.strip())
-        if match:
-            kind, array, bounded, number, name = match.groups()
-            if kind not in _PRIMITIVES and kind not in ('string', 'wstring') and '/' not in kind:
-                kind = f'{owner.split("/")[0]}/{kind}'
-            found.append(Field(name, kind, None if not array else int(number) if number and not bounded else -1,
-                               unit[1] if (unit := _UNIT.match(comment)) else ''))
-    return found
 
 
 class Layout:
@@ -203,9 +149,9 @@ class Layout:
         self._steps += 1
         if self._steps > 4 * self.size + FIELDS:
             raise BagError(f'{self.type}: more fields than a message of {self.size} bytes can have')
-        if field.type in _PRIMITIVES:
+        if field.type in PRIMITIVES:
             shape = () if field.count is None else (self._length() if field.count < 0 else field.count,)
-            return self._leaf(path, _PRIMITIVES[field.type], shape, field.unit)
+            return self._leaf(path, PRIMITIVES[field.type], shape, field.unit)
         if field.type == 'wstring':
             raise BagError(f'{self._definition.name}: wstring is not supported')
         if field.count is None:

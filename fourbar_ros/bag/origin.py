@@ -4,13 +4,13 @@ from __future__ import annotations
 import json
 from typing import NamedTuple
 
-from fourbar_ros.scene import topics as interfaces
-from fourbar_ros.scene import scene as scenes
+from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
+from fourbar_ros.scene.scene import Scene, from_values
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.bag import BagError, rosbag2
 from fourbar_ros.bag.reader import Bag
 
-SCENE_TYPE = interfaces.SCENE.type
+SCENE_TYPE = SCENE.type
 
 
 class Origin(NamedTuple):
@@ -30,7 +30,7 @@ class Origin(NamedTuple):
 
     """
 
-    scene: scenes.Scene
+    scene: Scene
     topics: dict
     node: str
     in_order: bool
@@ -56,7 +56,7 @@ def origin_of(path, node=None):
     about = bag.about()
     try:
         topics = json.loads(about['topics'])
-        is_ours = isinstance(topics, dict) and interfaces.DRIVEN.name in topics and 'scene' in about
+        is_ours = isinstance(topics, dict) and DRIVEN.name in topics and 'scene' in about
     except (KeyError, TypeError, ValueError, RecursionError):
         is_ours = False
     if is_ours:
@@ -110,9 +110,8 @@ def topic_types(bag):
 def _resolved(scene, node, types):
     """Return {name: topic} by the rules of ROS; one that was remapped is found if it is the only one of its type."""
     namespace = node.rpartition('/')[0]
-    wanted = {topic.name: topic for topic in (interfaces.DRIVEN, interfaces.SCENE, *scene.topics.values(),
-                                              *scene.wrench_topics,
-                                              *interfaces.INPUTS.values())}
+    wanted = {topic.name: topic for topic in (DRIVEN, SCENE, *scene.topics.values(), *scene.wrench_topics,
+                                              *INPUTS.values())}
     topics = {}
     for name, topic in wanted.items():
         full = topic.topic.replace('~', node, 1) if topic.topic.startswith('~') else f'{namespace}/{topic.topic}'
@@ -127,6 +126,6 @@ def _resolved(scene, node, types):
 def _scene(bag, text):
     try:
         values = json.loads(text)
-        return scenes.from_values(values)
+        return from_values(values)
     except (ValueError, TypeError, AttributeError, RecursionError, FourBarError) as error:
         raise BagError(f'{bag.path}: its scene cannot be read: {error}') from None

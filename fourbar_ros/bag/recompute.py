@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fourbar_ros.pipeline import rate_estimator as estimator
-from fourbar_ros.scene import scene as scenes
+from fourbar_ros.pipeline import rate_estimator
+from fourbar_ros.scene.scene import from_values
 from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK
 from fourbar_ros.scene.topics import DRIVEN, INPUTS
 from fourbar_ros.pipeline.message_fields import driven_of
@@ -119,7 +119,7 @@ def compare(path, progress=None, node=None):
     for block in bag.blocks(topics=list(origin.topics.values()), apart=origin.topics.get('scene'), progress=progress):
         scene = None
         if isinstance(block, Record):
-            scene = scenes.from_values(json.loads(block.message.data))
+            scene = from_values(json.loads(block.message.data))
             is_new = work.is_new(scene)
         if waiting:
             work.block(waiting, block.time - UNSETTLED if scene and is_new and not origin.in_order else inf)
@@ -141,7 +141,8 @@ class _Comparison:
         self._in_order, self._settled = origin.in_order, -inf
         self._is_cold = rosbag2.REPEATS in about         # what it holds may be of the part before
         self._source = next((name for name in INPUTS if name in origin.topics), None)
-        self._scene, self._driven = None, Driven(origin.scene, about.get(estimator.KEY) == str(estimator.VERSION))
+        is_same_estimator = about.get(rate_estimator.KEY) == str(rate_estimator.VERSION)
+        self._scene, self._driven = None, Driven(origin.scene, is_same_estimator)
         self._tallies, self._acting, self._early = {}, Acting(), []
         self.change(origin.scene, None)
 

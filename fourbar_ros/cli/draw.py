@@ -27,11 +27,11 @@ def add(verbs):
 
 def _draw(arguments):
 
-    from fourbar_ros.scene import scene as scenes
+    from fourbar_ros.scene.scene import load
     from fourbar_ros.report.drawing import make_figure, save
     from fourbar_ros.report.poses import step_at
     from fourbar_ros.report.tables import class_name, mode_name, rate_unit
-    scene = scenes.load(arguments.scene)
+    scene = load(arguments.scene)
     linkage = scene.linkage.in_mode(arguments.mode or scene.linkage.mode)
     speed = scene.drive.speed if arguments.speed is None else arguments.speed
     _, motion, loads = step_at(linkage, arguments.at, speed, arguments.acceleration)

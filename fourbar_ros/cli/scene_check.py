@@ -3,8 +3,8 @@ from __future__ import annotations
 
 from timeit import repeat
 
-from fourbar_ros.scene import topics as interfaces
-from fourbar_ros.scene import scene as scenes
+from fourbar_ros.scene.topics import INPUTS, OUTPUTS
+from fourbar_ros.scene.scene import load
 from fourbar_ros.errors import UNITS, in_words
 from fourbar_ros.pipeline.status import OUT_OF_RANGE, evaluate
 from fourbar_ros.scene.parameters import find
@@ -15,7 +15,7 @@ STEPS, ROUNDS = 2000, 5        # of the measurement: some 50 ms
 
 def explain(path, console=None):
     """Print what a scene does; raises what :func:`fourbar_ros.scene.scene.load` raises."""
-    scene = scenes.load(path)
+    scene = load(path)
     console = console or make_console()
     linkage, drive = scene.linkage, scene.drive
     console.print(f'{path}: good. {class_name(linkage)}, mode {linkage.mode}.')
@@ -54,7 +54,7 @@ def _drive_in_words(scene):
     if drive.source == 'timer':
         return (f'The clock drives it: {drive.speed:g} {rate_unit(scene.linkage)} from {drive.start:g} '
                 f'{rate_unit(scene.linkage)[:-2]}, {drive.rate:g} samples a second.')
-    topic = interfaces.INPUTS[drive.source]
+    topic = INPUTS[drive.source]
     of = f', joint {drive.joint}' if drive.joint else ''
     return f'Each {topic.type} on {topic.topic}{of} makes one step; missing rates are estimated from {drive.window} samples.'
 
@@ -63,7 +63,7 @@ def _outputs_table(scene):
     table = plain_table('outputs', ('name', 'topic', 'type', ''))
     for topic in scene.topics.values():
         table.add_row(topic.name, topic.topic, topic.type, 'loads' if topic.needs_loads else '')
-    for name in interfaces.OUTPUTS:
+    for name in OUTPUTS:
         if name not in scene.outputs:
             table.add_row(f'({name})', '', '', 'not named: not created')
     return table

@@ -5,7 +5,7 @@ from math import degrees, tau
 
 import numpy as np
 
-from fourbar_ros.scene import scene as scenes
+from fourbar_ros.scene.scene import load
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.quantities import select
 from fourbar_ros.report.poses import (
@@ -26,7 +26,7 @@ SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the rang
 def show(path, mode=None, speed=None, at=None, acceleration=0.0, console=None):
     """Print the tables of a scene; ``at``: an input to evaluate [degrees], or [m] of a driven slide."""
     path = find(path)
-    scene = scenes.load(path)
+    scene = load(path)
     linkage = scene.linkage.in_mode(mode or scene.linkage.mode)
     speed = scene.drive.speed if speed is None else speed
     console = console or make_console()

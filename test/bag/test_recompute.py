@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from support import bags
-from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
 from fourbar_ros.scene import scene as scenes
 from fourbar_ros.bag import BagError
 from fourbar_ros.bag.reader import Bag
@@ -150,7 +150,7 @@ def test_the_last_step_of_a_cut_bag_need_not_be_whole(bag, tmp_path):
 
 def with_input(directory, name, given, scene, change=lambda k, motion: motion, stamps=None):
     """Record inputs (position, velocity, acceleration) and what follows from them, the motion as it came."""
-    topics = [interfaces.DRIVEN, interfaces.SCENE, interfaces.INPUTS['motion'], *scene.topics.values()]
+    topics = [DRIVEN, SCENE, INPUTS['motion'], *scene.topics.values()]
     resolved = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
     writer = BagWriter(directory, name, [bags.channel(resolved[t.name], t.type) for t in topics],
                        {'scene': scene.as_json, 'topics': json.dumps(resolved)})

@@ -101,7 +101,7 @@ def test_scenes_are_found_by_name_anywhere(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize('name', ['mid-dle', '1st', 'm d', 'ä-b'])
 def test_a_bad_name_of_a_point_is_explained(name, tmp_path, capsys):
     _, _, err = said(capsys, 'scene', 'check', scene_with(tmp_path, f'    points: {{"{name}": {{link: crank}}}}\n'))
-    assert f"{name!r} is no name of a point: letters, digits and _" in err and len(err) < 200
+    assert f"{name!r} is not a valid point name: use letters, digits and _" in err and len(err) < 200
 
 
 # --- words and numbers -----------------------------------------------------------------------------

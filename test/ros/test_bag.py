@@ -2,10 +2,12 @@
 import json
 import math
 import signal
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 import yaml
+from ament_index_python.packages import get_package_share_directory
 from mcap.reader import make_reader
 from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
@@ -16,6 +18,7 @@ from rosbags.typesys import Stores, get_typestore, get_types_from_msg
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.ros.schemas import definition, type_hash
 from support.harness import ALL_OUTPUTS
 from support.scenes import PAPER, RODS
 
@@ -117,6 +120,17 @@ def test_schemas_and_hashes_are_those_an_independent_parser_computes(bag):
                         if k not in store.types})
     for channel in summary.channels.values():
         assert store.hash_rihs01(summary.schemas[channel.schema_id].name) == channel.metadata['topic_type_hash']
+
+
+@pytest.mark.parametrize('package', ['fourbar_msgs', 'geometry_msgs', 'sensor_msgs', 'diagnostic_msgs', 'rcl_interfaces'])
+def test_definitions_of_installed_messages_hash_as_an_independent_parser_computes(package):
+    """Whatever a .msg file holds: constants, bounds, defaults, nested types of its own and of other packages."""
+    names = [f'{package}/msg/{file.stem}' for file in Path(get_package_share_directory(package)).glob('msg/*.msg')]
+    assert names
+    for name in names:
+        store = get_typestore(Stores.EMPTY)
+        store.register(get_types_from_msg(definition(name), name))
+        assert store.hash_rihs01(name) == type_hash(name), name
 
 
 def test_recompute_finds_no_difference_and_does_find_a_false_scene(bag, tmp_path):

@@ -8,10 +8,12 @@ from fourbar_msgs.msg import LinkageState, Motion
 from geometry_msgs.msg import WrenchStamped
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from fourbar_ros.scene import topics as interfaces, scene
+from fourbar_ros.scene import scene
+from fourbar_ros.scene.topics import APPLIED, WRENCHES
 from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recompute import compare
 from fourbar_ros import Applied, External
+from fourbar_ros.ros.clients.client import name_on
 from support.scenes import PAPER, RODS, SLIDES_7_6
 
 LOADED = {**PAPER, **RODS, 'outputs': ['state', 'loads'], 'drive.source': 'motion', 'drive.timeout': 0.0}
@@ -41,9 +43,9 @@ class Loaded:
         self.scene = scene.from_values(self.given)
         self.link, self.applied = link, []
         client.node.create_subscription(
-            WrenchStamped, client.topic(interfaces.APPLIED[link]), self.applied.append,
+            WrenchStamped, name_on('fourbar', APPLIED[link]), self.applied.append,
             QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL))
-        self._wrenches = client.node.create_publisher(WrenchStamped, client.topic(interfaces.WRENCHES[link]), 10)
+        self._wrenches = client.node.create_publisher(WrenchStamped, name_on('fourbar', WRENCHES[link]), 10)
         client.listen(['state', 'loads'])
         self._drive = client.publisher()
         client.handshake(lambda: self._drive.publish(motion(0.1)))

@@ -11,6 +11,7 @@ from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.quantities import known, select
 from fourbar_ros.scene.topics import OUTPUTS
 from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.ros.clients.client import name_on
 from support.harness import ALL_OUTPUTS, fields_of
 from support.scenes import PAPER, RODS, TIP
 from ros.test_inputs import set_parameters
@@ -71,7 +72,7 @@ def test_the_same_outputs_services_and_bag(name, run_node, client, tmp_path):
     assert client.call('stop_recording').success
     found = compare(tmp_path / 'bags/run')
     assert found.inputs > len(inputs) and found.unmatched == 0
-    assert {d.topic for d in found.differences} - {'/fourbar/driven'} == {client.topic(t) if t.topic[0] == '~' else f'/{t.topic}'
+    assert {d.topic for d in found.differences} - {'/fourbar/driven'} == {name_on('fourbar', t) if t.topic[0] == '~' else f'/{t.topic}'
                                                     for t in its.topics.values()}
     assert max(d.largest for d in found.differences) == 0.0
 

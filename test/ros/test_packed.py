@@ -7,8 +7,10 @@ import pytest
 from fourbar_msgs.msg import LinkageState
 from rclpy.serialization import deserialize_message, serialize_message
 
-from fourbar_ros.scene import topics as interfaces, scene
-from fourbar_ros.bag.cdr import Definition, Layout
+from fourbar_ros.scene import scene
+from fourbar_ros.scene.topics import DRIVEN
+from fourbar_ros.bag.cdr import Layout
+from fourbar_ros.bag.definitions import Definition
 from fourbar_ros.pipeline.status import STATUS_NAMES
 from fourbar_ros.scene.topics import OUTPUTS
 from fourbar_ros.ros.node import packed
@@ -29,7 +31,7 @@ def scene_of(name, **changes):
 
 
 def topics_of(its):
-    return [interfaces.DRIVEN, *its.topics.values()]
+    return [DRIVEN, *its.topics.values()]
 
 
 def message_of(topic, its):

@@ -115,7 +115,7 @@ def test_points_are_compared_too_and_changes_of_the_scene_are_said_and_taken_ove
     assert lines.pop('/fourbar/points/tip') == [str(STEPS), '0', '0'] and len(lines) == len(ALL_OUTPUTS), said
     assert all(line == [str(STEPS), '0', '0'] for line in lines.values()), said
     for change in ('linkage.a1 0.35', 'linkage.mode 1, gravity.y -9.81'):
-        assert re.search(rf'scene of the bag changed after 0\.\d+ s: {change}: taken over', said), said
+        assert re.search(rf'scene of the bag changed after 0\.\d+ s: {change}: applied', said), said
     assert node.stop() == 0
     run_node(values, name='again')
     code, said = finished(fourbar('replay', path, '--inputs-only', '--start', '0.5', '--node', '/again'), client)

@@ -14,7 +14,7 @@ from mcap_ros2.decoder import DecoderFactory
 from rclpy.serialization import serialize_message
 from rosbags.highlevel import AnyReader
 
-from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.scene.topics import DRIVEN, INPUTS, OUTPUTS, SCENE
 from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.ros.messages import resolve
@@ -22,7 +22,7 @@ from fourbar_ros.ros.schemas import channel
 from support import SUPPORT
 from ros.test_bag import plain
 
-TOPICS = [*interfaces.INPUTS.values(), interfaces.DRIVEN, interfaces.SCENE, *interfaces.OUTPUTS.values()]
+TOPICS = [*INPUTS.values(), DRIVEN, SCENE, *OUTPUTS.values()]
 # What Foxglove and Lichtblick read bags with.
 NPM = ('@mcap/core@2.2.2', '@mcap/support@1.1.0', '@foxglove/rosmsg@5.0.5', '@foxglove/rosmsg2-serialization@3.1.0')
 

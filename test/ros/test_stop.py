@@ -10,7 +10,7 @@ import pytest
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import Motion
 
-from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.scene.topics import SERVICES
 from fourbar_ros.bag.info import info
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.stop import SIGNALS, Stop
@@ -46,8 +46,8 @@ def test_a_certified_search_is_abandoned_and_the_bag_closed(run_node, client, tm
     node = run_node(RECORDING)
     client.listen(['state'])
     client.call('find_extrema', quantities=['?'])                       # so that the next request arrives
-    service = interfaces.SERVICES['find_extrema']
-    asked = client.services['fourbar', 'find_extrema'].call_async(
+    service = SERVICES['find_extrema']
+    asked = client.service('find_extrema').call_async(
         resolve(service.type).Request(mode=3, certify=True))
     client.until(lambda: len(client.received['state']) > 200, 'the stream')
     assert not asked.done()
@@ -113,8 +113,8 @@ def test_a_slow_disk_at_the_end_of_a_bag_holds_up_no_input(run_node, client):
     assert client.call('start_recording', name='slow').success
     client.call('stop_recording')                                         # the two have seen each other
     assert client.call('start_recording', name='slower').success
-    stopping = client.services['fourbar', 'stop_recording'].call_async(
-        resolve(interfaces.SERVICES['stop_recording'].type).Request())
+    stopping = client.service('stop_recording').call_async(
+        resolve(SERVICES['stop_recording'].type).Request())
     for k in range(20):
         message = Motion(position=0.01 * k)
         message.header.stamp = Time(sec=k + 1)
@@ -136,7 +136,7 @@ def test_every_node_is_there_once_and_has_all_its_services(run_node, client, nam
     def services():
         here = client.node.get_node_names_and_namespaces()
         return dict(client.node.get_service_names_and_types_by_node(name, namespace)) if (name, namespace) in here else {}
-    expected = {service.service.replace('~', full) for service in interfaces.SERVICES.values()}
+    expected = {service.service.replace('~', full) for service in SERVICES.values()}
     client.until(lambda: expected <= services().keys(), 'its services')
     names = [n for n in client.node.get_node_names_and_namespaces() if n != ('tester', '/')]
     assert names == [(name, namespace)]

@@ -4,8 +4,7 @@ import json
 import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from support import ROOT
-from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.scene.topics import DRIVEN, SCENE
 from fourbar_ros.scene import scene as scenes
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recorder import BagWriter, Channel
@@ -66,7 +65,7 @@ def zero(type_name):
 
 def output_message(name, when, status, values, scene):
     """Return the bytes of one output as the node would send it."""
-    topic = interfaces.DRIVEN if name == 'driven' else scene.topics[name]
+    topic = DRIVEN if name == 'driven' else scene.topics[name]
     message = zero(topic.type)
     message.header = stamp(when)
     if hasattr(message, 'status'):
@@ -114,10 +113,10 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
     step_ns apart, whatever the clock says.
     """
     scene = scenes.from_values(values)
-    topics = [interfaces.DRIVEN, interfaces.SCENE, *scene.topics.values()]
+    topics = [DRIVEN, SCENE, *scene.topics.values()]
     resolved = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
     about = {'scene': json.dumps(scene.values), 'topics': json.dumps(resolved), 'node': '/fourbar'}
-    channels = [channel(resolved[t.name], t.type, latched=t is interfaces.SCENE) for t in topics]
+    channels = [channel(resolved[t.name], t.type, latched=t is SCENE) for t in topics]
     writer = BagWriter(directory, name, channels, about, **kwargs)
     number = {topic.name: i for i, topic in enumerate(topics)}
 

@@ -9,16 +9,14 @@ import time
 from operator import attrgetter
 
 import rclpy
-from rclpy.experimental import EventsExecutor
-from rclpy.qos import QoSProfile
 
-from fourbar_ros.scene import topics as interfaces
-from fourbar_ros.ros.messages import resolve
+from fourbar_ros.ros.clients import client
+from fourbar_ros.scene.topics import DRIVEN, OUTPUTS
 
 # Requests that change nothing, to learn whether a service and its client have seen each other.
 HARMLESS = {'find_extrema': {'quantities': ['?']}, 'evaluate': {}, 'start_recording': {'name': '..'}}
 PATIENCE = 120.0      # [s] discovery takes 0.3 s mostly, 4 s sometimes; 30 s are too few beside 20 busy processes
-ALL_OUTPUTS = [name for name in interfaces.OUTPUTS if name != 'points']      # these need points in the scene
+ALL_OUTPUTS = [name for name in OUTPUTS if name != 'points']      # these need points in the scene
 
 
 def fields_of(layout, output, message):
@@ -68,41 +66,23 @@ class NodeProcess:
         return self.wait()
 
 
-class Client:
-    """Listens, drives and asks, over real DDS."""
+class Client(client.Client):
+    """The product's own client, with the patience of a test; collects what it hears."""
 
     def __init__(self):
         rclpy.init()
-        self.node = rclpy.create_node('tester')
-        self.executor = EventsExecutor()
-        self.executor.add_node(self.node)
-        self.received, self.services = {}, {}
-
-    def until(self, condition, what, patience=PATIENCE):
-        """Handle messages until the condition holds; fail after ``patience``."""
-        end = time.monotonic() + patience
-        while not condition():
-            assert time.monotonic() < end, f'not in {patience:g} s: {what}'
-            self.executor.spin_once(timeout_sec=0.05)
+        super().__init__(rclpy.create_node('tester'), PATIENCE)
+        self.received = {}
 
     def listen(self, names=ALL_OUTPUTS, node='fourbar', depth=1000):
         """Collect all messages of these topics in ``received``: names, or the topics of a scene by name."""
-        topics = names if isinstance(names, dict) else {**interfaces.OUTPUTS, 'driven': interfaces.DRIVEN}
+        topics = names if isinstance(names, dict) else {**OUTPUTS, 'driven': DRIVEN}
         for name in names:
-            inbox = self.received.setdefault(name, [])
-            self.node.create_subscription(resolve(topics[name].type), self.topic(topics[name], node),
-                                          inbox.append, QoSProfile(depth=depth))
-
-    @staticmethod
-    def topic(spec, node='fourbar'):
-        """Return the absolute name of a topic or service of a node."""
-        name = spec.service if hasattr(spec, 'service') else spec.topic
-        return name.replace('~', f'/{node}')
+            self.subscribe(topics[name], self.received.setdefault(name, []).append, node, depth)
 
     def publisher(self, source='motion', node='fourbar'):
         """Return a publisher on the input topic."""
-        topic = interfaces.INPUTS[source]
-        return self.node.create_publisher(resolve(topic.type), self.topic(topic, node), 100)
+        return super().publisher(source, node)
 
     def handshake(self, send, inbox='state'):
         """
@@ -126,26 +106,14 @@ class Client:
         for messages in self.received.values():
             messages.clear()
 
-    def call(self, service_name, /, node='fourbar', **request):
-        """Return the answer of a service."""
-        service = interfaces.SERVICES[service_name]
-        kind = resolve(service.type)
-        client = self.services.get((node, service_name))
-        if client is None:
-            client = self.node.create_client(kind, self.topic(service, node))
-            self.services[node, service_name] = client
-            self.until(client.service_is_ready, f'service {service_name}')
-            if service_name in HARMLESS:
-                self._introduce(client, kind.Request(**HARMLESS[service_name]), service_name)
-        future = client.call_async(kind.Request(**request))
-        self.until(future.done, f'answer of {service_name}')
-        return future.result()
-
-    def _introduce(self, client, request, service_name):
+    def introduce(self, service, service_name):
         """Ask until the first answer: a server that has not seen its client yet drops what it answers."""
+        if service_name not in HARMLESS:
+            return
+        request = service.srv_type.Request(**HARMLESS[service_name])
         end = time.monotonic() + PATIENCE
         while True:
-            future, again = client.call_async(request), time.monotonic() + 3.0
+            future, again = service.call_async(request), time.monotonic() + 3.0
             while time.monotonic() < again:
                 self.executor.spin_once(timeout_sec=0.05)
                 if future.done():
@@ -154,6 +122,6 @@ class Client:
 
     def close(self):
         """Leave the graph."""
-        self.executor.shutdown()
+        super().close()
         self.node.destroy_node()
         rclpy.try_shutdown()

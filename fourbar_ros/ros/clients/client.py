@@ -1,49 +1,129 @@
-"""Talk to a running node from the command line."""
+"""The other side of a running node: find it, listen to it, drive it, ask its services, with patience."""
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import rclpy
+import rclpy.client
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
 
-from fourbar_ros.scene import topics as interfaces
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros.messages import resolve
+from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, SERVICES, Service, Topic
 
-PATIENCE = 5.0      # [s] for the node to be found and to answer; discovery takes 4 s at its worst
+NODE = '/fourbar'           # default name of the node
+PATIENCE = 10.0             # [s] to find the node and to get an answer; discovery alone takes up to 4 s
+POLL = 0.02                 # [s] between two looks at a condition
 
 
 class NoAnswer(FourBarError):
     """A node was not found, did not answer, or refused."""
 
 
-def call(service_name, node_name, patience=PATIENCE, **request):
-    """Return the answer of a service of a node."""
-    service = interfaces.SERVICES[service_name]
-    kind, name = resolve(service.type), service.service.replace('~', node_name.rstrip('/'))
-    rclpy.init()
-    node = rclpy.create_node('fourbar_command')
-    try:
-        client = node.create_client(kind, name)
+def name_on(node: str, entity: Topic | Service) -> str:
+    """Return the absolute name of a topic or service of a node, whose name may lack its leading slash."""
+    name = getattr(entity, 'service', None) or entity.topic
+    return name.replace('~', f'/{node.strip("/")}')
+
+
+class Client:
+    """
+    Talks to nodes through an rclpy node of its own.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+        Its own node; its owner destroys it.
+    patience : float
+        How long to wait for something by default [s].
+
+    """
+
+    def __init__(self, node: Node, patience: float = PATIENCE):
+        self.node, self.patience = node, patience
+        self.executor = EventsExecutor()
+        self.executor.add_node(node)
+        self._services: dict[str, rclpy.client.Client] = {}
+
+    def spin(self, seconds: float) -> None:
+        """Handle incoming messages for some seconds."""
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0.0:
+            self.executor.spin_once(timeout_sec=left)
+
+    def until(self, condition: Callable[[], bool], what: str, patience: float | None = None) -> None:
+        """Handle incoming messages until the condition holds; raises NoAnswer, which names ``what``."""
+        patience = self.patience if patience is None else patience
         end = time.monotonic() + patience
-        if not client.wait_for_service(patience):
-            raise NoAnswer(f'{name}: not there; is the node running? (waited {patience:g} s)')
-        future = client.call_async(kind.Request(**request))
-        rclpy.spin_until_future_complete(node, future, timeout_sec=max(end - time.monotonic(), 1.0))
-        if not future.done():
-            raise NoAnswer(f'{name}: no answer')
+        while not condition():
+            if time.monotonic() > end:
+                raise NoAnswer(f'{what} (waited {patience:g} s)')
+            self.executor.spin_once(timeout_sec=POLL)
+
+    def subscribe(self, topic: Topic, take: Callable, node: str = NODE, depth: int = INPUT_DEPTH):
+        """Return a subscription that calls ``take(message)``."""
+        return self.node.create_subscription(resolve(topic.type), name_on(node, topic), take,
+                                             QoSProfile(depth=depth))
+
+    def publisher(self, source: str, node: str = NODE):
+        """Return a publisher on an input topic of a node: ``motion`` or ``joint_state``."""
+        topic = INPUTS[source]
+        return self.node.create_publisher(resolve(topic.type), name_on(node, topic), INPUT_DEPTH)
+
+    def call(self, service_name: str, /, node: str = NODE, **request):
+        """Return the response of a service of a node."""
+        service = self.service(service_name, node)
+        return self.result_of(service.call_async(service.srv_type.Request(**request)), service.service_name)
+
+    def service(self, service_name: str, node: str = NODE) -> rclpy.client.Client:
+        """Return the rclpy client of a service, once its server is found."""
+        name = name_on(node, SERVICES[service_name])
+        if name not in self._services:
+            service = self.node.create_client(resolve(SERVICES[service_name].type), name)
+            self.until(service.service_is_ready, f'{name}: not found; is the node running?')
+            self.introduce(service, service_name)
+            self._services[name] = service
+        return self._services[name]
+
+    def introduce(self, service: rclpy.client.Client, service_name: str) -> None:
+        """Do what is needed before the first request to a service; nothing here."""
+
+    def result_of(self, future, name: str):
+        """Return the result of a future, once it is there."""
+        self.until(future.done, f'{name}: no answer')
         return future.result()
+
+    def close(self) -> None:
+        """Stop handling messages."""
+        self.executor.shutdown()
+
+
+@contextmanager
+def opened(make: Callable[[Node], Client], name: str) -> Iterator[Client]:
+    """Initialise ROS, give the client that ``make`` returns for a new node of this name; close all of it."""
+    rclpy.init()
+    try:
+        client = make(rclpy.create_node(name))
+        try:
+            yield client
+        finally:
+            client.close()
+            client.node.destroy_node()
     finally:
-        node.destroy_node()
         rclpy.try_shutdown()
 
 
-def record(what, name, node_name):
+def record(what: str, name: str, node: str) -> str:
     """Start or stop the bag of a node; return its path."""
-    node_name = node_name if node_name.startswith('/') else f'/{node_name}'
-    if what == 'start':
-        answer = call('start_recording', node_name, name=name)
-    else:
-        answer = call('stop_recording', node_name)
+    with opened(Client, 'fourbar_record') as client:
+        if what == 'start':
+            answer = client.call('start_recording', node, name=name)
+        else:
+            answer = client.call('stop_recording', node)
     if not answer.success:
         raise NoAnswer(answer.message)
     return answer.path if what == 'start' else answer.message

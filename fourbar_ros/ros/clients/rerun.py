@@ -7,23 +7,22 @@ import time
 from typing import NamedTuple
 
 import numpy as np
-from rclpy.experimental import EventsExecutor
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import QoSProfile
 
-from fourbar_ros.scene import topics as interfaces, parameters
-from fourbar_ros.scene import scene as scenes
+from fourbar_ros.scene import parameters
+from fourbar_ros.scene.topics import INPUTS
+from fourbar_ros.scene.scene import from_values
 from fourbar_ros.bag import BagError
 from fourbar_ros.bag.origin import origin_of
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import distance
 from fourbar_ros.bag.playback import Pace, play
+from fourbar_ros.ros.clients.client import Client, NoAnswer, name_on
 from fourbar_ros.ros.messages import resolve
-from fourbar_ros.ros.clients.client import NoAnswer
 from fourbar_ros.ros.clients.replay import Replayer, installed
 
-PATIENCE = 5.0          # [s] for the node to be found
 QUIET = 1.0             # [s] without an answer: no more will come
 BLOCK = 2000            # pairs of messages that are compared at once
 LATE = 10_000           # messages of a topic that wait for their partner; older ones have none
@@ -81,6 +80,7 @@ def drive_live(path, node_name=None, rate=1.0, start=0.0, ros_args=()):
             else:
                 live.expect(raw)
         live.wait_for_the_rest()
+        live.close()
         return LiveRun(live.compared(), changes.notes)
 
 
@@ -103,7 +103,7 @@ class _Changes:
 
     def take(self, raw):
         """Take over a scene of the bag, once all motions before it are answered."""
-        values = scenes.from_values(json.loads(self._bag.decode(raw).data)).values
+        values = from_values(json.loads(self._bag.decode(raw).data)).values
         changed = {name: value for name, value in values.items()
                    if not name.startswith(OURS) and not _is_same(value, self._values.get(name))}
         self._values = values
@@ -179,22 +179,19 @@ class _Topic:
         return Answer(topic, self.messages, self.missing + len(self._expected), self.largest, self.field)
 
 
-class _Live:
-    """The node on the other side."""
+class _Live(Client):
+    """The live node, seen from the replay's own node."""
 
     def __init__(self, replayer, outputs, origin, node_name):
-        self._replayer, self._node = replayer, replayer.node
+        super().__init__(replayer.node)
+        self._replayer = replayer
         self._in_order, self._first, recorded_node = origin.in_order, None, origin.node
-        self._executor = EventsExecutor()
-        self._executor.add_node(self._node)
         self._topics = {topic: _Topic(replayer.bag.decoder(topic)) for topic in outputs}
         self._last, self._heard = None, time.monotonic()         # stamp of the newest motion
-        topic = interfaces.INPUTS['motion']
-        self._name = topic.topic.replace('~', node_name)
-        self._input = self._node.create_publisher(resolve(topic.type), self._name, interfaces.INPUT_DEPTH)
+        self._name, self._input = name_on(node_name, INPUTS['motion']), self.publisher('motion', node_name)
         self._subscriptions = [self._listen(topic, type_name, recorded_node, node_name)
                                for topic, type_name in outputs.items()]
-        self._parameters = AsyncParameterClient(self._node, node_name)
+        self._parameters = AsyncParameterClient(self.node, node_name)
 
     def _listen(self, topic, type_name, recorded_node, node_name):
         there = topic.replace(recorded_node, node_name, 1) if topic.startswith(recorded_node + '/') else topic
@@ -203,41 +200,41 @@ class _Live:
         def take(data):
             self._heard = time.monotonic()
             answers.answer(stamp_of(data), data)
-        return self._node.create_subscription(resolve(type_name), there, take, QoSProfile(depth=1000), raw=True)
+        return self.node.create_subscription(resolve(type_name), there, take, QoSProfile(depth=1000), raw=True)
 
     def wait_until_found(self):
         """Wait for the node's input and outputs."""
-        end = time.monotonic() + PATIENCE
-        while not (self._input.get_subscription_count()
-                   and all(s.get_publisher_count() for s in self._subscriptions)):
-            if time.monotonic() > end or not self.tick(0):
-                raise NoAnswer(f'{self._name}: no node with drive.source: motion and the outputs of the bag '
-                               f'(waited {PATIENCE:g} s)')
+        what = f'{self._name}: no node with drive.source: motion and the outputs of the bag'
+
+        def is_found():
+            if not self.tick(0):
+                raise NoAnswer(f'{what} (interrupted)')
+            return (self._input.get_subscription_count()
+                    and all(subscription.get_publisher_count() for subscription in self._subscriptions))
+        self.until(is_found, what)
         self.wait_for_the_rest(0.3)
 
     def tick(self, _):
         """Handle what came in."""
         for _ in range(1000):
             before = self._heard
-            self._executor.spin_once(timeout_sec=0.0 if self._last else 0.02)
+            self.executor.spin_once(timeout_sec=0.0 if self._last else 0.02)
             if self._heard == before:
                 break
         return self._replayer.tick(0)
 
     def set(self, changed):
-        """Change parameters of the node; return what became of it, in words."""
+        """Change parameters of the node; return the outcome in words."""
         fixed = [name for name in changed if not parameters.find(name).live]
         if fixed:
-            return f'not taken over: {fixed[0]} cannot be changed while the node runs'
+            return f'not applied: {fixed[0]} cannot be changed while the node runs'
         future = self._parameters.set_parameters_atomically(
             [Parameter(name, value=list(value) if isinstance(value, tuple) else value) for name, value in changed.items()])
-        end = time.monotonic() + PATIENCE
-        while not future.done() and time.monotonic() < end:
-            self._executor.spin_once(timeout_sec=0.02)
-        if not future.done():
-            return 'not taken over: no answer of the node'
-        result = future.result().result
-        return 'taken over' if result.successful else f'not taken over: {result.reason}'
+        try:
+            result = self.result_of(future, 'the parameters of the node').result
+        except NoAnswer as error:
+            return f'not applied: {error}'
+        return 'applied' if result.successful else f'not applied: {result.reason}'
 
     def send(self, raw):
         """Send one motion of the driven joint."""
@@ -256,13 +253,12 @@ class _Live:
         self._heard = time.monotonic()
         while time.monotonic() - self._heard < quiet and (
                 not self._last or any(topic.is_waiting for topic in self._topics.values())):
-            self._executor.spin_once(timeout_sec=0.02)
+            self.executor.spin_once(timeout_sec=0.02)
 
     def compared(self):
         """Return the answers beside what was recorded."""
         if not self._last:
             raise BagError('the bag has no motion of the driven joint')
-        self._executor.shutdown()
         return [topic.finished(name) for name, topic in self._topics.items()]
 
 

@@ -5,7 +5,7 @@ from traceback import format_exc
 
 from rclpy.action import ActionServer, CancelResponse
 
-from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.scene.topics import FIND_EXTREMA
 from fourbar_ros.ros.node.extrema import Canceled, Search
 from fourbar_ros.ros.messages import resolve
 
@@ -20,7 +20,7 @@ class ExtremaServer(ActionServer):
 
     def __init__(self, node):
         self._owner, self._worker = node, node.workers['search']
-        action = interfaces.FIND_EXTREMA
+        action = FIND_EXTREMA
         super().__init__(node, resolve(action.type), action.service, self._answer,
                          cancel_callback=lambda _: CancelResponse.ACCEPT)
 

@@ -9,7 +9,7 @@ from traceback import format_exc
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS
 from fourbar_ros.pipeline import joints
 from fourbar_ros.pipeline.rate_estimator import estimator_of
 from fourbar_ros.pipeline.message_fields import is_time
@@ -162,13 +162,13 @@ class TopicDrive(Drive):
 
     def start(self):
         """Subscribe. Raw bytes: they are what is recorded."""
-        self._topic = interfaces.INPUTS[self.settings.source]
+        self._topic = INPUTS[self.settings.source]
         self._simulated = self._node.get_parameter('use_sim_time').value
         self._heard, self._waiting, self._horizon = self._now(), False, 0
         self._estimated = False
         self.estimator = None
         self.apply(self.settings)
-        profile = QoSProfile(depth=interfaces.INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
+        profile = QoSProfile(depth=INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         self._sequence = Sequence(lambda: self._subscription.get_publisher_count())
         self._subscription = qos.create(
             self._node, 'subscription', resolve(self._topic.type), self._topic.topic, WithInfo(self._receive),

@@ -12,9 +12,10 @@ from typing import Callable
 
 from rclpy.serialization import deserialize_message
 
-from fourbar_ros.pipeline import message_fields as records
+from fourbar_ros.pipeline.message_fields import driven_of
 from fourbar_ros.bag import BagError
-from fourbar_ros.bag.cdr import Definition, Layout
+from fourbar_ros.bag.cdr import Layout
+from fourbar_ros.bag.definitions import Definition
 from fourbar_ros.ros.messages import Stamp, resolve
 from fourbar_ros.ros.schemas import definition
 
@@ -51,7 +52,7 @@ class Reader:
             if layout.matches(data):
                 return read(data)
         message = deserialize_message(data, self._type)
-        found = (message.header.stamp.sec, message.header.stamp.nanosec), records.driven_of(message, self._joint)
+        found = (message.header.stamp.sec, message.header.stamp.nanosec), driven_of(message, self._joint)
         if self._room:
             self._room -= 1
             self._learn(data, repr(found))

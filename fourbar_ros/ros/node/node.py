@@ -10,10 +10,10 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.scene.topics import FIND_EXTREMA, SERVICES
 from fourbar_ros.scene.arguments import NODE_HELP, check_node_arguments
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.ros.node import parameters as declare, services
+from fourbar_ros.ros.node import parameters, services
 from fourbar_ros.ros.node.diagnostics import Diagnostics
 from fourbar_ros.ros.node.drives import SimulatedTimerDrive, TimerDrive, TopicDrive
 from fourbar_ros.ros.node.quiet_log import QuietLog
@@ -36,7 +36,7 @@ class FourBarNode(Node):
 
     def __init__(self, arguments=(), **kwargs):
         super().__init__('fourbar', automatically_declare_parameters_from_overrides=True, **kwargs)
-        scene = declare.scene(self, arguments)
+        scene = parameters.scene(self, arguments)
         self.failure = None                  # a fault in any thread, raised by main
         self.steady_timers = SteadyTimers()
         self.log = QuietLog(self.get_logger())
@@ -44,9 +44,9 @@ class FourBarNode(Node):
         self.stream = Stream(self, scene, self.recording)
         self.drive = self._drive_of(scene.drive.source)(self, self.stream, self.recording)
         self.wrenches = self._wrench_inputs(scene)
-        declare.watch(self, lambda: self.stream.scene, self.apply)
+        parameters.watch(self, lambda: self.stream.scene, self.apply)
         self.workers = {name: Worker(name, self.get_logger().error) for name in
-                        dict.fromkeys(service.worker for service in interfaces.SERVICES.values()) if name}
+                        dict.fromkeys(service.worker for service in SERVICES.values()) if name}
         services.create(self)
         self._extrema = self._action_server()
         self._diagnostics = Diagnostics(self)
@@ -72,7 +72,7 @@ class FourBarNode(Node):
             from fourbar_ros.ros.node.actions import ExtremaServer
             return ExtremaServer(self)
         except ModuleNotFoundError as error:             # messages of an older version are installed
-            self.get_logger().warning(f'no action {interfaces.FIND_EXTREMA.service}: {error}; build fourbar_msgs again')
+            self.get_logger().warning(f'no action {FIND_EXTREMA.service}: {error}; build fourbar_msgs again')
             return None
 
     def apply(self, scene):

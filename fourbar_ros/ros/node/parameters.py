@@ -6,7 +6,7 @@ from math import inf
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor, ParameterType, SetParametersResult
 
 from fourbar_ros.scene import overrides
-from fourbar_ros.scene import scene as scenes
+from fourbar_ros.scene.scene import from_values
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.scene.parameters import find
 from fourbar_ros.ros.node import qos
@@ -44,7 +44,7 @@ def scene(node, arguments=()):
             node.get_logger().warning(f'{name} = {value!r} ({where}), though ROS 2 would keep {given[name]!r}, '
                                       'which is of another type')
             given[name] = value
-    checked = scenes.from_values(given)
+    checked = from_values(given)
     qos.check(node, checked)
     for name in given:
         node.undeclare_parameter(name)
@@ -72,7 +72,7 @@ def watch(node, current, apply):
                 return SetParametersResult(successful=False, reason=f'{parameter.name}: only at start')
         try:
             if changes := changed(given):
-                scene = scenes.from_values({**current().values, **changes})
+                scene = from_values({**current().values, **changes})
                 if node.recording.active and scene.outputs != current().outputs:
                     return SetParametersResult(successful=False, reason='outputs: not while recording')
                 checked.append(scene)

@@ -5,7 +5,7 @@ from math import isnan
 
 from rclpy.event_handler import PublisherEventCallbacks, UnsupportedEventTypeError
 
-from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.scene.topics import OUTPUTS, QUEUE_DEPTH
 from fourbar_ros.ros.node import packed, qos
 from fourbar_ros.ros.messages import resolve, set_constants
 
@@ -30,7 +30,7 @@ class Output:
 
     def __init__(self, node, topic, changed):
         self.name, self._topic, self._node = topic.name, topic, node
-        self.is_point = topic.type == interfaces.OUTPUTS['points'].type
+        self.is_point = topic.type == OUTPUTS['points'].type
         self.is_heard, self._changed = False, changed
         self._message = resolve(topic.type)()
         try:
@@ -40,7 +40,7 @@ class Output:
             self._publisher = self._create(None)
 
     def _create(self, callbacks):
-        return qos.create(self._node, 'publisher', type(self._message), self._topic.topic, interfaces.QUEUE_DEPTH,
+        return qos.create(self._node, 'publisher', type(self._message), self._topic.topic, QUEUE_DEPTH,
                           event_callbacks=callbacks)
 
     def _matched(self, info):

@@ -4,7 +4,7 @@ from __future__ import annotations
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSPolicyKind, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
-from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.scene.topics import APPLIED, DRIVEN, INPUTS, OUTPUTS, SCENE, WRENCHES, topics_of
 from fourbar_ros.errors import InvalidParameter
 
 PREFIX = 'qos_overrides.'
@@ -53,8 +53,8 @@ def _why_not(parts, value, topics):
 
 def _topics(node, scene):
     """Return {resolved topic: publisher or subscription} of all that a scene may ever use."""
-    outputs = interfaces.topics_of(interfaces.OUTPUTS, scene.points).values()
+    outputs = topics_of(OUTPUTS, scene.points).values()
     return {node.resolve_topic_name(topic.topic): entity
-            for entity, topics in (('publisher', (interfaces.DRIVEN, interfaces.SCENE, *interfaces.APPLIED.values(), *outputs)),
-                                   ('subscription', (*interfaces.INPUTS.values(), *interfaces.WRENCHES.values())))
+            for entity, topics in (('publisher', (DRIVEN, SCENE, *APPLIED.values(), *outputs)),
+                                   ('subscription', (*INPUTS.values(), *WRENCHES.values())))
             for topic in topics}

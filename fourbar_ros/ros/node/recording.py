@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from fourbar_ros import __version__
-from fourbar_ros.pipeline import rate_estimator as estimator
-from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.pipeline import rate_estimator
+from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.optional import MissingPackage
 
@@ -92,19 +92,19 @@ class Recording:
         if self._writer:
             with contextlib.suppress(BagError):
                 self._writer.close()                     # a bag that ended by an error; that was told
-        topics = [interfaces.DRIVEN, interfaces.SCENE, *scene.wrench_topics, *scene.topics.values()]
-        if scene.drive.source in interfaces.INPUTS:
-            topics.append(interfaces.INPUTS[scene.drive.source])
+        topics = [DRIVEN, SCENE, *scene.wrench_topics, *scene.topics.values()]
+        if scene.drive.source in INPUTS:
+            topics.append(INPUTS[scene.drive.source])
         resolved = {topic.name: self._node.resolve_topic_name(topic.topic) for topic in topics}
         about = {'scene': scene.as_json, 'topics': json.dumps(resolved),
                  'node': self._node.get_fully_qualified_name(),
                  'units': 'SI: m, kg, s, rad, N, N m', 'software': json.dumps(software()),
-                 estimator.KEY: str(estimator.VERSION)}
+                 rate_estimator.KEY: str(rate_estimator.VERSION)}
         writer = BagWriter(directory_of(scene), name,
                            [channel(topic, resolved[topic.name]) for topic in topics], about,
                            tell=self._node.get_logger().error,
                            split=Split(round(scene.recording.split_size * 1e6), scene.recording.split_duration,
-                                       scene.recording.keep, head=topics.index(interfaces.DRIVEN)))
+                                       scene.recording.keep, head=topics.index(DRIVEN)))
         return OpenBag(writer, {topic.name: number for number, topic in enumerate(topics)})
 
     def attach(self, bag):

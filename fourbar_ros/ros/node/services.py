@@ -5,7 +5,7 @@ from functools import partial
 from math import nan
 from traceback import format_exc
 
-from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.scene.topics import SERVICES
 from fourbar_ros.errors import FourBarError, OutOfRange
 from fourbar_ros.pipeline.status import (
     INVALID_INPUT,
@@ -24,7 +24,7 @@ def create(node):
     handlers = {'find_extrema': find_extrema, 'evaluate': evaluate_one,
                 'start_recording': start_recording, 'stop_recording': stop_recording}
 
-    for service in interfaces.SERVICES.values():
+    for service in SERVICES.values():
         kind, answer = resolve(service.type), partial(_answered, handlers[service.name], node)
         if service.worker:
             node.workers[service.worker].serve(node, kind, service.service, answer)

@@ -9,7 +9,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 
-from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.scene.topics import DRIVEN, SCENE
 from fourbar_ros.errors import UNITS, FourBarError, OutOfRange
 from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK, OUT_OF_RANGE, STATUS_NAMES
 from fourbar_ros.pipeline.stepper import Stepper
@@ -43,9 +43,9 @@ class Stream:
         self._lock = threading.Lock()                    # a change happens between two steps
         recording.between_steps = self._lock
         self.steps, self.bad_steps, self.status = 0, 0, OK
-        self._driven, self._outputs = self._output(interfaces.DRIVEN), []
+        self._driven, self._outputs = self._output(DRIVEN), []
         self._scene_publisher = qos.create(
-            node, 'publisher', String, interfaces.SCENE.topic, QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+            node, 'publisher', String, SCENE.topic, QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
         self._stepper, self._applied = Stepper(scene), {}
         if scene.wrenches.links:
             from fourbar_ros.ros.node.wrenches import Applied  # only scenes that are loaded from outside need its messages
@@ -92,7 +92,7 @@ class Stream:
                 path = self._recording.attach(bag)
                 # Nothing is held from before: the bag computes again alone.
                 self._stepper = Stepper(self.scene, self._stepper.acting)
-                self._recording.write(interfaces.SCENE.name, self._scene_bytes())
+                self._recording.write(SCENE.name, self._scene_bytes())
                 for applied in self._applied.values():
                     self._recording.write(applied.name, applied.data)
                 return path
@@ -111,7 +111,7 @@ class Stream:
     def _send_scene(self):
         data = self._scene_bytes()
         self._scene_publisher.publish(data)
-        self._recording.write(interfaces.SCENE.name, data)
+        self._recording.write(SCENE.name, data)
 
     def transmission_sine(self):
         """Return |sin| of the transmission angle of the newest step that was computed, or NaN."""

@@ -8,7 +8,7 @@ from geometry_msgs.msg import WrenchStamped
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
 
-from fourbar_ros.scene import topics as interfaces
+from fourbar_ros.scene.topics import APPLIED, INPUT_DEPTH, WRENCHES
 from fourbar_ros.pipeline.wrenches import Wrench, in_silence
 from fourbar_ros.ros.node import qos
 
@@ -19,7 +19,7 @@ class Applied:
     """The latched topic that says what acts on a link."""
 
     def __init__(self, node, link):
-        topic = interfaces.APPLIED[link]
+        topic = APPLIED[link]
         self.name, self.data = topic.name, b''
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self._publisher = qos.create(node, 'publisher', WrenchStamped, topic.topic, latched)
@@ -47,10 +47,10 @@ class WrenchInputs:
         self._node, self._stream, self._recording = node, stream, recording
         self.counts = dict.fromkeys(self.COUNTED, 0)
         self._heard, self._last = {}, {}     # [s] of those that are not silent; what came last
-        profile = QoSProfile(depth=interfaces.INPUT_DEPTH,
+        profile = QoSProfile(depth=INPUT_DEPTH,
                              reliability=ReliabilityPolicy.BEST_EFFORT)
         for link in stream.scene.wrenches.links:
-            qos.create(node, 'subscription', WrenchStamped, interfaces.WRENCHES[link].topic,
+            qos.create(node, 'subscription', WrenchStamped, WRENCHES[link].topic,
                        partial(self._take, link), profile, raw=True)
         node.steady_timers.add(PERIOD, self._watch)
 
@@ -61,7 +61,7 @@ class WrenchInputs:
                 self._be_silent(link)
 
     def _take(self, link, data):
-        self._recording.write(interfaces.WRENCHES[link].name, data)
+        self._recording.write(WRENCHES[link].name, data)
         try:
             message = deserialize_message(data, WrenchStamped)
         except Exception:                    # whatever a foreign writer sends, the node goes on
@@ -82,7 +82,7 @@ class WrenchInputs:
         self.counts[what] += 1
         if self.counts[what] == 1:
             self._node.get_logger().warning(
-                f'{interfaces.WRENCHES[link].topic}: {text} '
+                f'{WRENCHES[link].topic}: {text} '
                 '(said once; counted in the diagnostics)')
 
     def _watch(self):
@@ -93,7 +93,7 @@ class WrenchInputs:
                 self.counts['wrench_silences'] += 1
                 self._be_silent(link)
                 self._node.get_logger().warning(
-                    f'{interfaces.WRENCHES[link].topic}: no wrench for {limit:g} s')
+                    f'{WRENCHES[link].topic}: no wrench for {limit:g} s')
 
     def _be_silent(self, link):
         wrench = in_silence(self._stream.scene, link, self._last.get(link))
