@@ -25,7 +25,7 @@ node = FourBarNode(parameter_overrides=[Parameter(k, value=v) for k, v in json.l
 listener = rclpy.create_node('listener')
 from fourbar_msgs.msg import LinkageState
 def until(heard):
-    while node.stream._outputs[0].is_heard != heard:
+    while node.stream.outputs.named[0].is_heard != heard:
         rclpy.spin_once(listener, timeout_sec=0.02)
         rclpy.spin_once(node, timeout_sec=0.02)
 

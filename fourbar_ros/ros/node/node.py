@@ -94,7 +94,7 @@ class FourBarNode(Node):
         self.drive.stop()
         self.workers['bag'].stop()           # a bag in its hands is closed there
         try:
-            self.recording.stop()
+            self.stream.stop_recording()
         except FourBarError as error:
             self.get_logger().error(str(error))
         finally:

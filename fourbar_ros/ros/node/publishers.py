@@ -1,4 +1,4 @@
-"""Publishers: a message becomes bytes once, for the wire and for the bag."""
+"""One publisher: each message is serialised once, for the wire and for the bag."""
 from __future__ import annotations
 
 from math import isnan
@@ -10,7 +10,7 @@ from fourbar_ros.ros.node import packed, qos
 from fourbar_ros.ros.messages import resolve, set_constants
 
 
-class Output:
+class TopicPublisher:
     """
     One published topic.
 
@@ -19,12 +19,12 @@ class Output:
     node : rclpy.node.Node
     topic : fourbar_ros.scene.topics.Topic
     changed : function ()
-        Called when the first reader has come or the last one has left.
+        Called when the first subscriber has come or the last one has left.
 
     Attributes
     ----------
     is_heard : bool
-        Whether anybody listens.
+        Whether it has subscribers.
 
     """
 
@@ -35,7 +35,7 @@ class Output:
         self._message = resolve(topic.type)()
         try:
             self._publisher = self._create(PublisherEventCallbacks(matched=self._matched))
-        except UnsupportedEventTypeError:                # of this middleware: always send, then
+        except UnsupportedEventTypeError:                # this middleware has none: always send
             self.is_heard = True
             self._publisher = self._create(None)
 
@@ -61,7 +61,7 @@ class Output:
         self.publish = self._publisher.publish
 
     def has_something(self, values):
-        """Return whether there is anything to send: joint_states may be silent where a position is not known."""
+        """Return whether there is anything to send: joint_states may be skipped while a position is unknown."""
         return not any(isnan(values[place]) for place in self._positions)
 
     def destroy(self):
@@ -70,7 +70,7 @@ class Output:
 
 
 def _needed(name, scene):
-    """Return the places of values without which a message is not sent."""
+    """Return the places of the values without which a message is not sent."""
     if name != 'joint_states' or scene.joint_states.when_unknown != 'skip':
         return ()
     return [scene.layout.place[position] for position in scene.layout.fields[name]['position']]

@@ -1,4 +1,4 @@
-"""The bag of a node, if one is being written: what goes into it, and who asks for it."""
+"""The bag of a node, if one is being written: its contents and its state."""
 from __future__ import annotations
 
 import contextlib
@@ -14,18 +14,18 @@ from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.optional import MissingPackage
 
-SOFTWARE = ('numpy', 'mcap', 'rclpy')       # beside our own, whose versions a bag keeps
+SOFTWARE = ('numpy', 'mcap', 'rclpy')       # whose versions a bag keeps, beside our own
 
 
 class RecorderState(NamedTuple):
-    """What the diagnostics say of the recorder."""
+    """The state of the recorder for the diagnostics."""
 
     values: dict
     problems: list
 
 
 class OpenBag(NamedTuple):
-    """A bag that waits for its first message; ``channels``: the number of each topic by its short name."""
+    """A bag without messages yet; ``channels``: the number of each topic by its short name."""
 
     writer: object
     channels: dict
@@ -33,24 +33,18 @@ class OpenBag(NamedTuple):
 
 class Recording:
     """
-    Start and stop the bags of one node and hand them what is sent.
+    The bag of one node, if one is being written; the stream opens, attaches, detaches and closes it.
 
     Parameters
     ----------
     node : rclpy.node.Node
         For resolved names and the log.
 
-    Attributes
-    ----------
-    between_steps : context manager
-        Entered to end a bag: a lock that is held during a step lets it end with a whole one.
-
     """
 
     def __init__(self, node):
         self._node = node
         self._writer, self._channels, self._refused = None, {}, ''
-        self.between_steps = contextlib.nullcontext()
 
     @property
     def active(self):
@@ -60,9 +54,9 @@ class Recording:
 
     def begin(self, scene, start):
         """
-        Start the bag that a scene asks for, by ``start(name)``, under a free name: the stream must not wait for it.
+        Start the bag that a scene wants, by ``start(name)``, under a free name.
 
-        Where nothing can be recorded, the log and the diagnostics say why.
+        The stream goes on if that fails: the log and the diagnostics then give the reason.
         """
         from fourbar_ros.bag.rosbag2 import free_name
         log, wanted = self._node.get_logger(), scene.recording.name
@@ -77,9 +71,9 @@ class Recording:
 
     def open(self, scene, name=''):
         """
-        Return an :class:`OpenBag` of what a scene receives and publishes; raises BagError.
+        Return an :class:`OpenBag` for the input and the outputs of a scene; raises BagError.
 
-        It waits for the disk, so not during a step; :meth:`attach` then is quick.
+        It waits for the disk, so it must not run during a step; :meth:`attach` is quick.
         """
         try:                                             # only scenes that record need the mcap library
             from fourbar_ros.bag.recorder import BagError, BagWriter, Split
@@ -91,7 +85,7 @@ class Recording:
             raise BagError(f'already recording to {self._writer.path}')
         if self._writer:
             with contextlib.suppress(BagError):
-                self._writer.close()                     # a bag that ended by an error; that was told
+                self._writer.close()                     # a bag that ended by an error, which was logged
         topics = [DRIVEN, SCENE, *scene.wrench_topics, *scene.topics.values()]
         if scene.drive.source in INPUTS:
             topics.append(INPUTS[scene.drive.source])
@@ -125,12 +119,13 @@ class Recording:
         return RecorderState({'recording': str(writer.path), 'messages recorded': writer.accepted,
                               'messages not recorded': writer.dropped}, problems)
 
-    def stop(self):
-        """Close the bag and return its path, None if there was none; raises BagError."""
-        with self.between_steps:
-            writer, self._writer = self._writer, None
-        if not writer:
-            return None
+    def detach(self):
+        """Stop recording; return the writer of the bag, None if there was none."""
+        writer, self._writer = self._writer, None
+        return writer
+
+    def close(self, writer):
+        """Close a detached bag and return its path; waits for the disk; raises BagError."""
         path = writer.close()
         self._node.get_logger().info(f'recorded {path}')
         return path
@@ -148,7 +143,7 @@ def directory_of(scene):
 
 
 def software():
-    """Return {name: version} of what made a bag."""
+    """Return {name: version} of the software that makes a bag."""
     from importlib.metadata import PackageNotFoundError, version     # 15 ms, and only bags ask
 
     found = {'fourbar_ros': __version__, 'python': platform.python_version()}

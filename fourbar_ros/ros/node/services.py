@@ -1,4 +1,4 @@
-"""The services of the node: extrema, one evaluation, recording. Errors are answers, never exceptions."""
+"""The services of the node: extrema, one evaluation, recording. Errors become responses, never exceptions."""
 from __future__ import annotations
 
 from functools import partial
@@ -20,7 +20,7 @@ from fourbar_ros.ros.messages import filler, resolve, sec_nanosec, set_constants
 
 
 def create(node):
-    """Create all services of a node, those that take long on its workers."""
+    """Create all services of a node; its workers run those that take long."""
     handlers = {'find_extrema': find_extrema, 'evaluate': evaluate_one,
                 'start_recording': start_recording, 'stop_recording': stop_recording}
 
@@ -33,14 +33,14 @@ def create(node):
 
 
 def _answered(handler, node, request, response):
-    """Answer in any case: a fault of ours is told to the caller and in the log, and the stream goes on."""
+    """Always answer: an unexpected exception goes to the caller and into the log, and the stream goes on."""
     try:
         return handler(node, request, response)
     except Exception as error:
-        node.get_logger().error(f'a fault in {handler.__name__}: {format_exc()}')
+        node.get_logger().error(f'internal error in {handler.__name__}: {format_exc()}')
         if hasattr(response, 'result'):
             response.result = response.RESULT_INVALID_REQUEST
-        response.message = f'a fault in the node, see its log: {error!r}'
+        response.message = f'internal error in the node, see its log: {error!r}'
         return response
 
 
@@ -74,7 +74,7 @@ def evaluate_one(node, request, response):
 
 
 def _with_values(node, response, mode, status, values):
-    """Fill state and loads of an answer."""
+    """Fill state and loads of a response."""
     stamp, scene = sec_nanosec(node.get_clock().now().nanoseconds), node.stream.scene
     for output in ('state', 'loads'):
         message = getattr(response, output)
@@ -94,9 +94,9 @@ def start_recording(node, request, response):
 
 
 def stop_recording(node, _, response):
-    """Answer Trigger: the message is the path of the bag, or why there is none."""
+    """Answer Trigger: the message is the path of the bag, or the reason why there is none."""
     try:
-        path = node.recording.stop()
+        path = node.stream.stop_recording()
         response.success = path is not None
         response.message = str(path or 'not recording')
     except FourBarError as error:

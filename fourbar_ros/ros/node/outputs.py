@@ -1,0 +1,89 @@
+"""All outputs of a scene: which of them are needed, and sending them to subscribers and to the bag."""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from fourbar_ros.pipeline.status import OK
+from fourbar_ros.ros.node.publishers import TopicPublisher
+from fourbar_ros.scene.topics import DRIVEN
+
+
+class Wanted(NamedTuple):
+    """The outputs that a step is for, and what it has to compute for them."""
+
+    driven: bool
+    outputs: list[TopicPublisher]
+    with_loads: bool
+    with_points: bool
+
+
+class Outputs:
+    """
+    The publishers of a scene: the driven motion and those that the scene names.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+    recording : Recording
+
+    Attributes
+    ----------
+    named : list of TopicPublisher
+        The outputs that the scene names.
+
+    """
+
+    def __init__(self, node, recording):
+        self._node, self._recording = node, recording
+        self._driven, self.named = self._publisher(DRIVEN), []
+
+    def apply(self, scene):
+        """Take over a scene: create and destroy publishers."""
+        self._mode = scene.linkage.mode
+        there = {output.name: output for output in self.named}
+        for name in there.keys() - scene.topics.keys():
+            there[name].destroy()
+        self.named = [there.get(name) or self._publisher(topic) for name, topic in scene.topics.items()]
+        for output in (self._driven, *self.named):
+            output.apply(scene)
+        self._update()
+
+    def _publisher(self, topic):
+        return TopicPublisher(self._node, topic, self._update)
+
+    def _update(self):
+        """Note what is needed: when a subscriber comes or leaves, not in every step."""
+        every = [self._driven, *self.named]
+        self._all = self._needed_for(every)
+        self._subscribed = self._needed_for([output for output in every if output.is_heard])
+
+    def _needed_for(self, those):
+        outputs = [output for output in self.named if output in those]
+        return Wanted(self._driven in those, outputs, any(output.needs_loads for output in outputs),
+                      any(output.is_point for output in outputs))
+
+    def wanted(self):
+        """Return what is Wanted now: all outputs while recording, else those with subscribers."""
+        return self._all if self._recording.active else self._subscribed
+
+    def send_driven(self, stamp, values):
+        """Send the driven motion."""
+        self._send([self._driven], stamp, OK, values)
+
+    def send(self, stamp, status, values, outputs=None):
+        """Send these outputs; all of the scene by default."""
+        outputs = self.named if outputs is None else outputs
+        if status != OK:
+            outputs = [output for output in outputs if output.has_something(values)]
+        self._send(outputs, stamp, status, values)
+
+    def _send(self, outputs, stamp, status, values):
+        """Pack all messages, then send them together: so the middleware wakes up less often."""
+        mode, recording = self._mode, self._recording
+        packed = [(output, output.pack(stamp, status, mode, values)) for output in outputs]
+        for output, data in packed:
+            if output.is_heard:                          # it may be wanted for the bag alone
+                output.publish(data)
+        if recording.active:
+            for output, data in packed:
+                recording.write(output.name, data)

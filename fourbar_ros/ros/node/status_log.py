@@ -1,0 +1,32 @@
+"""Log lines about the status of the stream."""
+from __future__ import annotations
+
+from fourbar_ros.errors import UNITS, OutOfRange
+from fourbar_ros.pipeline.status import OK, OUT_OF_RANGE, STATUS_NAMES
+
+
+class StatusLog:
+    """
+    Logs changes of the status.
+
+    Parameters
+    ----------
+    log : QuietLog
+
+    """
+
+    def __init__(self, log):
+        self._log = log
+
+    def changed(self, status, position, linkage):
+        """Log a new status, and the input that caused it."""
+        if status == OK:
+            self._log.info(status, 'input good again')
+            return
+        name = linkage.input_coordinate.position
+        self._log.warning(status, str(OutOfRange(name, position, linkage.input_ranges)) if status == OUT_OF_RANGE
+                          else f'{name} = {position!r} {UNITS[name]}: {STATUS_NAMES[status]}')
+
+    def timeout(self, seconds):
+        """Log that the input has stopped."""
+        self._log.warning('timeout', f'no input for {seconds:g} s')
