@@ -1,14 +1,17 @@
-"""The end of a process by signals; light: they are caught before anything long is imported."""
+"""The end of a process by signals; imports little, so that they are caught before the long imports."""
 from __future__ import annotations
 
+import contextlib
 import signal
+import sys
+import time
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Stop:
     """
-    Whether a signal has asked the process to end.
+    Whether a signal has requested the end of the process.
 
     A plain flag: a handler interrupts the main thread anywhere, also in a handler, where the lock
     of a ``threading.Event`` would wait for itself.
@@ -18,13 +21,13 @@ class Stop:
         self.requested, self._before = False, {}
 
     def catch(self):
-        """Note every signal from now on; return self."""
+        """Catch signals from now on; return self."""
         for number in SIGNALS:
             self._before[number] = signal.signal(number, self._note)
         return self
 
     def restore(self):
-        """Handle signals as before."""
+        """Restore the former handlers."""
         for number, handler in self._before.items():
             signal.signal(number, handler)
 
@@ -33,6 +36,19 @@ class Stop:
 
     @staticmethod
     def ignore():
-        """Ignore signals: Python puts handlers back while it ends, not what is ignored."""
+        """Ignore signals until the end: Python restores handlers while it ends, but not what is ignored."""
         for number in SIGNALS:
-            signal.signal(number, signal.SIG_IGN)
+            with _silent_race():
+                signal.signal(number, signal.SIG_IGN)
+
+
+@contextlib.contextmanager
+def _silent_race():
+    """Keep Python from printing a traceback for a signal that arrives while it changes from caught to ignored."""
+    before = sys.unraisablehook
+    sys.unraisablehook = lambda found: None if isinstance(found.exc_value, OSError) else before(found)
+    try:
+        yield
+        time.sleep(0.0)                      # here Python handles what arrived in between
+    finally:
+        sys.unraisablehook = before

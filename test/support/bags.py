@@ -4,6 +4,7 @@ import json
 import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from support import ROOT
 from fourbar_ros.scene.topics import DRIVEN, SCENE
 from fourbar_ros.scene import scene as scenes
 from fourbar_ros.bag.reader import Bag
