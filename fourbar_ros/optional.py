@@ -1,4 +1,4 @@
-"""What is not needed for all: what to install where it is missing, said in one line."""
+"""Optional packages: one line tells how to install a missing one."""
 from __future__ import annotations
 
 import sys
@@ -11,16 +11,16 @@ INSTALL = {'mcap': BAGS, 'lz4': BAGS, 'zstandard': BAGS, 'matplotlib': 'pip inst
            'pyarrow': 'pip install pyarrow', 'flint': 'pip install python-flint', 'scipy': 'pip install scipy',
            'rich': 'pip install rich', 'yaml': 'pip install pyyaml'}
 ROS = ('rclpy', 'rcl_interfaces', 'rosidl_runtime_py', 'rpyutils', 'ament_index_python')
-ROS_HINT = 'source a ROS 2 workspace with fourbar_ros, or  make run  in its source'
+ROS_HINT = 'source a ROS 2 workspace that contains fourbar_ros, or run  make run  in its source'
 
 
 class MissingPackage(FourBarError):
-    """A package that only some commands need is not installed; the message says how to get it."""
+    """An optional package is missing; the message tells how to install it."""
 
     def __init__(self, what: str, error: ModuleNotFoundError):
         name = (error.name or '').partition('.')[0]
         hint = INSTALL.get(name) or ROS_HINT
-        super().__init__(f'{what} needs {name if name in INSTALL else "ROS 2"}: {hint}'
+        super().__init__(f'{what} requires {name if name in INSTALL else "ROS 2"}: {hint}'
                          + ('' if name in INSTALL else f' ({error})'))
 
     @staticmethod
@@ -31,13 +31,13 @@ class MissingPackage(FourBarError):
 
 
 def _command(name: str, module: str) -> int:
-    """Run the main function of a module; without ROS, say so in one line and return 1."""
+    """Run the main function of a module; return 1 with a one-line message if a package is missing."""
     try:
         return import_module(module).main()
     except ModuleNotFoundError as error:
         if not MissingPackage.explains(error):
             raise
-        print(f'{name}: {MissingPackage("it", error)}', file=sys.stderr)
+        print(MissingPackage(name, error), file=sys.stderr)
         return 1
 
 

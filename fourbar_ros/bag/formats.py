@@ -59,7 +59,7 @@ class Parquet:
             import pyarrow
             import pyarrow.parquet
         except ImportError:
-            raise BagError('parquet needs pyarrow: pip install pyarrow') from None
+            raise BagError('parquet requires pyarrow: pip install pyarrow') from None
         self.name, self.rows, self._arrow = name, 0, pyarrow
         schema = pyarrow.table(columns).schema
         self._writer = pyarrow.parquet.ParquetWriter(_in_folder(folder) / f'{name}.parquet', schema)

@@ -183,7 +183,7 @@ def plot(path, names, out, progress=None):
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
     except ImportError:
-        raise BagError('plot needs matplotlib: pip install matplotlib') from None
+        raise BagError('plot requires matplotlib: pip install matplotlib') from None
     found = series(path, names, progress, POINTS)
     units = list(dict.fromkeys(unit or name for name, (_, _, unit) in found.items()))
     figure = Figure(figsize=(WIDTH, HEIGHT * len(units) + 0.6), dpi=DPI, layout='constrained')

@@ -1,9 +1,7 @@
 """``fourbar draw``: a scene in one pose, with forces and polygons."""
 from __future__ import annotations
 
-import argparse
-
-from fourbar_ros.cli.show import pose
+from fourbar_ros.cli.common import PICTURE_HELP, SCENE_HELP, add_pose, add_verb
 
 EPILOG = """\
 examples:
@@ -14,19 +12,16 @@ examples:
 
 def add(verbs):
     """Add the verb."""
-    draw = verbs.add_parser(
-        'draw', help='picture of a scene in one pose: linkage with forces, velocity and acceleration polygons',
-        description='Draw the linkage with the forces at its joints, and its velocity and acceleration polygons, '
-                    'to scale. Needs matplotlib.',
-        epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
-    draw.add_argument('scene', metavar='SCENE', help='parameter file (YAML), or name of a shipped scene, as paper')
-    pose(draw, 'input angle [degrees], or slide [m]', is_required=True)
-    draw.add_argument('-o', '--out', metavar='FILE', required=True, help='picture: .png, .svg, .pdf')
+    draw = add_verb(verbs, 'draw', 'draw a scene in one pose: linkage with forces, velocity and acceleration polygons',
+                    'Draw the linkage with its joint forces and its velocity and acceleration polygons, to scale.\n'
+                    'Requires matplotlib.', EPILOG)
+    draw.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    add_pose(draw, 'input angle [degrees], or slide [m]', is_required=True)
+    draw.add_argument('-o', '--out', metavar='FILE', required=True, help=PICTURE_HELP)
     draw.set_defaults(run=_draw)
 
 
 def _draw(arguments):
-
     from fourbar_ros.scene.scene import load
     from fourbar_ros.report.drawing import make_figure, save
     from fourbar_ros.report.poses import step_at

@@ -15,26 +15,26 @@ from fourbar_ros.cli import bag, draw, record, replay, reproduce, scene, show
 
 VERBS = (show, scene, bag, record, replay, draw, reproduce)
 DESCRIPTION = """\
-Planar four-bars, slider-cranks and inverted slider-cranks: motion, loads and extrema of a scene;
-recorded runs. Needs no ROS, but for record and replay, which talk to a node.
+Motion, loads and extrema of planar four-bars, slider-cranks and inverted slider-cranks, and tools for
+recorded runs. Works without ROS, except for record and replay, which talk to a node.
 
-A scene is a ROS 2 parameter file, or the name of one of config/; the same file runs the node,
+A scene is a ROS 2 parameter file or the name of a shipped one, e.g. paper. The same file starts the node:
   fourbar_node --ros-args --params-file SCENE
 """
 EPILOG = """\
 examples:
-  fourbar show paper                           class, limits, extrema, loads of a scene that comes with it
-  fourbar show paper --mode 1                  of the other assembly mode
-  fourbar show my.yaml --at 60                 your own scene, and its state at 60 degrees
+  fourbar show paper                           class, limits, extrema and loads of a shipped scene
+  fourbar show paper --mode 1                  the same in the other assembly mode
+  fourbar show my.yaml --at 60                 your own scene, with its state at 60 degrees
   fourbar show slides_7_6 --at 60 --acceleration 100
   fourbar show cylinder --at 1.5               a boom and its cylinder, 1.5 m long
-  fourbar scene check paper                    what a node with this scene does, and its cost
-  fourbar bag info bags/run                    what is in a bag
-  fourbar bag recompute bags/run               every recorded value computed again
-  fourbar replay bags/run --rate 2             published once more, twice as fast
+  fourbar scene check paper                    what a node with this scene does, and what it costs
+  fourbar bag info bags/run                    what a bag contains
+  fourbar bag recompute bags/run               recompute every recorded output and compare
+  fourbar replay bags/run --rate 2             publish a run again, twice as fast
 
-exit codes: 0 good; 1 an error, said in one line; 2 bad arguments; 3 done, but the bag is cut, lossy or
-different (see the help of the verb)
+exit codes: 0 good; 1 an error, reported in one line; 2 bad arguments; 3 done, but the result is not good
+(see the help of the verb)
 """
 
 
@@ -61,11 +61,11 @@ def main(args=None):
     except ModuleNotFoundError as error:
         if not MissingPackage.explains(error):
             raise
-        print(f'fourbar: {MissingPackage(f"fourbar {arguments.verb}", error)}', file=sys.stderr)
+        print(f'fourbar: {MissingPackage(arguments.verb, error)}', file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 130
-    except BrokenPipeError:                 # the reader of our output has gone: head, less
+    except BrokenPipeError:                 # the reader of our output is gone: head, less
         sys.stderr.close()
     except OSError as error:
         print(f'fourbar: {error.filename or arguments.verb}: {error.strerror or error}', file=sys.stderr)
@@ -75,14 +75,14 @@ def main(args=None):
 
 @contextlib.contextmanager
 def _terminable():
-    """Let SIGTERM and SIGHUP end a verb as Ctrl-C does, so that nothing half-made is left; exit code 128 + number."""
+    """Let SIGTERM and SIGHUP end a verb like Ctrl-C, with no partial output left; exit code 128 + number."""
     def end(number, _):
         raise SystemExit(128 + number)
 
     old = {}
     if threading.current_thread() is threading.main_thread():
         old = {number: signal.signal(number, end) for number in (signal.SIGTERM, signal.SIGHUP)
-               if signal.getsignal(number) is signal.SIG_DFL}       # not of nohup
+               if signal.getsignal(number) is signal.SIG_DFL}       # not under nohup
     try:
         yield
     finally:

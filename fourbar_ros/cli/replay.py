@@ -6,55 +6,53 @@ import time
 from contextlib import contextmanager, nullcontext
 
 from fourbar_ros.scene.arguments import not_negative, positive
-from fourbar_ros.cli.bag import BAD
+from fourbar_ros.cli.common import BAD, BAG_HELP, add_tolerance, add_topics, add_verb
 
 REFRESH = 0.1       # [s] between two looks at the clock of the bag
 DESCRIPTION = """\
-Publish the messages of a bag again, with their original timing, on their topics and with their quality of
-service. BAG may be finished, cut, or still being written. Needs ROS 2 and the packages of the message
-types; what is not installed is left out, and said. In a terminal: space pauses, the right arrow sends the
+Publish the messages of a bag again, with their original timing, topics and quality of service. BAG may be
+finished, cut off, or still being written. Requires ROS 2 and the packages of the message types; topics whose
+type is not installed are left out with a warning. In a terminal, space pauses, the right arrow publishes the
 next message, up and down change the rate by a tenth.
 """
 EPILOG = """\
 examples:
-  fourbar replay bags/run                              as it was
+  fourbar replay bags/run                              at the original speed
   fourbar replay bags/run --rate 0.1 --start 12        slowly, from second 12 on
   fourbar replay bags/run --clock --loop               for nodes with use_sim_time
   fourbar replay bags/run --topics /joint_states
   fourbar replay bags/run --ros-args -r /joint_states:=/old/joint_states
 
-  fourbar bag scene bags/run > again.yaml              a live node does the same run again:
+  fourbar bag scene bags/run > again.yaml              repeat the run with a live node
   fourbar_node --ros-args --params-file again.yaml &
-  fourbar replay bags/run --inputs-only                and its answers are compared with the recorded ones
+  fourbar replay bags/run --inputs-only                and compare its outputs with the recorded ones
 
-exit codes: 0 good; 1 an error; 2 bad arguments; 3 with --inputs-only: an answer differs or is missing
+exit codes: 0 good; 1 an error; 2 bad arguments; 3 with --inputs-only: an output differs or is missing
 """
 
 
 def add(verbs):
     """Add the verb."""
-    replay = verbs.add_parser('replay', help='publish a recorded run again, or drive a live node with it',
-                              description=DESCRIPTION, epilog=EPILOG,
-                              formatter_class=argparse.RawDescriptionHelpFormatter)
-    replay.add_argument('bag', metavar='BAG', help='folder of a bag or .mcap file')
-    replay.add_argument('--rate', type=positive, default=1.0, metavar='X', help='times as fast, default 1')
-    replay.add_argument('--start', type=not_negative, default=0.0, metavar='S', help='leave out the first seconds')
-    replay.add_argument('--loop', action='store_true', help='again and again')
-    replay.add_argument('--follow', action='store_true', help='of a bag being written: go on until it is finished')
+    replay = add_verb(verbs, 'replay', 'publish a recorded run again, or drive a live node with it', DESCRIPTION, EPILOG)
+    replay.add_argument('bag', metavar='BAG', help=BAG_HELP)
+    replay.add_argument('--rate', type=positive, default=1.0, metavar='X', help='play X times as fast (default 1)')
+    replay.add_argument('--start', type=not_negative, default=0.0, metavar='S', help='skip the first S seconds')
+    replay.add_argument('--loop', action='store_true', help='repeat until stopped')
+    replay.add_argument('--follow', action='store_true',
+                        help='if the bag is still being written: continue until it is finished')
     replay.add_argument('--clock', nargs='?', type=positive, const=100.0, metavar='HZ',
-                        help='publish the time of the bag on /clock, at this rate (default 100)')
+                        help='publish the time of the bag on /clock, HZ times per second (default 100)')
     replay.add_argument('--delay', type=not_negative, default=1.0, metavar='S',
-                        help='at least so long readers may take to find the topics, default 1; those that are seen '
-                             'are waited for, 0: not at all')
+                        help='give subscribers at least S seconds to find the topics and wait for all that are '
+                             'discovered (default 1); 0: start at once')
     replay.add_argument('--readers', type=int, default=0, metavar='N',
-                        help='begin when so many readers are matched, however long it takes')
-    replay.add_argument('--topics', nargs='+', metavar='TOPIC', help='only these')
+                        help='start only when N subscriptions are matched, however long it takes')
+    add_topics(replay, 'publish only these topics')
     replay.add_argument('--inputs-only', action='store_true',
-                        help='send only the motion of the input to a live node, compare what it answers')
-    replay.add_argument('--node', metavar='NAME', help='that node; default: the one that was recorded')
-    replay.add_argument('--tolerance', type=not_negative, default=0.0, metavar='X',
-                        help='with --inputs-only: largest difference that is none, default 0')
-    replay.add_argument('--ros-args', nargs=argparse.REMAINDER, default=[], help='for ROS, as remappings')
+                        help='send only the driven motion to a live node and compare its outputs with the recorded ones')
+    replay.add_argument('--node', metavar='NAME', help='name of that node; default: the name in the bag')
+    add_tolerance(replay, 'with --inputs-only: ')
+    replay.add_argument('--ros-args', nargs=argparse.REMAINDER, default=[], help='arguments for ROS, e.g. remappings')
     replay.set_defaults(run=_replay)
 
 
@@ -82,7 +80,11 @@ def _replay(arguments):
 
 @contextmanager
 def _status(first, last, pace, has_keys):
-    """Say what is played; gives the function that shows the time of the bag [ns] on a terminal, ten times a second."""
+    """
+    Print the extent of the bag; gives the function that shows progress on a terminal.
+
+    The function takes the time of the bag [ns] and updates the terminal ten times per second.
+    """
     from datetime import datetime
 
     from rich.console import Console
@@ -106,7 +108,7 @@ def _status(first, last, pace, has_keys):
 
 
 def status_line(now, first, last, pace):
-    """Return where a replay is: time of the bag, of how much, what is left, how fast."""
+    """Return the progress of a replay: time of the bag, of how much, time left, rate."""
     text = f'{(now - first) * 1e-9:.1f} s'
     if last is not None:
         left = max(last - now, 0) * 1e-9
@@ -116,7 +118,7 @@ def status_line(now, first, last, pace):
 
 def _inputs_only(arguments, ros_args):
     from fourbar_ros.ros.clients.rerun import drive_live
-    from fourbar_ros.report.tables import make_console, plain_table
+    from fourbar_ros.report.terminal import make_console, plain_table
     found = drive_live(arguments.bag, arguments.node, arguments.rate, arguments.start, ros_args)
     table = plain_table('', ('topic', 'answers>', 'missing>', 'largest difference>', 'field'))
     for answer in found.answers:

@@ -1,9 +1,7 @@
-"""``fourbar reproduce``: the two source documents computed again, number by number."""
+"""``fourbar reproduce``: recompute the two source documents, number by number."""
 from __future__ import annotations
 
-import argparse
-
-from fourbar_ros.cli.bag import BAD
+from fourbar_ros.cli.common import BAD, add_verb
 
 EPILOG = """\
 verdicts:
@@ -11,7 +9,7 @@ verdicts:
 
 examples:
   fourbar reproduce
-  fourbar reproduce --html report.html      one page with the figures; needs matplotlib
+  fourbar reproduce --html report.html      one page with the figures; requires matplotlib
 
 exit codes: 0 good; 1 an error; 2 bad arguments; 3 done, but a number differs without a known reason
 """
@@ -21,11 +19,10 @@ def add(verbs):
     """Add the verb."""
     from fourbar_ros.reproduction.verdicts import VERDICTS
     verdicts = '\n'.join(f'  {name:<21}{meaning}' for name, meaning in VERDICTS.items())
-    verb = verbs.add_parser(
-        'reproduce', help='recompute the examples, equations, tables and figures of the lecture slides and the paper',
-        description='Compute again everything the lecture slides (set 7) and the paper of Hayes, Hninn and Irani '
-                    'print: printed value, ours, difference, verdict.',
-        epilog=EPILOG.format(verdicts=verdicts), formatter_class=argparse.RawDescriptionHelpFormatter)
+    verb = add_verb(
+        verbs, 'reproduce', 'recompute the examples, equations, tables and figures of the lecture slides and the paper',
+        'Recompute every number printed in the lecture slides (set 7) and in the paper of Hayes, Hninn and\n'
+        'Irani: printed value, computed value, difference, verdict.', EPILOG.format(verdicts=verdicts))
     verb.add_argument('--html', metavar='FILE', help='also write one self-contained page with the figures')
     verb.set_defaults(run=_reproduce)
 
@@ -34,7 +31,7 @@ def _reproduce(arguments):
     from fourbar_ros.reproduction.reproduce import count, print_tables, reproduce
     from fourbar_ros.reproduction.verdicts import DIFFERS
     sections = reproduce()
-    if arguments.html:              # first: what cannot be written is said before the tables
+    if arguments.html:              # first: a file that cannot be written is reported before the tables
         from fourbar_ros.reproduction.figures import write_page
         write_page(sections, arguments.html)
     print_tables(sections)

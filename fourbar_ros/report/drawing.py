@@ -39,7 +39,7 @@ def need_matplotlib(what):
     try:
         import matplotlib  # noqa: F401
     except ImportError:
-        raise CannotDraw(f'{what} needs matplotlib: pip install matplotlib') from None
+        raise CannotDraw(f'{what} requires matplotlib: pip install matplotlib') from None
 
 
 def draw_polygon(axes, arrows, title, unit, names=None):

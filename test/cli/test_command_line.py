@@ -205,8 +205,8 @@ def test_the_output_range_is_that_of_the_mode(lengths, mode):
 
 def test_the_output_does_not_change_from_run_to_run():
     def text(*arguments, seed):
-        done = subprocess.run([sys.executable, '-c', 'import sys; from fourbar_ros.cli import main, scene_check\n'
-                               'scene_check.step_cost = lambda scene: 1e-5; sys.exit(main.main(sys.argv[1:]))',
+        done = subprocess.run([sys.executable, '-c', 'import sys; from fourbar_ros.cli import main, scene\n'
+                               'scene.step_cost = lambda scene: 1e-5; sys.exit(main.main(sys.argv[1:]))',
                                *arguments],
                               capture_output=True, text=True, env={**os.environ, 'PYTHONHASHSEED': str(seed)}, check=False)
         assert 'Traceback' not in done.stderr, done.stderr
@@ -233,11 +233,11 @@ def test_a_picture_is_where_it_is_said_to_be(tmp_path, capsys):
 # --- without what is optional ----------------------------------------------------------------------
 
 @pytest.mark.parametrize('command, blocked, hint', [
-    (['bag', 'info', 'x'], 'mcap', 'fourbar bag needs mcap: pip install mcap lz4 zstandard'),
+    (['bag', 'info', 'x'], 'mcap', 'fourbar: bag requires mcap: pip install mcap lz4 zstandard'),
     (['bag', 'info', 'x'], 'lz4', 'fourbar bag needs lz4: pip install'),
     (['bag', 'recover', 'x'], 'zstandard', 'fourbar bag needs zstandard: pip install'),
-    (['record', 'start'], 'rclpy', 'fourbar record needs ROS 2: source a ROS 2'),
-    (['replay', 'x'], 'rclpy', 'fourbar replay needs ROS 2: source a ROS 2')])
+    (['record', 'start'], 'rclpy', 'fourbar: record requires ROS 2: source a ROS 2'),
+    (['replay', 'x'], 'rclpy', 'fourbar: replay requires ROS 2: source a ROS 2')])
 def test_what_to_install_is_said_in_one_line(command, blocked, hint):
     done = subprocess.run([sys.executable, '-c', f'import sys; sys.modules[{blocked!r}] = None\n'
                            f'from fourbar_ros.cli.main import main; sys.exit(main({command}))'],
@@ -250,7 +250,7 @@ def test_the_programs_that_need_ros_say_so(name):
     done = subprocess.run([sys.executable, '-c', 'import sys; sys.modules["rclpy"] = None\n'
                            f'from fourbar_ros.optional import {name}; sys.exit({name}())'],
                           capture_output=True, text=True, cwd=ROOT, check=False)
-    assert done.returncode == 1 and done.stderr.startswith(f'fourbar_{name}: it needs ROS 2: source')
+    assert done.returncode == 1 and done.stderr.startswith(f'fourbar_{name} requires ROS 2: source')
     assert len(done.stderr.splitlines()) == 1, done.stderr
 
 

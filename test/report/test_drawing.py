@@ -167,4 +167,4 @@ def test_without_matplotlib_one_line_says_what_to_install(monkeypatch, capsys, a
     monkeypatch.setitem(sys.modules, 'matplotlib', None)
     assert main(list(arguments)) == 1
     said = capsys.readouterr().err
-    assert said.endswith(' needs matplotlib: pip install matplotlib\n') and len(said.splitlines()) == 1
+    assert said.endswith(' requires matplotlib: pip install matplotlib\n') and len(said.splitlines()) == 1

@@ -21,7 +21,7 @@ VERBS = {
     'bag diff': ['bag', 'diff', '{bag}', '{other}'],
     'bag scene': ['bag', 'scene', '{bag}'],
 }
-RUN = 'import sys; from fourbar_ros.cli import main, scene_check; scene_check.step_cost = lambda scene: 1e-5; sys.exit(main.main({}))'
+RUN = 'import sys; from fourbar_ros.cli import main, scene; scene.step_cost = lambda scene: 1e-5; sys.exit(main.main({}))'
 
 
 @pytest.fixture(scope='module')

@@ -1,0 +1,26 @@
+"""``fourbar bag export``: write the numbers in a bag as tables."""
+from __future__ import annotations
+
+from fourbar_ros.cli.common import BAG_HELP, add_topics, reading
+
+
+def add(actions):
+    """Add the action."""
+    export = actions.add_parser('export', help='write the numbers in a bag as tables',
+                                description='Write the numbers in a bag as tables: CSV, NumPy (.npz) or Parquet.')
+    export.add_argument('bag', metavar='BAG', help=BAG_HELP)
+    export.add_argument('-o', '--out', metavar='PATH', required=True,
+                        help='new folder for the tables, or new .npz file')
+    export.add_argument('--format', choices=('csv', 'npz', 'parquet'),
+                        help='default: npz if PATH ends in .npz, else csv; parquet requires pyarrow')
+    add_topics(export, 'export only these topics')
+    export.set_defaults(run=_export)
+
+
+def _export(arguments):
+    from fourbar_ros.bag.export import export
+    format_ = arguments.format or ('npz' if arguments.out.endswith('.npz') else 'csv')
+    with reading(arguments.bag, 'exporting') as step:
+        written = export(arguments.bag, arguments.out, format_, arguments.topics, step)
+    for name, rows in written.items():
+        print(f'{arguments.out}: {name}, {rows} rows')

@@ -1,0 +1,23 @@
+"""``fourbar bag plot``: plot fields over time."""
+from __future__ import annotations
+
+from fourbar_ros.cli.common import BAG_HELP, PICTURE_HELP, reading
+
+
+def add(actions):
+    """Add the action."""
+    plot = actions.add_parser('plot', help='plot fields over time',
+                              description='Plot fields over time; fields of the same unit share an axis. Requires '
+                                          'matplotlib.')
+    plot.add_argument('bag', metavar='BAG', help=BAG_HELP)
+    plot.add_argument('fields', metavar='TOPIC.FIELD', nargs='+',
+                      help='e.g. state.theta4, /joint_states.position[crank] or joint_states.position[0]')
+    plot.add_argument('-o', '--out', metavar='FILE', required=True, help=PICTURE_HELP)
+    plot.set_defaults(run=_plot)
+
+
+def _plot(arguments):
+    from fourbar_ros.bag.plot import plot
+    with reading(arguments.bag, 'reading') as step:
+        plot(arguments.bag, arguments.fields, arguments.out, step)
+    print(arguments.out)
