@@ -234,8 +234,8 @@ def test_a_picture_is_where_it_is_said_to_be(tmp_path, capsys):
 
 @pytest.mark.parametrize('command, blocked, hint', [
     (['bag', 'info', 'x'], 'mcap', 'fourbar: bag requires mcap: pip install mcap lz4 zstandard'),
-    (['bag', 'info', 'x'], 'lz4', 'fourbar bag needs lz4: pip install'),
-    (['bag', 'recover', 'x'], 'zstandard', 'fourbar bag needs zstandard: pip install'),
+    (['bag', 'info', 'x'], 'lz4', 'fourbar: bag requires lz4: pip install'),
+    (['bag', 'recover', 'x'], 'zstandard', 'fourbar: bag requires zstandard: pip install'),
     (['record', 'start'], 'rclpy', 'fourbar: record requires ROS 2: source a ROS 2'),
     (['replay', 'x'], 'rclpy', 'fourbar: replay requires ROS 2: source a ROS 2')])
 def test_what_to_install_is_said_in_one_line(command, blocked, hint):
