@@ -99,7 +99,7 @@ def step_cost(scene):
 
 def _cost_in_words(scene):
     cost = step_cost(scene)
-    computed = 'motion and loads' if scene.needs_loads else 'motion, but no loads'
+    computed = 'motion and loads' if scene.needs_loads else 'motion only, no loads'
     rate = (f', {100.0 * cost * scene.drive.rate:.2g} % of a core at {scene.drive.rate:g} Hz'
             if scene.drive.source == 'timer' else '')
     return (f'A step computes {computed}: {cost * 1e6:.1f} us on this machine{rate}. Each topic with a subscriber or '
