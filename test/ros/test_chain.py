@@ -41,7 +41,7 @@ class Loaded:
         self.given = {**LOADED, f'external.{link}.from_topic': True, **parameters}
         self.node = run_node(self.given)
         self.scene = scene.from_values(self.given)
-        self.link, self.applied = link, []
+        self.link, self.applied, self.stamp = link, [], 1
         client.node.create_subscription(
             WrenchStamped, name_on('fourbar', APPLIED[link]), self.applied.append,
             QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL))
@@ -63,12 +63,13 @@ class Loaded:
                     return
 
     def answer(self, position):
-        """Return (state, loads) of an input."""
-        for inbox in self.client.received.values():
-            inbox.clear()
-        self._drive.publish(motion(position))
-        self.client.until(lambda: self.client.received['state'] and self.client.received['loads'], 'an answer')
-        return self.client.received['state'][-1], self.client.received['loads'][-1]
+        """Return (state, loads) of an input: those with its stamp, so that no late answer is taken for them."""
+        self.stamp += 1
+        inboxes = self.client.received['state'], self.client.received['loads']
+        self._drive.publish(motion(position, stamp=self.stamp))
+        self.client.until(lambda: all(inbox and inbox[-1].header.stamp.sec == self.stamp for inbox in inboxes),
+                          'an answer')
+        return tuple(inbox[-1] for inbox in inboxes)
 
     def under(self, position, *numbers):
         """Return the driving torque of the core under a wrench, in the place of the scene."""
