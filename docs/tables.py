@@ -108,7 +108,8 @@ def _option(action):
     if isinstance(value, tuple):
         value = ' '.join(value)
     typed = [f'{name} {value}' if action.nargs != 0 else name for name in action.option_strings]
-    return f'`{", ".join(typed) or value}`', (action.help or '').replace('%(default)s', str(action.default))
+    text = (action.help or '').replace('%(default)s', str(action.default))
+    return f'`{", ".join(typed) or value}`', text
 
 
 def command_tables():
