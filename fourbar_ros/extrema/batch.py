@@ -1,26 +1,27 @@
 """Extremes of the output's rate and acceleration of many linkages at once: :mod:`fourbar_ros.extrema.four_bar_rates.search` on arrays."""
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi
 from typing import NamedTuple
 
 import numpy as np
 
-from fourbar_ros.numerics.dialects import rebound
 from fourbar_ros.extrema.four_bar_rates.input_paths import POINTS_PER_FEATURE, half_turn, phases
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import CONSTANT, MAXIMUM, find_extrema
 from fourbar_ros.extrema.methods import RATES
-from fourbar_ros.mechanisms.four_bar.half_angle import difference_of_squares
 from fourbar_ros.numerics.given import array
 from fourbar_ros.mechanisms.four_bar.motion import make_motion
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.mechanisms.mechanism import CROSSED, OPEN
-from fourbar_ros.extrema.four_bar_rates.search import POLISH, SAMPLES, sine_constants, sines
+from fourbar_ros.extrema.four_bar_rates.search import POLISH, SAMPLES, sine_constants, sines_of_arrays
+from fourbar_ros.numerics.exact_sums import difference_of_squares
+from fourbar_ros.numerics.number_types import ARRAY, power_of_two_of_arrays
 from fourbar_ros.numerics.roots import (
     EPS,
     find_brackets,
-    first_guess,
+    first_guesses,
     fold,
     newton_roots,
     turn_after,
@@ -75,10 +76,8 @@ def _two_sum(a, b):
     return total, (a - (total - part)) + (b - part)
 
 
-_constants = rebound(sine_constants, fsum=_exact_sum)
-_squares = rebound(difference_of_squares, fsum=_exact_sum)
-_make_motion = rebound(make_motion.array, fsum=_exact_sum, max=lambda *columns: np.maximum.reduce(columns),
-                       frexp=np.frexp, ldexp=np.ldexp)
+# Lengths are arrays too: one linkage an element.
+_MANY = replace(ARRAY, name='arrays of linkages', exact_sum=_exact_sum, power_of_two=power_of_two_of_arrays)
 
 
 def find_extrema_many(a1, a2, a3, a4, mode=OPEN, rate=1.0, progress=None):
@@ -154,14 +153,14 @@ def _search(lengths, sign, rate):
         signs = (-1.0, 1.0, 1.0, 1.0), (1.0, -1.0, 1.0, 1.0), (1.0, 1.0, -1.0, 1.0), (1.0, 1.0, 1.0, -1.0)
         closes = np.all([_exact_sum([s * a for s, a in zip(row, scaled)]) > 0.0 for row in signs], axis=0)
         closes &= np.isfinite(scaled).all(axis=0) & (lengths > 0.0).all(axis=0)
-        constants = np.array(np.broadcast_arrays(*_constants(*scaled, sign)))
+        constants = np.array(np.broadcast_arrays(*sine_constants(*scaled, sign, _exact_sum)))
         limits = _limits(scaled, *constants[:2])
     unequal = scaled.max(axis=0) > UNEQUAL * scaled.min(axis=0)
     is_flat = closes & ((constants[0] == 0.0) | (constants[1] == 0.0))
     upward, forward = sign > 0.0, rate > 0.0
 
     def at(x, row):
-        return sines.array(np.sin(0.5 * x), np.cos(0.5 * x), constants[:, row])
+        return sines_of_arrays(np.sin(0.5 * x), np.cos(0.5 * x), constants[:, row])
 
     def g_at(x, row):
         g, gu, _, _, X, _ = at(x, row)
@@ -205,8 +204,8 @@ def _search(lengths, sign, rate):
 def _limits(lengths, s1, s2):
     """Return theta1 of the toggles of each linkage, shape (2, n): near 0 and near pi; NaN where there is none."""
     a1, a2, a3, a4 = lengths
-    return np.array((2.0 * np.arctan2(np.sqrt(-s2), np.sqrt(_squares(a1, a4, a2, -a3))),
-                     2.0 * np.arctan2(np.sqrt(_squares(a2, a3, a1, -a4)), np.sqrt(-s1))))
+    return np.array((2.0 * np.arctan2(np.sqrt(-s2), np.sqrt(difference_of_squares(a1, a4, a2, -a3, _exact_sum))),
+                     2.0 * np.arctan2(np.sqrt(difference_of_squares(a2, a3, a1, -a4, _exact_sum)), np.sqrt(-s1))))
 
 
 def _improve(lengths, sign, unequal, rows, x, value, third=None):
@@ -219,7 +218,7 @@ def _improve(lengths, sign, unequal, rows, x, value, third=None):
     i = np.nonzero(unequal[rows])[0]
     if not i.size:
         return
-    motion = _make_motion(*lengths[:, rows[i]], sign[rows[i]])
+    motion = make_motion(_MANY, *lengths[:, rows[i]], sign[rows[i]])
     fields = motion(x[i], 1.0, 0.0)
     if third is not None:
         correction = fields[11] / third[i]
@@ -269,7 +268,7 @@ class _Path:
 
     def __init__(self, row, constants, sh, ch, step, is_closed, limits):
         self.row, self.sh, self.ch, self.third, self.is_closed = row, sh, ch, step / 3.0, is_closed
-        self.g, self.gu, self.k, self.ku, self.X, self.Y = sines.array(sh, ch, constants)
+        self.g, self.gu, self.k, self.ku, self.X, self.Y = sines_of_arrays(sh, ch, constants)
         self.number = 0       # of roots of k
         self._limits = limits[:, row]
 
@@ -320,7 +319,7 @@ class _Path:
         order = np.lexsort((x, key))
         key, x, g, step = key[order], x[order], g[order], step[order]
         n = np.nonzero((key[1:] == key[:-1]) & ((g[1:] >= 0.0) != (g[:-1] >= 0.0)))[0]
-        guess = first_guess.array(x[n], x[n + 1], g[n], g[n + 1], step[n], step[n + 1])
+        guess = first_guesses(x[n], x[n + 1], g[n], g[n + 1], step[n], step[n + 1])
         return self.row[key[n] // number], x[n], x[n + 1], g[n], guess
 
 

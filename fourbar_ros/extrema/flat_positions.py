@@ -8,22 +8,22 @@ from __future__ import annotations
 
 from functools import cached_property
 from math import frexp, pi
-from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
 
 from fourbar_ros.extrema.input_paths import InputPath
 from fourbar_ros.numerics.laurent import (
+    LAURENT,
     TERMS,
     Length,
     T,
-    converted,
     many_digits,
-    of_series,
     quarter_turns,
     series,
 )
+from fourbar_ros.numerics.number_types import converted
+from fourbar_ros.mechanisms.mechanism import Constants
 
 # Series are used up to this part of their scale, which is one to two times the distance of the next singularity:
 # what they leave out is 2^-60 of the first term, times a small power of TERMS.
@@ -108,23 +108,19 @@ class FlatSide:
             return None
         motion = self._motion
         with many_digits():
-            return _fields(type(self._mechanism)._make_loads(self._exact, 1, of_series)(motion))
+            return _fields(self._mechanism.loads_formula(LAURENT, self._constants)(motion))
 
     @cached_property
-    def _exact(self) -> SimpleNamespace:
+    def _constants(self) -> Constants:
         """Return the data of the mechanism as constant series."""
-        own = self._mechanism
-        return SimpleNamespace(
-            lengths=[series(length) for length in own.lengths], sign=own.sign, input=own.input,
-            input_unit=own.input_unit, gravity=converted(own.gravity, series),
-            bodies=converted(tuple(own.bodies or ()), series), external=converted(own.external, series))
+        return converted(self._mechanism.constants, series)
 
     @cached_property
     def _motion(self) -> tuple:
         with many_digits():
             start = quarter_turns(round(self.place / (0.5 * pi)) if self._is_angle else 0)
             x = self._mechanism.input_unit * (start + self.side * self._scale * T)
-            return type(self._mechanism)._make_motion(self._exact, 1, of_series)(x, *map(series, self._rates))
+            return self._mechanism.motion_formula(LAURENT, self._constants)(x, *map(series, self._rates))
 
     def state(self, t: np.ndarray, with_loads: bool) -> list[np.ndarray]:
         """Return the fields of motion and loads at distances in units of the scale, each of shape (fields, t.size)."""

@@ -9,112 +9,18 @@ first changes sign from end to end, and none otherwise; others are halved.
 """
 from __future__ import annotations
 
-from types import SimpleNamespace
-
-from fourbar_ros.numerics.dialects import rebound, where
-from fourbar_ros.numerics.laurent import converted
 from fourbar_ros.extrema.sampling import NoLoads
+from fourbar_ros.numerics.enclosures import (
+    ENCLOSURE,
+    ENCLOSURE_WITH_ANGLES,
+    Series,
+    squared_or_plain,
+)
+from fourbar_ros.numerics.number_types import converted
 
 PRECISION = 80        # [bit]
 ORDER = 6             # of Taylor's formula
 MOST_PIECES = 10000   # then it gives up: some seconds
-
-
-class Series:
-    """
-    Enclosure of the Taylor coefficients of a quantity over a piece of the input range.
-
-    A thin cover of ``flint.arb_series``; numpy functions like ``np.sqrt`` find its methods.
-    """
-
-    __slots__ = ('series',)
-
-    def __init__(self, series):
-        self.series = series
-
-    @property
-    def real(self):
-        """Return the middle of the value: to choose between forms of a formula that are both right."""
-        return self.series[0].mid()
-
-    def sin(self):
-        return Series(self.series.sin())
-
-    def cos(self):
-        return Series(self.series.cos())
-
-    def sqrt(self):
-        return Root(self.series)
-
-    def __neg__(self):
-        return Series(-self.series)
-
-    def __pow__(self, exponent):
-        return Series(self.series ** exponent)
-
-
-class Root(Series):
-    """
-    The root of a series, taken only where it is calculated with.
-
-    It has its extremes where its square has them: also where that is zero and the root has a kink, as the magnitude of
-    a force along one line has where the force changes its sense.
-    """
-
-    __slots__ = ('square',)
-
-    def __init__(self, square):
-        self.square = square
-
-    @property
-    def series(self):
-        return self.square.sqrt()
-
-
-def _operator(name):
-    def operate(self, other):
-        return Series(getattr(self.series, name)(getattr(other, 'series', other)))
-    return operate
-
-
-for _name in ('add', 'radd', 'sub', 'rsub', 'mul', 'rmul', 'truediv', 'rtruediv'):
-    setattr(Series, f'__{_name}__', _operator(f'__{_name}__'))
-
-
-def _series(value):
-    """Return the series of a value, which may be a constant."""
-    import flint
-
-    return value.series if isinstance(value, Series) else flint.arb_series([value])
-
-
-def _squared_or_plain(value):
-    """Return the series of a value, or of the square of a root: with extremes at the same places."""
-    return value.square if isinstance(value, Root) else _series(value)
-
-
-def _atan2(y, x):
-    """Return the angle of two series: its derivative is (x y' - y x') / (x^2 + y^2)."""
-    y, x = _series(y), _series(x)
-    rate = (x * y.derivative() - y * x.derivative()) / (x * x + y * y)
-    return Series(rate.integral() + type(y[0]).atan2(y[0], x[0]))
-
-
-def _fabs(v):
-    """Return |v|; of a series by its middle, for forms that are right whatever the sign."""
-    return abs(v) if not isinstance(v, Series) else -v if v.real < 0 else v
-
-
-# The names that the formulas use, for exact lengths and enclosures. Balls need no scaling.
-_NAMES = {'fsum': sum, 'where': where, 'frexp': lambda v: (v, 0), 'ldexp': lambda v, exponent: v,
-          'sin': Series.sin, 'cos': Series.cos, 'sqrt': Series.sqrt, 'atan2': _atan2,
-          'hypot': lambda x, y: (x * x + y * y).sqrt(), 'fabs': _fabs}
-
-
-def _enclosing(factory, with_angles):
-    """Return a factory of motions or loads for exact constants and enclosures."""
-    angles = {} if with_angles else {'atan2': lambda y, x: 0.0}
-    return rebound(factory, **{**_NAMES, **angles})
 
 
 def count_extrema(sampler, path, check=lambda: None):
@@ -155,12 +61,10 @@ def count_extrema(sampler, path, check=lambda: None):
 def _evaluator(sampler, flint):
     """Return the function (ball of theta1, rows) -> enclosures of dQ/dtheta1 and half d2Q/dtheta1^2."""
     linkage = sampler.linkage
-    exact = SimpleNamespace(lengths=[flint.arb(length) for length in linkage.lengths], sign=linkage.sign,
-                            input=linkage.input, input_unit=flint.arb(1), gravity=converted(linkage.gravity, flint.arb),
-                            bodies=converted(tuple(linkage.bodies or ()), flint.arb),
-                            external=converted(linkage.external, flint.arb))
-    motion = type(linkage)._make_motion(exact, 1, lambda factory: _enclosing(factory, sampler.with_angles))
-    loads = linkage.bodies and type(linkage)._make_loads(exact, 1, lambda factory: _enclosing(factory, False))
+    numbers = ENCLOSURE_WITH_ANGLES if sampler.with_angles else ENCLOSURE
+    constants = converted(linkage.constants, flint.arb)
+    motion = linkage.motion_formula(numbers, constants)
+    loads = linkage.bodies and linkage.loads_formula(numbers, constants)
     unit = flint.arb(sampler.unit)
     rates = [flint.arb(rate) for rate in sampler.rates]
     unknown = [flint.arb('nan')] * (ORDER + 1)
@@ -170,7 +74,7 @@ def _evaluator(sampler, flint):
         try:
             fields = motion(Series(flint.arb_series([unit * ball, unit])), *rates)
             state = linkage.MOTION(*fields), linkage.LOADS(*loads(fields)) if loads else NoLoads()
-            values = [_squared_or_plain(sampler.quantities[row].of(*state)) for row in rows]
+            values = [squared_or_plain(sampler.quantities[row].of(*state)) for row in rows]
         except ValueError:                   # a divisor may vanish: nothing is known
             return [unknown] * len(rows)
         return [[value[i] for i in range(ORDER + 1)] for value in values]

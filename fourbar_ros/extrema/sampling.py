@@ -14,8 +14,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from fourbar_ros.numerics.dialects import for_columns
-from fourbar_ros.numerics.dialects import with_angles as angles_too
+from fourbar_ros.numerics.number_types import ARRAY, COMPLEX, COMPLEX_WITH_ANGLES, columns_of
 from fourbar_ros.errors import InvalidParameter, MissingBodies
 from fourbar_ros.extrema.flat_positions import REACH, FlatSide, flat_sides
 from fourbar_ros.extrema.input_paths import InputPath
@@ -113,8 +112,10 @@ class Sampler:
         self.unit: float = linkage.input_unit
         self.flats: dict[int, FlatSide] = {}
         has_loads = linkage.bodies is not None and (self.needs_loads or with_angles)
-        motions = linkage._motion[1], (linkage._make_motion(2, angles_too) if with_angles else linkage._motion[2])
-        self._functions = motions, (linkage._loads[1], linkage._loads[2]) if has_loads else (None, None)
+        self._complex = COMPLEX_WITH_ANGLES if with_angles else COMPLEX
+        types = ARRAY, self._complex
+        self._functions = (tuple([linkage.make_motion(numbers) for numbers in types]),
+                           tuple([linkage.make_loads(numbers) if has_loads else None for numbers in types]))
 
     def enter(self, path: InputPath) -> None:
         """Take the flat positions at the ends of a path into account."""
@@ -146,14 +147,11 @@ class Sampler:
         others = [replace(self.linkage, **dict(zip(self.linkage.length_names, changed))) for changed in lengths]
         if not self.takes_columns:
             return [np.stack(parts, axis=1) for parts in zip(*(self.of(other).at(x, row) for other in others))]
-        sampler, linkage = copy(self), copy(others[0])
+        sampler, numbers = copy(self), columns_of(self._complex if self.IS_COMPLEX else ARRAY)
         sampler.flats = {}          # of a change point: the others are none
-        for name, column in zip(linkage.length_names, zip(*lengths)):
-            object.__setattr__(linkage, name, np.array(column)[:, None])
-        kind = 1 + self.IS_COMPLEX
-        motion = linkage._make_motion(kind, lambda factory: for_columns(angles_too(factory) if self.with_angles
-                                                                        and self.IS_COMPLEX else factory))
-        loads = self._functions[1][0] and linkage._make_loads(kind, for_columns)
+        constants = others[0].constants._replace(lengths=tuple([np.array(column)[:, None] for column in zip(*lengths)]))
+        motion = self.linkage.motion_formula(numbers, constants)
+        loads = self._functions[1][0] and self.linkage.loads_formula(numbers, constants)
         sampler._functions = (motion,) * 2, (loads,) * 2
         return sampler.at(np.tile(x, (len(lengths), 1)), row)
 

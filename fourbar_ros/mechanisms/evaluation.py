@@ -1,6 +1,7 @@
 """A mechanism evaluated for arrays of inputs: few samples one by one, many by a recorded program."""
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 from itertools import chain, repeat
 from math import prod
@@ -10,18 +11,30 @@ import numpy as np
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.given import array
-from fourbar_ros.numerics.recorded import constants_of, program, record_of
+from fourbar_ros.numerics.number_types import COMPLEX, COMPLEX_WITH_ANGLES, REAL, Function, NumberType
+from fourbar_ros.numerics.recorded import Constants, Record, program
 
 # Samples for which numpy's calls of all operations of a formula take as long as the formula with floats does:
 # of fewer, or where fewer operations are needed, as many fewer, each sample is computed by itself.
 ONE_BY_ONE = 30
 
 
-def recorded(mechanism: Any, with_loads: bool) -> tuple:
-    """Return the record of a mechanism's motion, or motion and loads, the constants of its programs, which are zero."""
-    functions = [mechanism._make_motion(1), *([mechanism._loads[1]] if with_loads else ())]
-    constants = [value for function in functions for value in constants_of(function)]
-    return record_of(functions), constants, frozenset([i for i, value in enumerate(constants) if value == 0.0])
+_records: dict[tuple[Any, ...], Record] = {}
+
+
+def recorded(mechanism: Any, with_loads: bool) -> tuple[Record, Constants]:
+    """Return the record of a mechanism's motion, or motion and loads, and its own constants."""
+    data = mechanism.constants if with_loads else mechanism.constants._replace(bodies=None)
+    key = *mechanism.structure, with_loads
+
+    def formulas(numbers: NumberType, data: Any) -> Iterator[Function]:
+        yield mechanism.motion_formula(numbers, data)
+        if with_loads:
+            yield mechanism.loads_formula(numbers, data)
+
+    if key not in _records:
+        _records[key] = Record(formulas, data)
+    return _records[key], _records[key].constants_for(data)
 
 
 def evaluate(mechanism: Any, given: tuple, wanted: tuple[int, ...] | None, with_loads: bool) -> list[np.ndarray]:
@@ -48,9 +61,9 @@ def evaluate(mechanism: Any, given: tuple, wanted: tuple[int, ...] | None, with_
             rows = _complex_rows(mechanism, inputs, shape, wanted, with_loads)
         else:
             inputs = [float(v) if i and not v.ndim else np.broadcast_to(v, shape).reshape(-1) for i, v in enumerate(inputs)]
-            record, constants, zeros = mechanism._recorded[with_loads]
+            record, constants = mechanism.record_with_loads if with_loads else mechanism.record_of_motion
             single = tuple([type(v) is float for v in inputs])
-            chosen = program(record, range_of(record) if wanted is None else wanted, single, zeros)
+            chosen = program(record, range_of(record) if wanted is None else wanted, single, constants.zeros)
             rows = _one_by_one(mechanism, inputs, wanted, with_loads) if (
                 0 < size * record.operations <= ONE_BY_ONE * len(chosen.steps)) else None
             if rows is None:
@@ -84,7 +97,7 @@ def _inputs(mechanism: Any, given: tuple) -> tuple[list[np.ndarray], tuple[int, 
 
 def _one_by_one(mechanism: Any, inputs: list, wanted: tuple[int, ...] | None, with_loads: bool) -> Any:
     """Return the rows computed with floats, or None if any sample has no finite result: numpy knows infinities."""
-    motion, loads = mechanism._motion[0], mechanism._loads[0] if with_loads else None
+    motion, loads = mechanism.make_motion(REAL), mechanism.make_loads(REAL) if with_loads else None
     columns = [repeat(v) if type(v) is float else v.tolist() for v in inputs]
     try:
         found = [motion(*sample) for sample in zip(*columns)]
@@ -102,9 +115,9 @@ def _complex_rows(mechanism: Any, inputs: list, shape: tuple, wanted: tuple[int,
                   with_loads: bool) -> list[np.ndarray]:
     """Return the rows of a complex step; angles carry their derivatives."""
     inputs = [np.broadcast_to(v.astype(complex), shape).reshape(-1) for v in inputs]
-    fields = mechanism._analytic_motion(*inputs)
+    fields = mechanism.make_motion(COMPLEX_WITH_ANGLES)(*inputs)
     if with_loads:
-        fields += mechanism._loads[2](fields)
+        fields += mechanism.make_loads(COMPLEX)(fields)
     fields = fields if wanted is None else [fields[i] for i in wanted]
     return [np.array(np.broadcast_to(field, inputs[0].shape), complex) for field in fields]
 

@@ -1,7 +1,7 @@
 """
 The contract of a mechanism: what it states about itself, and what it can then do.
 
-A mechanism says how one sample is computed (functions made by :func:`~fourbar_ros.numerics.dialects.dialects`); here it is
+A mechanism gives its formulas for any :class:`~fourbar_ros.numerics.number_types.NumberType`; here they are
 called for floats and arrays, with the same rules for all.
 """
 from __future__ import annotations
@@ -11,18 +11,16 @@ from collections.abc import Iterable, Mapping
 from dataclasses import fields as fields_of
 from dataclasses import replace
 from functools import cache, cached_property
-from math import frexp, fsum, isfinite, ldexp, nan, pi, remainder
+from math import fsum, isfinite, nan, pi, remainder
 from numbers import Real
 from operator import itemgetter
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from fourbar_ros.mechanisms.evaluation import evaluate, recorded
-from fourbar_ros.mechanics.bodies import NOT_APPLIED, Applied, Bodies, Body, External
-from fourbar_ros.numerics.dialects import with_angles
 from fourbar_ros.errors import InvalidParameter, MissingBodies, OutOfRange, Toggle, in_words
-from fourbar_ros.numerics.given import number, records
+from fourbar_ros.mechanics.bodies import NOT_APPLIED, Applied, Bodies, Body, External
 from fourbar_ros.mechanisms.parts import (  # noqa: F401
     BETA,
     SLOT,
@@ -40,6 +38,10 @@ from fourbar_ros.mechanisms.parts import (  # noqa: F401
     Output,
 )
 from fourbar_ros.mechanisms.points import LinkMotion
+from fourbar_ros.numerics.given import number, records
+from fourbar_ros.numerics.number_types import REAL, Function, NumberType, power_of_two
+from fourbar_ros.numerics.recorded import Constants as ProgramConstants
+from fourbar_ros.numerics.recorded import Record
 
 CROSSED, OPEN = 1, 2     # assembly modes: sin(theta4 - beta) < 0, > 0 of a 4R linkage
 CRANK, SLIDE = 'crank', 'slide'     # inputs
@@ -49,16 +51,18 @@ EPS = 2.0**-52
 _new = tuple.__new__     # of a NamedTuple from a tuple: four times faster than its own constructor
 
 
-class ByDialect(dict):
-    """The function of each dialect, by its index, made when it is used first."""
+class Constants(NamedTuple):
+    """
+    What the formulas of a mechanism are made for: floats, or numbers of any type.
 
-    def __init__(self, make):
-        super().__init__()
-        self._make = make
+    Other numbers take their places by :func:`~fourbar_ros.numerics.number_types.converted`.
+    """
 
-    def __missing__(self, dialect):
-        made = self[dialect] = self._make(dialect)
-        return made
+    lengths: tuple[Any, ...]
+    sign: Any
+    bodies: Bodies | None
+    gravity: tuple[Any, Any]
+    external: External
 
 
 class Mechanism(ABC):
@@ -124,6 +128,14 @@ class Mechanism(ABC):
     SLIDE_DIRECTION: ClassVar[tuple[str, str] | None] = None
 
     # --- what a kind must give ------------------------------------------------------------------
+
+    @abstractmethod
+    def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
+        """Return the function (position, rate, acceleration) -> fields of MOTION for constants of a number type."""
+
+    @abstractmethod
+    def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
+        """Return the function (fields of MOTION) -> fields of LOADS for constants of a number type."""
 
     @property
     @abstractmethod
@@ -232,29 +244,54 @@ class Mechanism(ABC):
 
     stroke: Any = None       # of mechanisms that have none
 
-    @cached_property
-    def _motion(self):
-        return ByDialect(self._make_motion if self.stroke is None else self._make_motion_within)
+    @property
+    def structure(self) -> tuple[Any, ...]:
+        """Return what mechanisms have in common whose formulas do the same with other numbers."""
+        return type(self), self.input
 
     @cached_property
-    def _loads(self):
-        return ByDialect(self._make_loads)
+    def constants(self) -> Constants:
+        """Return the :class:`Constants` of this mechanism."""
+        return Constants(self.lengths, self.sign, self.bodies, self.gravity, self.external)
 
-    def _make_motion_within(self, dialect):
+    @cached_property
+    def _made(self) -> dict:
+        """Return what was made by :meth:`make_motion`, :meth:`make_loads`, by name and number type."""
+        return {}
+
+    def make_motion(self, numbers: NumberType) -> Function:
+        """
+        Return the function (position, rate, acceleration) -> fields of MOTION for a type of numbers.
+
+        Out of range it gives NaN, or ValueError where numbers are floats.
+        """
+        if ('motion', numbers) not in self._made:
+            formula = self.motion_formula(numbers, self.constants)
+            self._made['motion', numbers] = formula if self.stroke is None else self._within(formula, numbers)
+        return self._made['motion', numbers]
+
+    def make_loads(self, numbers: NumberType) -> Function:
+        """Return the function (fields of MOTION) -> fields of LOADS for a type of numbers."""
+        if ('loads', numbers) not in self._made:
+            self._made['loads', numbers] = self.loads_formula(numbers, self.constants)
+        return self._made['loads', numbers]
+
+    def _within(self, motion: Function, numbers: NumberType) -> Function:
         """Return the function of motion that answers outside of the stroke as where the links cannot close."""
-        motion, (low, high) = self._make_motion(dialect), self.stroke
+        low, high = self.stroke
+
+        def within_one(position, rate, acceleration):
+            if not low <= position <= high:
+                raise ValueError
+            return motion(position, rate, acceleration)
 
         def within(position, rate, acceleration):
-            if dialect == 0:
-                if not low <= position <= high:
-                    raise ValueError
-                return motion(position, rate, acceleration)
             fields = motion(position, rate, acceleration)
             outside = (position.real < low) | (position.real > high)
             given = position, rate, acceleration
             return tuple(field if any(field is value for value in given) else np.where(outside, nan, field)
                          for field in fields) if outside.any() else fields
-        return within
+        return within_one if numbers is REAL else within
 
     def _check_stroke(self):
         """Refuse a stroke that is none, or in which the links cannot close anywhere."""
@@ -279,27 +316,33 @@ class Mechanism(ABC):
         return tuple((low, high) for low, high in parts if low < high)
 
     @cached_property
-    def _of_one(self):
+    def _motion_of_one(self) -> Function:
+        return self.make_motion(REAL)
+
+    @cached_property
+    def _of_one(self) -> tuple[Function, Function]:
         """Return the functions of one sample: motion and loads; MissingBodies without masses."""
         if self.bodies is None:
             raise MissingBodies
-        return self._motion[0], self._loads[0]
+        return self._motion_of_one, self.make_loads(REAL)
 
     @cached_property
     def _watched(self):
         return itemgetter(*map(self.LOADS._fields.index, self.WATCHED))
 
     @cached_property
-    def _recorded(self):
-        return ByDialect(lambda with_loads: recorded(self, with_loads))
+    def record_of_motion(self) -> tuple[Record, ProgramConstants]:
+        """Return the record of the motion, and this mechanism's constants in it."""
+        return recorded(self, False)
 
     @cached_property
-    def _analytic_motion(self):
-        return self._make_motion(2, with_angles)
+    def record_with_loads(self) -> tuple[Record, ProgramConstants]:
+        """Return the record of motion and loads, and this mechanism's constants in it."""
+        return recorded(self, True)
 
     def prepare(self):
         """Make the functions of one sample, as the first would; ArithmeticError or ValueError where numbers overflow."""
-        return self._motion[0], self.bodies and self._loads[0]
+        return self._motion_of_one, self.bodies and self.make_loads(REAL)
 
     def _check(self):
         """Refuse what no mechanism can have: lengths that are not positive, or if signed not finite, and so on."""
@@ -337,8 +380,9 @@ class Mechanism(ABC):
         """Return the same mechanism with another :class:`~fourbar_ros.mechanics.bodies.External`; what does not depend on it is shared."""
         other = object.__new__(type(self))
         other.__dict__.update(self.__dict__, external=external)      # what else is in it was checked
-        for name in ('_loads', '_of_one', '_recorded'):              # made for the loads as they were
+        for name in ('constants', '_of_one', 'record_of_motion', 'record_with_loads'):
             other.__dict__.pop(name, None)
+        other.__dict__['_made'] = {key: made for key, made in self._made.items() if key[0] == 'motion'}
         return other
 
     @property
@@ -354,7 +398,7 @@ class Mechanism(ABC):
     @property
     def input_unit(self):
         """Return the unit in which inputs are of the size of one: 1 rad, or a power of two [m]."""
-        return ldexp(1.0, frexp(max(map(abs, self.lengths)))[1]) if self.is_driven_by_slide else 1.0
+        return power_of_two(*self.lengths) if self.is_driven_by_slide else 1.0
 
     @property
     def turns_fully(self):
@@ -420,7 +464,7 @@ class Mechanism(ABC):
         if (position + rate * rate + acceleration) * 0.0 != 0.0:
             self._require_finite(position, rate, acceleration)
         try:
-            return _new(self.MOTION, self._motion[0](position, rate, acceleration))
+            return _new(self.MOTION, self._motion_of_one(position, rate, acceleration))
         except (ValueError, ZeroDivisionError):
             raise self._why_no_motion(position) from None
 

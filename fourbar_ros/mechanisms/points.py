@@ -6,13 +6,13 @@ From the fields of a motion alone, so a point costs nothing until it is asked fo
 """
 from __future__ import annotations
 
-from math import hypot, nan
-from typing import NamedTuple
+from math import nan
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from fourbar_ros.numerics.dialects import dialects, where
 from fourbar_ros.numerics.given import number
+from fourbar_ros.numerics.number_types import ARRAY, REAL, Function, NumberType
 
 
 class LinkMotion(NamedTuple):
@@ -114,16 +114,18 @@ def crank_motion(motion):
     return LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_x, motion.sin_x, motion.omega1, motion.alpha1)
 
 
-@dialects
-def make_point(mechanism, link, along, across):
+def make_point(n: NumberType, mechanism, link: str, along: float, across: float) -> Function:
     """Return the function (motion) -> fields of :class:`PointMotion` for a point fixed to a link."""
-    def point(motion, mechanism=mechanism, link=link, along=along, across=across):
+    hypot, where = n.hypot, n.where
+
+    def point(motion: Any) -> tuple[Any, ...]:
         x, y, v_x, v_y, a_x, a_y = point_of(link_motion(mechanism, motion, link), along, across)
         speed = hypot(v_x, v_y)
-        moves = speed * speed > 0.0     # the square of less underflows
-        tangential = where(moves, (a_x * v_x + a_y * v_y) / speed, nan)
-        normal = where(moves, (a_y * v_x - a_x * v_y) / speed, nan)
-        return (x, y, v_x, v_y, a_x, a_y, speed, tangential, normal, where(moves, normal / (speed * speed), nan))
+        square = speed * speed
+        moves = square > 0.0     # the square of less underflows
+        per, per_square = where(moves, (speed, square), (nan, nan))
+        tangential, normal = (a_x * v_x + a_y * v_y) / per, (a_y * v_x - a_x * v_y) / per
+        return (x, y, v_x, v_y, a_x, a_y, speed, tangential, normal, normal / per_square)
     return point
 
 
@@ -150,9 +152,9 @@ def point_motion(mechanism, motion, link, along, across=0.0):
     along, across = number('along', along), number('across', across)
     shape = np.shape(motion[0])
     if not shape:
-        return PointMotion(*make_point.scalar(mechanism, link, along, across)(motion))
+        return PointMotion(*make_point(REAL, mechanism, link, along, across)(motion))
     with np.errstate(divide='ignore', invalid='ignore'):
-        fields = make_point.array(mechanism, link, along, across)(motion)
+        fields = make_point(ARRAY, mechanism, link, along, across)(motion)
     return PointMotion(*(np.broadcast_to(field, shape) for field in fields))
 
 

@@ -12,10 +12,9 @@ from __future__ import annotations
 import math
 from contextlib import contextmanager
 from decimal import Context, Decimal, localcontext
-from types import SimpleNamespace
 from typing import Iterator
 
-from fourbar_ros.numerics.dialects import rebound, where
+from fourbar_ros.numerics.number_types import NumberType, choose, power_of_two
 
 DIGITS = 80
 TERMS = 20                        # kept of a series that does not end
@@ -214,16 +213,6 @@ def quarter_turns(number: int) -> Laurent:
     return Laurent([_QUARTER * number])
 
 
-def converted(record, number):
-    """Return a record, or nested ones, with ``number(value)`` in place of each float."""
-    if isinstance(record, float | int):
-        return number(record)
-    if isinstance(record, tuple) and not hasattr(record, '_fields'):
-        return tuple(converted(value, number) for value in record)
-    fields = record._asdict() if hasattr(record, '_fields') else vars(record)
-    return SimpleNamespace(**{name: converted(value, number) for name, value in fields.items()})
-
-
 def _atan2(y, x) -> Laurent:
     """Return the angle of two series: its derivative is (x y' - y x') / (x^2 + y^2)."""
     y, x = series(y), series(x)
@@ -233,16 +222,15 @@ def _atan2(y, x) -> Laurent:
     return rate.integral() + math.atan2(sine or (-0.0 if y < 0.0 else 0.0), cosine)
 
 
-def _ldexp(v, exponent: int) -> Laurent:
-    return series(v) * Decimal(2)**exponent
+def _power_of_two(*lengths: Laurent) -> Laurent:
+    """Return the power of two next above the largest of some constants."""
+    return series(power_of_two(*map(float, lengths)))
 
 
-# The names that the formulas use. With sin(x/2) a series nothing needs to be added to it.
-_NAMES = {'fsum': lambda values: sum(values), 'where': where, 'frexp': lambda v: math.frexp(float(v)), 'ldexp': _ldexp,
-          'sin': Laurent.sin, 'cos': Laurent.cos, 'sqrt': Laurent.sqrt, 'atan2': _atan2, 'hypot': Length, 'fabs': abs,
-          'INFINITESIMAL': 0.0}
+def _sum_of(terms) -> Laurent:
+    return sum(terms, Laurent([]))
 
 
-def of_series(factory):
-    """Return a factory of motions or loads, of :mod:`fourbar_ros.numerics.dialects`, as one for series."""
-    return rebound(factory, **_NAMES)
+# With sin(x/2) a series nothing needs to be added to it.
+LAURENT = NumberType('Laurent series', Laurent.sin, Laurent.cos, Laurent.sqrt, _atan2, Length, abs, choose,
+                     _sum_of, _power_of_two, infinitesimal=0.0)

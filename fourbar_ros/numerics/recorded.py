@@ -6,8 +6,8 @@ that record a :class:`Program` takes the operations that some results need, does
 once, gives each of the others numpy's function and a buffer, and uses a buffer again when nothing needs
 its content any more. Operations, their order and so their results are those of the formula on arrays.
 
-A record belongs to a kind of mechanism, not to one: the constants of a formula, which are the defaults of
-its function, are given at each run.
+A record belongs to a kind of mechanism, not to one: what a formula is made for, lengths and masses, is recorded
+too, and what depends on that alone is computed once for each mechanism, as :class:`Constants`.
 """
 from __future__ import annotations
 
@@ -15,32 +15,36 @@ import math
 import operator
 from collections.abc import Callable, Sequence
 from functools import cache
-from types import FunctionType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from fourbar_ros.numerics.dialects import array_hypot, rebound
+from fourbar_ros.numerics.number_types import (
+    NumberType,
+    choose,
+    converted,
+    hypot_of_arrays,
+    power_of_two,
+)
 
 CHUNK = 12288     # most samples at a time
-
-# For each operation the function of floats and that of arrays, whose last argument is where the result goes.
-_OPERATIONS: dict[str, tuple[Callable, Callable]] = {
-    'add': (operator.add, np.add), 'sub': (operator.sub, np.subtract), 'mul': (operator.mul, np.multiply),
-    'truediv': (operator.truediv, np.true_divide), 'neg': (operator.neg, np.negative),
-    'gt': (operator.gt, np.greater), 'lt': (operator.lt, np.less), 'sin': (math.sin, np.sin), 'cos': (math.cos, np.cos),
-    'sqrt': (math.sqrt, np.sqrt), 'atan2': (math.atan2, np.arctan2), 'fabs': (math.fabs, np.abs),
-    'hypot': (math.hypot, array_hypot), 'where': (lambda condition, one, other: one if condition else other, None)}
-_CONDITIONS = ('gt', 'lt')
-_NOT_IN_PLACE = ('where', 'hypot')     # they read their arguments after they began to write
-
 
 def _where(condition: np.ndarray, one: Any, other: Any, out: np.ndarray) -> None:
     np.copyto(out, other)
     np.copyto(out, one, where=condition)
 
 
-_OPERATIONS['where'] = _OPERATIONS['where'][0], _where
+# For each operation the function of floats and that of arrays, whose last argument is where the result goes;
+# lengths are no arrays.
+_OPERATIONS: dict[str, tuple[Callable, Callable | None]] = {
+    'add': (operator.add, np.add), 'sub': (operator.sub, np.subtract), 'mul': (operator.mul, np.multiply),
+    'truediv': (operator.truediv, np.true_divide), 'neg': (operator.neg, np.negative), 'pow': (operator.pow, None),
+    'gt': (operator.gt, np.greater), 'lt': (operator.lt, np.less), 'sin': (math.sin, np.sin), 'cos': (math.cos, np.cos),
+    'sqrt': (math.sqrt, np.sqrt), 'atan2': (math.atan2, np.arctan2), 'fabs': (math.fabs, np.abs),
+    'hypot': (math.hypot, hypot_of_arrays), 'where': (choose, _where),
+    'exact_sum': (lambda *terms: math.fsum(terms), None), 'power_of_two': (power_of_two, None)}
+_CONDITIONS = ('gt', 'lt')
+_NOT_IN_PLACE = ('where', 'hypot')     # they read their arguments after they began to write
 
 
 class Number:
@@ -66,7 +70,7 @@ def _method(name: str, is_reflected: bool) -> Callable:
     return lambda self, *others: self.record.add(name, self, *others)
 
 
-for _name in ('add', 'sub', 'mul', 'truediv', 'neg', 'gt', 'lt'):
+for _name in ('add', 'sub', 'mul', 'truediv', 'neg', 'pow', 'gt', 'lt'):
     setattr(Number, f'__{_name}__', _method(_name, False))
     if _name in ('add', 'sub', 'mul', 'truediv'):
         setattr(Number, f'__r{_name}__', _method(_name, True))
@@ -87,30 +91,64 @@ def _choice(condition: Any, one: Any, other: Any) -> Any:
     return condition.record.add('where', condition, one, other)
 
 
-_NAMES = {name: _function(name) for name in ('sin', 'cos', 'sqrt', 'atan2', 'fabs', 'hypot')} | {'where': _choice}
+_exact_sum = _function('exact_sum')
+RECORDED = NumberType('recorded', *map(_function, ('sin', 'cos', 'sqrt', 'atan2', 'hypot', 'fabs')), _choice,
+                      lambda terms: _exact_sum(*terms), _function('power_of_two'))
 
 
 class Record:
     """
-    What functions do to three inputs: motion(x, rate, acceleration), then, if given, loads(motion).
+    What formulas do to three inputs: motion(x, rate, acceleration), then, if given, loads(motion).
 
     ``steps``: for each place (operation, places of its arguments), or None for what is given: the inputs, the
-    constants of the functions, numbers in their text (``known``: {place: value}). ``results``: places.
+    data that the formulas are made for, numbers in their text (``known``: {place: value}). ``results``: places.
+    ``is_constant``: the places of what depends on the data alone. ``operations``: number of the other steps.
+
+    Parameters
+    ----------
+    make_formulas : callable
+        (RECORDED, data) -> the formulas.
+    data
+        Nested records of floats: any, as all data have the same record.
+
     """
 
-    def __init__(self, functions: Sequence[FunctionType]):
+    def __init__(self, make_formulas: Callable, data: Any):
         self.steps: list[tuple[str, tuple[int, ...]] | None] = []
         self.known: dict[int, float] = {}
         given: Any = [self._given() for _ in range(3)]
-        self.first_constant = len(self.steps)
-        formulas = [self._formula(function) for function in functions]
-        self.end_of_constants = len(self.steps)
+        data = converted(data, lambda value: self._given())
+        self.end_of_data = len(self.steps)
         self.results: list[int] = []
-        for formula in formulas:
+        for formula in make_formulas(RECORDED, data):
             given = formula(*given)
             self.results += [self._place(value) for value in given]
             given = (given,)
-        self.operations = sum(step is not None for step in self.steps)
+        self._find_constants()
+
+    def _find_constants(self) -> None:
+        varies, used = {0, 1, 2}, set(self.results)
+        for place, step in enumerate(self.steps):
+            if step is not None and not varies.isdisjoint(step[1]):
+                varies.add(place)
+                used.update(step[1])
+        self.is_constant = frozenset([place for place, step in enumerate(self.steps)
+                                      if step is not None and place not in varies])
+        self._used = sorted(used - varies - self.known.keys())
+        self.operations = len(varies) - 3
+
+    def constants_for(self, data: Any) -> Constants:
+        """Return the :class:`Constants` of data like those it was made with."""
+        values: list[Any] = [None] * len(self.steps)
+        for place, value in self.known.items():
+            values[place] = value
+        found: list[float] = []
+        converted(data, found.append)
+        values[3:self.end_of_data] = found
+        for place in sorted(self.is_constant):
+            name, arguments = self.steps[place]
+            values[place] = _OPERATIONS[name][0](*[values[i] for i in arguments])
+        return Constants(values, frozenset([place for place in self._used if values[place] == 0.0]))
 
     def add(self, name: str, *values: Any) -> Number:
         """Write down an operation and return its result."""
@@ -127,54 +165,33 @@ class Record:
             self.known[value.place] = number
         return value.place
 
-    def _formula(self, function: FunctionType) -> FunctionType:
-        """Return a function of recorded numbers whose constants are recorded numbers too."""
-        copy = rebound(function, **_NAMES)
-        copy.__defaults__ = self._constant(function.__defaults__)
-        return copy
 
-    def _constant(self, value: Any) -> Any:
-        if isinstance(value, tuple):
-            return tuple([self._constant(item) for item in value])
-        if isinstance(value, FunctionType):
-            return self._formula(value)
-        return value if isinstance(value, bool) else self._given()
+class Constants(NamedTuple):
+    """
+    What a record knows of one mechanism before there are inputs.
 
+    Parameters
+    ----------
+    values : list
+        By place; None for what depends on the inputs.
+    zeros : frozenset of int
+        The places of those that are zero and used together with inputs.
 
-def constants_of(function: FunctionType) -> list[float]:
-    """Return the constants of a function in the order in which a :class:`Record` takes them."""
-    found: list[float] = []
+    """
 
-    def collect(value: Any) -> None:
-        if isinstance(value, tuple):
-            for item in value:
-                collect(item)
-        elif isinstance(value, FunctionType):
-            collect(value.__defaults__)
-        elif not isinstance(value, bool):
-            found.append(value)
-    collect(function.__defaults__)
-    return found
-
-
-def shape_of(function: FunctionType) -> tuple:
-    """Return what two functions have in common that differ in their constants only."""
-    def shape(value: Any) -> Any:
-        if isinstance(value, tuple):
-            return tuple([shape(item) for item in value])
-        return shape_of(value) if isinstance(value, FunctionType) else value if isinstance(value, bool) else None
-    return function.__code__, shape(function.__defaults__)
+    values: list[Any]
+    zeros: frozenset[int]
 
 
 def _without_zeros(record: Record, zeros: frozenset[int]) -> tuple[list, list[int]]:
     """Return the steps without products of zero and sums with zero, and for each place that of the same number."""
-    zero, steps, same = {record.first_constant + i for i in zeros}, list(record.steps), list(range(len(record.steps)))
+    steps, same = list(record.steps), list(range(len(record.steps)))
     for place, step in enumerate(record.steps):
-        if step is None:
+        if step is None or place in record.is_constant:
             continue
         name, arguments = step[0], tuple([same[i] for i in step[1]])
         steps[place] = name, arguments
-        is_zero = [i in zero for i in arguments]
+        is_zero = [i in zeros for i in arguments]
         if name == 'mul' and any(is_zero) or name in ('add', 'sub', 'neg') and all(is_zero):
             same[place] = arguments[is_zero.index(True)]
         elif name in ('add', 'sub') and is_zero[1]:
@@ -238,7 +255,7 @@ class Program:
         steps, needed, left = self._steps, set(), list(self._places)
         while left:
             place = left.pop()
-            if place not in needed and steps[place] is not None:
+            if place not in needed and steps[place] is not None and place not in self._record.is_constant:
                 needed.add(place)
                 left += steps[place][1]
         return sorted(needed)
@@ -270,14 +287,9 @@ class Program:
             found.append((_OPERATIONS[name][1], operator.itemgetter(*taken)))
         return found
 
-    def run(self, inputs: Sequence[Any], constants: list[float], size: int) -> list[np.ndarray]:
+    def run(self, inputs: Sequence[Any], constants: Constants, size: int) -> list[np.ndarray]:
         """Return the results for arrays of inputs, each (size,) or a float, as arrays that own their memory."""
-        record = self._record
-        values: list[Any] = [None] * len(record.steps)
-        for place, value in record.known.items():
-            values[place] = value
-        values[record.first_constant:record.end_of_constants] = constants
-        values[:3] = inputs
+        values = [*inputs, *constants.values[3:]]
         for place, function, arguments in self._once:
             values[place] = function(*[values[i] for i in arguments])
         rows = [np.empty(size) for _ in self._places]
@@ -295,7 +307,7 @@ class Program:
     def _replay(self, values: list[Any], rows: list[np.ndarray]) -> None:
         own = {}
         for place, row in zip(self._places, rows):
-            if place >= self._record.end_of_constants and not self._is_single[place]:
+            if self._steps[place] is not None and not self._is_single[place]:
                 own.setdefault(place, row)
         for place, row in own.items():
             values[place] = row
@@ -304,17 +316,6 @@ class Program:
         for place, row in zip(self._places, rows):
             if own.get(place) is not row:     # an input, one number, or a result twice
                 row[...] = values[place]
-
-
-_records: dict[tuple, Record] = {}
-
-
-def record_of(functions: Sequence[FunctionType]) -> Record:
-    """Return the record of functions that differ from others in their constants only, made once."""
-    key = tuple([shape_of(function) for function in functions])
-    if key not in _records:
-        _records[key] = Record(functions)
-    return _records[key]
 
 
 @cache

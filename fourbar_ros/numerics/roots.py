@@ -6,10 +6,11 @@ Zero counts as positive. Angles are given in order; a smaller one after a larger
 from __future__ import annotations
 
 from math import isfinite, nan, pi
+from typing import Any
 
 import numpy as np
 
-from fourbar_ros.numerics.dialects import dialects, where
+from fourbar_ros.numerics.number_types import ARRAY, REAL, Function, NumberType
 
 EPS = 2.0**-52
 # Below this angle [rad] roots are found to an absolute tolerance: 0 has no last bit.
@@ -165,19 +166,26 @@ def _may_touch(xs, fs):
             | (np.abs(fs[1]) < DEEP * np.abs(curvature) * np.minimum(left, right)**2))
 
 
-@dialects
-def first_guess(xa, xb, fa, fb, step_a, step_b):
+def make_first_guess(n: NumberType) -> Function:
     """
-    Return where a root is by the inverse of f, interpolated with values and slopes (Hermite).
+    Return the function (xa, xb, fa, fb, step_a, step_b) -> where a root is by the inverse of f.
 
-    That is the mean of the points of Newton's method from both ends, x - step, and of the secant. Without steps
-    (NaN), or outside, it is the secant's.
+    It is interpolated with values and slopes (Hermite): the mean of the points of Newton's method from both
+    ends, x - step, and of the secant. Without steps (NaN), or outside, it is the secant's.
     """
-    part = fa / (fa - fb)
-    rest = 1.0 - part
-    secant = xa + part * (xb - xa)
-    x = rest * rest * (xa - step_a) + part * part * (xb - step_b) + 2.0 * part * rest * secant
-    return where((x > xa) & (x < xb), x, secant)
+    where = n.where
+
+    def first_guess(xa: Any, xb: Any, fa: Any, fb: Any, step_a: Any, step_b: Any) -> Any:
+        part = fa / (fa - fb)
+        rest = 1.0 - part
+        secant = xa + part * (xb - xa)
+        x = rest * rest * (xa - step_a) + part * part * (xb - step_b) + 2.0 * part * rest * secant
+        return where((x > xa) & (x < xb), x, secant)
+    return first_guess
+
+
+first_guess = make_first_guess(REAL)
+first_guesses = make_first_guess(ARRAY)
 
 
 def find_brackets(function, x, f, rise, is_closed):
@@ -199,7 +207,7 @@ def find_brackets(function, x, f, rise, is_closed):
     (xa, turn_a), (xb, turn_b) = x(i, row), x(j, row)
     xb, fa, fb = turn_after(xb, xa), f[i, row], f[j, row]
     with np.errstate(all='ignore'):
-        guess = first_guess.array(xa, xb, fa, fb, fa * turn_a / rise[i, row], fb * turn_b / rise[j, row])
+        guess = first_guesses(xa, xb, fa, fb, fa * turn_a / rise[i, row], fb * turn_b / rise[j, row])
     brackets = i, row, xa, xb, fa, guess
     if is_plain.all():
         return brackets
@@ -209,7 +217,7 @@ def find_brackets(function, x, f, rise, is_closed):
 
 
 def _guessed(xa, xb, fa, fb):
-    return xa, xb, fa, first_guess.array(xa, xb, fa, fb, nan, nan)
+    return xa, xb, fa, first_guesses(xa, xb, fa, fb, nan, nan)
 
 
 def newton_roots(function, row, xa, xb, fa, x):

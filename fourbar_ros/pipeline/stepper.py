@@ -5,6 +5,7 @@ from math import nan, nextafter
 
 from fourbar_ros.pipeline import joints, wrenches
 from fourbar_ros.mechanisms.points import PointMotion, make_point
+from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.pipeline.status import INVALID_INPUT, LOADS_UNKNOWN, OK, OUT_OF_RANGE, evaluate
 
 _UNBOUNDED = ('_ratio', 'condition', '_velocity', '_acceleration')      # at a limit, besides omega and alpha
@@ -30,7 +31,7 @@ class Stepper:
     def __init__(self, scene, acting=None):
         self._scene = scene
         self.linkage, self._policy = scene.linkage, scene.drive.out_of_range
-        self._points = [make_point.scalar(scene.linkage, *point) for point in scene.points.values()]
+        self._points = [make_point(REAL, scene.linkage, *point) for point in scene.points.values()]
         self._good = None
         self._limits = None
         self._joints = None if scene.joint_states.are_plain else joints.Joints(scene.layout, scene.joint_states)

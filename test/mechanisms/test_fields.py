@@ -6,6 +6,7 @@ from fourbar_ros import Bodies, FourBar, InvalidParameter, MissingBodies, OutOfR
 from fourbar_ros import Applied, Body, External, InvertedSlider, SliderCrank
 from fourbar_ros.mechanisms import evaluation as arrays
 from fourbar_ros.numerics import recorded
+from fourbar_ros.numerics.number_types import ARRAY
 from fourbar_ros.mechanisms.evaluation import ONE_BY_ONE
 
 MASSES = Bodies(Body(1.0, 0.1, 0.02, 0.1), Body(2.0, 0.3, -0.1, 0.3), Body(1.5, 0.05, 0.1, 0.7))
@@ -25,8 +26,8 @@ def by_formula(mechanism, *given):
     """Return all fields by the formulas on arrays, in one piece."""
     given = [np.asarray(v, float) for v in np.broadcast_arrays(*given)]
     with np.errstate(all='ignore'):
-        motion = mechanism._motion[1](*given)
-        return [np.broadcast_to(field, given[0].shape) for field in motion + mechanism._loads[1](motion)]
+        motion = mechanism.make_motion(ARRAY)(*given)
+        return [np.broadcast_to(field, given[0].shape) for field in motion + mechanism.make_loads(ARRAY)(motion)]
 
 
 @every_kind
@@ -122,11 +123,11 @@ def test_short_arrays_with_what_is_out_of_range_are_nan_there():
 def test_a_record_is_made_once_for_a_kind_and_less_is_done_for_less():
     one, other = (FourBar(a1, 1.2, 0.8, 1.0, bodies=Bodies(*(round_rod(0.5, 7750.0, 0.01) for _ in range(3))))
                   for a1 in (0.4, 0.5))
-    (record, constants, zeros), (same, others, _) = (arrays.recorded(m, True) for m in (one, other))
+    (record, constants), (same, others) = (arrays.recorded(m, True) for m in (one, other))
     assert record is same and constants != others
     single = (False, True, True)
-    whole = recorded.program(record, arrays.range_of(record), single, zeros)
-    angle = recorded.program(record, (one.MOTION._fields.index('theta4'),), single, zeros)
+    whole = recorded.program(record, arrays.range_of(record), single, constants.zeros)
+    angle = recorded.program(record, (one.MOTION._fields.index('theta4'),), single, constants.zeros)
     assert len(angle.steps) < 0.25 * len(whole.steps)
     with pytest.raises(TypeError, match='where'):
         bool(recorded.Number(record, 0))

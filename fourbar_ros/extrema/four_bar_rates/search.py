@@ -14,19 +14,16 @@ samples, and is looked at closely.
 from __future__ import annotations
 
 from functools import cache
-from math import atan2, cos, fabs, inf, nan, sin, sqrt
+from math import atan2, cos, fabs, fsum, inf, nan, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
-from fourbar_ros.numerics.dialects import dialects, where
 from fourbar_ros.extrema.four_bar_rates.input_paths import POINTS_PER_FEATURE, half_turn, phases
-from fourbar_ros.mechanisms.four_bar.half_angle import (
-    difference_of_squares,
-    half_angle_coefficients,
-    scaled,
-)
+from fourbar_ros.mechanisms.four_bar.half_angle import half_angle_coefficients
 from fourbar_ros.mechanisms.four_bar.motion import make_motion
+from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
+from fourbar_ros.numerics.number_types import ARRAY, REAL, Function, NumberType
 from fourbar_ros.numerics.roots import (
     first_guess,
     fold,
@@ -43,42 +40,49 @@ SAMPLES = 24
 POLISH = 2.0**-12
 
 
-@dialects
-def sines(sh, ch, constants):
+def make_sines(n: NumberType) -> Function:
     """
-    Return g, g_u, k, k_u, X, Y at sh, ch = sin, cos(theta1/2).
+    Return the function (sh, ch, constants) -> g, g_u, k, k_u, X, Y at sh, ch = sin, cos(theta1/2).
 
     ``constants`` are those of :func:`sine_constants`; the pose is found as in
     :func:`~fourbar_ros.mechanisms.four_bar.motion.make_motion`. u is in units of 1/(a2 a3): X = sin(y-b).
     """
-    s1, s2, k, yA, yB, yC, yD, yM, bA, bB, bC, bD, bM, r13, r42, half, sign = constants
-    ss, cc, sc = sh * sh, ch * ch, sh * ch
-    u, w = s1 + k * cc, s2 + k * ss
-    root = sign * sqrt(fabs(u * w))       # at a toggle u or w may round to less than zero
-    m = yM * sc
-    n, d = where(m * root > 0.0, (yB * ss + yD * cc, m + root), (m - root, yA * ss + yC * cc))
-    scale = r42 / (n * n + d * d)
-    cy, XB = (d - n) * (d + n) * scale, 2.0 * n * d * scale        # a3 a4 cos(y), X - B
-    m = bM * sc
-    n, d = where(m * root < 0.0, (bB * ss + bD * cc, m - root), (m + root, bA * ss + bC * cc))
-    scale = r13 / (n * n + d * d)
-    cY, Y = (d - n) * (d + n) * scale, -2.0 * n * d * scale        # a1 a2 cos(x-b)
-    cX, X = 0.5 * half * (u - w), half * root                      # a2 a3 cos(y-b)
-    cx, YB = 0.5 * half * k * (cc - ss), half * k * sc             # a1 a4 cos(x), Y - B
-    Xu = cX * YB
-    Yu = cY * XB
-    P, Q = cY * cy - XB * XB, cX * cx - YB * YB                    # Y_uu/Y, X_uu/X
-    XY, PQ = X * Y, P - Q
-    g, gu = Yu * X - Y * Xu, XY * PQ
-    guu = (Xu * Y + X * Yu) * PQ + XY * (X * YB * (3.0 * cx + cX) - Y * XB * (3.0 * cy + cY))
-    return g, gu, gu * X - 3.0 * g * Xu, guu * X - 2.0 * gu * Xu - 3.0 * g * X * Q, X, Y
+    sqrt, fabs, where = n.sqrt, n.fabs, n.where
+
+    def sines(sh, ch, constants):
+        s1, s2, k, yA, yB, yC, yD, yM, bA, bB, bC, bD, bM, r13, r42, half, sign = constants
+        ss, cc, sc = sh * sh, ch * ch, sh * ch
+        u, w = s1 + k * cc, s2 + k * ss
+        root = sign * sqrt(fabs(u * w))       # at a toggle u or w may round to less than zero
+        m = yM * sc
+        num, den = where(m * root > 0.0, (yB * ss + yD * cc, m + root), (m - root, yA * ss + yC * cc))
+        scale = r42 / (num * num + den * den)
+        cy, XB = (den - num) * (den + num) * scale, 2.0 * num * den * scale        # a3 a4 cos(y), X - B
+        m = bM * sc
+        num, den = where(m * root < 0.0, (bB * ss + bD * cc, m - root), (m + root, bA * ss + bC * cc))
+        scale = r13 / (num * num + den * den)
+        cY, Y = (den - num) * (den + num) * scale, -2.0 * num * den * scale        # a1 a2 cos(x-b)
+        cX, X = 0.5 * half * (u - w), half * root                      # a2 a3 cos(y-b)
+        cx, YB = 0.5 * half * k * (cc - ss), half * k * sc             # a1 a4 cos(x), Y - B
+        Xu = cX * YB
+        Yu = cY * XB
+        P, Q = cY * cy - XB * XB, cX * cx - YB * YB                    # Y_uu/Y, X_uu/X
+        XY, PQ = X * Y, P - Q
+        g, gu = Yu * X - Y * Xu, XY * PQ
+        guu = (Xu * Y + X * Yu) * PQ + XY * (X * YB * (3.0 * cx + cX) - Y * XB * (3.0 * cy + cY))
+        return g, gu, gu * X - 3.0 * g * Xu, guu * X - 2.0 * gu * Xu - 3.0 * g * X * Q, X, Y
+    return sines
 
 
-def sine_constants(a1, a2, a3, a4, sign):
+sines = make_sines(REAL)
+sines_of_arrays = make_sines(ARRAY)
+
+
+def sine_constants(a1, a2, a3, a4, sign, exact_sum=fsum):
     """Return the constants of :func:`sines`; the largest length should be about one."""
-    yA, yB, yC, yD, yM = half_angle_coefficients(a1, a2, a3, a4)
-    bA, bB, bC, bD, bM = half_angle_coefficients(-a4, a3, -a2, -a1)       # of b - x
-    return (difference_of_squares(a2, a3, a1, a4), difference_of_squares(a1, -a4, a2, -a3),
+    yA, yB, yC, yD, yM = half_angle_coefficients(a1, a2, a3, a4, exact_sum)
+    bA, bB, bC, bD, bM = half_angle_coefficients(-a4, a3, -a2, -a1, exact_sum)       # of b - x
+    return (difference_of_squares(a2, a3, a1, a4, exact_sum), difference_of_squares(a1, -a4, a2, -a3, exact_sum),
             4.0 * a1 * a4, yA, yB, yC, yD, yM, bA, bB, bC, bD, -bM, a1 / a3, a4 / a2, 0.5 / (a2 * a3), sign)
 
 
@@ -117,10 +121,10 @@ def rate_extrema(linkage, samples=SAMPLES, with_conditions=True):
     """
     constants = sine_constants(*scaled(linkage.lengths), linkage.sign)
     upward = linkage.sign > 0.0       # X > 0: signs of g and k are those of theta4'' and theta4'''
-    motion = make_motion.scalar(*linkage.lengths, linkage.sign)
+    motion = make_motion(REAL, *linkage.lengths, linkage.sign)
     extrema, toggles = ([], []), []
     for x, step, is_closed in _paths(constants, linkage.input_ranges[-1], samples // 2):
-        states = [sines.scalar(sin(0.5 * v), cos(0.5 * v), constants) for v in x]
+        states = [sines(sin(0.5 * v), cos(0.5 * v), constants) for v in x]
         if not is_closed:
             for i, side in ((0, 1), (-1, -1)):
                 g, Y = states[i][0], states[i][-1]
@@ -143,18 +147,18 @@ def _node(x, which, state):
 def _root(which, a, b, constants):
     """Return the root of g or k between nodes of different sign, and the :func:`sines` there."""
     def at(x):
-        state = sines.scalar(sin(0.5 * x), cos(0.5 * x), constants)
+        state = sines(sin(0.5 * x), cos(0.5 * x), constants)
         value, slope = state[which], state[which + 1]
         return value, value * state[4] / slope if slope else inf, state
 
-    guess = first_guess.scalar(a.theta1, b.theta1, a.value, b.value, a.step, b.step)
+    guess = first_guess(a.theta1, b.theta1, a.value, b.value, a.step, b.step)
     return newton_root(at, a.theta1, b.theta1, a.value, guess)
 
 
 def _roots_of_k(x, states, third, is_closed, constants):
     """Yield (interval, whether k falls, theta1, sines) of the roots of k; ``third``: of a step of u."""
     def k_at(x, _):
-        return np.array([sines.scalar(sin(0.5 * v), cos(0.5 * v), constants)[2] for v in x.tolist()])
+        return np.array([sines(sin(0.5 * v), cos(0.5 * v), constants)[2] for v in x.tolist()])
 
     k, rise = [state[2] for state in states], [third * state[3] for state in states]
     for i, is_plain in intervals_of_one(k, rise, is_closed):

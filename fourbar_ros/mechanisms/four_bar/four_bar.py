@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanisms.four_bar.half_angle import difference_of_squares, scaled
 from fourbar_ros.mechanisms.four_bar.motion import Motion, make_motion
 from fourbar_ros.mechanisms.four_bar.loads import Loads, make_loads
 from fourbar_ros.mechanisms.four_bar import diagram
@@ -25,6 +24,8 @@ from fourbar_ros.mechanisms.parts import (
     Output,
 )
 from fourbar_ros.mechanisms.points import LinkMotion, crank_motion, point_of
+from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
+from fourbar_ros.numerics.number_types import Function, NumberType
 
 # Signs of (a4 - a1 + a3 - a2, a4 - a1 - a3 + a2, a2 + a3 - a4 - a1) for the eight basic planar 4R
 # linkages: McCarthy and Soh, Geometric Design of Linkages, whose first two are exchanged here. Of a
@@ -220,11 +221,13 @@ class FourBar(Mechanism):
 
     # --- how it moves ---------------------------------------------------------------------------
 
-    def _make_motion(self, dialect, change=lambda factory: factory):
-        return change(make_motion[dialect])(*self.lengths, self.sign)
+    def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
+        """Return the function (position, rate, acceleration) -> fields of MOTION for constants of a number type."""
+        return make_motion(numbers, *constants.lengths, constants.sign)
 
-    def _make_loads(self, dialect, change=lambda factory: factory):
-        return change(make_loads[dialect])(*self.lengths, self.bodies, self.gravity, self.external)
+    def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
+        """Return the function (fields of MOTION) -> fields of LOADS for constants of a number type."""
+        return make_loads(numbers, *constants.lengths, constants.bodies, constants.gravity, constants.external)
 
     def link_motion(self, motion, link):
         """Return the LinkMotion of a link by name."""

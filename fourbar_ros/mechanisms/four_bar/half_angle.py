@@ -7,38 +7,35 @@ it everything that is built of products and of sums without cancellation.
 """
 from __future__ import annotations
 
-from math import frexp, fsum, ldexp
-from typing import NamedTuple
+from math import fsum
+from typing import Any, NamedTuple
+
+from fourbar_ros.numerics.number_types import Function
 
 
 class Factors(NamedTuple):
     """The eight sums in the slides' letters [m]. The paper's letters A1..D2 name others of them."""
 
-    A1: float
-    A2: float
-    B1: float
-    B2: float
-    C1: float
-    C2: float
-    D1: float
-    D2: float
+    A1: Any
+    A2: Any
+    B1: Any
+    B2: Any
+    C1: Any
+    C2: Any
+    D1: Any
+    D2: Any
 
 
-def bilinear_factors(a1, a2, a3, a4):
+def bilinear_factors(a1: Any, a2: Any, a3: Any, a4: Any, exact_sum: Function = fsum) -> Factors:
     """Return the :class:`Factors` of four lengths [m]; one that is zero is exactly so: a change point."""
-    return Factors(A1=fsum((a1, -a2, -a3, a4)), A2=fsum((a1, a2, -a3, a4)),
-                   B1=fsum((a1, -a2, a3, a4)), B2=fsum((a1, a2, a3, a4)),
-                   C1=fsum((a1, -a2, a3, -a4)), C2=fsum((a1, a2, a3, -a4)),
-                   D1=fsum((a1, a2, -a3, -a4)), D2=fsum((a1, -a2, -a3, -a4)))
+    return Factors(A1=exact_sum((a1, -a2, -a3, a4)), A2=exact_sum((a1, a2, -a3, a4)),
+                   B1=exact_sum((a1, -a2, a3, a4)), B2=exact_sum((a1, a2, a3, a4)),
+                   C1=exact_sum((a1, -a2, a3, -a4)), C2=exact_sum((a1, a2, a3, -a4)),
+                   D1=exact_sum((a1, a2, -a3, -a4)), D2=exact_sum((a1, -a2, -a3, -a4)))
 
 
-def scaled(lengths):
-    """Return lengths times the power of two, which rounds nothing, that makes the largest about one."""
-    exponent = frexp(max(map(abs, lengths)))[1]
-    return [ldexp(length, -exponent) for length in lengths]
-
-
-def half_angle_coefficients(a1, a2, a3, a4):
+def half_angle_coefficients(a1: Any, a2: Any, a3: Any, a4: Any,
+                            exact_sum: Function = fsum) -> tuple[Any, Any, Any, Any, Any]:
     """
     Return A, B, C, D, M of the half-angle quadratic of one angle of a loop.
 
@@ -53,10 +50,5 @@ def half_angle_coefficients(a1, a2, a3, a4):
         [m^2]
 
     """
-    f = bilinear_factors(a1, a2, a3, a4)
+    f = bilinear_factors(a1, a2, a3, a4, exact_sum)
     return f.A1 * f.A2, f.B1 * f.B2, f.C1 * f.C2, f.D1 * f.D2, 4.0 * a1 * a3
-
-
-def difference_of_squares(a, b, c, d):
-    """Return (a + b)^2 - (c + d)^2 from its two factors [m^2]."""
-    return fsum((a, b, c, d)) * fsum((a, b, -c, -d))

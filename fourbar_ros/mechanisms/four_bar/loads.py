@@ -15,11 +15,16 @@ constant along the ground axes, at points fixed in their link. The drive is a pu
 """
 from __future__ import annotations
 
-from math import frexp, hypot, ldexp
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from fourbar_ros.mechanics.bodies import NOT_APPLIED
-from fourbar_ros.numerics.dialects import dialects
+from fourbar_ros.mechanics.bodies import Bodies, External
+from fourbar_ros.mechanics.newton_euler import (
+    about_first_joint,
+    needs_of_crank_and_carried,
+    needs_of_pivoted,
+    with_pin,
+)
+from fourbar_ros.numerics.number_types import Function, NumberType
 
 
 class Loads(NamedTuple):
@@ -49,139 +54,49 @@ class Loads(NamedTuple):
     shaking_moment: float     # on the ground about O1: T14 + (O4 - O1) x F34
 
 
-def about_first_joint(body, unit, gravity, applied=NOT_APPLIED):
-    """
-    Return the constants of a link in the equations; lengths in ``unit``, origin at its first joint.
-
-    Returns
-    -------
-    along, across : float
-        Mass times centre of gravity [kg unit * unit].
-    inertia : float
-        About the first joint.
-    hold_x, hold_y : float
-        What the joint forces add up to at rest: minus weight and applied force [N].
-    couple, by_cosine, by_sine : float
-        Their moment at rest: couple + by_cosine cos(angle) + by_sine sin(angle) [N unit].
-
-    """
-    mass, along, across = body.mass * unit, body.cg_along / unit, body.cg_across / unit
-    inertia = body.inertia / unit + mass * (along * along + across * across)
-    along, across = mass * along, mass * across
-    g_x, g_y = gravity[0] / unit, gravity[1] / unit
-    f_x, f_y, p_along, p_across = applied.force_x, applied.force_y, applied.along / unit, applied.across / unit
-    return (along, across, inertia, -mass * g_x - f_x, -mass * g_y - f_y, -applied.couple / unit,
-            across * g_x - along * g_y + p_across * f_x - p_along * f_y,
-            across * g_y + along * g_x + p_across * f_y + p_along * f_x)
-
-
-def needs_of_pivoted(link, cosine, sine, square, alpha):
-    """
-    Return what the joint forces of a link that turns about a fixed joint add up to (x, y), and their moment about it.
-
-    Plain arithmetic, for whatever numbers motions are made of; so is :func:`needs_of_crank_and_carried`.
-
-    Parameters
-    ----------
-    link : tuple
-        Of :func:`about_first_joint`, in its unit of length.
-    cosine, sine, square, alpha : float
-        Direction of the link, its rate squared and its acceleration.
-
-    """
-    along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = link
-    x, y = along * cosine - across * sine, along * sine + across * cosine
-    return (hold_x - alpha * y - square * x, hold_y + alpha * x - square * y,
-            inertia * alpha + by_cosine * cosine + by_sine * sine + couple)
-
-
-def needs_of_crank_and_carried(crank, link, mass, a1, cos_x, sin_x, crank_square, crank_alpha, cosine, sine, square, alpha):
-    """
-    Return the same of the crank and of the link whose first joint is the crank's pin A, in parts that do not cancel.
-
-    With r the mass times centre of gravity of that link from A, the moments of its inertia forces are, about
-    A and (apart from those of its mass at A and of what holds it there, which :func:`crank_with_pin` counts
-    to the crank) about O1,
-
-        I alpha + (A . r) alpha1 + (A x r) omega1^2      and      (A . r) alpha - (A x r) omega^2.
-
-    One function for both: a call takes as long as four products.
-
-    Returns
-    -------
-    f1_x, f1_y, f2_x, f2_y : float
-        Sums of the joint forces of crank and link.
-    about_o1, about_a : float
-        Moment of both about O1, of the link about A, without the terms of A x r.
-    aside : float
-        A x r. In sums of both moments its factors nearly cancel where the link turns almost as fast as the
-        crank, unless omega - omega1 is a factor.
-
-    """
-    along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = crank
-    x, y = along * cos_x - across * sin_x, along * sin_x + across * cos_x
-    f1_x, f1_y = hold_x - crank_alpha * y - crank_square * x, hold_y + crank_alpha * x - crank_square * y
-    about_o1 = inertia * crank_alpha + by_cosine * cos_x + by_sine * sin_x + couple
-
-    along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = link
-    x, y = along * cosine - across * sine, along * sine + across * cosine
-    at_x, at_y = a1 * cos_x, a1 * sin_x
-    ahead, aside = at_x * x + at_y * y, at_x * y - at_y * x
-    return (f1_x, f1_y, hold_x - mass * (crank_alpha * at_y + crank_square * at_x) - alpha * y - square * x,
-            hold_y + mass * (crank_alpha * at_x - crank_square * at_y) + alpha * x - square * y,
-            about_o1 + ahead * alpha,
-            inertia * alpha + ahead * crank_alpha + by_cosine * cosine + by_sine * sine + couple, aside)
-
-
-def crank_with_pin(crank, carried, mass, a1, unit, gravity):
-    """
-    Return :func:`about_first_joint` of the crank, with moments about O1 that count what it carries at its pin A.
-
-    That is the mass [kg unit] of the next link, and the force that holds that link at rest: m a1^2 alpha1 and
-    A x force. ``carried``: that link's constants; ``a1`` in ``unit``.
-    """
-    along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = about_first_joint(crank, unit, gravity)
-    return (along, across, inertia + mass * a1 * a1, hold_x, hold_y, couple,
-            by_cosine + a1 * carried[4], by_sine - a1 * carried[3])
-
-
-@dialects
-def make_loads(a1, a2, a3, a4, bodies, gravity, external):
+def make_loads(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any, bodies: Bodies,
+               gravity: tuple[Any, Any], external: External) -> Function:
     """
     Return the function (fields of Motion) -> fields of :class:`Loads` for a fixed linkage.
 
-    ``bodies``: three of :class:`~.bodies.Body`; ``gravity``: (x, y) of the field [m/s^2]; ``external``:
-    two of :class:`~.bodies.Applied`. Lengths are scaled by a power of two into masses and inertias, so
+    ``gravity``: (x, y) of the field [m/s^2]. Lengths are scaled by a power of two into masses and inertias, so
     that no square of a length can overflow.
     """
-    unit = ldexp(1.0, frexp(max(a1, a2, a3, a4))[1])
+    hypot, unit = n.hypot, n.power_of_two(a1, a2, a3, a4)
     a1, a2, a3, a4 = a1 / unit, a2 / unit, a3 / unit, a4 / unit
-    crank, coupler, output = bodies
-    mass2, carried = coupler.mass * unit, about_first_joint(coupler, unit, gravity, external.coupler)
+    mass2 = bodies.coupler.mass * unit
+    coupler = about_first_joint(bodies.coupler, unit, gravity, external.coupler)
+    output = about_first_joint(bodies.output, unit, gravity, external.output)
+    crank = with_pin(about_first_joint(bodies.crank, unit, gravity), coupler, mass2, a1)
+    # as plain tuples, which Python takes apart faster than named ones
+    crank_terms, coupler_terms, output_terms = map(tuple, (crank, coupler, output))
 
-    def loads(motion, a1=a1, a2=a2, a3=a3, a4=a4, unit=unit, mass2=mass2,
-              crank=crank_with_pin(crank, carried, mass2, a1, unit, gravity), coupler=carried,
-              output=about_first_joint(output, unit, gravity, external.output)):
-        (_, omega, alpha, _, omega2, _, _, _, _, _, omega4, alpha4, _, omega_b, alpha_b, _, dy, db, _,
+    def loads(motion: tuple[Any, ...]) -> tuple[Any, ...]:
+        (_, omega1, alpha1, _, omega2, _, _, _, _, _, omega4, alpha4, _, omega_beta, alpha_beta,
+         _, velocity_ratio, coupler_ratio, _,
          cos_x, sin_x, cos_b, sin_b, cos_y, sin_y, _, sin_mu) = motion
-        square = omega * omega
+        square = omega1 * omega1
         f1_x, f1_y, f2_x, f2_y, moment1, about_a, aside = needs_of_crank_and_carried(
-            crank, coupler, mass2, a1, cos_x, sin_x, square, alpha, cos_b, sin_b, omega_b * omega_b, alpha_b)
-        f3_x, f3_y, moment3 = needs_of_pivoted(output, cos_y, sin_y, omega4 * omega4, alpha4)
+            crank_terms, coupler_terms, mass2, a1, cos_x, sin_x, square, alpha1,
+            cos_b, sin_b, omega_beta * omega_beta, alpha_beta)
+        f3_x, f3_y, moment3 = needs_of_pivoted(output_terms, cos_y, sin_y, omega4 * omega4, alpha4)
 
         moment2 = about_a + aside * square
         from_output, from_coupler = moment3 / (a3 * sin_mu), moment2 / (a2 * sin_mu)
-        f32_x = from_output * cos_b + from_coupler * cos_y
+        f32_x = from_output * cos_b + from_coupler * cos_y                              # (L1)
         f32_y = from_output * sin_b + from_coupler * sin_y
-        f21_x, f21_y = f32_x - f2_x, f32_y - f2_y
-        f43_x, f43_y = f3_x + f32_x, f3_y + f32_y
-        f41_x, f41_y = f1_x - f21_x, f1_y - f21_y
+        f21_x, f21_y = f32_x - f2_x, f32_y - f2_y                                       # (L2)
+        f43_x, f43_y = f3_x + f32_x, f3_y + f32_y                                       # (L3)
+        f41_x, f41_y = f1_x - f21_x, f1_y - f21_y                                       # (L4)
+        f41, f21, f32, f43 = hypot(f41_x, f41_y), hypot(f21_x, f21_y), hypot(f32_x, f32_y), hypot(f43_x, f43_y)
         # These from the links, not from the reactions: inner forces much larger than the sums would
-        # spoil them. The torque is that of virtual power, at unit speed of the crank.
-        torque = moment1 + about_a * db - aside * (omega_b * omega2) + moment3 * dy
-        shaking_x, shaking_y = -(f1_x + f2_x + f3_x), -(f1_y + f2_y + f3_y)
-        shaking_moment = aside * (omega2 * (omega + omega_b)) - (moment1 + about_a + moment3 + a4 * f3_y)
-        return (f41_x, f41_y, f21_x, f21_y, f32_x, f32_y, f43_x, f43_y,
-                hypot(f41_x, f41_y), hypot(f21_x, f21_y), hypot(f32_x, f32_y), hypot(f43_x, f43_y),
-                unit * torque, shaking_x, shaking_y, hypot(shaking_x, shaking_y), unit * shaking_moment)
+        # spoil them.
+        torque = moment1 + about_a * coupler_ratio - aside * (omega_beta * omega2) + moment3 * velocity_ratio
+        driving_torque = unit * torque                                                  # (L5)
+        shaking_force_x, shaking_force_y = -(f1_x + f2_x + f3_x), -(f1_y + f2_y + f3_y)     # (L6)
+        shaking_force = hypot(shaking_force_x, shaking_force_y)
+        shaking_moment = unit * (aside * (omega2 * (omega1 + omega_beta))                # (L7)
+                                 - (moment1 + about_a + moment3 + a4 * f3_y))
+        return (f41_x, f41_y, f21_x, f21_y, f32_x, f32_y, f43_x, f43_y, f41, f21, f32, f43,
+                driving_torque, shaking_force_x, shaking_force_y, shaking_force, shaking_moment)
     return loads

@@ -1,40 +1,14 @@
-"""
-The slider-crank RRRP with offset, driven by its crank or by its slider, stable in the last bits.
-
-O1 = (0, 0); crank O1-A of length a1, coupler A-B of length a2; B slides along y = offset, the guide,
-parallel to x. Loop (slides, before Eq. (7)): a1 e^{ix} + a2 e^{ib} = s + i e with x = theta1, b = beta,
-s = slide, e = offset; primes are derivatives with respect to the input.
-
-Crank input. B is where a circle meets the guide; with n = e - a1 sin x:
-
-    a2 sin b = n,   (a2 cos b)^2 = (a2 - n)(a2 + n)
-    b' = -a1 cos x / (a2 cos b),   b' - 1 = -s / (a2 cos b)
-    s' = a1 (e cos x - s sin x) / (a2 cos b),   s'' = a1 cos x (b' - 1) - n b''
-    b'' = a1 ((a2^2 - a1^2 - e^2) sin x + a1 e (1 + sin^2 x)) / (a2 cos b)^3
-
-where near sin x = +-1 all is expanded about it, in 1 -+ sin x = cos^2 x / (1 +- sin x), so that limits
-and change points keep their digits. s' and s'' are as small as s and e where crank and coupler are
-nearly equal. A long crank (a1 > 2 a2) with its pin A near the level of the guide, |n| < a2/2, is treated
-by n alone,
-
-    (a2 cos b)^2 = (a2 - n)(a2 + n),   b'' = a1 ((a2^2 - n^2) sin x + a1 n cos^2 x) / (a2 cos b)^3
-
-because n is there rounded by up to eps a1, which is much beside a2, and all must be rounded by the same.
-
-Slider input: :mod:`fourbar_ros.mechanisms.slide_dyad`. Every difference in these is one that the data make.
-"""
+"""The slider-crank RRRP with offset, driven by its crank or by its slider: what it is, how far it moves, how it moves."""
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import asin, atan2, cos, fabs, frexp, fsum, ldexp, log1p, pi, sin, sqrt
+from math import asin, atan2, fsum, log1p, pi, sqrt
 from typing import NamedTuple
 
-from fourbar_ros.mechanics.bodies import Bodies, External
-from fourbar_ros.numerics.dialects import dialects, where
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanisms.four_bar.half_angle import difference_of_squares, scaled
-from fourbar_ros.mechanisms.mechanism import CRANK, OPEN, SLIDE, Mechanism
+from fourbar_ros.mechanics.bodies import Bodies, External
+from fourbar_ros.mechanisms.mechanism import CRANK, OPEN, SLIDE, Constants, Mechanism
 from fourbar_ros.mechanisms.parts import (
     BETA,
     THETA1,
@@ -48,52 +22,22 @@ from fourbar_ros.mechanisms.parts import (
 )
 from fourbar_ros.mechanisms.points import LinkMotion, crank_motion, point_of
 from fourbar_ros.mechanisms.slider_crank import diagram
-from fourbar_ros.mechanisms.slider_loads import SliderLoads, make_slider_crank_loads
 from fourbar_ros.mechanisms.slide_dyad import (
+    SliderLoads,
     closes,
-    make_triangle,
     margins,
-    power_of_two,
     reach,
     singular_slides,
     slide_ranges,
 )
-
-
-class SliderCrankMotion(NamedTuple):
-    """
-    Pose, rates and accelerations for one input; each field a float, or an array of the input's shape.
-
-    Angles [rad], in [-pi, pi] but for a theta1 that is the input; theta2 is relative (coupler to crank),
-    theta3 = -beta (slider to coupler): theta1 + theta2 + theta3 = 0.
-    """
-
-    theta1: float
-    omega1: float
-    alpha1: float
-    theta2: float
-    omega2: float
-    alpha2: float
-    theta3: float
-    omega3: float
-    alpha3: float
-    slide: float                   # [m] x of B, along the guide
-    slide_velocity: float          # [m/s]
-    slide_acceleration: float      # [m/s^2]
-    beta: float                    # absolute coupler angle
-    omega_beta: float
-    alpha_beta: float
-    transmission_angle: float      # [rad] in [0, pi]: of coupler and normal of the guide (slider input: crank)
-    crank_ratio: float             # d theta1, d beta, d slide over d input
-    coupler_ratio: float
-    slide_ratio: float
-    condition: float               # relative error of the lengths -> error of slide [m] (of theta1 [rad])
-    cos_x: float                   # directions of crank and coupler, and of theta2
-    sin_x: float
-    cos_b: float
-    sin_b: float
-    cos_2: float
-    sin_2: float
+from fourbar_ros.mechanisms.slider_crank.loads import make_loads
+from fourbar_ros.mechanisms.slider_crank.motion import (
+    SliderCrankMotion,
+    make_crank_motion,
+    make_slider_motion,
+)
+from fourbar_ros.numerics.exact_sums import scaled
+from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two
 
 
 class SliderDeadPoint(NamedTuple):
@@ -102,71 +46,6 @@ class SliderDeadPoint(NamedTuple):
     theta1: float     # [rad]
     slide: float      # [m]
     stretched: bool
-
-
-@dialects
-def make_crank_motion(a1, a2, e, sign):
-    """Return the function (theta1, omega1, alpha1) -> fields of :class:`SliderCrankMotion`."""
-    unit = ldexp(1.0, frexp(max(a1, a2, fabs(e)))[1])     # scaling by a power of two is exact
-    a1, a2, e = a1 / unit, a2 / unit, e / unit
-
-    def motion(x, omega, alpha, sign=sign, unit=unit, a1=a1, a2=a2, e=e, per_a2=1.0 / a2, a1_e=a1 * e, two_a1_e=2.0 * a1 * e,
-               near_zero=(a2 - e, a2 + e), at_top=(fsum((a2, -e, a1)), fsum((a2, e, -a1))),
-               at_bottom=(fsum((a2, -e, -a1)), fsum((a2, e, a1))),
-               plain=difference_of_squares(a2, 0.0, a1, 0.0) - e * e,
-               top=difference_of_squares(a2, 0.0, e, -a1), bottom=difference_of_squares(a2, 0.0, e, a1),
-               level=0.25 * a2 * a2 if a1 > 2.0 * a2 else 0.0):
-        cos_x, sin_x = cos(x), sin(x)
-        size = fabs(sin_x)
-        low = cos_x * cos_x / (1.0 + size)     # 1 - |sin x|
-        # u = a2 - n and w = a2 + n from their values at sin x = 0, 1 or -1, whichever is nearest
-        is_near_zero, is_up = size.real < 0.5, sin_x.real > 0.0
-        u, w = where(is_near_zero, near_zero, where(is_up, at_top, at_bottom))
-        step = a1 * where(is_near_zero, sin_x, where(is_up, -low, low))
-        n = e - a1 * sin_x
-        is_level = (n * n).real < level
-        u, w = where(is_level, (a2 - n, a2 + n), (u + step, w - step))
-        root = sign * sqrt(u * w)     # a2 cos b
-        cos_b, sin_b = root * per_a2, n * per_a2 + 0.0 * root      # NaN too where nothing is real
-        cos_2, sin_2 = cos_b * cos_x + sin_b * sin_x, sin_b * cos_x - cos_b * sin_x
-        # s = a1 cos x + root; where these cancel, from s (root - a1 cos x) = a2^2 - a1^2 - e^2 + 2 a1 e sin x
-        at_x = a1 * cos_x
-        gap = where(is_near_zero, plain + two_a1_e * sin_x, where(is_up, top - two_a1_e * low, bottom + two_a1_e * low))
-        adds = (root * cos_x).real > 0.0
-        slide = where(adds, at_x + root, gap) / where(adds, 1.0, root - at_x)
-        scale = 1.0 / root
-        db, d2 = -at_x * scale, -slide * scale
-        ds = a1 * (e * cos_x - slide * sin_x) * scale
-        bend = where(is_level, u * w * sin_x + at_x * n * cos_x,
-                     where(is_near_zero, plain * sin_x + a1_e * (1.0 + sin_x * sin_x),
-                           where(is_up, top * (1.0 - low) + a1_e * low * low,
-                                 a1_e * low * low - bottom * (1.0 - low))))
-        ddb = a1 * bend * scale * scale * scale
-        dds = at_x * d2 - n * ddb
-        condition = (a1 * fabs(cos_2) + a2 + fabs(e * sin_b)) * a2 * fabs(scale)
-        beta, square, omega_b = atan2(sin_b, cos_b), omega * omega, db * omega
-        alpha_b = db * alpha + ddb * square
-        return (x, omega, alpha, atan2(sin_2, cos_2), d2 * omega, d2 * alpha + ddb * square, -beta, -omega_b, -alpha_b,
-                unit * slide, unit * (ds * omega), unit * (ds * alpha + dds * square),
-                beta, omega_b, alpha_b, atan2(fabs(cos_b), sin_b), 1.0, db, unit * ds, unit * condition,
-                cos_x, sin_x, cos_b, sin_b, cos_2, sin_2)
-    return motion
-
-
-@dialects
-def make_slider_motion(a1, a2, e, unit, triangle):
-    """Return the function (slide, velocity, acceleration) -> fields of :class:`SliderCrankMotion`."""
-    def motion(slide, velocity, acceleration, a1=a1, a2=a2, e=e, unit=unit, per_unit=1.0 / unit, triangle=triangle):
-        (cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, dx, db, d2, ddx, ddb, dd2, scale) = triangle(slide * per_unit)
-        v, a = velocity * per_unit, acceleration * per_unit
-        square, beta = v * v, atan2(sin_b, cos_b)
-        omega_b, alpha_b = db * v, db * a + ddb * square
-        condition = 2.0 * a2 * (a1 * fabs(cos_2) + a2 + fabs(e * sin_b)) * fabs(scale)
-        theta2 = atan2(sin_2, cos_2)
-        return (atan2(sin_x, cos_x), dx * v, dx * a + ddx * square, theta2, d2 * v, d2 * a + dd2 * square,
-                -beta, -omega_b, -alpha_b, slide, velocity, acceleration, beta, omega_b, alpha_b,
-                fabs(theta2), dx * per_unit, db * per_unit, 1.0, condition, cos_x, sin_x, cos_b, sin_b, cos_2, sin_2)
-    return motion
 
 
 @dataclass(frozen=True)
@@ -300,16 +179,15 @@ class SliderCrank(Mechanism):
                 points.append(SliderDeadPoint(atan2(behind * e, ahead), unit * behind * ahead, stretched))
         return tuple(sorted(points))
 
-    def _make_motion(self, dialect, change=lambda factory: factory):
-        if self.input == CRANK:
-            return change(make_crank_motion[dialect])(*self.lengths, self.sign)
-        scaled = [length / self.input_unit for length in self.lengths]
-        return change(make_slider_motion[dialect])(*scaled, self.input_unit,
-                                                   change(make_triangle[dialect])(*scaled, self.sign))
+    def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
+        """Return the function (position, rate, acceleration) -> fields of MOTION for constants of a number type."""
+        make = make_crank_motion if self.input == CRANK else make_slider_motion
+        return make(numbers, *constants.lengths, constants.sign)
 
-    def _make_loads(self, dialect, change=lambda factory: factory):
-        return change(make_slider_crank_loads[dialect])(*self.lengths, self.input == CRANK, self.bodies, self.gravity,
-                                                        self.external)
+    def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
+        """Return the function (fields of MOTION) -> fields of LOADS for constants of a number type."""
+        return make_loads(numbers, *constants.lengths, self.input == CRANK, constants.bodies,
+                          constants.gravity, constants.external)
 
     def link_motion(self, motion, link):
         """Return the LinkMotion of a link by name."""

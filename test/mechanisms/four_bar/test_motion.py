@@ -1,4 +1,4 @@
-"""Position, velocity and acceleration: the seeds' numbers, the loop, the dialects, the symmetries."""
+"""Position, velocity and acceleration: the seeds' numbers, the loop, the number types, the symmetries."""
 from math import cos, hypot, inf, nan, nextafter, pi, radians, sin
 
 import mpmath as mp
@@ -110,7 +110,7 @@ def test_fields_are_consistent():
             assert (c, s) == pytest.approx((cos(angle), sin(angle)), abs=16 * EPS)
 
 
-# --- one formula, three dialects -------------------------------------------------------------------
+# --- one formula, several number types -------------------------------------------------------------------
 
 def test_arrays_equal_single_values_to_rounding():
     for linkage, theta1 in random_motions(4, 60):

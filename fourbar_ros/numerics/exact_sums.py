@@ -1,0 +1,24 @@
+"""
+Sums and differences of lengths that keep their digits where they cancel.
+
+Lengths are exact data. A sum of some of them, however small beside them, is here rounded once, and a difference
+of squares is taken as the product of two such sums: near change points and toggles all other digits would be lost.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import frexp, fsum, ldexp
+from typing import Any
+
+from fourbar_ros.numerics.number_types import Function
+
+
+def difference_of_squares(a: Any, b: Any, c: Any, d: Any, exact_sum: Function = fsum) -> Any:
+    """Return (a + b)^2 - (c + d)^2 from its two factors [m^2]."""
+    return exact_sum((a, b, c, d)) * exact_sum((a, b, -c, -d))
+
+
+def scaled(lengths: Sequence[float]) -> list[float]:
+    """Return lengths times the power of two, which rounds nothing, that makes the largest about one."""
+    exponent = frexp(max(map(abs, lengths)))[1]
+    return [ldexp(length, -exponent) for length in lengths]

@@ -1,0 +1,149 @@
+"""
+One formula, several number types.
+
+Formulas are written once, as factories ``make_...(n, ...)`` that return a function of the input. They take
+every function they use from ``n``, a :class:`NumberType`, and contain no ``if``: a choice between two forms
+of a formula is ``n.where(condition, one, other)``, and a condition compares real parts, ``x.real > 0.0``,
+which floats, arrays and complex numbers all have.
+
+=========================  ==================================================================
+``REAL``                   floats: one sample takes microseconds where numpy would take thirty
+``ARRAY``                  real numpy arrays
+``COMPLEX``                complex arrays, for exact derivatives by a complex step; angles are
+                           left out (``atan2`` gives zero)
+``COMPLEX_WITH_ANGLES``    the same with the derivatives of angles
+``columns_of(...)``        one of these for many mechanisms at once: lengths are columns (n, 1)
+``RECORDED``               writes down what is done: :mod:`fourbar_ros.numerics.recorded`
+``LAURENT``                series at change points: :mod:`fourbar_ros.numerics.laurent`
+``ENCLOSURE``              Taylor series of balls: :mod:`fourbar_ros.numerics.enclosures`
+=========================  ==================================================================
+"""
+from __future__ import annotations
+
+import math
+from copy import copy
+from dataclasses import dataclass, fields, replace
+from typing import Any, Callable
+
+import numpy as np
+
+Function = Callable[..., Any]
+
+# Added to sin(x/2): nothing, except at x = 0 exactly, where an exact change point (0/0) thereby takes
+# its one-sided value for x -> 0+. Its third power is still a normal number.
+INFINITESIMAL = 2.0**-250
+
+
+@dataclass(frozen=True, eq=False)
+class NumberType:
+    """
+    The functions that formulas may use, for one type of number.
+
+    Parameters
+    ----------
+    name : str
+        For texts.
+    sin, cos, sqrt, atan2, hypot, fabs : callable
+        As in :mod:`math`.
+    where : callable
+        ``where(condition, one, other)``; ``one`` and ``other`` may be tuples of equal length. Both are
+        computed, whatever the condition: neither may divide by zero.
+    exact_sum : callable
+        Correctly rounded sum of a tuple of lengths, as :func:`math.fsum`.
+    power_of_two : callable
+        Of some lengths: the power of two next above the largest. Scaling by it rounds nothing.
+    infinitesimal : float
+        Added to a number that must not be exactly zero.
+
+    """
+
+    name: str
+    sin: Function
+    cos: Function
+    sqrt: Function
+    atan2: Function
+    hypot: Function
+    fabs: Function
+    where: Function
+    exact_sum: Function
+    power_of_two: Function
+    infinitesimal: float = INFINITESIMAL
+
+
+def choose(condition: Any, one: Any, other: Any) -> Any:
+    """Return ``one`` if ``condition`` else ``other``."""
+    return one if condition else other
+
+
+def power_of_two(*lengths: float) -> float:
+    """Return the power of two next above the largest of the sizes of the lengths."""
+    return math.ldexp(1.0, math.frexp(max(map(abs, lengths)))[1])
+
+
+def _choose_in_arrays(condition: Any, one: Any, other: Any) -> Any:
+    if isinstance(condition, bool):
+        return one if condition else other
+    if isinstance(one, tuple):
+        return tuple([np.where(condition, a, b) for a, b in zip(one, other)])
+    return np.where(condition, one, other)
+
+
+def hypot_of_arrays(x: Any, y: Any, out: Any = None) -> Any:
+    """Return sqrt(x^2 + y^2), as fast as that where no square can be too large or too small."""
+    square = x * x
+    square += y * y
+    length = np.sqrt(square, out=out)
+    is_safe = length.size and 1e-140 < length.min() and length.max() < 1e150
+    return length if is_safe else np.hypot(x, y, out=out)
+
+
+def _angle_of_complex(y: Any, x: Any) -> Any:
+    """Return the angle of a complex pair: its imaginary part is the derivative along the step."""
+    y, x = np.asarray(y), np.asarray(x)
+    turn = 1j * (x.real * y.imag - y.real * x.imag) / (x.real**2 + y.real**2)
+    return np.arctan2(y.real, x.real) + turn
+
+
+REAL = NumberType('floats', math.sin, math.cos, math.sqrt, math.atan2, math.hypot, math.fabs,
+                  choose, math.fsum, power_of_two)
+ARRAY = NumberType('real arrays', np.sin, np.cos, np.sqrt, np.arctan2, hypot_of_arrays, np.abs,
+                   _choose_in_arrays, math.fsum, power_of_two)
+COMPLEX = replace(ARRAY, name='complex arrays without angles', atan2=lambda y, x: 0.0,
+                  hypot=lambda x, y: np.sqrt(x * x + y * y),
+                  fabs=lambda x: np.where(x.real < 0.0, -x, x))
+COMPLEX_WITH_ANGLES = replace(COMPLEX, name='complex arrays', atan2=_angle_of_complex)
+
+
+def _exact_sum_of_columns(columns: Any) -> Any:
+    rows = zip(*(column[:, 0].tolist() for column in np.broadcast_arrays(*columns)))
+    return np.array([[math.fsum(row)] for row in rows])
+
+
+def power_of_two_of_arrays(*lengths: Any) -> Any:
+    """Return the same as :func:`power_of_two` for arrays of lengths, element by element."""
+    return np.ldexp(1.0, np.frexp(np.maximum.reduce([np.abs(length) for length in lengths]))[1])
+
+
+_COLUMNS = {numbers: replace(numbers, name=f'columns of {numbers.name}',
+                             exact_sum=_exact_sum_of_columns, power_of_two=power_of_two_of_arrays)
+            for numbers in (ARRAY, COMPLEX, COMPLEX_WITH_ANGLES)}
+
+
+def columns_of(numbers: NumberType) -> NumberType:
+    """Return a type of arrays for lengths that are columns of shape (n, 1), n small."""
+    return _COLUMNS[numbers]
+
+
+def converted(record: Any, number: Callable[[float], Any]) -> Any:
+    """Return a record, or nested ones, with ``number(value)`` in place of each float, unchecked."""
+    if isinstance(record, (float, int)):
+        return number(record)
+    if record is None:
+        return None
+    if isinstance(record, tuple):
+        values = [converted(value, number) for value in record]
+        return record._make(values) if hasattr(record, '_make') else tuple(values)
+    other = copy(record)
+    for field in fields(record):
+        object.__setattr__(other, field.name, converted(getattr(record, field.name), number))
+    return other
