@@ -84,7 +84,6 @@ def test_there_is_no_circle():
         visit(module)
 
 
-@pytest.mark.xfail(strict=True, reason='the restructuring is under way')
 def test_a_kind_imports_no_other_kind_and_few_name_one():
     wrong = []
     for module, imported, line in edges():
