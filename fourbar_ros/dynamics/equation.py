@@ -101,6 +101,43 @@ def _deflection(one: Curve, two: Curve, free_angle: float) -> Any:
     return atan2(y, x) if isinstance(y, float) else np.arctan2(y, x)
 
 
+def link_stiffness(curve: Curve, body: Body, gravity: Vector, applied: Applied) -> Any:
+    """Return -dQ/dq of the weight and the load of one link, from (E4)."""
+    _, _, _, _, ddx, ddy, cosine, sine, turn, bend = curve
+    stiffness = -applied.couple * bend
+    for along, across, f_x, f_y in (
+            (body.cg_along, body.cg_across, body.mass * gravity[0], body.mass * gravity[1]),
+            (applied.along, applied.across, applied.force_x, applied.force_y)):
+        x, y = along * cosine - across * sine, along * sine + across * cosine
+        stiffness = (stiffness - f_x * ddx - f_y * ddy - bend * (x * f_y - y * f_x)
+                     + turn * turn * (x * f_x + y * f_y))
+    return stiffness
+
+
+def element_stiffness(element: Element, one: Curve, two: Curve) -> Any:
+    """Return -dQ/dq of a spring, from (E5)."""
+    if isinstance(element, TorsionSpring):
+        turn, bend = two[8] - one[8], two[9] - one[9]
+        return element.stiffness * (turn * turn + _deflection(one, two, element.free_angle) * bend)
+    x1, y1, dx1, dy1 = place_of(one, element.first.along, element.first.across)
+    x2, y2, dx2, dy2 = place_of(two, element.second.along, element.second.across)
+    (ddx1, ddy1), (ddx2, ddy2) = _bend_of(one, element.first), _bend_of(two, element.second)
+    x, y, dx, dy = x2 - x1, y2 - y1, dx2 - dx1, dy2 - dy1
+    square, product = x * x + y * y, x * dx + y * dy
+    share = element.free_length / square**0.5 if element.free_length else 0.0
+    growth = dx * dx + dy * dy + x * (ddx2 - ddx1) + y * (ddy2 - ddy1)
+    return element.stiffness * ((1.0 - share) * growth
+                                + (share * product * product / square if element.free_length else 0.0))
+
+
+def _bend_of(curve: Curve, point: Attachment) -> tuple[Any, Any]:
+    """Return the second derivative (x'', y'') of the place of a point of a link."""
+    _, _, _, _, ddx, ddy, cosine, sine, turn, bend = curve
+    x = point.along * cosine - point.across * sine
+    y = point.along * sine + point.across * cosine
+    return ddx - bend * y - turn * turn * x, ddy + bend * x - turn * turn * y
+
+
 def make_element_terms(element: Element) -> Callable[[Curve, Curve], tuple[Any, Any]]:
     """Return the function (curves of its two links) -> (Q, D) of a spring and damper, (E5)."""
     stiffness, damping = element.stiffness, element.damping
@@ -191,6 +228,16 @@ class Equation:
         """Return the torque (force) of the drive that this motion needs, by (E1)."""
         inertia, half_slope, force, damping = self.terms(position)
         return inertia * acceleration + (half_slope * rate + damping) * rate - force
+
+    def stiffness(self, position: Any) -> Any:
+        """Return -dQ/dq [N m/rad], [N/m], exact as the other terms are."""
+        curves = [*self._curves(position), FIXED]
+        total = 0.0 * curves[0][6]
+        for i, body, applied in self._bodies:
+            total = total + link_stiffness(curves[i], body, self.mechanism.gravity, applied)
+        for element, (one, two, _) in zip(self.elements, self._springs):
+            total = total + element_stiffness(element, curves[one], curves[two])
+        return total
 
     def couples(self, position: Any) -> Any:
         """Return the part of Q of couples applied to links, which do work over every turn."""

@@ -1,0 +1,71 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Curves of the links along the smooth motion of a mechanism through its change points.
+
+At the flat position of an exact change point both assembly modes meet. A linkage that moves
+through it keeps the velocities of its links, and the side of the dyad changes: the motion goes on
+in the other mode. So the mode is a function of the input, the given one in the interval between
+flat positions in which the input starts: it alternates from one interval to the next.
+"""
+from __future__ import annotations
+
+from math import floor, pi
+from typing import Any, Sequence
+
+import numpy as np
+
+from fourbar_ros.dynamics.contract import Curve, CurvesOf, curves_of
+
+TURN = 2.0 * pi
+
+
+def flat_positions(mechanism: Any) -> tuple[float, ...]:
+    """Return the inputs at which a change point lies flat: of an angle in [0, 2 pi), in order."""
+    if mechanism.change_point_margin != 0.0:
+        return ()
+    is_angle = not mechanism.is_driven_by_slide
+    ranges = () if mechanism.turns_fully else mechanism.input_ranges
+    ends = {end for bounds in ranges for end in bounds}
+    real = {float(value.real) for value in mechanism.singular_inputs if value.imag == 0.0}
+    inside = [value for value in real
+              if all(abs(mechanism.distance(value, end)) > 1e-12 for end in ends)]
+    return tuple(sorted({value % TURN if is_angle else value for value in inside}))
+
+
+def make_interval_of(mechanism: Any) -> Any:
+    """Return the function input -> number of flat positions below it, counted from 0 up."""
+    places = flat_positions(mechanism)
+    if mechanism.is_driven_by_slide:
+        return lambda position: sum(position >= place for place in places)
+    return lambda position: sum(floor((position - place) / TURN) for place in places)
+
+
+def smooth_curves_of(mechanism: Any, links: Sequence[str], start: float = 0.0) -> CurvesOf:
+    """
+    Return the function input -> curves of these links, smooth through flat positions.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    links : sequence of str
+    start : float
+        An input in the interval where the mechanism has its own mode; a flat position counts to
+        the interval above it.
+
+    """
+    here = curves_of(mechanism, links)
+    if not flat_positions(mechanism):
+        return here
+    there = curves_of(mechanism.in_mode(3 - mechanism.mode), links)
+    interval_of = make_interval_of(mechanism)
+    first = interval_of(start)
+
+    def curves(position: Any) -> Sequence[Curve]:
+        if isinstance(position, float):
+            return here(position) if (interval_of(position) - first) % 2 == 0 else there(position)
+        same = np.array([(interval_of(value) - first) % 2 == 0 for value in np.ravel(position)])
+        same = same.reshape(np.shape(position))
+        return [[np.where(same, a, b) for a, b in zip(one, other)]
+                for one, other in zip(here(position), there(position))]
+    return curves

@@ -1,0 +1,122 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+A mechanism and its drive as one system of first-order equations.
+
+State, in order: q, w = dq/dt of the input; p, dp/dt of the motor if there is an elastic shaft; the
+state of the torque source (current, integral of a controller); last the work W of all that is not
+conservative, so that energy less W is constant whatever acts (not if nothing of the kind acts):
+
+    dW/dt = (T + C - D w) w,   C the part of Q of applied couples                          (E6)
+"""
+from __future__ import annotations
+
+from functools import partial
+from typing import Any, Optional, Sequence
+
+from fourbar_ros.dynamics.drives import Drive
+from fourbar_ros.dynamics.elements import Element
+from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.dynamics.smooth import smooth_curves_of
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.numerics.given import number
+
+State = Sequence[float]
+NEAR_TOGGLE = 1e-3        # sine of the angle of the dyad at which an input counts as at its limit
+
+
+class System:
+    """
+    A mechanism, its springs and its drive.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        With bodies; its assembly mode is that at the start.
+    position, rate : float
+        Of the input at the start: angle [rad] or slide [m], [rad/s] or [m/s].
+    elements : sequence of Spring or TorsionSpring
+    drive : Drive, optional
+        Without one the mechanism moves freely. Its motor starts at the position and rate of the
+        input.
+
+    """
+
+    def __init__(self, mechanism: Any, position: float, rate: float = 0.0,
+                 elements: Sequence[Element] = (), drive: Optional[Drive] = None) -> None:
+        self.mechanism, self.drive = mechanism, drive
+        motion = (number('position', position), number('rate', rate))
+        self.equation = Equation(mechanism, elements, drive.rigid_inertia if drive else 0.0,
+                                 partial(smooth_curves_of, start=motion[0]))
+        self.is_conservative = not (drive or self.equation.has_couples
+                                    or any(e.damping for e in self.equation.elements))
+        shaft, source = (drive.shaft, drive.source.start) if drive else (None, ())
+        self.names = ('position', 'rate', *(('motor_position', 'motor_rate') if shaft else ()),
+                      *(f'source_{i}' for i in range(len(source))),
+                      *(() if self.is_conservative else ('work',)))
+        self.start = (*motion * (2 if shaft else 1), *source,
+                      *(() if self.is_conservative else (0.0,)))
+        self.derivative = self._make_derivative()
+
+    @property
+    def has_no_limits(self) -> bool:
+        """Return whether the input can go on for ever: a crank that turns fully."""
+        return bool(self.mechanism.turns_fully)
+
+    def distance_to_limit(self, time: float, state: State) -> float:
+        """Return a number that is zero where the input can go no further: just before a toggle."""
+        try:
+            motion = self.mechanism.motion(float(state[0]))
+        except FourBarError:
+            return -NEAR_TOGGLE
+        return abs(self.mechanism.transmission_sine(motion)) - NEAR_TOGGLE
+
+    distance_to_limit.terminal = True  # type: ignore[attr-defined]
+
+    def torque(self, time: float, state: State) -> float:
+        """Return the torque (force) of the drive on the input."""
+        return self._drive(time, state)[0] if self.drive else 0.0
+
+    def motor_torque(self, time: float, state: State) -> float:
+        """Return the torque (force) of the source, which an elastic shaft passes on."""
+        if self.drive is None:
+            return 0.0
+        speed = 3 if self.drive.shaft else 1
+        return self.drive.source.torque(time, state[speed], state[speed + 1:-1])[0]
+
+    def constant_energy(self, states: Any) -> Any:
+        """Return the energy of mechanism and springs less W [J], for an array of states."""
+        energy = self.equation.energy(states[0], states[1])
+        return energy if self.is_conservative else energy - states[-1]
+
+    def _drive(self, time: float, state: State) -> tuple[float, tuple[float, ...]]:
+        """Return the torque on the input and the derivatives of the drive's own states."""
+        drive = self.drive
+        assert drive is not None
+        if drive.shaft is None:
+            return drive.source.torque(time, state[1], state[2:-1])
+        position, rate, motor, speed = state[:4]
+        torque, change = drive.source.torque(time, speed, state[4:-1])
+        on_input = (drive.shaft.stiffness * (motor - position)
+                    + drive.shaft.damping * (speed - rate))
+        return on_input, (speed, (torque - on_input) / drive.rotor, *change)
+
+    def _make_derivative(self) -> Any:
+        """Return the function (time, state) -> d state / dt."""
+        terms_of, drive = self.equation.terms, self._drive if self.drive else None
+        couples = self.equation.couples if self.equation.has_couples else lambda position: 0.0
+
+        def conservative(time: float, state: State) -> tuple[float, ...]:
+            rate = state[1]
+            inertia, half_slope, force, _ = terms_of(state[0])
+            return rate, (force - half_slope * rate * rate) / inertia
+
+        def driven(time: float, state: State) -> tuple[float, ...]:
+            rate = state[1]
+            torque, change = drive(time, state) if drive else (0.0, ())
+            inertia, half_slope, force, damping = terms_of(state[0])
+            torque -= damping * rate
+            return (rate, (force + torque - half_slope * rate * rate) / inertia, *change,
+                    (torque + couples(state[0])) * rate)
+
+        return conservative if self.is_conservative else driven

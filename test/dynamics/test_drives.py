@@ -1,0 +1,187 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Drives and integration: against closed solutions, conservation, order, limits, bad input."""
+from math import exp, inf, pi
+
+import numpy as np
+import pytest
+
+from fourbar_ros import Applied, Bodies, Body, External, FourBar, InvalidParameter, SliderCrank
+from fourbar_ros.dynamics.drives import (
+    ConstantTorque,
+    DCMotor,
+    Drive,
+    MotorLine,
+    Shaft,
+    SpeedController,
+    TorqueTable,
+)
+from fourbar_ros.dynamics.elements import GROUND, TorsionSpring
+from fourbar_ros.dynamics.free_motion import FreeMotion
+from fourbar_ros.dynamics.simulate import (
+    LIMIT,
+    NOT_CHECKED,
+    REACHED,
+    choose_method,
+    energy_drift,
+    simulate,
+)
+from fourbar_ros.dynamics.system import System
+
+scipy = pytest.importorskip('scipy')
+NOTHING = Body(0.0)
+
+
+def wheel(inertia=2.0, **options):
+    """Return a linkage of which only the crank has mass: a flywheel, J constant."""
+    return FourBar(0.4, 1.2, 0.8, 1.0, bodies=Bodies(Body(0.0, inertia=inertia), NOTHING, NOTHING), **options)
+
+
+def test_constant_torque_and_flywheel():
+    run = simulate(System(wheel(), 0.3, 1.0, drive=Drive(ConstantTorque(6.0), rotor=0.5, flywheel=0.5)), 2.0)
+    assert run.status == REACHED
+    assert run.position[-1] == pytest.approx(0.3 + 2.0 + 0.5 * 2.0 * 4.0, abs=1e-8)
+    assert run.torque[-1] == 6.0 and run.acceleration[-1] == pytest.approx(2.0, rel=1e-14)
+
+
+def test_a_motor_line_nears_its_free_speed_exponentially():
+    run = simulate(System(wheel(), 0.0, drive=Drive(MotorLine(40.0, 20.0))), 1.5, times=[0.5, 1.5])
+    assert run.time.tolist() == [0.5, 1.5]
+    for time, rate in zip(run.time, run.rate):      # J w. = 40 - 2 w
+        assert rate == pytest.approx(20.0 * (1.0 - exp(-time)), rel=1e-8)
+
+
+def test_a_dc_motor_with_inductance_and_gear():
+    """A linear system of the speed and the current: against its matrix exponential."""
+    from scipy.linalg import expm
+    motor = DCMotor(voltage=24.0, resistance=0.5, constant=0.1, inductance=0.05, gear=10.0)
+    run = simulate(System(wheel(), 0.0, drive=Drive(motor)), 1.0, 1e-10)
+    matrix = np.array([[0.0, 0.5, 0.0], [-20.0, -10.0, 480.0], [0.0, 0.0, 0.0]])      # w, i, 1
+    rate, current, _ = expm(matrix) @ [0.0, 0.0, 1.0]
+    assert run.system.names == ('position', 'rate', 'source_0', 'work')
+    assert run.rate[-1] == pytest.approx(rate, rel=1e-9)
+    assert run.states[2, -1] == pytest.approx(current, rel=1e-9)
+    without = DCMotor(24.0, 0.5, 0.1, gear=10.0)      # a motor line: 48 N m to 24 rad/s
+    assert without.torque(0.0, 12.0, ()) == (pytest.approx(24.0), ())
+
+
+def test_a_speed_controller_saturates_and_does_not_wind_up():
+    """It accelerates at its limit, then settles with hardly any overshoot; no torque beyond the limit."""
+    controller = SpeedController(10.0, proportional=20.0, integral=40.0, limit=5.0)
+    times = np.linspace(0.0, 10.0, 201)
+    run = simulate(System(wheel(), 0.0, drive=Drive(controller)), 10.0, 1e-7, times=times)
+    assert run.status == REACHED
+    assert run.rate[20] == pytest.approx(2.5, rel=1e-6)
+    assert np.max(np.abs(run.torque)) <= 5.0
+    assert np.max(run.rate) < 10.2 and run.rate[-1] == pytest.approx(10.0, rel=1e-6)
+
+
+def test_a_table_is_held_or_linear_and_its_jumps_are_steps_of_their_own():
+    table = TorqueTable([0.0, 1.0, 1.5], [2.0, -4.0, 0.0])
+    run = simulate(System(wheel(1.0), 0.0, drive=Drive(table)), 2.0, times=[0.5, 1.0, 2.0])
+    assert run.rate == pytest.approx([1.0, 2.0, 0.0], abs=1e-12)
+    assert run.position == pytest.approx([0.25, 1.0, 1.0 + 1.0 - 0.5], abs=1e-12)
+    linear = TorqueTable([0.0, 1.0], [0.0, 3.0], linear=True)
+    assert [linear.torque(t, 0.0, ())[0] for t in (-1.0, 0.5, 2.0)] == [0.0, 1.5, 3.0]
+
+
+def test_a_stiff_shaft_is_integrated_implicitly_and_a_soft_one_is_not():
+    def shaft(stiffness):
+        drive = Drive(MotorLine(40.0, 20.0), rotor=0.5, shaft=Shaft(stiffness, 1e-3 * stiffness))
+        return System(wheel(), 0.0, drive=drive)
+    assert [choose_method(shaft(k), 1.0) for k in (1e2, 1e9)] == ['DOP853', 'LSODA']
+
+
+def test_a_controller_with_a_very_large_gain_holds_its_speed():
+    """The crank of P5 at 150 rad/s: with a gain of 1e6 the speed is off by load over gain."""
+    bodies = Bodies(Body(0.36, 0.075, 0.0, 0.002727), Body(0.151104, 0.15, 0.0, 0.0045339259), Body(0.075552))
+    crank = SliderCrank(0.15, 0.30, bodies=bodies)
+    drive = Drive(SpeedController(150.0, proportional=1e6))
+    run = simulate(System(crank, 0.0, 150.0, drive=drive), 0.02, 1e-8)
+    peak = np.max(np.abs(crank.loads(run.position, 150.0, 0.0).driving_torque))
+    assert run.method == 'LSODA' and run.status == REACHED
+    assert np.max(np.abs(run.rate - 150.0)) <= 1.1e-6 * peak
+
+
+@pytest.mark.parametrize('method', ['DOP853', 'RK45', 'LSODA', 'Radau', 'BDF'])
+def test_every_method_and_the_quadrature_agree(method):
+    bodies = Bodies(Body(1.0, 0.2, 0.0, 0.1), Body(2.0, 0.6, 0.1, 0.2), Body(1.5, 0.4, 0.0, 0.1))
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies, gravity=(0.0, -9.81))
+    system = System(linkage, 0.2, 9.0, [TorsionSpring('coupler', 'output', 4.0, 0.3)])
+    run = simulate(system, 1.0, 1e-6, method)
+    assert run.status == REACHED and run.drift <= 1e-6
+    assert abs(run.position[-1] - FreeMotion(system).position(1.0)) <= 1e-6
+
+
+def test_energy_stays_in_twenty_turns_and_a_wrong_energy_is_seen():
+    bodies = Bodies(Body(1.0, 0.2, 0.0, 0.1), Body(2.0, 0.6, 0.1, 0.2), Body(1.5, 0.4, 0.0, 0.1))
+    system = System(FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies), 0.2, 9.0)
+    run = simulate(system, 20.0, 1e-12, check=False)
+    assert run.status == NOT_CHECKED and run.position[-1] > 20.0 * 2.0 * pi
+    assert run.drift <= 1e-10
+    wrong = run.states.copy()
+    wrong[1] *= 1.0 + 1e-6 * run.time
+    assert energy_drift(system, wrong) > 1e-5
+
+
+def test_couples_do_work_over_turns():
+    """J w^2 / 2 = couple times angle, also past half a turn of the link."""
+    linkage = FourBar(1.0, 2.0, 1.0, 2.0, bodies=Bodies(*[Body(0.0, inertia=0.5)] * 3),
+                      external=External(output=Applied(couple=3.0)))
+    run = simulate(System(linkage, 0.5), 3.0, 1e-9)     # a parallelogram: output turns as the crank
+    assert run.status == REACHED and run.position[-1] > 2.0 * pi
+    assert run.position[-1] == pytest.approx(0.5 + 0.5 * 3.0 * 9.0, abs=1e-8)
+
+
+def test_the_order_of_the_methods_is_as_it_should_be():
+    """Tolerances a hundredfold apart: errors about a hundredfold apart."""
+    bodies = Bodies(Body(1.0, 0.2, 0.0, 0.1), Body(2.0, 0.6, 0.1, 0.2), Body(1.5, 0.4, 0.0, 0.1))
+    system = System(FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies), 0.2, 9.0)
+    exact = float(FreeMotion(system).position(3.0))
+    errors = [abs(simulate(system, 3.0, tolerance, check=False).position[-1] - exact)
+              for tolerance in (1e-5, 1e-7, 1e-9)]
+    assert errors[0] > 10.0 * errors[1] > 100.0 * errors[2]
+
+
+def test_a_rocker_without_another_input_stops_before_its_toggle():
+    bodies = Bodies(Body(1.0, 0.2, 0.0, 0.1), Body(2.0, 0.6, 0.1, 0.2), Body(1.5, 0.4, 0.0, 0.1))
+    rocker = FourBar(0.8, 1.2, 0.4, 1.0, bodies=bodies)
+    system = System(rocker, sum(rocker.input_ranges[0]) / 2, 1.0)
+    run = simulate(system, 50.0, 1e-6)
+    assert run.status == LIMIT and run.time[-1] < 50.0
+    low, high = rocker.input_ranges[0]
+    assert low < run.position[-1] < high and high - run.position[-1] < 1e-5
+
+
+def test_ground_springs_make_a_crank_swing_and_dampers_stop_it():
+    system = System(wheel(), 0.5, 0.0, [TorsionSpring(GROUND, 'crank', 8.0, 0.0, 2.0)])
+    run = simulate(system, 20.0, 1e-9)
+    assert run.status == REACHED
+    root = (4.0 - 0.25)**0.5      # 2 q.. + 2 q. + 8 q = 0
+    assert run.position[-1] == pytest.approx(
+        0.5 * exp(-10.0) * (np.cos(20.0 * root) + 0.5 / root * np.sin(20.0 * root)), abs=1e-9)
+
+
+@pytest.mark.parametrize('make, name', [
+    (lambda: MotorLine(1.0, 0.0), 'free_speed'),
+    (lambda: DCMotor(24.0, 0.0, 0.1), 'resistance'),
+    (lambda: DCMotor(24.0, 1.0, 0.1, gear=0.0), 'gear'),
+    (lambda: SpeedController(10.0, -1.0), 'proportional'),
+    (lambda: SpeedController(10.0, 1.0, limit=0.0), 'limit'),
+    (lambda: ConstantTorque(inf), 'value'),
+    (lambda: TorqueTable([0.0, 0.0], [1.0, 2.0]), 'times'),
+    (lambda: TorqueTable([0.0], [1.0, 2.0]), 'torques'),
+    (lambda: Shaft(0.0), 'stiffness'),
+    (lambda: Drive(ConstantTorque(), shaft=Shaft(1.0)), 'rotor'),
+    (lambda: Drive(ConstantTorque(), flywheel=-1.0), 'flywheel'),
+    (lambda: System(wheel(), float('nan')), 'position'),
+    (lambda: simulate(System(wheel(), 0.0), 0.0), 'until'),
+    (lambda: simulate(System(wheel(), 0.0), 1.0, 0.0), 'tolerance'),
+    (lambda: simulate(System(wheel(), 0.0), 1.0, method='Euler'), 'method'),
+    (lambda: simulate(System(wheel(), 0.0), 1.0, times=[0.5, 0.2]), 'times'),
+    (lambda: simulate(System(wheel(), 0.0), 1.0, times=[2.0]), 'times'),
+])
+def test_what_is_wrong_is_refused_by_name(make, name):
+    with pytest.raises(InvalidParameter) as caught:
+        make()
+    assert caught.value.name == name

@@ -1,0 +1,149 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Equilibria, frequencies, free motion and flywheels: against simulation and closed solutions."""
+from dataclasses import replace
+from math import pi, sqrt
+
+import mpmath as mp
+import numpy as np
+import pytest
+from support.dynamics_problems import paper_linkage
+from support.machines import (
+    EPS,
+    KINDS,
+    exact_potential,
+    random_elements,
+    random_machines,
+)
+
+from fourbar_ros import Bodies, Body, External, FourBar, InvalidParameter
+from fourbar_ros.dynamics.drives import ConstantTorque, Drive
+from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.dynamics.flywheel import flywheel_for
+from fourbar_ros.dynamics.free_motion import FreeMotion
+from fourbar_ros.dynamics.simulate import REACHED, simulate
+from fourbar_ros.dynamics.statics import equilibria
+from fourbar_ros.dynamics.system import System
+
+scipy = pytest.importorskip('scipy')
+
+
+def pendulum(**options):
+    bodies = Bodies(Body(2.0, 0.25, 0.0, 0.1), Body(0.0), Body(0.0))
+    return FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies, gravity=(0.0, -9.81), **options)
+
+
+@pytest.mark.parametrize('name', KINDS)
+def test_the_stiffness_is_the_second_derivative_of_the_energy(name):
+    rng = np.random.default_rng(300)
+    for mechanism, position in random_machines(name, 301, 3):
+        elements = random_elements(rng)
+        with mp.workdps(40):
+            exact = mp.diff(lambda x: exact_potential(mechanism, elements, x), mp.mpf(position), 2,
+                            h=mp.mpf(10)**-10)
+        equation = Equation(mechanism, elements)
+        assert abs(equation.stiffness(position) - exact) <= 1e-12 * (1 + abs(exact))
+        many = equation.stiffness(position + 1e-3 * np.linspace(-1.0, 1.0, 41))
+        assert many.shape == (41,) and many[20] == pytest.approx(float(exact), rel=1e-10)
+
+
+@pytest.mark.parametrize('name', KINDS)
+def test_at_every_equilibrium_nothing_pushes_and_between_them_the_sign_stays(name):
+    for mechanism, _ in random_machines(name, 310, 6):
+        equation = Equation(mechanism)
+        found = equilibria(equation)
+        for place in found:
+            terms = equation.terms(place.position)
+            step = 4.0 * EPS * max(1.0, abs(place.position))
+            assert abs(terms.force) <= 1e-12 + 10.0 * step * abs(place.stiffness)
+        stable = [place.is_stable for place in found]
+        if mechanism.turns_fully:
+            assert sum(stable) * 2 == len(stable)        # minima and maxima of V alternate
+        for low, high in mechanism.input_ranges:
+            inside = [place.is_stable for place in found if low <= place.position <= high]
+            assert all(one != other for one, other in zip(inside, inside[1:]))
+
+
+def test_two_equilibria_next_to_each_other_are_not_missed():
+    """A pendulum nearly held by its torque: they are 2e-5 rad apart, a sample 3e-3."""
+    weight = 2.0 * 9.81 * 0.25
+    found = equilibria(Equation(pendulum()), weight * (1.0 - 5e-11))
+    assert [place.is_stable for place in found] == [True, False]
+    assert found[1].position - found[0].position == pytest.approx(2e-5, rel=1e-3)
+    assert equilibria(Equation(pendulum()), weight * (1.0 + 1e-12)) == ()
+
+
+def test_frequency_is_that_of_small_swings():
+    place = equilibria(Equation(pendulum()))[0]
+    assert place.position == pytest.approx(-pi / 2, rel=1e-15)
+    assert place.frequency == pytest.approx(sqrt(2.0 * 9.81 * 0.25 / 0.225) / (2.0 * pi), rel=1e-14)
+    for mechanism in (paper_linkage(gravity=(0.0, -9.81)),):
+        place = next(p for p in equilibria(Equation(mechanism)) if p.is_stable)
+        swing = FreeMotion(System(mechanism, place.position + 1e-2))
+        assert swing.swings and 1.0 / swing.period == pytest.approx(place.frequency, rel=1e-4)
+
+
+@pytest.mark.parametrize('amplitude', [0.1, 1.0, 2.0, 3.0, 3.13])
+def test_the_period_of_a_pendulum(amplitude):
+    motion = FreeMotion(System(pendulum(), -pi / 2 + amplitude))
+    frequency = mp.sqrt(2.0 * 9.81 * 0.25 / mp.mpf(0.225))
+    exact = 4 * mp.ellipk(mp.sin(mp.mpf(amplitude) / 2)**2) / frequency
+    assert motion.period == pytest.approx(float(exact), rel=1e-12 / (pi - amplitude)**2)      # its condition
+    assert motion.accuracy < 1e-9
+    assert motion.position(0.0) == pytest.approx(-pi / 2 + amplitude, abs=1e-9)
+    assert motion.position(motion.period / 2) == pytest.approx(-pi / 2 - amplitude, abs=1e-9)
+
+
+@pytest.mark.parametrize('name', KINDS)
+def test_free_motion_is_what_integration_gives(name):
+    """Swings and turns of all kinds that stay within their input's range."""
+    compared = 0
+    for mechanism, position in random_machines(name, 320, 12):
+        mechanism = replace(mechanism, external=External())
+        stable = [place for place in equilibria(Equation(mechanism)) if place.is_stable
+                  and (mechanism.turns_fully or all(
+                      abs(mechanism.distance(place.position, end)) > 0.1 * mechanism.input_unit
+                      for bounds in mechanism.input_ranges for end in bounds))]
+        if not stable:      # or at most next to a toggle, which the swing would reach
+            continue
+        system = System(mechanism, stable[0].position, 0.05 * stable[0].frequency * mechanism.input_unit)
+        motion = FreeMotion(system)
+        times = np.array([0.3, 1.0]) * motion.period
+        run = simulate(system, times[-1], 1e-9, times=times)
+        assert run.status == REACHED
+        assert np.max(np.abs(run.position - motion.position(times))) <= 2e-9 * mechanism.input_unit
+        compared += 1
+    assert compared >= 2
+
+
+def test_what_has_no_free_motion_is_refused():
+    for system in (System(pendulum(), 0.0, drive=Drive(ConstantTorque(1.0))),
+                   System(FourBar(0.8, 1.2, 0.4, 1.0, bodies=Bodies(*[Body(1.0, 0.2)] * 3)), 1.0, 1.0)):
+        with pytest.raises(InvalidParameter, match='system'):
+            FreeMotion(system)
+
+
+@pytest.mark.parametrize('fluctuation', [0.05, 0.005])
+def test_a_flywheel_gives_its_fluctuation_in_simulation(fluctuation):
+    linkage = paper_linkage(gravity=(0.0, -9.81))
+    wheel = flywheel_for(Equation(linkage), 25.0, fluctuation)
+    assert wheel.inertia > 0.0 and wheel.fluctuation == pytest.approx(fluctuation, rel=1e-9)
+    drive = Drive(ConstantTorque(wheel.torque), flywheel=wheel.inertia)
+    times = np.linspace(0.0, 0.75, 1501)
+    run = simulate(System(linkage, 0.0, float(wheel.rate[0]), drive=drive), 0.75, 1e-9, times=times)
+    measured = (np.max(run.rate) - np.min(run.rate)) / 25.0
+    assert run.status == REACHED and measured == pytest.approx(fluctuation, rel=1e-4)
+    assert 0.5 * (np.max(run.rate) + np.min(run.rate)) == pytest.approx(25.0, rel=1e-5)
+
+
+def test_no_flywheel_is_negative():
+    wheel = flywheel_for(Equation(paper_linkage()), 25.0, 5.0)
+    assert wheel.inertia == 0.0 and wheel.fluctuation < 5.0
+
+
+@pytest.mark.parametrize('rate, fluctuation, name', [
+    (0.0, 0.1, 'rate'), (25.0, 0.0, 'fluctuation'), (25.0, float('nan'), 'fluctuation')])
+def test_a_flywheel_needs_a_rate_and_a_fluctuation(rate, fluctuation, name):
+    with pytest.raises(InvalidParameter) as caught:
+        flywheel_for(Equation(paper_linkage()), rate, fluctuation)
+    assert caught.value.name == name
