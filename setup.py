@@ -32,6 +32,7 @@ setup(
         'parquet': ['pyarrow'],
         'plot': ['matplotlib'],
         'proof': ['python-flint'],
+        'dynamics': ['scipy>=1.11'],
         'test': ['pytest<9', 'mpmath', 'rosbags', 'mcap>=1.5,<2', 'lz4', 'zstandard',
                  'mcap-ros2-support>=0.6,<1', 'scipy', 'matplotlib', 'python-flint'],
     },

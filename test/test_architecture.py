@@ -24,7 +24,8 @@ MAY_NAME_KINDS = ('fourbar_ros', 'fourbar_ros.mechanisms.kinds', 'fourbar_ros.ex
 # Third-party packages, and the lowest folders that may import them.
 THIRD_PARTY = {'yaml': ('scene', 'bag', 'reproduction', 'ros', 'cli'), 'mcap': ('bag',),
                'rich': ('report', 'cli', 'ros', 'reproduction'),
-               'matplotlib': ('report', 'bag', 'reproduction', 'cli'), 'rclpy': ('ros',), 'flint': ('numerics', 'extrema')}
+               'matplotlib': ('report', 'bag', 'reproduction', 'cli'), 'rclpy': ('ros',), 'flint': ('numerics', 'extrema'),
+               'scipy': ('dynamics',)}
 
 
 def imports_of(path):

@@ -6,8 +6,7 @@ from __future__ import annotations
 from typing import Any, Callable, Sequence
 
 from fourbar_ros.errors import MissingBodies
-from fourbar_ros.mechanics.bodies import NOT_APPLIED, Applied, Body
-from fourbar_ros.mechanisms.points import link_motion
+from fourbar_ros.mechanics.bodies import Applied, Body
 
 # (x, y, x', y', x'', y'', cosine, sine, theta', theta'') of a link: a LinkMotion at unit rate and
 # zero acceleration, so that its rates are derivatives with respect to the input.
@@ -20,13 +19,14 @@ def loads_of_links(mechanism: Any) -> dict[str, tuple[Body, Applied]]:
     """Return {link: (body, what is applied to it)}; MissingBodies without masses."""
     if mechanism.bodies is None:
         raise MissingBodies
-    return {link: (body, getattr(mechanism.external, link, NOT_APPLIED))
-            for link, body in mechanism.bodies._asdict().items()}
+    return dict(mechanism.loads_of_links())
 
 
 def curves_of(mechanism: Any, links: Sequence[str]) -> CurvesOf:
     """Return the function input -> curves of these links; of a float, or of an array of inputs."""
+    motion_of, link_motion = mechanism.motion, mechanism.link_motion
+
     def curves(position: Any) -> Sequence[Curve]:
-        motion = mechanism.motion(position, 1.0, 0.0)
-        return [link_motion(mechanism, motion, link) for link in links]
+        motion = motion_of(position, 1.0, 0.0)
+        return [link_motion(motion, link) for link in links]
     return curves
