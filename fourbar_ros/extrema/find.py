@@ -88,8 +88,8 @@ def find_extrema(linkage: Any, quantities: Any = (), rate: float = 1.0, accelera
     quantities : sequence of str, Quantity or callable
         Names (see :data:`~fourbar_ros.mechanisms.quantities.QUANTITIES`), or functions (Motion, Loads) -> value of plain
         arithmetic and numpy functions; with abs, comparisons or ``math`` they are slower and located
-        to about 1e-10 rad. Attributes ``unit`` and ``__name__`` are used. Empty: all names for which the
-        linkage has data.
+        to about 1e-10 rad. Attributes ``unit`` and ``__name__`` are used. Empty: all rates, accelerations and
+        loads for which the linkage has data; positions only by name.
     rate, acceleration : float
         Rate and acceleration of the input, the same everywhere: [rad/s] and [rad/s^2], or [m/s] and [m/s^2] of
         a driven slide.

@@ -91,7 +91,8 @@ def _constant_values(sampler: Sampler, samples: Samples) -> tuple[dict[int, floa
     varies = (np.abs(samples.values - middle[:, None]) > noise).any(axis=1)
     for side in sampler.flats:
         varies &= sampler.varies_next_to(side)
-        middle = np.where(varies, middle, sampler.limits(side))
+        limits = sampler.next_to(middle, sampler.limits(side), np.arange(middle.size))
+        middle = np.where(varies, middle, limits)
     middle[np.abs(middle) <= noise.min(axis=1)] = 0.0
     return {row: float(middle[row]) for row in np.nonzero(~varies)[0].tolist()}, noise
 
@@ -101,7 +102,7 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array, with_conditions: 
     x, is_closed = samples.path.x, samples.path.is_closed
     f = _smooth_slopes(sampler, samples, rows)
     turn = rises(np.unwrap(x)[:, None], False)[:, 0]
-    _, row, xa, xb, fa, guess = find_brackets(lambda x, row: sampler.slope(x, rows[row]),
+    i, row, xa, xb, fa, guess = find_brackets(lambda x, row: sampler.slope(x, rows[row]),
                                               lambda i, row: (x[i], turn[i]), f, rises(f, is_closed), is_closed)
     if not row.size:
         return []
@@ -116,6 +117,7 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array, with_conditions: 
         root = sampler.polish(root, row, sense)
     place = sampler.fold(root)
     value, noise = sampler.values_and_noise(place, row)
+    value = sampler.next_to(samples.values[row, i], value, row)
     conditions = (sampled_conditions(sampler, root, row, spacing) if with_conditions
                   else np.full((2, row.size), nan))
     return [Found(*fields[:4], 0, False, *fields[4:])
@@ -139,7 +141,9 @@ def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End], rows: Ar
         limits = sampler.limits(side)
     else:
         limits = _limits_at_toggle(sampler, samples, side, rows)
-    falls = samples.slopes[:, samples.path.inward(side)[0]] * side > 0.0        # seen from inside
+    nearest = samples.path.inward(side)[0]
+    limits = sampler.next_to(samples.values[:, nearest], limits, np.arange(limits.size))
+    falls = samples.slopes[:, nearest] * side > 0.0        # seen from inside
     sense = np.where(np.isinf(limits), np.sign(limits), np.where(falls, -1, 1)).astype(int)
     place = sampler.fold(end.x)
     return [Found(row, place, float(limits[row]), int(sense[row]), side, end.is_flat) for row in rows.tolist()]
@@ -162,9 +166,13 @@ def _limits_at_toggle(sampler: Sampler, samples: Samples, side: int, rows: Array
     first = path.half_a_step_from(side)
     near = first + side * np.arange(NEIGHBOURS)
     beyond = sampler.of(sampler.linkage.in_mode(3 - sampler.linkage.mode)).values(path.x[near])
-    bounded = (values[:, near] + beyond) @ _THROUGH
+    every = np.arange(len(beyond))[:, None]
     one_sided = values[:, near] @ _UP_TO
-    # Angles are folded there: they do not go on, and are extrapolated, at the loss of three digits.
+    # An angle in [0, pi] goes on as its negative.
+    both = [(values[:, near] + sampler.next_to(values[:, near], sign * beyond, every)) @ _THROUGH for sign in (1.0, -1.0)]
+    mirrored = sampler.is_angle & (np.abs(both[1] - one_sided) < np.abs(both[0] - one_sided))
+    bounded = np.where(mirrored, both[1], both[0])
+    # What does not go on, as angles in functions may not, is extrapolated, at the loss of three digits.
     folded = np.abs(one_sided - bounded) > 1e-6 * np.ptp(values[:, near], axis=1)
     bounded = np.where(folded, one_sided, bounded)
     bounded[np.abs(bounded) <= samples.noise[:, first]] = 0.0

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 from itertools import repeat
-from math import sqrt
+from math import pi, sqrt
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from fourbar_ros.numerics.number_types import ARRAY, COMPLEX, COMPLEX_WITH_ANGLE
 from fourbar_ros.errors import InvalidParameter, MissingBodies
 from fourbar_ros.extrema.flat_positions import REACH, FlatSide, flat_sides
 from fourbar_ros.extrema.input_paths import InputPath
-from fourbar_ros.mechanisms.quantities import Quantity, is_published
+from fourbar_ros.mechanisms.quantities import Quantity, is_position, is_published
 from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.roots import EPS, fold
 
@@ -71,7 +71,7 @@ class Samples(NamedTuple):
 
 def needs_angles(quantity: Any) -> bool:
     """Return whether a quantity may depend on angles themselves, not only on their sines, cosines and rates."""
-    return not is_published(quantity)
+    return not is_published(quantity) or is_position(quantity)
 
 
 class Sampler:
@@ -110,6 +110,7 @@ class Sampler:
         if self.needs_loads and linkage.bodies is None:
             raise MissingBodies
         self.unit: float = linkage.input_unit
+        self.is_angle = np.array([is_position(q) and q.unit == 'rad' for q in quantities])
         self.flats: dict[int, FlatSide] = {}
         has_loads = linkage.bodies is not None and (self.needs_loads or with_angles)
         self._complex = COMPLEX_WITH_ANGLES if with_angles else COMPLEX
@@ -128,7 +129,7 @@ class Sampler:
     def only(self, row: int) -> Sampler:
         """Return the same for one of the quantities."""
         other = copy(self)
-        other.quantities = (self.quantities[row],)
+        other.quantities, other.is_angle = (self.quantities[row],), self.is_angle[[row]]
         other.with_angles = needs_angles(self.quantities[row])
         return other
 
@@ -140,7 +141,22 @@ class Sampler:
         if np.isinf(values).any() or np.isinf(slopes).any():
             raise InvalidParameter('rate, acceleration', self.rates, 'too large: quantities overflow')
         state = self.state(path.x)
-        return Samples(path, values, slopes, state, self.noise(state))
+        return Samples(path, self._continuous(values), slopes, state, self.noise(state))
+
+    def _continuous(self, values: Array) -> Array:
+        """Return the values along a path, angles without jumps, the least of them in [-pi, pi)."""
+        if self.is_angle.any():
+            angles = np.unwrap(values[self.is_angle], axis=1)
+            values[self.is_angle] = angles - 2.0 * pi * np.floor(angles.min(axis=1, keepdims=True) / (2.0 * pi) + 0.5)
+        return values
+
+    def next_to(self, reference: Array, values: Array, row: Array) -> Array:
+        """Return values of quantities ``row``, angles less than half a turn from those of a reference."""
+        if not self.is_angle.any():
+            return values
+        with np.errstate(invalid='ignore'):
+            turns = np.round((reference - values) / (2.0 * pi))
+        return np.where(self.is_angle[row] & (turns != 0.0), values + 2.0 * pi * turns, values)
 
     def with_lengths(self, lengths: Sequence[tuple[float, ...]], x: Array, row: Array) -> Sequence[Array]:
         """Return :meth:`at` for mechanisms of other lengths, shapes (n, mechanisms)."""
@@ -254,6 +270,7 @@ class Sampler:
         motion, loads = state
         sine = self.linkage.transmission_sine(motion).real
         scales = self.linkage.term_sizes(motion, *self.rates)
+        scales |= {'rad': 1.0, 'm': max(map(abs, self.linkage.lengths))}
         if self.needs_loads:
             scales['N'] = force = sum(abs(f.real) for f in (loads.f41, loads.f21, loads.f32, loads.f43))
             scales['N m'] = max(map(abs, self.linkage.lengths)) * force

@@ -47,7 +47,9 @@ def sampled_conditions(sampler: Sampler, x: Array, row: Array, spacing: Array) -
     curvature = (slope[x.size:] - slope[:x.size]) / turn
     steps, lengths = perturbed_lengths(sampler.linkage)
     value, slope = value[:x.size], slope[:x.size]
+    values, slopes = sampler.with_lengths(lengths, x, row)
+    values = sampler.next_to(value[:, None], values, row[:, None])
     size, place = ((np.abs(there - here[:, None]) / np.abs(steps)).sum(axis=1)
-                   for here, there in zip((value, slope), sampler.with_lengths(lengths, x, row)))
+                   for here, there in ((value, values), (slope, slopes)))
     with np.errstate(divide='ignore', invalid='ignore'):
         return place / np.abs(curvature), size / np.abs(value)

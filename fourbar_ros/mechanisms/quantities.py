@@ -84,6 +84,15 @@ QUANTITIES = {quantity.name: quantity for quantity in (
     Quantity('guide_couple', 'N m', 'couple of the guide', True),
 )}
 
+# By name alone: they turn back at dead points and at the ends of the input, which are known in closed form, so
+# that a request for everything leaves them out.
+POSITIONS = {quantity.name: quantity for quantity in (
+    Quantity('theta4', 'rad', 'angle of the output link, continuous', False),
+    Quantity('theta1', 'rad', 'angle of a crank that is not driven, continuous', False),
+    Quantity('slide', 'm', 'position of a slider that is not driven', False),
+    Quantity('transmission_angle', 'rad', 'transmission angle', False),
+)}
+
 
 def known(mechanism, driven=CRANK):
     """Return {name: Quantity} of what a mechanism, or a kind, has, driven at its crank or slide."""
@@ -99,18 +108,31 @@ def _known(motion, loads, coordinate):
             if name not in absent and name in (loads if quantity.is_load else motion)}
 
 
+def positions(mechanism, driven=CRANK):
+    """Return {name: Quantity} of the positions of a mechanism, or a kind, that are not given."""
+    return {name: quantity for name, quantity in POSITIONS.items()
+            if name in mechanism.MOTION._fields and name != mechanism.INPUTS[driven].position}
+
+
 def is_published(quantity):
     """Return whether this is one of the quantities with a name."""
-    return QUANTITIES.get(quantity.name) is quantity
+    return (QUANTITIES.get(quantity.name) or POSITIONS.get(quantity.name)) is quantity
+
+
+def is_position(quantity):
+    """Return whether this is one of the positions with a name."""
+    return POSITIONS.get(quantity.name) is quantity
 
 
 def select(names, mechanism, others=()):
     """
-    Return the quantities of these names, or all that a mechanism has (without loads if it has no masses).
+    Return the quantities of these names, or all rates, accelerations and loads that a mechanism has data for.
 
-    ``others``: more quantities that have a name, as those of a scene's points.
+    ``others``: more quantities that have a name, as those of a scene's points; of no names these are part too.
     """
     available = known(mechanism, mechanism.input) | {quantity.name: quantity for quantity in others}
+    if names:
+        available |= positions(mechanism, mechanism.input)
     for name in names:
         if name not in available:
             raise UnknownQuantity(name, available)
