@@ -81,6 +81,9 @@ def node_tables():
                             [(f'`{p.name}`', p.type, p.unit, default(p), p.allowed, 'yes' if p.live
                               else '', p.text)
                              for p in (*PARAMETERS.values(), *POINT.values())]),
+        'joints': table(('`linkage.kind`', 'joints in this order: place, coordinate'),
+                        [(f'`{name}`', '; '.join(f'{joint.place} `{joint.coordinate.position}`' for joint in kind.JOINTS))
+                         for name, kind in KINDS.items()]),
         'quantities': table(('quantity', 'unit', 'what', 'of'),
                             [(f'`{q.name}`', q.unit, q.text, having(q.name))
                              for q in (*QUANTITIES.values(), *POSITIONS.values())]),

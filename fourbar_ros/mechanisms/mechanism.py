@@ -36,6 +36,7 @@ from fourbar_ros.mechanisms.parts import (  # noqa: F401
     Length,
     Link,
     Output,
+    Quantity,
 )
 from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.given import number, records
@@ -103,7 +104,9 @@ class Mechanism(ABC):
     MARGIN_SIGNS : tuple of tuple
         How the sizes of the lengths enter each of :attr:`margins`.
     MODES : mapping
-        {assembly mode: its name as text}; an instance may have fewer than its kind.
+        {assembly mode: its name as text}; see :attr:`modes`.
+    QUANTITIES : tuple of Quantity
+        Fields of motion and loads that can be asked for by name, and that no other kind has.
     SLIDE_DIRECTION : tuple of 2 str, optional
         Fields of the motion: cosine and sine of the direction of a driven slide; None: it is x.
 
@@ -123,6 +126,7 @@ class Mechanism(ABC):
     WATCHED: ClassVar[tuple[str, ...]] = ('f41', 'shaking_moment')
     BODIES: ClassVar[type[Any]] = Bodies
     EXTERNAL: ClassVar[type[Any]] = External
+    QUANTITIES: ClassVar[tuple[Quantity, ...]] = ()
     MARGIN_SIGNS: ClassVar[tuple[tuple[int, ...], ...]]
     MODES: ClassVar[Mapping[int, str]] = {CROSSED: '1', OPEN: '2'}
     SLIDE_DIRECTION: ClassVar[tuple[str, str] | None] = None
@@ -226,6 +230,11 @@ class Mechanism(ABC):
     def ranges_of_both_modes(self):
         """Return {position of an output: its ranges over both modes}, as far as they are known in closed form."""
         return {}
+
+    @property
+    def modes(self):
+        """Return {assembly mode: its name as text}, of which one input may have fewer than another."""
+        return self.MODES
 
     @property
     def outputs(self):
@@ -354,8 +363,9 @@ class Mechanism(ABC):
                 raise InvalidParameter(name, value, f'must be shorter than {LONGEST:.3g} m: sums of lengths overflow')
         if self.input not in self.INPUTS:
             raise InvalidParameter('input', self.input, f'must be one of {", ".join(self.INPUTS)}')
-        if isinstance(self.mode, bool) or self.mode not in self.MODES:
-            raise InvalidParameter('mode', self.mode, 'must be 1 (crossed) or 2 (open)')
+        if isinstance(self.mode, bool) or self.mode not in self.modes:
+            raise InvalidParameter('mode', self.mode, 'must be 1 (crossed) or 2 (open)' if len(self.modes) > 1 else
+                                   f'must be {min(self.modes)}: driven at its {self.input} it has one assembly mode')
         given.update(mode=int(self.mode), gravity=_two_numbers('gravity', self.gravity),
                      external=records('external', self.external, Applied, self.EXTERNAL))
         if self.bodies is not None:

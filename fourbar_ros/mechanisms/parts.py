@@ -36,6 +36,19 @@ TRAVEL = Coordinate('slide', 'slide_velocity', 'slide_acceleration')
 SLOT = Coordinate('slot', 'slot_velocity', 'slot_acceleration')
 
 
+class Quantity(NamedTuple):
+    """A number that a mechanism has for each input: a field of its motion or, if ``is_load``, of its loads."""
+
+    name: str
+    unit: str
+    text: str
+    is_load: bool
+
+    def of(self, motion: Any, loads: Any) -> Any:
+        """Return its value from what :meth:`.Mechanism.step` returns."""
+        return getattr(loads if self.is_load else motion, self.name)
+
+
 class Length(NamedTuple):
     """A length that a mechanism is given by, positive unless ``signed``; zero if not given, then."""
 

@@ -7,7 +7,9 @@ from typing import Callable, NamedTuple
 import numpy as np
 
 from fourbar_ros.errors import FourBarError, nearest
+from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.mechanism import CRANK
+from fourbar_ros.mechanisms.parts import Quantity
 from fourbar_ros.mechanisms.points import link_motion, point_of
 
 
@@ -20,19 +22,6 @@ class UnknownQuantity(FourBarError, KeyError):
 
     def __str__(self):
         return self.args[0]
-
-
-class Quantity(NamedTuple):
-    """A number that a mechanism has for each input: a field of its motion or, if ``is_load``, of its loads."""
-
-    name: str
-    unit: str
-    text: str
-    is_load: bool
-
-    def of(self, motion, loads):
-        """Return its value from what :meth:`FourBar.step` returns."""
-        return getattr(loads if self.is_load else motion, self.name)
 
 
 class Function(NamedTuple):
@@ -83,6 +72,7 @@ QUANTITIES = {quantity.name: quantity for quantity in (
     Quantity('guide_force', 'N', 'force of the guide, square to it', True),
     Quantity('guide_couple', 'N m', 'couple of the guide', True),
 )}
+QUANTITIES |= {quantity.name: quantity for kind in KINDS.values() for quantity in kind.QUANTITIES}
 
 # By name alone: they turn back at dead points and at the ends of the input, which are known in closed form, so
 # that a request for everything leaves them out.

@@ -229,9 +229,10 @@ def _motion_lines(mechanism, motion, unit):
             lines.append(rf'${symbol}$ = {degrees(remainder(position, 2.0 * pi)):.2f}°,  ${omega}$ = {significant(rate)} rad/s,  '
                          rf'${alpha}$ = {significant(acceleration)} rad/s$^2$')
         else:
-            name, symbol = coordinate.position, _symbol(coordinate.position)
+            symbol = _symbol(coordinate.position)
+            name = f'{coordinate.position} ' if len(symbol) == 1 else ''
             slide, rate, acceleration = (significant(value / size) for value in (position, rate, acceleration))
-            lines.append(rf'{name} ${symbol}$ = {slide} {text},  $\dot {symbol}$ = {rate} {text}/s,  '
+            lines.append(rf'{name}${symbol}$ = {slide} {text},  $\dot {symbol}$ = {rate} {text}/s,  '
                          rf'$\ddot {symbol}$ = {acceleration} {text}/s$^2$')
     return lines
 

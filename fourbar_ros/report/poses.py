@@ -8,6 +8,7 @@ from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.mechanisms.quantities import QUANTITIES
 from fourbar_ros.pipeline.status import (
     INVALID_INPUT,
     OUT_OF_RANGE,
@@ -124,6 +125,9 @@ def loads_table(pose: Pose) -> PlainTable:
     for name, (text, unit) in MOMENTS.items():
         if name in pose.loads._fields:
             table.add_row(text, '', '', number(getattr(pose.loads, name)), unit)
+    for name in pose.loads._fields:                  # what only one kind of mechanism has
+        if name in QUANTITIES and name not in FORCES and name not in MOMENTS:
+            table.add_row(name.replace('_', ' '), '', '', number(getattr(pose.loads, name)), QUANTITIES[name].unit)
     return table
 
 

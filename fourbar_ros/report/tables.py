@@ -55,7 +55,7 @@ def class_name(linkage):
 
 def mode_name(linkage):
     """Return the assembly mode as text."""
-    return linkage.MODES[linkage.mode]
+    return linkage.modes[linkage.mode]
 
 
 def rate_unit(linkage):

@@ -88,7 +88,7 @@ class Search:
 
 def _modes(request, linkage):
     modes = {request.MODE_OF_SCENE: (linkage.mode,), request.MODE_CROSSED: (1,),
-             request.MODE_OPEN: (2,), request.MODE_BOTH: (1, 2)}
+             request.MODE_OPEN: (2,), request.MODE_BOTH: tuple(linkage.modes)}
     if request.mode not in modes:
         raise _BadRequest(f'mode = {request.mode}: must be 0 (of the scene), 1, 2 or 3 (both)')
     return modes[request.mode]
