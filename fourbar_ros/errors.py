@@ -42,32 +42,29 @@ def _short(value):
     return text if len(text) <= 100 else f'{text[:60]} ... {text[-30:]}'
 
 
-UNITS = {'theta1': 'rad', 'slide': 'm'}     # of what a mechanism can be driven by
-
-
-def in_words(name, ranges):
+def in_words(ranges, unit):
     """Return the ranges of an input as text."""
-    return f'{" or ".join(f"[{low:.9g}, {high:.9g}]" for low, high in ranges)} {UNITS[name]}'
+    return f'{" or ".join(f"[{low:.9g}, {high:.9g}]" for low, high in ranges)} {unit}'
 
 
 class OutOfRange(FourBarError, ValueError):
     """The mechanism cannot be assembled at the given input; its ``name``, ``value``, ``ranges`` are kept."""
 
-    def __init__(self, name, value, ranges):
+    def __init__(self, name, value, ranges, unit):
         self.name, self.value, self.ranges = name, value, ranges
-        super().__init__(f'{name} = {value!r} {UNITS[name]} is outside the input range {in_words(name, ranges)}')
+        super().__init__(f'{name} = {value!r} {unit} is outside the input range {in_words(ranges, unit)}')
 
 
 class Toggle(FourBarError, ArithmeticError):
     """The dyad is in line, so that rates and loads are unbounded; ``name`` and ``value`` of the input are kept."""
 
-    def __init__(self, name, value):
+    def __init__(self, name, value, unit):
         self.name, self.value = name, value
-        super().__init__(f'{name} = {value!r} {UNITS[name]} is a toggle position: rates and loads are unbounded')
+        super().__init__(f'{name} = {value!r} {unit} is a toggle position: rates and loads are unbounded')
 
 
 class MissingBodies(FourBarError, ValueError):
-    """Loads were asked of a linkage whose masses are not known."""
+    """Loads were requested from a mechanism without masses."""
 
     def __init__(self):
-        super().__init__('loads need the masses of the links: give bodies to the linkage')
+        super().__init__('loads require mass properties: construct the mechanism with bodies=...')

@@ -37,13 +37,13 @@ def _check(arguments):
 
 
 def _leaves_the_range(linkage, drive):
-    from fourbar_ros.errors import UNITS, in_words
+    from fourbar_ros.errors import in_words
     from fourbar_ros.pipeline.status import OUT_OF_RANGE, evaluate
-    name = linkage.input_coordinate.position
-    allowed = in_words(name, linkage.input_ranges)
+    unit = linkage.input_coordinate.unit
+    allowed = in_words(linkage.input_ranges, unit)
     policy = f'(drive.out_of_range: {drive.out_of_range})'
     if evaluate(linkage, drive.start, 0.0, 0.0, False)[0] == OUT_OF_RANGE:
-        return f'note: drive.start = {drive.start:g} {UNITS[name]} is outside {allowed} {policy}'
+        return f'note: drive.start = {drive.start:g} {unit} is outside {allowed} {policy}'
     return f'note: the input cannot turn fully: the timer will drive it out of {allowed} {policy}'
 
 

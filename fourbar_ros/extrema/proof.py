@@ -3,7 +3,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from fourbar_ros.errors import UNITS
 from fourbar_ros.extrema import interval_proof
 from fourbar_ros.extrema.four_bar_rates import exact_count
 from fourbar_ros.extrema.input_paths import InputPath
@@ -48,7 +47,7 @@ def by_intervals(sampler: Sampler, paths: Sequence[InputPath], found: Sequence[F
             for path in paths for side, end in path.ends()]
     number = sum(part.side == 0 and any(0.0 < side * linkage.distance(sampler.unit * part.place, at) < width
                                         for side, at, width in ends) for part in found)
-    unit = UNITS[linkage.input_coordinate.position]
+    unit = linkage.input_coordinate.unit
     return (sum(decided) + number,
             INTERVALS + (f', except {max(width for *_, width in ends):.0e} {unit} at the ends' if ends else ''))
 

@@ -315,7 +315,7 @@ class Mechanism(ABC):
         object.__setattr__(self, 'stroke', (low, high))
         if not self.input_ranges:
             raise InvalidParameter('stroke', self.stroke, 'the links cannot close anywhere in it: '
-                                   f'they do in {in_words(self.input_coordinate.position, self.closing_ranges)}')
+                                   f'they do in {in_words(self.closing_ranges, self.input_coordinate.unit)}')
 
     def _within_stroke(self, ranges):
         """Return the parts of ranges of the input that lie in the stroke."""
@@ -519,14 +519,14 @@ class Mechanism(ABC):
 
     def _why_no_motion(self, position):
         """Return the error for an input at which a square root was not real or a sine zero."""
-        name = self.input_coordinate.position
+        name, unit = self.input_coordinate.position, self.input_coordinate.unit
         # A limit and the input compared with it are each rounded, and so is their distance.
         tolerance = 4.0 * EPS * abs(position)
         toggles = self.input_ranges if self.stroke is None else self.closing_ranges
         if self.is_in_stroke(position) and any(
                 abs(self.distance(position, end)) <= tolerance for bounds in toggles for end in bounds):
-            return Toggle(name, position)
-        return OutOfRange(name, position, self.input_ranges)
+            return Toggle(name, position, unit)
+        return OutOfRange(name, position, self.input_ranges, unit)
 
     def _only(self, fields, given, with_loads):
         """Return the fields of these names alone, as a tuple in their order."""

@@ -36,7 +36,7 @@ class Joints:
 
     Parameters
     ----------
-    layout : Layout
+    layout : FieldMap
         Tells where angles, rates and drive stand among the values.
     shown : JointStates
         Ratios, offsets, and whether the last known positions are held.

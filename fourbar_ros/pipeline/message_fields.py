@@ -22,7 +22,7 @@ PASSIVE_EFFORT = 0.0                                   # frictionless joints
 _EFFORTS = {THETA1: 'driving_torque', TRAVEL: 'driving_force'}
 
 
-class Layout(NamedTuple):
+class FieldMap(NamedTuple):
     """
     Where the numbers of a mechanism and its points go.
 
@@ -72,7 +72,7 @@ class Names(NamedTuple):
 @cache
 def layout(given, points=(), with_effort=True, own_joints=False, with_drive=False):
     """
-    Return the :class:`Layout` of a mechanism by its :class:`Names`, with named points.
+    Return the :class:`FieldMap` of a mechanism by its :class:`Names`, with named points.
 
     ``with_effort``: joint_states have it; ``own_joints``: what they show are values of :mod:`fourbar_ros.pipeline.joints`, not
     those of the motion; ``with_drive``: with the drive wrench of :mod:`fourbar_ros.pipeline.wrenches`.
@@ -96,7 +96,7 @@ def layout(given, points=(), with_effort=True, own_joints=False, with_drive=Fals
     if with_drive:
         fields['drive_wrench'] = dict(zip(('wrench.force.x', 'wrench.force.y', 'wrench.torque.z'), wrenches.NAMES))
     names += (wrenches.NAMES if with_drive else ()) + (joints.names(len(given.joints)) if own_joints else ())
-    return Layout(fields, absent, {name: i for i, name in enumerate(names)},
+    return FieldMap(fields, absent, {name: i for i, name in enumerate(names)},
                   tuple((joint, _EFFORTS.get(joint)) for joint in given.joints))
 
 

@@ -19,7 +19,7 @@ from fourbar_ros.scene.files import SceneError, flatten, read_values  # noqa: F4
 IN_WORDS = {1: 'one', 2: 'two', 3: 'three', 4: 'four', 5: 'five', 6: 'six', 7: 'seven', 8: 'eight'}
 
 
-class Drive(NamedTuple):
+class DriveSettings(NamedTuple):
     """What moves the input: source 'timer', 'motion' or 'joint_state'; see the parameter table."""
 
     source: str
@@ -35,8 +35,8 @@ class Drive(NamedTuple):
     out_of_range: str
 
 
-class Recording(NamedTuple):
-    """Where bags go, whether to record from the start, when to go on in a new file [MB], [s], what to keep [s]."""
+class RecordingSettings(NamedTuple):
+    """Where and when to record, when to continue in a new file [MB], [s], and how much to keep [s]."""
 
     start: bool
     directory: str
@@ -82,12 +82,12 @@ class Scene(NamedTuple):
     linkage: Mechanism
     points: dict[str, Point]
     wrenches: Wrenches
-    drive: Drive
+    drive: DriveSettings
     outputs: tuple[str, ...]
     frame_id: str
     joint_names: tuple[str, ...]      # with their prefix
     joint_states: JointStates
-    recording: Recording
+    recording: RecordingSettings
     values: dict       # every parameter by name
 
     @property
@@ -107,7 +107,7 @@ class Scene(NamedTuple):
 
     @property
     def layout(self):
-        """Return the :class:`~.records.Layout` of its values."""
+        """Return the :class:`~fourbar_ros.pipeline.message_fields.FieldMap` of its values."""
         return layout(Names.of(self.linkage), tuple(self.points), self.needs_loads,
                       not self.joint_states.are_plain, 'drive_wrench' in self.outputs)
 
@@ -140,9 +140,9 @@ def from_values(values):
     linkage = _linkage(values)
     wrenches = Wrenches(tuple(link for link in linkage.EXTERNAL._fields if values[f'external.{link}.from_topic']),
                         values['external.timeout'], values['external.when_silent'])
-    scene = Scene(linkage, points, wrenches, _group(Drive, 'drive', values), tuple(values['outputs']),
+    scene = Scene(linkage, points, wrenches, _group(DriveSettings, 'drive', values), tuple(values['outputs']),
                   values['frame_id'], tuple(shown.prefix + name for name in values['joint_names']), shown,
-                  _group(Recording, 'recording', values), values)
+                  _group(RecordingSettings, 'recording', values), values)
     _check_together(scene)
     return scene
 

@@ -228,7 +228,7 @@ def test_too_long_is_said(kind, lengths, more, power):
 # --- processes -------------------------------------------------------------------------------------
 
 ERRORS = [FourBarError('text'), InvalidParameter('mass', -1.0, 'must not be'), InvalidParameter('mass', None, 'is missing'),
-          OutOfRange('theta1', 3.0, ((-1.0, 1.0),)), Toggle('slide', 2.0), MissingBodies(), UnknownQuantity('x', ('y', 'z')),
+          OutOfRange('theta1', 3.0, ((-1.0, 1.0),), 'rad'), Toggle('slide', 2.0, 'm'), MissingBodies(), UnknownQuantity('x', ('y', 'z')),
           BagError('no bag'), SceneError('no scene'), CannotDraw('no picture')]
 
 

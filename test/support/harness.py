@@ -20,7 +20,7 @@ ALL_OUTPUTS = [name for name in OUTPUTS if name != 'points']      # these need p
 
 
 def fields_of(layout, output, message):
-    """Return the fields of a message as Layout.expected does."""
+    """Return the fields of a message as FieldMap.expected does."""
     def plain(value):
         return tuple(value) if hasattr(value, '__len__') else value
 

@@ -33,7 +33,7 @@ class Drive:
         self.counts = dict.fromkeys(self.COUNTED, 0)
 
     def apply(self, settings):
-        """Take over changed settings (a Drive of the scene)."""
+        """Take over changed DriveSettings of the scene."""
         self.settings = settings
 
     def age(self):

@@ -38,7 +38,7 @@ def writer(output: str, message: Any, layout) -> tuple[Callable[..., bytes], boo
         Name of the output in the layout.
     message : ROS message
         With its constants set; what is written depends on them, so on the scene.
-    layout : fourbar_ros.pipeline.message_fields.Layout
+    layout : fourbar_ros.pipeline.message_fields.FieldMap
 
     """
     fill = filler(output, message, layout)

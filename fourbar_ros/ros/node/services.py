@@ -65,7 +65,8 @@ def evaluate_one(node, request, response):
                        INVALID_INPUT: response.RESULT_INVALID_REQUEST, RATES_UNKNOWN: response.RESULT_INVALID_REQUEST,
                        TOGGLE: response.RESULT_TOGGLE}[status]
     if status == OUT_OF_RANGE:
-        response.message = str(OutOfRange(linkage.input_coordinate.position, request.position, linkage.input_ranges))
+        driven = linkage.input_coordinate
+        response.message = str(OutOfRange(driven.position, request.position, linkage.input_ranges, driven.unit))
     elif status in (INVALID_INPUT, RATES_UNKNOWN):
         response.message = 'position, velocity, acceleration must be finite, and so must the result'
     elif status == TOGGLE:

@@ -1,7 +1,7 @@
 """Log lines about the status of the stream."""
 from __future__ import annotations
 
-from fourbar_ros.errors import UNITS, OutOfRange
+from fourbar_ros.errors import OutOfRange
 from fourbar_ros.pipeline.status import OK, OUT_OF_RANGE, STATUS_NAMES
 
 
@@ -23,9 +23,9 @@ class StatusLog:
         if status == OK:
             self._log.info(status, 'input good again')
             return
-        name = linkage.input_coordinate.position
-        self._log.warning(status, str(OutOfRange(name, position, linkage.input_ranges)) if status == OUT_OF_RANGE
-                          else f'{name} = {position!r} {UNITS[name]}: {STATUS_NAMES[status]}')
+        name, unit = linkage.input_coordinate.position, linkage.input_coordinate.unit
+        self._log.warning(status, str(OutOfRange(name, position, linkage.input_ranges, unit))
+                          if status == OUT_OF_RANGE else f'{name} = {position!r} {unit}: {STATUS_NAMES[status]}')
 
     def timeout(self, seconds):
         """Log that the input has stopped."""
