@@ -20,6 +20,8 @@ from mcap.records import Channel, MetadataIndex, Schema, Statistics
 
 from fourbar_ros.bag import BagError, rosbag2
 from fourbar_ros.bag.cdr import Decoder
+from fourbar_ros.bag.file_metadata import metadata_in, repeats_in
+from fourbar_ros.bag.records import Columns, Raw, Record
 from fourbar_ros.bag.mcap_records import (
     HEAD,
     IS_MESSAGE,
@@ -35,52 +37,6 @@ from fourbar_ros.bag.mcap_scan import MAGIC, Scan, chunk_index, ending, is_being
 BLOCK = 20_000          # messages that are decoded together: large for numpy, small for the memory
 BLOCK_BYTES = 1 << 24   # and no more bytes than these, but for one chunk: pictures are large
 POLL = 0.02             # [s] between two looks at a bag that grows
-
-
-class Record(NamedTuple):
-    """One recorded message: its topic, log time [ns] and the decoded message."""
-
-    topic: str
-    time: int
-    message: Any
-
-
-class Raw(NamedTuple):
-    """One recorded message as it was sent."""
-
-    topic: str
-    type: str
-    time: int
-    sequence: int
-    data: bytes
-    channel: int            # two types on one topic are two channels
-
-
-class Columns(NamedTuple):
-    """Messages of one topic and one layout, in order: log times [ns], their places in the bag, fields."""
-
-    topic: str
-    times: np.ndarray
-    places: np.ndarray
-    records: np.ndarray      # one row a message; field names are paths
-    layout: Any
-
-    @property
-    def type(self):
-        """Return the type of the messages."""
-        return self.layout.type
-
-    @property
-    def tree(self):
-        """Return the fields as nested namespaces of arrays: ``tree.header.stamp.sec``."""
-        return self.layout.tree(self.records)
-
-    @property
-    def stamps(self):
-        """Return the stamps of the headers [ns], None if the messages have none."""
-        if 'header.stamp.sec' not in self.records.dtype.names:
-            return None
-        return self.records['header.stamp.sec'].astype(np.int64) * 10**9 + self.records['header.stamp.nanosec']
 
 
 class Bag:
@@ -151,7 +107,7 @@ class Bag:
 
         Of a split bag that of the first part, with what the last one adds to its custom_data.
         """
-        told = [found for found in (_metadata_in(file) for file in (self.files[0], *self.files[1:][-1:])) if found]
+        told = [found for found in (metadata_in(file) for file in (self.files[0], *self.files[1:][-1:])) if found]
         if not told:
             raise BagError(f'{self.path}: has no rosbag2 metadata')
         if len(told) > 1:
@@ -363,7 +319,7 @@ class Bag:
                                    'fourbar bag recover keeps the rest') from None
                 if found:
                     if repeats is None:                # told before the first message; the file may have been empty
-                        repeats = _repeats(path)
+                        repeats = repeats_in(path)
                     yield self._without(found, repeats) if repeats else found
                 if progress:
                     progress(self._read + scan.end)
@@ -463,41 +419,6 @@ def _is_same(a, b):
     if isinstance(a, Channel):
         return (a.topic, a.message_encoding, a.schema_id) == (b.topic, b.message_encoding, b.schema_id)
     return (a.name, a.encoding, a.data) == (b.name, b.encoding, b.data)
-
-
-def _metadata_in(path):
-    """Return the rosbag2 metadata of a file, None if it has none."""
-    found = None
-    with open(path, 'rb') as file:
-        for record in _metadata_records(file):
-            if record.name == rosbag2.RECORD and rosbag2.KEY in record.metadata:
-                with contextlib.suppress(BagError):
-                    found = rosbag2.loaded(record.metadata[rosbag2.KEY])
-    return found if isinstance(found, dict) else None
-
-
-def _metadata_records(file):
-    """Yield every undamaged metadata record, by the index if there is one."""
-    end = ending(file)
-    places = end.of(MetadataIndex) if end else ()
-    is_told = places or end and any(not told.metadata_count for told in end.of(Statistics))
-    for place in places:
-        file.seek(place.offset)
-        with contextlib.suppress(Damaged):
-            yield parse(Opcode.METADATA, file.read(place.length)[HEAD.size:])
-    for _, opcode, body in () if is_told else Scan(file):
-        if opcode == Opcode.METADATA:
-            yield parse(opcode, body)
-
-
-def _repeats(path):
-    """Return {topic: number of its first new message} of a later part of a split bag of ours."""
-    try:
-        about = (_metadata_in(path) or {})['custom_data']
-        numbers = json.loads(about[rosbag2.NUMBERS])
-        return {topic: int(numbers[topic][0]) for topic in rosbag2.repeated(about)}
-    except (KeyError, TypeError, ValueError, IndexError):
-        return {}
 
 
 def records(path, topics=None, start=None, follow=False):

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 from math import inf
 from operator import attrgetter
-from typing import NamedTuple
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from fourbar_ros.pipeline.message_fields import driven_of
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.bag import BagError, rosbag2
 from fourbar_ros.bag.acting import UNSETTLED, Acting
+from fourbar_ros.bag.difference import Difference, Recomputed, distance
 from fourbar_ros.bag.driven import Driven, inputs_of
 from fourbar_ros.bag.matching import Tally, Window, in_order
 from fourbar_ros.bag.origin import origin_of, scene_of
@@ -30,64 +30,6 @@ __all__ = ['Difference', 'Recomputed', 'compare', 'distance', 'recompute', 'scen
 
 WINDOW = 1000           # inputs whose outputs may still come; bags of rosbag2 have them in any order
 PLANAR = ('wrench.force.z', 'wrench.torque.x', 'wrench.torque.y')      # what a planar linkage does not have
-
-
-class Difference(NamedTuple):
-    """Largest difference of one field of one topic over all its messages; of texts infinite."""
-
-    topic: str
-    field: str
-    messages: int
-    largest: float
-
-
-class Recomputed(NamedTuple):
-    """
-    What became of a bag.
-
-    Attributes
-    ----------
-    differences : list of Difference
-    inputs, compared : int
-        Motions of the driven joint, and outputs that were computed again from them.
-    unmatched : int
-        Outputs whose motion is not in the bag.
-    missing, doubled : int
-        Outputs that a motion should have and has not, or has once more.
-    silent, uncertain : int
-        Outputs that say that the input had stopped; outputs that depend on what the bag cannot tell: values held
-        from before a part of a split bag, the order around a change of the scene in a bag of rosbag2.
-    driven : str
-        How the motion of the driven joint itself was checked.
-    cut : bool
-        The bag ends without an end.
-
-    """
-
-    differences: list
-    inputs: int
-    compared: int
-    unmatched: int
-    missing: int
-    doubled: int
-    silent: int
-    uncertain: int
-    driven: str
-    cut: bool
-
-    @property
-    def largest(self):
-        """Return the largest of all differences."""
-        return max((difference.largest for difference in self.differences), default=0.0)
-
-    def problems(self, tolerance=0.0):
-        """Return what is not as it should be, as a list of texts; empty for a good bag."""
-        counts = ((self.unmatched, 'outputs without their motion'), (self.missing, 'outputs missing'),
-                  (self.doubled, 'outputs more than once'))
-        found = [f'{count} {text}' for count, text in counts if count]
-        if self.largest > tolerance:
-            found.insert(0, f'differences up to {self.largest:g}')
-        return found if self.compared else ['nothing could be compared', *found]
 
 
 def recompute(path):
@@ -346,13 +288,3 @@ def _rows(value, count):
     """Return a value of ``count`` messages, or a tuple of them, as an array (..., count)."""
     parts = [np.broadcast_to(part, count) for part in (value if isinstance(value, tuple) else (value,))]
     return np.stack(parts) if isinstance(value, tuple) else parts[0]
-
-
-def distance(a, b):
-    """Return the largest difference of two arrays; NaN against NaN is none, against a number infinite."""
-    with np.errstate(invalid='ignore'):
-        distance = np.abs(a - b)
-    unknown = np.isnan(distance)
-    if unknown.any():           # inf - inf, or NaN on one side or both
-        distance = np.where(unknown, np.where((a == b) | (np.isnan(a) & np.isnan(b)), 0.0, inf), distance)
-    return float(distance.max())

@@ -1,0 +1,47 @@
+"""The rosbag2 metadata kept in an .mcap file."""
+from __future__ import annotations
+
+import contextlib
+import json
+
+from mcap.opcode import Opcode
+from mcap.records import MetadataIndex, Statistics
+
+from fourbar_ros.bag import BagError, rosbag2
+from fourbar_ros.bag.mcap_records import HEAD, Damaged, parse
+from fourbar_ros.bag.mcap_scan import Scan, ending
+
+
+def metadata_in(path):
+    """Return the rosbag2 metadata of a file, None if it has none."""
+    found = None
+    with open(path, 'rb') as file:
+        for record in metadata_records(file):
+            if record.name == rosbag2.RECORD and rosbag2.KEY in record.metadata:
+                with contextlib.suppress(BagError):
+                    found = rosbag2.loaded(record.metadata[rosbag2.KEY])
+    return found if isinstance(found, dict) else None
+
+
+def metadata_records(file):
+    """Yield every undamaged metadata record, by the index if there is one."""
+    end = ending(file)
+    places = end.of(MetadataIndex) if end else ()
+    is_told = places or end and any(not told.metadata_count for told in end.of(Statistics))
+    for place in places:
+        file.seek(place.offset)
+        with contextlib.suppress(Damaged):
+            yield parse(Opcode.METADATA, file.read(place.length)[HEAD.size:])
+    for _, opcode, body in () if is_told else Scan(file):
+        if opcode == Opcode.METADATA:
+            yield parse(opcode, body)
+
+
+def repeats_in(path):
+    """Return {topic: number of its first new message} of a later part of a split bag of ours."""
+    try:
+        about = (metadata_in(path) or {})['custom_data']
+        numbers = json.loads(about[rosbag2.NUMBERS])
+        return {topic: int(numbers[topic][0]) for topic in rosbag2.repeated(about)}
+    except (KeyError, TypeError, ValueError, IndexError):
+        return {}
