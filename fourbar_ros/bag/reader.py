@@ -7,16 +7,14 @@ Read a bag without ROS: a directory or a single .mcap file; finished, cut, or st
 from __future__ import annotations
 
 import contextlib
-import json
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import numpy as np
 from mcap.opcode import Opcode
 from mcap.reader import make_reader
-from mcap.records import Channel, MetadataIndex, Schema, Statistics
+from mcap.records import Channel, Schema
 
 from fourbar_ros.bag import BagError, rosbag2
 from fourbar_ros.bag.cdr import Decoder

@@ -18,7 +18,7 @@ from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK
 from fourbar_ros.scene.topics import DRIVEN, INPUTS
 from fourbar_ros.pipeline.message_fields import driven_of
 from fourbar_ros.pipeline.stepper import Stepper
-from fourbar_ros.bag import BagError, rosbag2
+from fourbar_ros.bag import rosbag2
 from fourbar_ros.bag.acting import UNSETTLED, Acting
 from fourbar_ros.bag.difference import Difference, Recomputed, distance
 from fourbar_ros.bag.driven import Driven, inputs_of
