@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
     from fourbar_ros.mechanisms.mechanism import CROSSED, OPEN
     from fourbar_ros.mechanisms.points import point_motion
+    from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
     from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
     from fourbar_ros.scene.scene import load as load_scene
 
@@ -41,6 +42,7 @@ _FACE = {
     'mechanisms.inverted_slider_crank.inverted_slider_crank': ('InvertedSlider',),
     'mechanisms.mechanism': ('CROSSED', 'OPEN'),
     'mechanisms.points': ('point_motion',),
+    'mechanisms.scotch_yoke.scotch_yoke': ('ScotchYoke',),
     'mechanisms.slider_crank.slider_crank': ('SliderCrank',),
 }
 _MODULE_OF = {name: module for module, names in _FACE.items() for name in names}
@@ -48,7 +50,7 @@ _MODULE_OF = {name: module for module, names in _FACE.items() for name in names}
 __all__ = [
     'CROSSED', 'OPEN', 'Applied', 'Bodies', 'Body', 'External', 'FourBar', 'FourBarError',
     'InvalidParameter', 'InvertedSlider', 'Loads', 'MissingBodies', 'Motion', 'OutOfRange',
-    'SliderCrank', 'Toggle', 'find_extrema', 'find_extrema_many', 'load_scene', 'point_motion',
+    'ScotchYoke', 'SliderCrank', 'Toggle', 'find_extrema', 'find_extrema_many', 'load_scene', 'point_motion',
     'round_rod',
 ]
 

@@ -15,7 +15,7 @@ LAYERS = (('errors',), ('optional',), ('numerics',), ('mechanics',), ('mechanism
 LEVEL = {folder: level for level, folders in enumerate(LAYERS) for folder in folders}
 LATERAL = {('report', 'scene'), ('reproduction', 'bag'), ('scene', 'report')}
 
-KINDS = ('four_bar', 'slider_crank', 'inverted_slider_crank')
+KINDS = tuple(path.parent.name for path in sorted(PACKAGE.glob('mechanisms/*/__init__.py')))
 # Where one kind may be named: the registry, the searches that are for the four-bar alone, its public
 # face, and the reproduction of documents about it.
 MAY_NAME_KINDS = ('fourbar_ros', 'fourbar_ros.mechanisms.kinds', 'fourbar_ros.extrema.methods',
@@ -133,7 +133,7 @@ def test_no_type_test_of_a_kind():
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.Call) and getattr(node.func, 'id', '') in ('isinstance', 'issubclass'):
                 names = {n.id for n in ast.walk(node.args[1]) if isinstance(n, ast.Name)}
-                if names & {'FourBar', 'SliderCrank', 'InvertedSlider', 'InvertedSliderCrank'}:
+                if names & {'FourBar', 'SliderCrank', 'InvertedSlider', 'ScotchYoke'}:
                     wrong.append(f'{module}:{node.lineno}')
     assert not wrong, '\n'.join(wrong)
 

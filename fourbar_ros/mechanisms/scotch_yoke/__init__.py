@@ -1,0 +1,1 @@
+"""The Scotch yoke."""

@@ -1,0 +1,164 @@
+"""The Scotch yoke: what it is, how far it moves, what it is made of."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import Any, NamedTuple
+
+from fourbar_ros.mechanics.bodies import Bodies, External
+from fourbar_ros.mechanisms.mechanism import CRANK, OPEN, SLIDE, Constants, Mechanism
+from fourbar_ros.mechanisms.parts import (
+    SLOT,
+    THETA1,
+    THETA2,
+    TRAVEL,
+    Arrow,
+    Diagram,
+    Joint,
+    Length,
+    Link,
+    Output,
+    Quantity,
+)
+from fourbar_ros.mechanisms.points import LinkMotion, crank_motion, point_of
+from fourbar_ros.mechanisms.scotch_yoke import diagram
+from fourbar_ros.mechanisms.scotch_yoke.loads import ScotchYokeLoads, make_loads
+from fourbar_ros.mechanisms.scotch_yoke.motion import (
+    ScotchYokeMotion,
+    make_crank_motion,
+    make_slide_motion,
+)
+from fourbar_ros.numerics.number_types import Function, NumberType
+
+
+class YokeDeadPoint(NamedTuple):
+    """Crank along the guide: the yoke turns back."""
+
+    theta1: float     # [rad]
+    slide: float      # [m]
+
+
+@dataclass(frozen=True)
+class ScotchYoke(Mechanism):
+    """
+    Scotch yoke: the crank pin A, on a block, moves a slotted yoke along y = offset; the slot is square to it.
+
+    Parameters
+    ----------
+    a1 : float
+        Length of the crank [m], positive.
+    offset : float
+        Of the guide from O1, to the left of x [m]; it matters for couples alone.
+    mode : int
+        Assembly mode. A driven slide: 2 has sin(theta1) > 0, 1 < 0. A driven crank has one mode, 2.
+    input : str
+        'crank' or 'slide': what theta1 or slide is given for.
+    bodies : Bodies, optional
+        Crank from O1, block (``coupler``) from A along the slot (y), yoke (``output``) from B, where slot
+        and guide cross, along x. Block and yoke do not turn.
+    gravity : tuple of 2 floats
+        Field of gravity (x, y) [m/s^2].
+    external : External
+        Forces and couples on block (``coupler``) and yoke (``output``).
+    stroke : tuple of 2 floats, optional
+        Shortest and longest slide [m] of a driven slide; not given: [-a1, a1].
+
+    Raises
+    ------
+    InvalidParameter
+        Naming the parameter, its value and what is allowed.
+
+    """
+
+    a1: float
+    offset: float = 0.0
+    mode: int = OPEN
+    input: str = CRANK
+    bodies: Bodies | None = None
+    gravity: tuple[float, float] = (0.0, 0.0)
+    external: External = External()
+    stroke: tuple[float, float] | None = None
+
+    TITLE = 'Scotch yoke'
+    TEXT = 'a crank pin in the slot of a yoke that slides parallel to x, a Scotch yoke'
+    LENGTHS = (Length('a1', 'length of the crank O1-A'), Length('offset', 'y of the guide', signed=True))
+    LINKS = (Link('crank', 'crank', 'O1', 'a1', is_loadable=False), Link('coupler', 'block', 'A', turns=False),
+             Link('output', 'yoke', 'B', turns=False))
+    INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
+    OUTPUTS = {CRANK: (Output(TRAVEL, 'slide_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
+    JOINTS = (Joint('O1', THETA1), Joint('A', THETA2), Joint('slot', SLOT), Joint('guide', TRAVEL))
+    PARTS = {THETA1: 'crank', THETA2: 'block to crank', SLOT: 'block in the slot', TRAVEL: 'yoke'}
+    DRAWN = (THETA1, TRAVEL, SLOT)
+    MOTION, LOADS = ScotchYokeMotion, ScotchYokeLoads
+    MARGIN_SIGNS = ((1, 1),)
+    QUANTITIES = (Quantity('slot_velocity', 'm/s', 'velocity of the block in the slot', False),
+                  Quantity('slot_acceleration', 'm/s^2', 'acceleration of the block in the slot', False),
+                  Quantity('slot_couple', 'N m', 'couple of the slot on its block', True))
+
+    def __post_init__(self) -> None:
+        self._check()
+        self._check_stroke()
+
+    @property
+    def modes(self) -> dict[int, str]:
+        """Return the assembly modes: two for a driven slide, one for a driven crank."""
+        return {1: '1', 2: '2'} if self.input == SLIDE else {2: '2, the only one'}
+
+    @property
+    def margins(self) -> tuple[float, ...]:
+        """Return a1: no lengths make a change point."""
+        return (self.a1,)
+
+    @property
+    def classification(self) -> str:
+        """Return the type: the crank of every one can turn fully."""
+        return 'harmonic motion'
+
+    @property
+    def closing_ranges(self) -> tuple[tuple[float, float], ...]:
+        """Return the range of the input: a full turn, or -a1 to a1, where the crank lies along the guide."""
+        return ((-pi, pi),) if self.input == CRANK else ((-self.a1, self.a1),)
+
+    @property
+    def singular_inputs(self) -> list[complex]:
+        """Return the toggles of a driven slide; of a driven crank there are no singular inputs."""
+        return [] if self.input == CRANK else [complex(-self.a1), complex(self.a1)]
+
+    @property
+    def dead_points(self) -> tuple[YokeDeadPoint, ...]:
+        """Return where the yoke of a driven crank turns back."""
+        return (YokeDeadPoint(0.0, self.a1), YokeDeadPoint(pi, -self.a1)) if self.input == CRANK else ()
+
+    def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
+        """Return the function (position, rate, acceleration) -> fields of MOTION for constants of a number type."""
+        make = make_crank_motion if self.input == CRANK else make_slide_motion
+        return make(numbers, *constants.lengths, constants.sign)
+
+    def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
+        """Return the function (fields of MOTION) -> fields of LOADS for constants of a number type."""
+        return make_loads(numbers, *constants.lengths, self.input == CRANK, constants.bodies,
+                          constants.gravity, constants.external)
+
+    def link_motion(self, motion: Any, link: str) -> LinkMotion:
+        """Return the LinkMotion of a link by name."""
+        if link == 'output':
+            return LinkMotion(motion.slide, self.offset, motion.slide_velocity, 0.0, motion.slide_acceleration, 0.0,
+                              1.0, 0.0, 0.0, 0.0)
+        crank = crank_motion(motion)
+        return crank if link == 'crank' else LinkMotion(*point_of(crank, self.a1), 0.0, 1.0, 0.0, 0.0)
+
+    def transmission_sine(self, motion: Any) -> Any:
+        """Return a number that is zero where the yoke cannot turn the crank, at most one."""
+        return 1.0 + 0.0 * motion.sin_x if self.input == CRANK else motion.sin_x
+
+    def diagram(self, motion: Any) -> Diagram:
+        """Return what a picture shows in one pose."""
+        return diagram.diagram(self, motion)
+
+    def velocity_polygon(self, motion: Any) -> list[Arrow]:
+        """Return the arrows of the velocities [m/s]; the pole is the origin."""
+        return diagram.velocity_polygon(self, motion)
+
+    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
+        """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
+        return diagram.acceleration_polygon(self, motion)
