@@ -1,22 +1,24 @@
 """
 Newton-Euler for one rigid link: what its joints must give, as a force and a moment about a joint.
 
-Notation: r = (x, y) is the mass of a link times the vector from its first joint to its centre of gravity,
-omega and alpha its turning. Plain arithmetic, for whatever numbers motions are made of. The joint forces
-of a link add up to
+Notation: r is the mass of a link times the vector from its first joint to its centre of gravity, I its moment of
+inertia about that joint, omega and alpha its turning, W the weight and the applied force, C the moment of both
+and of the applied couple about the first joint; k x turns a vector by 90 degrees. The joint forces of a link that
+turns about a fixed joint add up to F, and their moment about it to M:
 
-    (N1)  F = m a_joint + alpha k x r - omega^2 r - (weight + applied force)
+    (N1)  F = alpha k x r - omega^2 r - W
+    (N2)  M = I alpha - C
 
-and their moment about its first joint, if that is fixed, is
+For a crank O1-A (index 1), a = A - O1, and the link of mass m that it carries at its pin A (index 2):
 
-    (N2)  M = I alpha - (moments of weight, applied force and couple)
+    (N3)  F2 = m (alpha1 k x a - omega1^2 a) + alpha k x r - omega^2 r - W
+    (N4)  M_A = I alpha + (a . r) alpha1 - C + (a x r) omega1^2
+    (N5)  M_O1 of both = (I1 + m a^2) alpha1 + (a . r) alpha - C1 - a x W - (a x r) omega^2 + M_A
 
-Of a link that a crank carries at its pin A, with a = A - O1 and omega1, alpha1 of the crank, they are
+The terms of a x r are given apart: in the sums of both moments omega1^2 - omega^2 is to be taken as the product
+(omega1 - omega)(omega1 + omega).
 
-    (N3)  F2 = m (alpha1 k x a - omega1^2 a) + alpha k x r - omega^2 r - (weight + applied force)
-    (N4)  about A:   I alpha + (a . r) alpha1 + (a x r) omega1^2 - (moments ...)
-    (N5)  about O1:  (N4) + (a . r) alpha - (a x r) omega^2 + m a^2 alpha1 - a x (weight + applied force)
-                          - (a . r) alpha1 - (a x r) omega1^2, less the moments of (N4)
+Plain arithmetic, for whatever numbers motions are made of.
 """
 from __future__ import annotations
 
@@ -60,8 +62,8 @@ def with_pin(crank: LinkTerms, carried: LinkTerms, mass: Any, a1: Any) -> LinkTe
     """
     Return the :class:`LinkTerms` of the crank, with moments about O1 that count what it carries at its pin A.
 
-    That is the mass [kg unit] of the next link, and the force that holds that link at rest: m a1^2 alpha1 and
-    A x force. ``a1``: length of the crank in the unit.
+    That is the mass [kg unit] of the next link and the force that holds that link at rest, in (N5) the terms
+    m a^2 alpha1 and -a x W. ``a1``: length of the crank in the unit.
     """
     return crank._replace(inertia=crank.inertia + mass * a1 * a1,
                           by_cosine=crank.by_cosine + a1 * carried.hold_y,
@@ -91,13 +93,7 @@ def needs_of_crank_and_carried(crank: tuple[Any, ...], link: tuple[Any, ...], ma
                                cos_x: Any, sin_x: Any, crank_square: Any, crank_alpha: Any,
                                cosine: Any, sine: Any, square: Any, alpha: Any) -> tuple[Any, ...]:
     """
-    Return the same of the crank and of the link whose first joint is the crank's pin A, in parts that do not cancel.
-
-    With r the mass times centre of gravity of that link from A, the moments of its inertia forces are, about
-    A and (apart from those of its mass at A and of what holds it there, which :func:`with_pin` counts
-    to the crank) about O1,
-
-        I alpha + (A . r) alpha1 + (A x r) omega1^2      and      (A . r) alpha - (A x r) omega^2.
+    Return (N1), (N3), (N4), (N5) of a crank and of the link that it carries at its pin A, in parts that do not cancel.
 
     One function for both: a call takes as long as four products.
 
@@ -106,21 +102,21 @@ def needs_of_crank_and_carried(crank: tuple[Any, ...], link: tuple[Any, ...], ma
     f1_x, f1_y, f2_x, f2_y
         Sums of the joint forces of crank and link.
     about_o1, about_a
-        Moment of both about O1, of the link about A, without the terms of A x r.
+        M_O1 of both less M_A, and M_A: without the terms of a x r.
     aside
-        A x r. In sums of both moments its factors nearly cancel where the link turns almost as fast as the
-        crank, unless omega - omega1 is a factor.
+        a x r.
 
     """
     along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = crank
     x, y = along * cos_x - across * sin_x, along * sin_x + across * cos_x
-    f1_x, f1_y = hold_x - crank_alpha * y - crank_square * x, hold_y + crank_alpha * x - crank_square * y
+    f1_x, f1_y = hold_x - crank_alpha * y - crank_square * x, hold_y + crank_alpha * x - crank_square * y     # (N1)
     about_o1 = inertia * crank_alpha + by_cosine * cos_x + by_sine * sin_x + couple
 
     along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = link
     x, y = along * cosine - across * sine, along * sine + across * cosine
     at_x, at_y = a1 * cos_x, a1 * sin_x
     ahead, aside = at_x * x + at_y * y, at_x * y - at_y * x
+    # (N3)
     f2_x = hold_x - mass * (crank_alpha * at_y + crank_square * at_x) - alpha * y - square * x
     f2_y = hold_y + mass * (crank_alpha * at_x - crank_square * at_y) + alpha * x - square * y
     return (f1_x, f1_y, f2_x, f2_y, about_o1 + ahead * alpha,

@@ -1,13 +1,24 @@
 """
 Joint reactions, driving torque and shaking wrench: Newton-Euler in closed form.
 
-The paper's 9x9 system, Eq. (9), solved once by hand. With M2 and M3 the moments that coupler and
-output link need about A and O4, the two moment equations give the force at B directly,
+The paper's 9x9 system, Eq. (9), solved once by hand. F1, F2, F3 and M1, M2, M3 are what the joints of crank,
+coupler and output link must give: M2 about A, M3 about O4, and M1 about O1 of crank and coupler together less M2;
+(N1) to (N5) of :mod:`fourbar_ros.mechanics.newton_euler`. The two moment equations give the force at B directly,
 
-    F32 = (M3/a3 e_b + M2/a2 e_y) / sin(mu),     e_b, e_y: directions of coupler and output link,
+    (L1)  F32 = (M3/a3 e_b + M2/a2 e_y) / sin(mu),     e_b, e_y: directions of coupler and output link,
 
-and every other reaction follows by subtraction. Moments about O1 are summed in parts that do not cancel:
-see :func:`needs_of_crank_and_carried`.
+and every other reaction follows by subtraction:
+
+    (L2)  F21 = F32 - F2
+    (L3)  F43 = F3 + F32
+    (L4)  F41 = F1 - F21
+
+The torque is that of virtual power at unit speed of the crank, and the shaking wrench is summed over the links, not
+over the reactions: inner forces much larger than the sums would spoil them.
+
+    (L5)  T41 = M1 + M2 b' + M3 y',   terms of a x r collected
+    (L6)  shaking force = -(F1 + F2 + F3)
+    (L7)  shaking moment about O1 = -(M1 + M2 + M3 + (O4 - O1) x F3)
 
 Assumed: rigid links moving in one plane; joints without clearance and without friction (a joint
 transmits a force through its centre and no couple); gravity uniform; external forces and couples
@@ -89,8 +100,6 @@ def make_loads(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any, bodies: Bodies
         f43_x, f43_y = f3_x + f32_x, f3_y + f32_y                                       # (L3)
         f41_x, f41_y = f1_x - f21_x, f1_y - f21_y                                       # (L4)
         f41, f21, f32, f43 = hypot(f41_x, f41_y), hypot(f21_x, f21_y), hypot(f32_x, f32_y), hypot(f43_x, f43_y)
-        # These from the links, not from the reactions: inner forces much larger than the sums would
-        # spoil them.
         torque = moment1 + about_a * coupler_ratio - aside * (omega_beta * omega2) + moment3 * velocity_ratio
         driving_torque = unit * torque                                                  # (L5)
         shaking_force_x, shaking_force_y = -(f1_x + f2_x + f3_x), -(f1_y + f2_y + f3_y)     # (L6)
