@@ -22,5 +22,34 @@ def add(verbs):
 
 
 def _show(arguments):
-    from fourbar_ros.report.tables import show
-    show(arguments.scene, arguments.mode, arguments.speed, arguments.at, arguments.acceleration)
+    from fourbar_ros.report.poses import evaluate_at, loads_table, motion_table, points_table
+    from fourbar_ros.report.tables import what_it_is
+    from fourbar_ros.report.terminal import make_console
+    from fourbar_ros.scene.files import find
+    from fourbar_ros.scene.scene import load
+    path = find(arguments.scene)
+    scene = load(path)
+    linkage = scene.linkage.in_mode(arguments.mode or scene.linkage.mode)
+    speed = scene.drive.speed if arguments.speed is None else arguments.speed
+    pose = None if arguments.at is None else evaluate_at(linkage, arguments.at, speed, arguments.acceleration)
+    tables = [what_it_is(linkage, path), _extrema_table(scene, linkage, speed, arguments.acceleration)]
+    if linkage.bodies is None:
+        tables.append('no masses given, so no loads: see bodies.* in docs/node.md')
+    if pose:
+        tables += [motion_table(linkage, pose), loads_table(pose) if pose.loads else None,
+                   points_table(linkage, pose.motion, scene.points) if scene.points else None]
+    console = make_console()
+    for place, table in enumerate(filter(None, tables)):
+        if place and not isinstance(table, str):
+            console.print()
+        console.print(table)
+
+
+def _extrema_table(scene, linkage, speed, acceleration):
+    from fourbar_ros.extrema.find import find_extrema
+    from fourbar_ros.mechanisms.quantities import select
+    from fourbar_ros.report.tables import extrema_table, mode_name, rate_unit
+    unit = rate_unit(linkage)
+    driven = f'{speed:g} {unit}' + (f' and {acceleration:g} {unit}^2' if acceleration else '')
+    found = find_extrema(linkage, select((), linkage, scene.point_quantities), speed, acceleration)
+    return extrema_table(found, f'extrema at {driven}, mode {mode_name(linkage)}')

@@ -1,51 +1,15 @@
-"""What ``fourbar show`` prints."""
+"""Tables of a linkage's properties and of extrema; words for class, mode and units."""
 from __future__ import annotations
 
 from math import degrees, tau
 
 import numpy as np
 
-from fourbar_ros.scene.scene import load
-from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.mechanisms.quantities import select
-from fourbar_ros.report.poses import (
-    evaluate_at,
-    loads_table,
-    motion_table,
-    number,
-    points_table,
-    shown,
-)
-from fourbar_ros.scene.files import find
-from fourbar_ros.report.terminal import make_console, plain_table
+from fourbar_ros.report.poses import number, shown
+from fourbar_ros.report.terminal import plain_table
 
 SAMPLES, END, FULL_TURN = 721, 1e-14, tau * (1.0 - 1e-9)
 SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the range is approached
-
-
-def show(path, mode=None, speed=None, at=None, acceleration=0.0, console=None):
-    """Print the tables of a scene; ``at``: an input to evaluate [degrees], or [m] of a driven slide."""
-    path = find(path)
-    scene = load(path)
-    linkage = scene.linkage.in_mode(mode or scene.linkage.mode)
-    speed = scene.drive.speed if speed is None else speed
-    console = console or make_console()
-    pose = None if at is None else evaluate_at(linkage, at, speed, acceleration)      # first, as it may raise
-    console.print(what_it_is(linkage, path))
-    console.print()
-    quantities = select((), linkage, scene.point_quantities)
-    driven = f'{speed:g} {rate_unit(linkage)}' + (f' and {acceleration:g} {rate_unit(linkage)}^2' if acceleration else '')
-    console.print(extrema_table(find_extrema(linkage, quantities, speed, acceleration),
-                                 f'extrema at {driven}, mode {mode_name(linkage)}'))
-    if linkage.bodies is None:
-        console.print('no masses given, so no loads: see bodies.* in docs/node.md')
-    if pose is None:
-        return
-    for table in (motion_table(linkage, pose), loads_table(pose) if pose.loads else None,
-                  points_table(linkage, pose.motion, scene.points) if scene.points else None):
-        if table:
-            console.print()
-            console.print(table)
 
 
 def class_name(linkage):

@@ -19,13 +19,8 @@ from fourbar_ros.scene.arguments import Parser, positive
 from fourbar_ros.bag.recompute import recompute
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.pipeline.status import STATUS_NAMES
-from fourbar_ros.report.tables import (
-    make_console,
-    mode_name,
-    plain_table,
-    rate_unit,
-    what_it_is,
-)
+from fourbar_ros.report.tables import mode_name, rate_unit, what_it_is
+from fourbar_ros.report.terminal import make_console, plain_table
 from fourbar_ros.ros.clients.client import NODE, Client, opened
 from fourbar_ros.ros.messages import to_stamp
 
