@@ -21,11 +21,15 @@ SLIDER_CRANK = {'linkage.kind': 'slider_crank', 'linkage.a1': 0.1, 'linkage.a2':
                 'external.output.force_x': -200.0}
 INVERTED = {'linkage.kind': 'inverted_slider', 'linkage.a1': 0.2, 'linkage.a4': 0.5, 'linkage.offset': 0.04, **BODIES,
             'bodies.coupler.mass': 0.8, 'bodies.coupler.inertia': 0.001}
+SCOTCH_YOKE = {'linkage.kind': 'scotch_yoke', 'linkage.a1': 0.1, 'linkage.offset': 0.03, **BODIES,
+               'bodies.coupler.mass': 0.2, 'external.output.force_x': -200.0}
 MECHANISMS = {
     'four-bar': ({**PAPER, **RODS}, ['crank', 'coupler', 'coupler_output', 'output']),
     'slider-crank': (SLIDER_CRANK, ['crank', 'rod', 'pin', 'slider']),
     'slider-crank, slide': ({**SLIDER_CRANK, 'linkage.input': 'slide'}, ['crank', 'rod', 'pin', 'slider']),
     'inverted': (INVERTED, ['crank', 'block', 'slide', 'bar']),
+    'scotch yoke': (SCOTCH_YOKE, ['crank', 'block', 'slot', 'yoke']),
+    'scotch yoke, slide': ({**SCOTCH_YOKE, 'linkage.input': 'slide', 'linkage.mode': 1}, ['crank', 'block', 'slot', 'yoke']),
     'cylinder': ({**INVERTED, 'linkage.input': 'slide', 'linkage.mode': 1}, ['crank', 'block', 'slide', 'bar']),
 }
 
@@ -90,7 +94,10 @@ def check_services(client, its):
     assert ({repr([getattr(e, f) for f in fields]) for e in answer.extrema}
             == {repr([getattr(e, f) for f in fields]) for e in expected})
     middle = sum(linkage.input_ranges[0]) / 2.0 + 0.3 * (linkage.input_ranges[0][1] - linkage.input_ranges[0][0])
-    for mode in (1, 2):
+    for mode in {1, 2} - set(linkage.modes):
+        answer = client.call('evaluate', position=middle, mode=mode)
+        assert answer.result == answer.RESULT_INVALID_REQUEST and f'mode = {mode}' in answer.message
+    for mode in linkage.modes:
         answer = client.call('evaluate', position=middle, velocity=2.0, acceleration=-3.0, mode=mode)
         assert answer.result == answer.RESULT_OK and answer.has_loads
         values = sum(linkage.in_mode(mode).step(middle, 2.0, -3.0), ())

@@ -51,11 +51,12 @@ def find_extrema(node, request, response):
 
 def evaluate_one(node, request, response):
     """Answer Evaluate."""
-    if request.mode not in (0, 1, 2):
-        response.result = response.RESULT_INVALID_REQUEST
-        response.message = f'mode = {request.mode}: must be 0 (of the scene), 1 or 2'
-        return _with_values(node, response, request.mode, INVALID_INPUT, (nan,) * len(node.stream.scene.layout.place))
     scene = node.stream.scene
+    modes = scene.linkage.modes
+    if request.mode and request.mode not in modes:
+        response.result = response.RESULT_INVALID_REQUEST
+        response.message = f'mode = {request.mode}: must be 0 (of the scene){"".join(f" or {mode}" for mode in modes)}'
+        return _with_values(node, response, request.mode, INVALID_INPUT, (nan,) * len(scene.layout.place))
     linkage = scene.linkage.in_mode(request.mode or scene.linkage.mode)
     response.has_loads = linkage.bodies is not None
     status, motion, loads = evaluate(linkage, request.position, request.velocity, request.acceleration,
