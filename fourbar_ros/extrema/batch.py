@@ -1,4 +1,4 @@
-"""Extremes of the output's rate and acceleration of many linkages at once: :mod:`fourbar_ros.extrema.four_bar_rates.search` on arrays."""
+"""Extrema of the output's rate and acceleration of many linkages at once: :mod:`fourbar_ros.extrema.four_bar_rates.search` on arrays."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -37,7 +37,7 @@ NEARLY = 1e-8
 
 class Extrema(NamedTuple):
     """
-    Extremes of one quantity of many linkages, by linkage, then theta1; arrays of shape (extremes,).
+    Extrema of one quantity of many linkages, by linkage, then theta1; arrays of shape (extrema,).
 
     Where a quantity is constant over a range (a parallelogram), the beginning of the range is listed, as a
     maximum if no value is larger, else as a minimum.
@@ -82,12 +82,12 @@ _MANY = replace(ARRAY, name='arrays of linkages', exact_sum=_exact_sum, power_of
 
 def find_extrema_many(a1, a2, a3, a4, mode=OPEN, rate=1.0, progress=None):
     """
-    Return all extremes of omega4 and alpha4 of many linkages at constant input rate.
+    Return all extrema of omega4 and alpha4 of many linkages at constant input rate.
 
     Parameters
     ----------
     a1, a2, a3, a4 : array_like
-        Lengths [m]; broadcast. Linkages that cannot be assembled have no extremes.
+        Lengths [m]; broadcast. Linkages that cannot be assembled have no extrema.
     mode, rate : array_like
         Assembly mode (1 or 2) and input rate [rad/s], not zero.
     progress : callable, optional
@@ -210,7 +210,7 @@ def _limits(lengths, s1, s2):
 
 def _improve(lengths, sign, unequal, rows, x, value, third=None):
     """
-    Where links are unequal, put more accurate values of an extreme in place of others.
+    Where links are unequal, put more accurate values of an extremum in place of others.
 
     Of the second derivative of theta4, or, with the ``third`` one, of the first, whose place is corrected too: as it
     is done for one linkage.

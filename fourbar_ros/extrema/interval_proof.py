@@ -1,10 +1,10 @@
 """
-Proof that a quantity has no other extremes than those found: interval branch and bound.
+Proof that a quantity has no other extrema than those found: interval branch and bound.
 
 The formulas of motion and loads are evaluated once more, in ball arithmetic (Arb, by the optional package
 python-flint) on power series in theta1. Taylor's formula, with coefficients at the middle of a piece of
 the input range and the last one over the whole piece, then encloses dQ/dtheta1 and d2Q/dtheta1^2. A
-piece over which the first cannot vanish has no extreme; one over which the second cannot vanish has one if the
+piece over which the first cannot vanish has no extremum; one over which the second cannot vanish has one if the
 first changes sign from end to end, and none otherwise; others are halved.
 """
 from __future__ import annotations
@@ -25,7 +25,7 @@ MOST_PIECES = 10000   # then it gives up: some seconds
 
 def count_extrema(sampler, path, check=lambda: None):
     """
-    Return how many extremes each quantity of a sampler certainly has between the samples of a path.
+    Return how many extrema each quantity of a sampler certainly has between the samples of a path.
 
     Parameters
     ----------

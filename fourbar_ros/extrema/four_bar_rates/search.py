@@ -1,5 +1,5 @@
 """
-Extremes of the output's rate and acceleration at constant input rate: one linkage in plain floats.
+Extrema of the output's rate and acceleration at constant input rate: one linkage in plain floats.
 
 With x = theta1, y = theta4, b = beta and u the elliptic parameter of :mod:`fourbar_ros.extrema.four_bar_rates.input_paths`, the derivatives
 
@@ -7,7 +7,7 @@ With x = theta1, y = theta4, b = beta and u the elliptic parameter of :mod:`four
 
 are sines, and by the loop so are their differences, X - B = a3 a4 sin(y), Y - B = a1 a4 sin(x). Then dy/dx =
 Y/X, d2y/dx2 = g/X^3, d3y/dx3 = k/X^5 with g = Y_u X - Y X_u and k = g_u X - 3 g X_u, smooth
-everywhere, toggles included. The roots of g are the extremes of theta4', those of k the extremes of
+everywhere, toggles included. The roots of g are the extrema of theta4', those of k the extrema of
 theta4''. Two roots of g have one of k between them, so that only k can hide pairs of roots between
 samples, and is looked at closely.
 """
@@ -87,7 +87,7 @@ def sine_constants(a1, a2, a3, a4, sign, exact_sum=fsum):
 
 
 class RateExtremum(NamedTuple):
-    """An extreme of theta4' or theta4'': theta1 [rad] and value; conditions as in :mod:`fourbar_ros.extrema.sensitivity`."""
+    """An extremum of theta4' or theta4'': theta1 [rad] and value; conditions as in :mod:`fourbar_ros.extrema.sensitivity`."""
 
     theta1: float
     value: float
@@ -106,7 +106,7 @@ class Node(NamedTuple):
 
 def rate_extrema(linkage, samples=SAMPLES, with_conditions=True):
     """
-    Return the extremes of theta4' and of theta4'' at constant input rate, and the signs at the toggles.
+    Return the extrema of theta4' and of theta4'' at constant input rate, and the signs at the toggles.
 
     For one linkage in its mode; not at change points.
 
