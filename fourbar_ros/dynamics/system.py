@@ -11,6 +11,7 @@ conservative, so that energy less W is constant whatever acts (not if nothing of
 """
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Any, Optional, Sequence
 
@@ -44,7 +45,10 @@ class System:
 
     def __init__(self, mechanism: Any, position: float, rate: float = 0.0,
                  elements: Sequence[Element] = (), drive: Optional[Drive] = None) -> None:
-        self.mechanism, self.drive = mechanism, drive
+        self.drive, self._stroke = drive, mechanism.stroke
+        # an integrator's trial steps go beyond the end at which the run stops
+        mechanism = mechanism if mechanism.stroke is None else replace(mechanism, stroke=None)
+        self.mechanism = mechanism
         motion = (number('position', position), number('rate', rate))
         self.equation = Equation(mechanism, elements, drive.rigid_inertia if drive else 0.0,
                                  partial(smooth_curves_of, start=motion[0]))
@@ -64,12 +68,17 @@ class System:
         return bool(self.mechanism.turns_fully)
 
     def distance_to_limit(self, time: float, state: State) -> float:
-        """Return a number that is zero where the input can go no further: just before a toggle."""
+        """Return a number that is zero at the ends of the stroke, and just before a toggle."""
+        position = float(state[0])
         try:
-            motion = self.mechanism.motion(float(state[0]))
+            motion = self.mechanism.motion(position)
         except FourBarError:
             return -NEAR_TOGGLE
-        return abs(self.mechanism.transmission_sine(motion)) - NEAR_TOGGLE
+        from_toggle = abs(self.mechanism.transmission_sine(motion)) - NEAR_TOGGLE
+        if self._stroke is None:
+            return from_toggle
+        low, high = self._stroke
+        return min(from_toggle, (position - low) / (high - low), (high - position) / (high - low))
 
     distance_to_limit.terminal = True  # type: ignore[attr-defined]
 

@@ -153,6 +153,17 @@ def test_a_rocker_without_another_input_stops_before_its_toggle():
     assert low < run.position[-1] < high and high - run.position[-1] < 1e-5
 
 
+def test_a_driven_slide_stops_at_the_end_of_its_stroke():
+    """A constant force against a mass on the crank's pin: the end of the stroke, at the time of the free run."""
+    bodies = Bodies(Body(1.0, 0.2, 0.0, 0.1), NOTHING, Body(3.0))
+    options = {'input': 'slide', 'bodies': bodies}
+    push = Drive(ConstantTorque(5.0))
+    run = simulate(System(SliderCrank(0.5, 1.0, stroke=(0.8, 1.2), **options), 1.0, drive=push), 5.0)
+    assert run.status == LIMIT and run.position[-1] == pytest.approx(1.2, abs=1e-8)
+    free = simulate(System(SliderCrank(0.5, 1.0, **options), 1.0, drive=push), float(run.time[-1]))
+    assert free.status == REACHED and free.position[-1] == pytest.approx(1.2, abs=1e-7)
+
+
 def test_ground_springs_make_a_crank_swing_and_dampers_stop_it():
     system = System(wheel(), 0.5, 0.0, [TorsionSpring(GROUND, 'crank', 8.0, 0.0, 2.0)])
     run = simulate(system, 20.0, 1e-9)

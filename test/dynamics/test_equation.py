@@ -13,6 +13,7 @@ from support.machines import (
     exact_links,
     exact_potential,
     exact_stretch,
+    random_bodies,
     random_elements,
     random_machines,
 )
@@ -22,6 +23,7 @@ from fourbar_ros.dynamics.elements import GROUND, Attachment, Spring, TorsionSpr
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.mechanics.bodies import NOT_APPLIED, External
 from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
 
 
 SEEDS = [pytest.param(200, 10), pytest.param(201, 300, marks=pytest.mark.slow)]
@@ -58,6 +60,21 @@ def test_its_torque_is_the_driving_torque_of_the_loads(name, seed, count):
         condition = 1.0 + mechanism.motion(position).condition / mechanism.input_unit
         bound = 32.0 * EPS * condition**2 * sizes(mechanism, position, rate, acceleration)
         assert abs(Equation(mechanism).torque(position, rate, acceleration) - theirs) <= bound
+
+
+@pytest.mark.parametrize('driven', ['crank', 'slide'])
+def test_a_kind_made_later_has_an_equation_for_nothing(driven):
+    """The Scotch yoke, which no line of dynamics knows: the torque is that of its loads."""
+    rng = np.random.default_rng(205)
+    for _ in range(10):
+        yoke = ScotchYoke(0.5, 0.1, mode=int(rng.integers(1, 3)), input=driven, bodies=random_bodies(rng),
+                          gravity=tuple(rng.normal(size=2).tolist()))
+        position = float(rng.uniform(-0.4, 0.4))
+        rate, acceleration = rng.normal(size=2).tolist()
+        loads = yoke.loads(position, rate, acceleration)
+        theirs = loads.driving_force if driven == 'slide' else loads.driving_torque
+        bound = 128.0 * EPS * sizes(yoke, position, rate, acceleration)
+        assert abs(Equation(yoke).torque(position, rate, acceleration) - theirs) <= bound
 
 
 @pytest.mark.parametrize('name', KINDS)
