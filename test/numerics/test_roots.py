@@ -1,38 +1,159 @@
-"""The root search in plain floats and on arrays: twins, compared directly, and against the roots themselves."""
-from fourbar_ros.numerics.roots import intervals_of_one, intervals_with_roots, newton_root, newton_roots
+"""Roots: intervals that have them, Newton's method in brackets, in floats and arrays."""
+
+from math import pi
+
 import numpy as np
 import pytest
+from scipy.optimize import brentq
+from support.reference import EPS
 
-EPS = 2.0**-52
-
-
-@pytest.mark.parametrize('is_closed', [True, False])
-@pytest.mark.parametrize('seed', range(40))
-def test_both_name_the_same_intervals(seed, is_closed):
-    """Random samples and slopes, among them zeros, tiny values and steep ones, where the closer look decides."""
-    rng = np.random.default_rng(seed)
-    f = rng.normal(size=24) * 10.0**rng.uniform(-6.0, 0.0, 24) * rng.choice([0.0, 1.0], 24, p=[0.1, 0.9])
-    rise = rng.normal(size=24) * 10.0**rng.uniform(-6.0, 0.0, 24)
-    i, _, is_plain = intervals_with_roots(f[:, None], rise[:, None], is_closed)
-    assert intervals_of_one(f.tolist(), rise.tolist(), is_closed) == list(zip(i.tolist(), is_plain.tolist()))
+from fourbar_ros.numerics import roots
 
 
-@pytest.mark.parametrize('power', [1, 3, 5])
-def test_both_find_the_same_root_to_the_last_bits(power):
-    """Steep and flat ones: Newton's method, and bisection where it fails."""
-    rng = np.random.default_rng(power)
-    at = np.concatenate((rng.uniform(0.1, 6.0, 40), 10.0**-rng.uniform(1.0, 9.0, 10)))
-    xa, xb = at - rng.uniform(0.01, 0.1, 50), at + rng.uniform(0.01, 0.1, 50)
+def waves(rng, count, order):
+    """Return coefficients (count, order) of sines and cosines, smaller for higher ones."""
+    size = 1.0 / (1.0 + np.arange(order))
+    return rng.normal(size=(2, count, order)) * size
 
-    def value_and_step(x, root):
-        d = x - root
-        return d**power + 0.1 * d, (d**power + 0.1 * d) / (power * d**(power - 1) + 0.1)
 
-    fa = value_and_step(xa, at)[0]
-    guess = xa + rng.uniform(0.0, 1.0, 50) * (xb - xa)
-    many = newton_roots(lambda x, row: value_and_step(x, at[row]), np.arange(50), xa, xb, fa, guess)
-    for i in range(50):
-        one, _ = newton_root(lambda x, root=at[i].item(): (*value_and_step(x, root), None),
-                             xa[i].item(), xb[i].item(), fa[i].item(), guess[i].item())
-        assert abs(one - many[i]) <= 2.0 * EPS * abs(one)
-        assert abs(one - at[i]) <= 4.0 * EPS * max(abs(at[i]), 2.0**-12)
+def value(coefficients, x, row):
+    angles = x[..., None] * np.arange(coefficients.shape[2])
+    return (coefficients[0, row] * np.cos(angles) + coefficients[1, row] * np.sin(angles)).sum(-1)
+
+
+def slope(coefficients, x, row):
+    n = np.arange(coefficients.shape[2])
+    angles = x[..., None] * n
+    return (
+        n * (coefficients[1, row] * np.cos(angles) - coefficients[0, row] * np.sin(angles))
+    ).sum(-1)
+
+
+def sampled(coefficients, points):
+    """Return x, f and a third of the rise in a step, of all rows over one turn."""
+    x = 2.0 * pi * np.arange(points) / points
+    rows = np.arange(coefficients.shape[1])
+    at = np.broadcast_to(x[:, None], (points, len(rows)))
+    f, df = (function(coefficients, at, rows) for function in (value, slope))
+    return x, f, df * (2.0 * pi / points) / 3.0
+
+
+def expected_roots(coefficients, row):
+    """Return the roots in a turn by brentq, between samples denser than any two roots."""
+
+    def function(x):
+        return float(value(coefficients, np.array(x), row))
+
+    x = np.linspace(0.0, 2.0 * pi, 4001)
+    f = value(coefficients, x, row)
+    i = np.flatnonzero((f[1:] >= 0.0) != (f[:-1] >= 0.0))
+    return np.array([brentq(function, x[k], x[k + 1], xtol=1e-15, rtol=4 * EPS) for k in i])
+
+
+def test_all_roots_are_bracketed_and_found_to_the_last_bits():
+    """Against brentq: every root, none twice, from few samples; the condition is 1/f'."""
+    rng, count, points = np.random.default_rng(1), 40, 64
+    coefficients = waves(rng, count, 5)
+    x, f, rise = sampled(coefficients, points)
+
+    def at(i, row):
+        return x[i % points] + 0.0 * row, np.full(np.shape(i), 2.0 * pi / points / 3.0)
+
+    def positive_multiple(x, row):
+        return value(coefficients, x, row)
+
+    def newton(x, row):
+        f = value(coefficients, x, row)
+        return f, f / slope(coefficients, x, row)
+
+    i, row, xa, xb, fa, guess = roots.find_brackets(positive_multiple, at, f, rise, True)
+    found = roots.newton_roots(newton, row, xa, xb, fa, guess)
+    total = 0
+    for k in range(count):
+        ours, theirs = (
+            np.sort(roots.fold(found[row == k])),
+            np.sort(expected_roots(coefficients, k)),
+        )
+        total += len(theirs)
+        assert len(ours) == len(theirs), k
+        error = np.abs(value(coefficients, ours, np.full(ours.shape, k)))
+        size = np.abs(coefficients[:, k]).sum()
+        steep = np.abs(slope(coefficients, ours, np.full(ours.shape, k)))
+        assert (error <= 16 * EPS * (size + 2.0 * pi * steep)).all()
+        assert (np.abs(ours - theirs) <= 64 * EPS * (size / steep + 2.0 * pi)).all()
+    assert total > 2 * count
+
+
+@pytest.mark.parametrize(
+    'function, derivative, low, high',
+    [
+        (lambda x: x * x - 2.0, lambda x: 2.0 * x, 0.0, 2.0),
+        (lambda x: x**3, lambda x: 3.0 * x * x, -1.0, 0.7),  # the slope is zero at the root
+        (np.arctan, lambda x: 1.0 / (1.0 + x * x), -20.0, 30.0),  # Newton alone diverges
+        (lambda x: np.exp(-x) - 1e-6, lambda x: -np.exp(-x), 0.0, 300.0),
+        (
+            lambda x: np.sign(x - 0.3) * np.abs(x - 0.3) ** 0.5,
+            lambda x: 0.5 * (np.abs(x - 0.3) + 1e-300) ** -0.5,
+            0.0,
+            1.0,
+        ),  # Newton alone jumps to and fro
+    ],
+)
+def test_newton_in_a_bracket_against_brentq(function, derivative, low, high):
+    def step(x):
+        f, slope = float(function(x)), float(derivative(x))
+        return f, f / slope if slope else np.inf
+
+    truth = brentq(function, low, high, xtol=1e-15, rtol=4 * EPS, maxiter=1000)
+    guess = 0.5 * (low + high)
+    one, _ = roots.newton_root(lambda x: (*step(x), None), low, high, float(function(low)), guess)
+    given = [np.array([v, v]) for v in (low, high, function(low), guess)]
+    many = roots.newton_roots(
+        lambda x, row: tuple(np.array(v) for v in zip(*map(step, x))), np.arange(2), *given
+    )
+    tolerance = (
+        1e-5 if abs(derivative(truth)) < 1e-4 else 1e-14 * max(1.0, abs(truth))
+    )  # x^3 is flat
+    assert abs(one - truth) <= tolerance
+    assert many.tolist() == pytest.approx([one, one], abs=4 * EPS * max(1.0, abs(one)))
+
+
+def test_slopes_from_samples_are_exact_for_polynomials():
+    """Five samples: exact to the fourth power inside, at the ends by cubics to the third."""
+    x = np.arange(9.0)
+    for power in range(5):
+        f = x[:, None] ** power
+        exact = power * x ** (power - 1 if power else 0) / 3.0
+        inside = slice(2, -2) if power == 4 else slice(None)
+        assert np.abs(roots.rises(f, False)[:, 0] - exact)[inside].max() <= 64 * EPS * max(
+            1.0, 8.0**power
+        )
+
+
+def test_a_pair_of_roots_between_two_samples_is_found():
+    """A dip that crosses zero twice between samples of one sign, however narrow."""
+    for gap in (1e-2, 1e-4, 1e-6):
+
+        def dip(x, row, gap=gap):
+            return (x - 0.52) ** 2 - gap * gap
+
+        which, xa, xb, fa, fb = roots.look_closer(
+            dip, np.array([0]), np.array([0.0]), np.array([1.0])
+        )
+        assert which.tolist() == [0, 0]
+        assert ((fa >= 0.0) != (fb >= 0.0)).all()
+        for end in (0.52 - gap, 0.52 + gap):
+            assert ((xa <= end) & (end <= xb)).sum() == 1
+    which, *_ = roots.look_closer(
+        lambda x, row: (x - 0.52) ** 2 + 1e-3, *(np.array([v]) for v in (0, 0.0, 1.0))
+    )
+    assert which.size == 0
+
+
+def test_angles_are_folded_into_a_turn():
+    x = np.array([-pi, -1e-300, 0.0, 1.0, 2.0 * pi, 3.0 * pi, -EPS / 8])
+    folded = roots.fold(x)
+    assert ((folded >= 0.0) & (folded < 2.0 * pi)).all()
+    assert [roots.fold(v) for v in x.tolist()] == folded.tolist()
+    assert np.abs(np.exp(1j * folded) - np.exp(1j * x)).max() <= 4 * EPS
+    assert roots.turn_after(0.1, 6.0) == 0.1 + 2.0 * pi and roots.turn_after(6.1, 6.0) == 6.1

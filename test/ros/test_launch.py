@@ -5,6 +5,7 @@ import sys
 
 import pytest
 from support import ROOT
+from support.harness import PATIENCE
 
 pytest.importorskip('launch_ros.actions')
 
@@ -34,7 +35,7 @@ def launched(tmp_path):
     for process in running:
         if process.poll() is None:
             process.send_signal(signal.SIGINT)
-        said, _ = process.communicate(timeout=30.0)
+        said, _ = process.communicate(timeout=PATIENCE)
         assert 'Traceback' not in said and 'exit code' not in said, said
 
 
@@ -67,5 +68,5 @@ def test_a_file_is_found_before_a_name(launched, client, tmp_path):
                                                (['use_sim_time:=maybe'], 'use_sim_time')])
 def test_what_cannot_be_is_one_line(launched, arguments, reason):
     process = launched(*arguments)
-    said, _ = process.communicate(timeout=30.0)
+    said, _ = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1 and reason in said

@@ -56,7 +56,7 @@ def test_a_certified_search_is_abandoned_and_the_bag_closed(run_node, client, tm
     assert time.monotonic() - began < LAUNCH
     assert 'Traceback' not in node.said
     assert info(tmp_path / 'bags/run', check=True).is_sound
-    client.until(asked.done, 'the answer', patience=1.0)
+    client.until(asked.done, 'the answer')
     assert 'the node stops' in asked.result().message
 
 

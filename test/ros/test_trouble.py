@@ -15,6 +15,7 @@ from sensor_msgs.msg import JointState
 from fourbar_ros.ros.node.quiet_log import QuietLog
 from fourbar_ros.ros.node.sequence import Sequence
 from support.faults import Faults
+from support.harness import PATIENCE
 from support.scenes import PAPER
 from ros.test_inputs import NANOSECONDS, answers, set_parameters, stamped
 
@@ -141,9 +142,9 @@ def test_diagnostics_and_timeout_go_on_when_the_clock_is_set_back(run_node, clie
     client.received['state'].clear()
     faults.set(clock=-100.0)
     client.until(lambda: any(s.status == LinkageState.STATUS_INPUT_TIMEOUT for s in client.received['state']),
-                 'the timeout', patience=20.0)
+                 'the timeout')
     number = len(heard.messages)
-    client.until(lambda: len(heard.messages) >= number + 3, 'diagnostics', patience=20.0)
+    client.until(lambda: len(heard.messages) >= number + 3, 'diagnostics')
     assert heard.messages[-1].header.stamp.sec < before - 50          # the clock of the node was set indeed
 
 
@@ -156,9 +157,9 @@ def test_a_node_on_a_timer_stops_and_has_diagnostics_whatever_the_clock(run_node
     client.until(lambda: heard.messages, 'diagnostics')
     faults.set(clock=step)
     number = len(heard.messages)
-    client.until(lambda: len(heard.messages) >= number + 2, 'diagnostics', patience=30.0)
+    client.until(lambda: len(heard.messages) >= number + 2, 'diagnostics')
     node.process.send_signal(signal.SIGTERM)
-    assert node.process.wait(30.0) == 0
+    assert node.process.wait(PATIENCE) == 0
 
 
 class Simulation:
