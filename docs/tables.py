@@ -18,7 +18,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / 'docs')]
 import formulas  # noqa: E402
 from fourbar_ros.cli import main  # noqa: E402, I100
 from fourbar_ros.mechanisms.kinds import KINDS  # noqa: E402
-from fourbar_ros.mechanisms.quantities import known, positions, POSITIONS, QUANTITIES  # noqa: E402
+from fourbar_ros.mechanisms.quantities import known, POSITIONS, positions, QUANTITIES  # noqa: E402
 from fourbar_ros.scene.parameters import PARAMETERS, POINT, REQUIRED  # noqa: E402
 from fourbar_ros.scene.topics import (  # noqa: E402
     APPLIED,
@@ -49,7 +49,8 @@ def having(quantity):
     """Return which mechanisms have a quantity, as text."""
     found = []
     for name, kind in KINDS.items():
-        inputs = [driven for driven in kind.INPUTS if quantity in known(kind, driven) | positions(kind, driven)]
+        inputs = [driven for driven in kind.INPUTS if quantity in known(kind, driven)
+                  | positions(kind, driven)]
         if inputs:
             found.append(name if len(inputs) == len(kind.INPUTS)
                          else f'{name} driven at its {inputs[0]}')
@@ -82,7 +83,8 @@ def node_tables():
                               else '', p.text)
                              for p in (*PARAMETERS.values(), *POINT.values())]),
         'joints': table(('`linkage.kind`', 'joints in this order: place, coordinate'),
-                        [(f'`{name}`', '; '.join(f'{joint.place} `{joint.coordinate.position}`' for joint in kind.JOINTS))
+                        [(f'`{name}`', '; '.join(f'{joint.place} `{joint.coordinate.position}`'
+                                                 for joint in kind.JOINTS))
                          for name, kind in KINDS.items()]),
         'quantities': table(('quantity', 'unit', 'what', 'of'),
                             [(f'`{q.name}`', q.unit, q.text, having(q.name))

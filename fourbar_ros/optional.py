@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Optional packages: one line tells how to install a missing one."""
 from __future__ import annotations
 
@@ -8,7 +10,8 @@ from fourbar_ros.errors import FourBarError
 
 BAGS = 'pip install mcap lz4 zstandard'
 INSTALL = {'mcap': BAGS, 'lz4': BAGS, 'zstandard': BAGS, 'matplotlib': 'pip install matplotlib',
-           'pyarrow': 'pip install pyarrow', 'flint': 'pip install python-flint', 'scipy': 'pip install scipy',
+           'pyarrow': 'pip install pyarrow', 'flint': 'pip install python-flint',
+           'scipy': 'pip install scipy',
            'rich': 'pip install rich', 'yaml': 'pip install pyyaml'}
 ROS = ('rclpy', 'rcl_interfaces', 'rosidl_runtime_py', 'rpyutils', 'ament_index_python')
 ROS_HINT = 'source a ROS 2 workspace that contains fourbar_ros, or run  make run  in its source'
@@ -31,7 +34,11 @@ class MissingPackage(FourBarError):
 
 
 def _command(name: str, module: str) -> int:
-    """Run the main function of a module; return 1 with a one-line message if a package is missing."""
+    """
+    Run the main function of a module.
+
+    Return 1 with a one-line message if a package is missing.
+    """
     try:
         return import_module(module).main()
     except ModuleNotFoundError as error:

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Isolation: every test run has its own ROS domain on this machine only, and its own folders."""
 import atexit
 import contextlib
@@ -35,5 +37,6 @@ os.environ['PYTHONFAULTHANDLER'] = '1'
 def pytest_sessionfinish(session, exitstatus):
     """Remove the shared memory that killed nodes leave behind (safe while others run)."""
     if shutil.which('fastdds'):
-        subprocess.run(['fastdds', 'shm', 'clean'], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        subprocess.run(['fastdds', 'shm', 'clean'], stdout=subprocess.DEVNULL,
+                       stderr=subprocess.DEVNULL,
                        check=False)

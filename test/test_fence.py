@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The core needs numpy alone, and nothing is loaded before it is needed."""
 import subprocess
 import sys
@@ -9,7 +11,8 @@ HEAVY = ('rclpy', 'scipy', 'mcap', 'matplotlib', 'rich', 'yaml', 'mpmath', 'flin
 
 
 def run(code):
-    return subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, cwd=ROOT, check=False)
+    return subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, cwd=ROOT,
+                          check=False)
 
 
 def test_the_core_works_with_everything_but_numpy_blocked():
@@ -30,7 +33,8 @@ assert len(find_extrema(linkage, (), 25.0)) > 20
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize('name', ['mechanisms.kinds', 'scene.scene', 'pipeline.message_fields', 'cli.main', 'scene.topics', 'scene.parameters'])
+@pytest.mark.parametrize('name', ['mechanisms.kinds', 'scene.scene', 'pipeline.message_fields',
+                                  'cli.main', 'scene.topics', 'scene.parameters'])
 def test_ros_scipy_mcap_and_matplotlib_are_not_imported_by(name):
     done = run(f'''
 import sys

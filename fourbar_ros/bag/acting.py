@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Which forces from outside acted in which step: the bag says so whenever they change."""
 from __future__ import annotations
 

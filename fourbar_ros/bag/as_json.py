@@ -1,4 +1,10 @@
-"""What info, recompute and diff find, as JSON: the keys are documented in docs/recording.md and stay."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What info, recompute and diff find, as JSON.
+
+The keys are documented in docs/recording.md and stay.
+"""
 from __future__ import annotations
 
 import json
@@ -25,9 +31,12 @@ def of_error(bag, error):
 
 def of_info(bag, info):
     """Return the dict of an Info."""
-    return {'bag': str(bag), 'sound': info.is_sound, 'state': info.state, 'size': info.size, 'parts': info.parts,
-            'start': info.start, 'end': info.end, 'messages': sum(topic.messages for topic in info.topics),
-            'missing': info.missing, 'dropped': info.dropped, 'ended': info.ended, 'lost': info.lost,
+    return {'bag': str(bag), 'sound': info.is_sound, 'state': info.state, 'size': info.size,
+            'parts': info.parts,
+            'start': info.start, 'end': info.end,
+            'messages': sum(topic.messages for topic in info.topics),
+            'missing': info.missing, 'dropped': info.dropped, 'ended': info.ended,
+            'lost': info.lost,
             'damage': info.damage, 'about': info.about,
             'topics': [{'topic': topic.topic, 'type': topic.type, 'messages': topic.messages,
                         'missing': topic.missing} for topic in info.topics]}
@@ -35,10 +44,13 @@ def of_info(bag, info):
 
 def of_recomputed(bag, found, tolerance):
     """Return the dict of a Recomputed."""
-    return {'bag': str(bag), 'good': not found.problems(tolerance), 'problems': found.problems(tolerance),
-            'largest': found.largest, 'tolerance': tolerance, 'cut': found.cut, 'inputs': found.inputs,
+    return {'bag': str(bag), 'good': not found.problems(tolerance),
+            'problems': found.problems(tolerance),
+            'largest': found.largest, 'tolerance': tolerance, 'cut': found.cut,
+            'inputs': found.inputs,
             'compared': found.compared, 'unmatched': found.unmatched, 'missing': found.missing,
-            'doubled': found.doubled, 'silent': found.silent, 'uncertain': found.uncertain, 'driven': found.driven,
+            'doubled': found.doubled, 'silent': found.silent, 'uncertain': found.uncertain,
+            'driven': found.driven,
             'differences': [difference._asdict() for difference in found.differences]}
 
 
@@ -46,6 +58,7 @@ def of_diff(first, second, topics, tolerance):
     """Return the dict of a list of TopicDiff."""
     return {'first': str(first), 'second': str(second), 'tolerance': tolerance,
             'same': all(topic.is_same(tolerance) for topic in topics),
-            'topics': [{'topic': topic.topic, 'same': topic.is_same(tolerance), 'messages': topic.messages,
+            'topics': [{'topic': topic.topic, 'same': topic.is_same(tolerance),
+                        'messages': topic.messages,
                         'only_first': topic.only_first, 'only_second': topic.only_second,
                         'largest': topic.largest} for topic in topics]}

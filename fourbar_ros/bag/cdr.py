@@ -1,9 +1,11 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Serialised messages (CDR) as numbers, by the definition in the bag; no message type is known here.
 
 A :class:`Layout` knows where each field lies in a message whose strings and sequences have given
-lengths. All messages of one layout are read as one numpy array of records, 50 times faster than one by
-one.
+lengths. All messages of one layout are read as one numpy array of records, 50 times faster than
+one by one.
 """
 from __future__ import annotations
 
@@ -20,7 +22,8 @@ from fourbar_ros.bag.definitions import PRIMITIVES, Definition
 DEPTH = 64                  # of definitions within each other
 FIELDS = 10_000             # that may take no byte of a message: empty arrays, structures
 HEADER = 4                  # [bytes] encapsulation header; alignment counts from behind it
-_CODES = {'?': '?', 'u1': 'B', 'i1': 'b', 'f4': 'f', 'f8': 'd', 'i2': 'h', 'u2': 'H', 'i4': 'i', 'u4': 'I',
+_CODES = {'?': '?', 'u1': 'B', 'i1': 'b', 'f4': 'f', 'f8': 'd', 'i2': 'h', 'u2': 'H', 'i4': 'i',
+          'u4': 'I',
           'i8': 'q', 'u8': 'Q'}
 
 
@@ -36,7 +39,8 @@ class Leaf(NamedTuple):
     @property
     def name(self):
         """Return the path as one writes it in Python."""
-        return ''.join(f'[{step}]' if isinstance(step, int) else f'.{step}' for step in self.path)[1:]
+        return ''.join(f'[{step}]' if isinstance(step, int) else f'.{step}'
+                       for step in self.path)[1:]
 
 
 class Layout:
@@ -49,7 +53,8 @@ class Layout:
         A message as a record; the names are paths, ``header.stamp.sec``.
     leaves : list of Leaf
     texts : dict
-        Sequences of strings and empty strings by path; they belong to the layout (joint names change rarely).
+        Sequences of strings and empty strings by path; they belong to the layout (joint names
+        change rarely).
 
     """
 
@@ -60,23 +65,28 @@ class Layout:
         if self.size < HEADER or data[0] != 0 or data[1] > 1:
             raise BagError(f'{definition.name}: not a CDR message')
         self._order = '<' if data[1] else '>'
-        self.leaves, self.texts, self._fixed = [], {}, [(0, 2, data[:2])]        # of one order of bytes
+        # of one order of bytes
+        self.leaves, self.texts, self._fixed = [], {}, [(0, 2, data[:2])]
         try:
             self._tree = self._walk(definition.name, ())
         except (IndexError, ValueError):
             raise BagError(f'{definition.name}: a message is shorter than its definition says') from None
         try:
             self.dtype = np.dtype({
-                'names': [leaf.name for leaf in self.leaves], 'offsets': [leaf.offset for leaf in self.leaves],
-                'formats': [(leaf.format, leaf.shape) for leaf in self.leaves], 'itemsize': self.size})
-        except ValueError as error:                     # a field twice, more bytes than numpy can hold
+                'names': [leaf.name for leaf in self.leaves],
+                'offsets': [leaf.offset for leaf in self.leaves],
+                'formats': [(leaf.format, leaf.shape) for leaf in self.leaves],
+                'itemsize': self.size})
+        # a field twice, more bytes than numpy can hold
+        except ValueError as error:
             raise BagError(f'{definition.name}: {error}') from None
 
     def matches(self, data):
         """Return whether a message has this layout."""
         if len(data) != self.size:
             return False
-        for a, b, value in self._fixed:                  # for every input of a node: all() costs four times as much
+        # for every input of a node: all() costs four times as much
+        for a, b, value in self._fixed:
             if data[a:b] != value:
                 return False
         return True
@@ -92,8 +102,8 @@ class Layout:
         """
         Return the fields of an array of ``dtype`` as nested namespaces.
 
-        A number is an array of shape (n,), an array field one of shape (length, n): ``position[i]`` is
-        joint i over time.
+        A number is an array of shape (n,), an array field one of shape (length, n):
+        ``position[i]`` is joint i over time.
         """
         return self._build(self._tree, [records[leaf.name].T if leaf.shape else records[leaf.name]
                                         for leaf in self.leaves])
@@ -112,7 +122,8 @@ class Layout:
             return values[node]
         if kind is dict:
             found = SimpleNamespace()
-            found.__dict__.update({name: values[child] if type(child) is int else self._build(child, values)
+            found.__dict__.update({name: values[child] if type(child) is int
+                                   else self._build(child, values)
                                    for name, child in node.items()})
             return found
         return self.texts[node] if kind is str else [self._build(child, values) for child in node]
@@ -140,17 +151,21 @@ class Layout:
         """Return the tree of a struct: {name: subtree}, a leaf being its number."""
         self._depth += 1
         if self._depth > DEPTH:
-            raise BagError(f'{self.type}: a definition within itself, or more than {DEPTH} within each other')
-        tree = {field.name: self._field(field, (*path, field.name)) for field in self._definition.fields(type_name)}
+            raise BagError(f'{self.type}: a definition within itself, or more than {DEPTH} within '
+                           'each other')
+        tree = {field.name: self._field(field, (*path, field.name))
+                for field in self._definition.fields(type_name)}
         self._depth -= 1
         return tree
 
     def _field(self, field, path):
         self._steps += 1
         if self._steps > 4 * self.size + FIELDS:
-            raise BagError(f'{self.type}: more fields than a message of {self.size} bytes can have')
+            raise BagError(f'{self.type}: more fields than a message of {self.size} bytes can '
+                           'have')
         if field.type in PRIMITIVES:
-            shape = () if field.count is None else (self._length() if field.count < 0 else field.count,)
+            shape = (() if field.count is None else (self._length() if field.count < 0
+                                                     else field.count,))
             return self._leaf(path, PRIMITIVES[field.type], shape, field.unit)
         if field.type == 'wstring':
             raise BagError(f'{self._definition.name}: wstring is not supported')
@@ -165,7 +180,8 @@ class Layout:
         size = 1 if format_[0] in 'S?' else int(format_[-1])
         if size > 1 and shape != (0,):
             self._at += -(self._at - HEADER) % size
-        self.leaves.append(Leaf(path, format_ if size == 1 else self._order + format_, shape, self._at, unit))
+        self.leaves.append(Leaf(path, format_ if size == 1 else self._order + format_, shape,
+                                self._at, unit))
         self._at += size * (shape[0] if shape else 1)
         if self._at > self.size:
             raise IndexError
@@ -177,7 +193,8 @@ class Layout:
         end = self._at + 4
         if end > self.size:
             raise IndexError
-        length = int.from_bytes(self._data[self._at:end], 'little' if self._order == '<' else 'big')
+        length = int.from_bytes(self._data[self._at:end], 'little' if self._order == '<'
+                                else 'big')
         self._fixed.append((self._at, end, self._data[self._at:end]))
         self._at = end
         if length > self.size:
@@ -192,14 +209,16 @@ class Layout:
             if self._at > self.size:
                 raise IndexError
             return leaf
-        self._at += length                              # an empty one has its final zero, or not even that
+        # an empty one has its final zero, or not even that
+        self._at += length
         return self._text(path, '')
 
     def _strings(self, path, count):
         found = []
         for _ in range(count):
             length = self._length()
-            found.append(self._data[self._at:self._at + max(length - 1, 0)].decode(errors='replace'))
+            found.append(self._data[self._at:self._at
+                                    + max(length - 1, 0)].decode(errors='replace'))
             self._at += length
             self._pin_text(length)
         if self._at > self.size:
@@ -207,7 +226,11 @@ class Layout:
         return self._text(path, found)
 
     def _pin_text(self, length):
-        """Make the text before here, with its length, part of the layout; not the padding: it holds old memory."""
+        """
+        Make the text before here, with its length, part of the layout.
+
+        Not the padding: it holds old memory.
+        """
         begin = self._at - length - 4
         self._fixed[-1] = begin, self._at, self._data[begin:self._at]
 
@@ -239,7 +262,8 @@ class Decoder:
 
     def arrays(self, messages):
         """
-        Yield (layout, rows, records) for a list of serialised messages, all of one layout at a time.
+        Yield (layout, rows, records) for a list of serialised messages, all of one layout at a
+        time.
 
         ``rows`` are their places in the list, ``records`` a numpy array of the layout's dtype.
         """

@@ -1,4 +1,10 @@
-"""Message definitions (.msg): the one parser, for the schemas in bags and for those of installed packages."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Message definitions (.msg).
+
+The one parser, for the schemas in bags and for those of installed packages.
+"""
 from __future__ import annotations
 
 import re
@@ -6,8 +12,10 @@ from typing import NamedTuple
 
 from fourbar_ros.bag import BagError
 
-PRIMITIVES = {'bool': '?', 'byte': 'u1', 'char': 'u1', 'float32': 'f4', 'float64': 'f8', 'int8': 'i1',
-              'uint8': 'u1', 'int16': 'i2', 'uint16': 'u2', 'int32': 'i4', 'uint32': 'u4', 'int64': 'i8',
+PRIMITIVES = {'bool': '?', 'byte': 'u1', 'char': 'u1', 'float32': 'f4', 'float64': 'f8',
+              'int8': 'i1',
+              'uint8': 'u1', 'int16': 'i2', 'uint16': 'u2', 'int32': 'i4', 'uint32': 'u4',
+              'int64': 'i8',
               'uint64': 'u8'}
 STRINGS = ('string', 'wstring')
 _FIELD = re.compile(r'([A-Za-z][\w/]*)(?:<=\d+)?(\[(?:(<=)?(\d+))?\])?\s+([A-Za-z]\w*)(?!\s*=|\w)')
@@ -15,7 +23,11 @@ _UNIT = re.compile(r'\s*\[([^\]]+)\]')      # our definitions begin every commen
 
 
 class Field(NamedTuple):
-    """A field of a message: ``count`` is None for a single one, -1 for a sequence; ``unit`` as commented."""
+    """
+    A field of a message: ``count`` is None for a single one, -1 for a sequence.
+
+    ``unit`` as commented.
+    """
 
     name: str
     type: str
@@ -38,7 +50,8 @@ class Definition:
     def fields(self, type_name):
         """Return the fields of a type; an empty message has one byte on the wire."""
         try:
-            return self._types[short(type_name)] or [Field('structure_needs_at_least_one_member', 'uint8', None)]
+            return (self._types[short(type_name)]
+                    or [Field('structure_needs_at_least_one_member', 'uint8', None)])
         except KeyError:
             raise BagError(f'{self.name}: the schema does not define {type_name}') from None
 
@@ -50,7 +63,11 @@ def short(name):
 
 
 def fields_in(owner, text):
-    """Return the fields that the text of one definition declares; types without a package are those of ``owner``."""
+    """
+    Return the fields that the text of one definition declares.
+
+    Types without a package are those of ``owner``.
+    """
     found = []
     for line in text.splitlines():
         line, _, comment = line.partition('#')
@@ -59,7 +76,8 @@ def fields_in(owner, text):
             kind, array, bounded, number, name = match.groups()
             if kind not in PRIMITIVES and kind not in STRINGS and '/' not in kind:
                 kind = f'{owner.split("/")[0]}/{kind}'
-            found.append(Field(name, kind, None if not array else int(number) if number and not bounded else -1,
+            found.append(Field(name, kind, None if not array else int(number) if number
+                               and not bounded else -1,
                                unit[1] if (unit := _UNIT.match(comment)) else ''))
     return found
 

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Compare two bags message by message: the same stamp on the same topic is the same message."""
 from __future__ import annotations
 
@@ -15,8 +17,8 @@ class TopicDiff(NamedTuple):
     """
     One topic in both bags.
 
-    ``largest`` is {field: largest difference}; of fields that only one of two messages has, and of texts,
-    infinite. Of unlike scenes the parameters stand for the field.
+    ``largest`` is {field: largest difference}; of fields that only one of two messages has, and of
+    texts, infinite. Of unlike scenes the parameters stand for the field.
     """
 
     topic: str
@@ -28,20 +30,23 @@ class TopicDiff(NamedTuple):
     @property
     def differences(self):
         """Return a list of :class:`~fourbar_ros.bag.recompute.Difference`."""
-        return [Difference(self.topic, field, self.messages, value) for field, value in self.largest.items()]
+        return [Difference(self.topic, field, self.messages, value)
+                for field, value in self.largest.items()]
 
     def is_same(self, tolerance=0.0):
         """Return whether all messages are in both bags and no field differs by more."""
-        return not self.only_first and not self.only_second and max(self.largest.values(), default=0.0) <= tolerance
+        return (not self.only_first and not self.only_second
+                and max(self.largest.values(), default=0.0) <= tolerance)
 
 
 def diff(first, second, topics=None, progress=None):
     """
     Return a list of :class:`TopicDiff`, one for every topic in either bag.
 
-    Messages are matched by the stamp of their header, those without or with stamp 0 by their place among
-    those of their topic. Memory does not grow with the bags, as long as their stamps go forward. ``progress`` is called with the
-    bytes read of the first bag, once more for every topic.
+    Messages are matched by the stamp of their header, those without or with stamp 0 by their place
+    among those of their topic. Memory does not grow with the bags, as long as their stamps go
+    forward. ``progress`` is called with the bytes read of the first bag, once more for every
+    topic.
     """
     bags = [Bag(first), Bag(second)]
     names = sorted(set.union(*map(_topics, bags)))
@@ -135,22 +140,36 @@ def _by_parameter(here, there):
 
 
 def _between(a, b):
-    """Return the difference of two parameters; infinite if they are unlike and not both numbers."""
+    """
+    Return the difference of two parameters.
+
+    Infinite if they are unlike and not both numbers.
+    """
     numbers = all(isinstance(value, (int, float)) for value in (a, b))
-    return distance(np.array([a], float), np.array([b], float)) if numbers else 0.0 if a == b else np.inf
+    return (distance(np.array([a], float), np.array([b], float)) if numbers else 0.0 if a == b
+            else np.inf)
 
 
 def _apart(here, there):
-    """Return the largest difference of one field in two arrays of messages; infinite if it is none of numbers."""
+    """
+    Return the largest difference of one field in two arrays of messages.
+
+    Infinite if it is none of numbers.
+    """
     if here.shape != there.shape:
         return np.inf
     if here.dtype.kind == 'S':
         return 0.0 if (here == there).all() else np.inf
-    return distance(here.astype(float), there.astype(float)) if here.size else 0.0      # an empty sequence
+    # an empty sequence
+    return distance(here.astype(float), there.astype(float)) if here.size else 0.0
 
 
 def _keyed(bag, topic, progress):
-    """Yield lists of (keys, records), one a layout in a block; the key is the stamp [ns], or the place in the topic."""
+    """
+    Yield lists of (keys, records), one a layout in a block.
+
+    The key is the stamp [ns], or the place in the topic.
+    """
     for block in bag.blocks([topic], progress=progress):
         yield [(_keys(found), found.records) for found in block]
 

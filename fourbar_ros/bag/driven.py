@@ -1,4 +1,10 @@
-"""Is what a node says of its driven joint what its input says? The input as it came is in the bag too."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Is what a node says of its driven joint what its input says?.
+
+The input as it came is in the bag too.
+"""
 from __future__ import annotations
 
 from math import inf, isnan, nan
@@ -16,8 +22,9 @@ class Driven:
     """
     Goes through inputs and the driven motions that follow from them, as the node does.
 
-    Rates that the input does not carry are estimated from the samples before. Those that may come from samples
-    before the bag, or from an estimator that computed otherwise, are counted in ``unknown``, not compared.
+    Rates that the input does not carry are estimated from the samples before. Those that may come
+    from samples before the bag, or from an estimator that computed otherwise, are counted in
+    ``unknown``, not compared.
 
     Parameters
     ----------
@@ -54,7 +61,11 @@ class Driven:
         self._drive = drive
 
     def take(self, places, stamps, motions):
-        """Take messages of the input, in order: places in the bag, stamps [ns], (position, velocity, acceleration)."""
+        """
+        Take messages of the input, in order.
+
+        places in the bag, stamps [ns], (position, velocity, acceleration).
+        """
         self._inputs += zip(places.tolist(), stamps.tolist(), motions.tolist())
 
     def compare(self, places, stamps, motions):
@@ -97,7 +108,11 @@ class Driven:
 
 
 def inputs_of(columns, scene):
-    """Return (places, stamps, motions) of messages of the input, those without the joint left out; stamp 0: none."""
+    """
+    Return (places, stamps, motions) of messages of the input, those without the joint left out.
+
+    Stamp 0: none.
+    """
     stamp = [columns.records[f'header.stamp.{field}'] for field in ('sec', 'nanosec')]
     stamps = np.where(is_time(*stamp), columns.stamps, 0)
     if scene.drive.source != 'joint_state':
@@ -111,7 +126,8 @@ def inputs_of(columns, scene):
         return columns.places[:0], columns.stamps[:0], np.zeros((0, 3))
     velocity = tree.velocity[i] if i < len(tree.velocity) else unknown
     scale = joints.Scale(scene.drive.joint_ratio, scene.drive.joint_offset)
-    return columns.places, stamps, np.stack(scale.to_input(tree.position[i], velocity, unknown), axis=1)
+    return columns.places, stamps, np.stack(scale.to_input(tree.position[i], velocity, unknown),
+                                            axis=1)
 
 
 def _apart(a, b):

@@ -1,4 +1,10 @@
-"""The numbers of a bag as CSV, NPZ or Parquet: block by block, so that long bags need no memory."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The numbers of a bag as CSV, NPZ or Parquet.
+
+Block by block, so that long bags need no memory.
+"""
 from __future__ import annotations
 
 import re
@@ -17,11 +23,12 @@ FORMATS = ('csv', 'npz', 'parquet')
 
 def export(path, out, format_='csv', topics=None, progress=None):
     """
-    Write every topic of a bag as a table: log time [ns], then one column for every number and text.
+    Write every topic of a bag as a table: log time [ns], then one column for every number and
+    text.
 
-    Array elements are columns of their own, ``position[0]``; of a JointState they carry the joint's name,
-    ``position[crank]``. Arrays of bytes are one column. If the columns of a topic change on the way, a new
-    table begins, NAME.2.
+    Array elements are columns of their own, ``position[0]``; of a JointState they carry the
+    joint's name, ``position[crank]``. Arrays of bytes are one column. If the columns of a topic
+    change on the way, a new table begins, NAME.2.
 
     Parameters
     ----------
@@ -54,7 +61,8 @@ def export(path, out, format_='csv', topics=None, progress=None):
         unknown = set(topics or ()) - {key[0] for key in tables}
         known = {channel.topic for channel in bag.channels.values()}
         if not unknown <= known:
-            raise BagError(f'{", ".join(sorted(unknown - known))}: not in the bag; it has {", ".join(sorted(known))}')
+            raise BagError(f'{", ".join(sorted(unknown - known))}: not in the bag; it has '
+                           f'{", ".join(sorted(known))}')
         for written in tables.values():
             written.close()
         make.finish(folder, tables.values()).rename(out)
@@ -68,7 +76,11 @@ class _Names:
         self._taken, self._numbers = set(), {}
 
     def of(self, topic):
-        """Return the name of the next table of a topic: a/b.2 is no topic, so /a/b, a.b.2 cannot meet."""
+        """
+        Return the name of the next table of a topic.
+
+        A/b.2 is no topic, so /a/b, a.b.2 cannot meet.
+        """
         base = re.sub(r'[^\w.~-]', '_', topic.strip('/').replace('/', '.')) or '_'
         while True:
             number = self._numbers[topic] = self._numbers.get(topic, 0) + 1
@@ -104,13 +116,18 @@ def _as_bytes(values):
 
 
 def table(columns):
-    """Return {column name: array of shape (n,)} of Columns; arrays of bytes are one column of bytes objects."""
+    """
+    Return {column name: array of shape (n,)} of Columns.
+
+    Arrays of bytes are one column of bytes objects.
+    """
     found = {'log_time': columns.times}
     joints = columns.layout.texts.get('name', [])
     for leaf in columns.layout.leaves:
         values = columns.records[leaf.name]
         if leaf.format[0] == 'S':
-            found[leaf.name] = np.char.decode(values, 'utf-8', 'replace').astype(f'U{values.dtype.itemsize}')
+            found[leaf.name] = np.char.decode(values, 'utf-8',
+                                              'replace').astype(f'U{values.dtype.itemsize}')
         elif leaf.shape and leaf.format in BYTES:
             found[leaf.name] = _as_bytes(values)
         elif leaf.shape:

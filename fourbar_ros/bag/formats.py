@@ -1,4 +1,10 @@
-"""Tables that grow block by block, in one format each: CSV, NPZ, Parquet. No file stays open for them."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Tables that grow block by block, in one format each: CSV, NPZ, Parquet.
+
+No file stays open for them.
+"""
 from __future__ import annotations
 
 import csv
@@ -62,7 +68,8 @@ class Parquet:
             raise BagError('parquet requires pyarrow: pip install pyarrow') from None
         self.name, self.rows, self._arrow = name, 0, pyarrow
         schema = pyarrow.table(columns).schema
-        self._writer = pyarrow.parquet.ParquetWriter(_in_folder(folder) / f'{name}.parquet', schema)
+        self._writer = pyarrow.parquet.ParquetWriter(_in_folder(folder) / f'{name}.parquet',
+                                                     schema)
 
     def add(self, columns):
         """Append the rows of {column: values}."""
@@ -76,10 +83,11 @@ class Parquet:
 
 class Npz:
     """
-    Every column grows in a file of its own; they go into the .npz at the end, each being removed then.
+    Every column grows in a file of its own; they go into the .npz at the end, each being removed
+    then.
 
-    Texts are as wide as the longest of their column. Bytes of all rows stand one after the other, and
-    ``COLUMN.ends`` says where those of each row end.
+    Texts are as wide as the longest of their column. Bytes of all rows stand one after the other,
+    and ``COLUMN.ends`` says where those of each row end.
     """
 
     @staticmethod
@@ -117,7 +125,8 @@ class Npz:
         with zipfile.ZipFile(part, 'w', zipfile.ZIP_STORED, allowZip64=True) as archive:
             for written in tables:
                 for column, array in written._arrays.items():
-                    with archive.open(f'{written.name}/{column}.npy', 'w', force_zip64=True) as entry:
+                    with archive.open(f'{written.name}/{column}.npy', 'w',
+                                      force_zip64=True) as entry:
                         array.move_to(entry)
         return part
 
@@ -146,5 +155,6 @@ class _Array:
             for rows, own in self._parts:
                 for begin in range(0, rows, ROWS):
                     part = file.read(min(ROWS, rows - begin) * own.itemsize)
-                    entry.write(part if own == dtype else np.frombuffer(part, own).astype(dtype).tobytes())
+                    entry.write(part if own == dtype
+                                else np.frombuffer(part, own).astype(dtype).tobytes())
         self._path.unlink()

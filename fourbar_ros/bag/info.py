@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """What is in a bag, and whether it is sound."""
 from __future__ import annotations
 
@@ -15,8 +17,8 @@ class TopicInfo(NamedTuple):
     """
     One topic: messages in the bag, and messages that are missing by their numbers.
 
-    Bags of our recorder tell which numbers were given, so that gaps at both ends count; of others only those
-    in between are seen, if all messages are read. None: not known.
+    Bags of our recorder tell which numbers were given, so that gaps at both ends count; of others
+    only those in between are seen, if all messages are read. None: not known.
     """
 
     topic: str
@@ -49,8 +51,8 @@ class Info(NamedTuple):
     lost : str
         What ``recover`` found damaged when it made this bag.
     damage : str
-        Empty, or what is wrong with the file and where; a finished bag that was not read is only asked for
-        its end.
+        Empty, or what is wrong with the file and where; a finished bag that was not read is only
+        asked for its end.
     parts : int
         Files of a split bag.
 
@@ -77,7 +79,8 @@ class Info(NamedTuple):
     @property
     def is_sound(self):
         """Return whether the bag is finished, undamaged and has no gap that is known of."""
-        has_numbers = all(topic.missing is not None for topic in self.topics) and rosbag2.NUMBERS in self.about
+        has_numbers = (all(topic.missing is not None for topic in self.topics)
+                       and rosbag2.NUMBERS in self.about)
         return (self.state == 'finished' and not self.damage and not self.missing
                 and (has_numbers or not self.lost))
 
@@ -86,7 +89,8 @@ def info(path, check=False, progress=None):
     """
     Return the :class:`Info` of a bag.
 
-    A finished bag is only asked for its summary; with ``check``, or if it has none, every message is read.
+    A finished bag is only asked for its summary; with ``check``, or if it has none, every message
+    is read.
     """
     bag = Bag(path)
     about = bag.about()
@@ -94,17 +98,21 @@ def info(path, check=False, progress=None):
     being_written = bag.is_being_written
     told = None if check else _joined([_told(part) for part in bag.parts])
     topics, start, end, damage = (*told, '') if told else _count(bag, progress)
-    topics = [topic._replace(missing=missing_of(numbers.get(topic.topic), topic.messages, *topic.missing))
+    topics = [topic._replace(missing=missing_of(numbers.get(topic.topic), topic.messages,
+                                                *topic.missing))
               for topic in topics]
     state = 'being written' if being_written else 'cut' if bag.cut else 'finished'
-    return Info(bag.file if len(bag.files) == 1 else bag.path, state, bag.size, start, end, topics, about,
-                about.get(rosbag2.ENDED, ''), _dropped(about), about.get(rosbag2.LOST, ''), damage, len(bag.files))
+    return Info(bag.file if len(bag.files) == 1 else bag.path, state, bag.size, start, end, topics,
+                about,
+                about.get(rosbag2.ENDED, ''), _dropped(about), about.get(rosbag2.LOST, ''), damage,
+                len(bag.files))
 
 
 def _dropped(about):
     told = about.get(rosbag2.DROPPED, '')           # of version 0.1.0 one number
     return int(told) if told.isdecimal() else sum(
-        count for count in rosbag2.mapping_in(about, rosbag2.DROPPED).values() if isinstance(count, int))
+        count for count in rosbag2.mapping_in(about, rosbag2.DROPPED).values()
+        if isinstance(count, int))
 
 
 def missing_of(numbers, count, last=None, gaps=None):
@@ -118,7 +126,8 @@ def missing_of(numbers, count, last=None, gaps=None):
     count : int
         Messages in the bag.
     last : int, optional
-        Sequence number of the newest of them; in a bag without an end nobody knows what came after it.
+        Sequence number of the newest of them; in a bag without an end nobody knows what came after
+        it.
     gaps : int, optional
         The answer where the recorder does not tell its numbers.
 
@@ -137,13 +146,16 @@ def _told(bag):
     summary = bag.summary()
     if not summary or not summary.statistics:
         return None
-    statistics, names = summary.statistics, {number: schema.name for number, schema in summary.schemas.items()}
+    statistics, names = summary.statistics, {number: schema.name
+                                             for number, schema in summary.schemas.items()}
     repeated = rosbag2.repeated(bag.about())
     topics = [TopicInfo(channel.topic, names.get(channel.schema_id, ''),
-                        statistics.channel_message_counts.get(channel.id, 0) - (channel.topic in repeated), ())
+                        statistics.channel_message_counts.get(channel.id, 0)
+                        - (channel.topic in repeated), ())
               for channel in summary.channels.values()]
     begun = statistics.message_count > 0
-    return topics, statistics.message_start_time if begun else None, statistics.message_end_time if begun else None
+    return (topics, statistics.message_start_time if begun else None, statistics.message_end_time
+            if begun else None)
 
 
 def _joined(parts):
@@ -153,8 +165,10 @@ def _joined(parts):
     topics = {}
     for topic in (topic for part in parts for topic in part[0]):
         key = topic.topic, topic.type
-        topics[key] = topic._replace(messages=topic.messages + (topics[key].messages if key in topics else 0))
-    return (list(topics.values()), min((start for _, start, _ in parts if start is not None), default=None),
+        topics[key] = topic._replace(messages=topic.messages
+                                     + (topics[key].messages if key in topics else 0))
+    return (list(topics.values()), min((start for _, start, _ in parts if start is not None),
+                                       default=None),
             max((end for _, _, end in parts if end is not None), default=None))
 
 
@@ -185,7 +199,8 @@ def _count(bag, progress):
     damage = in_short(bag.damage) or damage
     repeated = rosbag2.repeated(bag.about())
     topics = [TopicInfo(channel.topic, _type_of(bag, number),
-                        max(counts[number] - (channel.topic in repeated), 0), (last.get(number), gaps[number]))
+                        max(counts[number] - (channel.topic in repeated), 0),
+                        (last.get(number), gaps[number]))
               for number, channel in bag.channels.items()]
     return topics, start, end, damage
 
@@ -194,7 +209,8 @@ def parameter_file(path, source, node=None):
     """Return the scene of a bag as the text of a ROS 2 parameter file, driven by ``source``."""
     import yaml
     scene, _ = scene_of(path, node)
-    values = {name: value for name, value in scene.values.items() if value == value and value not in ('', [])}
+    values = {name: value for name, value in scene.values.items() if value == value
+              and value not in ('', [])}
     values.update({'drive.source': source, 'recording.start': False})
     tree = {}
     for name, value in values.items():
@@ -208,4 +224,5 @@ def parameter_file(path, source, node=None):
 
 def software_of(about):
     """Return what made a bag as one line."""
-    return ', '.join(f'{name} {version}' for name, version in rosbag2.mapping_in(about, 'software').items())
+    return ', '.join(f'{name} {version}'
+                     for name, version in rosbag2.mapping_in(about, 'software').items())

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Several bags at once: found below folders, worked on by processes of their own."""
 from __future__ import annotations
 
@@ -12,7 +14,8 @@ from fourbar_ros.bag import BagError, rosbag2
 
 def bags_below(paths):
     """
-    Return the bags that are meant by paths: bags themselves, or folders that hold bags at any depth.
+    Return the bags that are meant by paths: bags themselves, or folders that hold bags at any
+    depth.
 
     A bag that is in several of them is named once. Raises BagError where there is none.
     """
@@ -40,7 +43,8 @@ def _bags_in(path):
 
 def each(work, bags, jobs=0, done=None):
     """
-    Return ``work(bag)`` for every bag in order, from ``jobs`` processes; an error takes the place of its result.
+    Return ``work(bag)`` for every bag in order, from ``jobs`` processes; an error takes the place
+    of its result.
 
     Parameters
     ----------

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Which output belongs to which motion of the driven joint, and whether each has one of every kind."""
 from __future__ import annotations
 
@@ -7,7 +9,11 @@ import numpy as np
 
 
 class Window(NamedTuple):
-    """The newest inputs: places, stamps, statuses, whether their outputs are known, values; outputs seen by name."""
+    """
+    The newest inputs: places, stamps, statuses, whether their outputs are known, values.
+
+    Outputs seen by name.
+    """
 
     places: np.ndarray
     stamps: np.ndarray
@@ -19,7 +25,8 @@ class Window(NamedTuple):
     def followed_by(self, new):
         """Return both."""
         return Window(*(np.concatenate(pair, axis=-1) for pair in zip(self[:-1], new[:-1])),
-                       {name: np.concatenate((seen, new.seen[name])) for name, seen in self.seen.items()})
+                       {name: np.concatenate((seen, new.seen[name]))
+                        for name, seen in self.seen.items()})
 
     def from_(self, begin):
         """Return it without the oldest."""
@@ -27,7 +34,11 @@ class Window(NamedTuple):
                        {name: seen[begin:] for name, seen in self.seen.items()})
 
     def source_of(self, places, stamps):
-        """Return which input each output belongs to, -1 for none: the last before it, or any of its stamp."""
+        """
+        Return which input each output belongs to, -1 for none.
+
+        The last before it, or any of its stamp.
+        """
         source = np.searchsorted(self.places, places, side='right') - 1
         good = (source >= 0) & (self.stamps[source] == stamps)
         if not good.all():
@@ -47,7 +58,11 @@ class Tally:
         self._has_begun = from_the_start
 
     def add(self, seen, due):
-        """Count the outputs of the next inputs: how many were seen of each, and whether one was due."""
+        """
+        Count the outputs of the next inputs.
+
+        How many were seen of each, and whether one was due.
+        """
         self.doubled += int(np.maximum(seen - 1, 0).sum())
         there, gone = np.flatnonzero(seen), due & (seen == 0)
         if len(there):

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The records of an MCAP file one by one: what their bytes must be, and what the bytes say."""
 from __future__ import annotations
 
@@ -9,22 +11,28 @@ import lz4.frame
 import zstandard
 from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, DataEnd, Header, Metadata, MetadataIndex, Schema, Statistics
+from mcap.records import (Channel, Chunk, DataEnd, Header, Metadata, MetadataIndex, Schema,
+                          Statistics)
 
 from fourbar_ros.bag import BagError
 
 HEAD = Struct('<BQ')                # opcode and length of every record
 IS_MESSAGE = int(Opcode.MESSAGE)     # compares in a tenth of the time
-MESSAGE = Struct('<HIQQ')           # channel, sequence, log time, publish time: what a message starts with
+# channel, sequence, log time, publish time: what a message starts with
+MESSAGE = Struct('<HIQQ')
 WRONG_TIMES = 'chunk tells other times than its messages'
-LARGEST = 1 << 28                   # [bytes] a chunk or message is taken for; rosbag2's chunks have 0.75 MiB
-OURS = 'fourbar_ros '               # what the library of a header begins with in a bag of our recorder
+# [bytes] a chunk or message is taken for; rosbag2's chunks have 0.75 MiB
+LARGEST = 1 << 28
+# what the library of a header begins with in a bag of our recorder
+OURS = 'fourbar_ros '
 SEAL = 'crc32'                      # key of a metadata record: the checksum of all others
-TYPES = {Opcode.HEADER: Header, Opcode.SCHEMA: Schema, Opcode.CHANNEL: Channel, Opcode.METADATA: Metadata,
+TYPES = {Opcode.HEADER: Header, Opcode.SCHEMA: Schema, Opcode.CHANNEL: Channel,
+         Opcode.METADATA: Metadata,
          Opcode.CHUNK: Chunk, Opcode.DATA_END: DataEnd, Opcode.STATISTICS: Statistics,
          Opcode.METADATA_INDEX: MetadataIndex}
 _U32, _U64 = Struct('<I'), Struct('<Q')
-# What is in the data section: bytes at the start of a body, the lengths of its texts, bytes at its end.
+# What is in the data section: bytes at the start of a body, the lengths of its texts, bytes at its
+# end.
 SHAPES = {int(opcode): shape for opcode, shape in {
     Opcode.HEADER: (0, (_U32, _U32), 0), Opcode.SCHEMA: (2, (_U32, _U32, _U32), 0),
     Opcode.CHANNEL: (4, (_U32, _U32, _U32), 0), Opcode.CHUNK: (28, (_U32, _U64), 0),
@@ -38,7 +46,8 @@ class Damaged(BagError):
 
 def filled(opcode, size, read):
     """
-    Return how long the lengths inside a body of this size say that it is, -1 if it ends before them.
+    Return how long the lengths inside a body of this size say that it is, -1 if it ends before
+    them.
 
     ``read(struct, place)`` returns the number at a place of the body.
     """
@@ -64,7 +73,8 @@ def parse(opcode, body):
         record = TYPES[opcode].read(ReadDataStream(BytesIO(body)))
     except Exception as error:      # the library raises whatever the bytes lead it to
         raise Damaged(f'{Opcode(opcode).name.lower()} cannot be read: {type(error).__name__}') from None
-    # The library takes what is left where a text should be longer; written again it is not the same.
+    # The library takes what is left where a text should be longer; written again it is not the
+    # same.
     if opcode == Opcode.METADATA and (record.metadata.get(SEAL) not in (None, seal(record))
                                       or encoded(record)[HEAD.size:] != body):
         raise Damaged(f'metadata {record.name!r} has a wrong checksum')
@@ -81,7 +91,8 @@ def encoded(*records):
 
 def seal(record):
     """Return the checksum of a Metadata record: an unfinished file has no other for it."""
-    items = (text for key, value in sorted(record.metadata.items()) if key != SEAL for text in (key, value))
+    items = (text for key, value in sorted(record.metadata.items()) if key != SEAL
+             for text in (key, value))
     return f'{zlib.crc32(chr(0).join((record.name, *items)).encode()):08x}'
 
 
@@ -99,7 +110,11 @@ def unpacked(chunk):
 
 
 def _decompressed(chunk):
-    """Return the content of a Chunk; refuses a size that the data do not confirm before memory is taken for it."""
+    """
+    Return the content of a Chunk.
+
+    Refuses a size that the data do not confirm before memory is taken for it.
+    """
     size = chunk.uncompressed_size
     if chunk.compression == '':
         return chunk.data
@@ -125,7 +140,8 @@ def unlz4(data, size):
     return lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=size + 1)
 
 
-# What some writers (rosbag2 with compression_mode message) put in place of a message; CDR begins with a zero.
+# What some writers (rosbag2 with compression_mode message) put in place of a message; CDR begins
+# with a zero.
 PACKED = {zstandard.FRAME_HEADER: unzstd, (0x184D2204).to_bytes(4, 'little'): unlz4}
 
 
@@ -146,8 +162,13 @@ def message_of(data):
 
 
 def tells_its_times(chunk, times):
-    """Return whether a Chunk tells the first and last of these log times; its checksum does not cover that."""
-    return not times or (chunk.message_start_time, chunk.message_end_time) == (min(times), max(times))
+    """
+    Return whether a Chunk tells the first and last of these log times.
+
+    Its checksum does not cover that.
+    """
+    return not times or (chunk.message_start_time,
+                         chunk.message_end_time) == (min(times), max(times))
 
 
 def split(data):

@@ -1,9 +1,13 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
-Walk through an MCAP file record by record: finished, cut by a crash, still being written, or damaged.
+Walk through an MCAP file record by record: finished, cut by a crash, still being written, or
+damaged.
 
-The library's readers want the index at the end of a file, which a crash never writes; its stream reader
-takes 4 us a message, this one less than 1. Neither asks whether a record is what it says. Here the lengths
-inside a record must fill it, and where they do not, the walk goes on at the next record that is whole.
+The library's readers want the index at the end of a file, which a crash never writes; its stream
+reader takes 4 us a message, this one less than 1. Neither asks whether a record is what it says.
+Here the lengths inside a record must fill it, and where they do not, the walk goes on at the next
+record that is whole.
 """
 from __future__ import annotations
 
@@ -34,14 +38,21 @@ from fourbar_ros.bag.mcap_records import (
 )
 
 MAGIC = b'\x89MCAP0\r\n'
-_LOOSE = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})      # what can be in a chunk as well
+# what can be in a chunk as well
+_LOOSE = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})
 _END = Struct('<BQQQI8s')           # the footer and the magic behind it
-_CHUNK_INDEX, _ENTRY = Struct('<QQQQI'), Struct('<HQ')     # head of a chunk's index; of a channel in it
-_FIRST_WINDOW, _WINDOW = 1 << 12, 1 << 22      # [bytes] what is searched at once, at first and at most
+# head of a chunk's index; of a channel in it
+_CHUNK_INDEX, _ENTRY = Struct('<QQQQI'), Struct('<HQ')
+# [bytes] what is searched at once, at first and at most
+_FIRST_WINDOW, _WINDOW = 1 << 12, 1 << 22
 
 
 class Ending(NamedTuple):
-    """How a finished file ends: where its summary begins, records of that, and what is wrong with it."""
+    """
+    How a finished file ends.
+
+    Where its summary begins, records of that, and what is wrong with it.
+    """
 
     start: int
     records: tuple
@@ -74,10 +85,12 @@ def ending(file):
     file.seek(start)
     summary = file.read(at - start)
     if crc not in (0, zlib.crc32(tail[:25], zlib.crc32(summary))):
-        return Ending(0, (), f'at byte {at}: the index at the end of the file has a wrong checksum')
+        return Ending(0, (), f'at byte {at}: the index at the end of the file has a wrong '
+                             'checksum')
     try:
         found = Ending(start, tuple(parse(opcode, summary[begin:end])
-                                    for _, opcode, begin, end in split(summary) if opcode in TYPES))
+                                    for _, opcode, begin, end in split(summary)
+                                    if opcode in TYPES))
         if any(place.offset + place.length > start for place in found.of(MetadataIndex)):
             raise Damaged('the index at the end of the file leads nowhere')
         return found
@@ -87,7 +100,8 @@ def ending(file):
 
 def chunk_index(file, end):
     """
-    Return [(offset, first log time, last log time, channels)] of the chunks of a file with a sound Ending.
+    Return [(offset, first log time, last log time, channels)] of the chunks of a file with a sound
+    Ending.
 
     None if there is no index of all chunks, or messages lie outside of them.
     """
@@ -96,7 +110,8 @@ def chunk_index(file, end):
         return None
     file.seek(end.start)
     summary = file.read(os.fstat(file.fileno()).st_size - _END.size - end.start)
-    found = [_place(summary, begin) for _, opcode, begin, _ in split(summary) if opcode == Opcode.CHUNK_INDEX]
+    found = [_place(summary, begin) for _, opcode, begin, _ in split(summary)
+             if opcode == Opcode.CHUNK_INDEX]
     good = len(found) == told[0].chunk_count and all(place[0] < end.start for place in found)
     return sorted(found, key=lambda place: place[0]) if good else None
 
@@ -104,7 +119,8 @@ def chunk_index(file, end):
 def _place(summary, begin):
     first, last, offset, _, size = _CHUNK_INDEX.unpack_from(summary, begin)
     begin += _CHUNK_INDEX.size
-    return offset, first, last, {number for number, _ in _ENTRY.iter_unpack(summary[begin:begin + size])}
+    return (offset, first, last,
+            {number for number, _ in _ENTRY.iter_unpack(summary[begin:begin + size])})
 
 
 class Scan:
@@ -143,7 +159,8 @@ class Scan:
         self.ending = ending(file)
         if self.ending and self.ending.damage:
             self.damage.append(self.ending.damage)
-        self._limit = self.ending.start if self.ending else 0      # of the data section; 0: not known
+        # of the data section; 0: not known
+        self._limit = self.ending.start if self.ending else 0
         self._chunked = bool(self._limit) and self.ending.is_chunked
         self._chunks, self._until, self._is_ours = {}, 0, False
 
@@ -174,7 +191,8 @@ class Scan:
             self._chunked |= opcode == Opcode.CHUNK
             if self._is_sound(offset, opcode, body):
                 yield offset, opcode, body
-        self.complete = True                   # without the mark for the end of the data, which is damage
+        # without the mark for the end of the data, which is damage
+        self.complete = True
 
     def only(self, offsets):
         """Yield the records at these offsets, which the index tells; the rest is not looked at."""
@@ -195,20 +213,22 @@ class Scan:
 
     def admit(self, offset, chunk, times):
         """
-        Note what is wrong with the place of a sound Chunk and with the times it tells, given its log times.
+        Note what is wrong with the place of a sound Chunk and with the times it tells, given its
+        log times.
 
         Raises Damaged for a copy of an earlier one. Our recorder's log times never go back.
         """
         if not tells_its_times(chunk, times):
             self.damage.append(f'at byte {offset}: {WRONG_TIMES}')
         first, last = (min(times), max(times)) if times else (0, 0)
-        key = first, last, chunk.uncompressed_size, chunk.uncompressed_crc or zlib.crc32(chunk.data)
+        key = (first, last, chunk.uncompressed_size, chunk.uncompressed_crc
+               or zlib.crc32(chunk.data))
         other = self._chunks.setdefault(key, offset)
         if times and other != offset and (self._is_ours or first < last):
             raise Damaged(f'a copy of the chunk at byte {other}')
         if self._is_ours and first < self._until and times:
-            self.damage.append(f'at byte {offset}: chunk is out of order: its messages are older than '
-                               'those before it')
+            self.damage.append(f'at byte {offset}: chunk is out of order: its messages are older '
+                               'than those before it')
         self._until = max(self._until, last)
 
     def is_followed_by_zeros(self):
@@ -228,12 +248,17 @@ class Scan:
             return False
 
     def _finish(self, offset, told, crc):
-        """Compare the checksum of the data; what changed is in no chunk if nothing was found before."""
+        """
+        Compare the checksum of the data.
+
+        What changed is in no chunk if nothing was found before.
+        """
         self.ending = ending(self._file)       # it may be new
         self.complete = self.ending is not None
         if len(self.damage) == self._known and told not in (0, crc):
-            self.damage.append(f'from byte 0 to {offset}: the data have a wrong checksum, but no chunk has: a '
-                               'message index, the header or the checksum itself has changed, or a chunk is missing')
+            self.damage.append(f'from byte 0 to {offset}: the data have a wrong checksum, but no '
+                               'chunk has: a message index, the header or the checksum itself has '
+                               'changed, or a chunk is missing')
 
     def _there(self, end, wait=False):
         """Return whether the file reaches up to this offset."""
@@ -241,7 +266,8 @@ class Scan:
             return os.fstat(self._file.fileno()).st_size >= end
 
         while not there():
-            if not (wait and self._wait and self._wait()) and not there():     # its writer may just have finished
+            # its writer may just have finished
+            if not (wait and self._wait and self._wait()) and not there():
                 return False
         return True
 
@@ -257,7 +283,8 @@ class Scan:
             return None
         self._file.seek(offset + HEAD.size)
         body = self._file.read(length)
-        whole = filled(opcode, length, lambda number, at: number.unpack_from(body, at)[0]) == length
+        whole = filled(opcode, length,
+                       lambda number, at: number.unpack_from(body, at)[0]) == length
         return (head, opcode, body) if whole else None
 
     def _may_start(self, offset, size, opcode, length):
@@ -265,7 +292,8 @@ class Scan:
         begin = offset + HEAD.size
         if begin + length > size or not self._may_be(offset, opcode, begin + length):
             return False
-        return filled(opcode, length, lambda number, at: self._number(number, begin + at)) == length
+        return filled(opcode, length,
+                      lambda number, at: self._number(number, begin + at)) == length
 
     def _number(self, number, at):
         found = os.pread(self._file.fileno(), number.size, at)
@@ -273,7 +301,8 @@ class Scan:
 
     def _may_be(self, offset, opcode, end):
         """Return whether a record of this kind can be here."""
-        if self._limit and (end > self._limit or (opcode == Opcode.DATA_END) != (end == self._limit)):
+        if self._limit and (end > self._limit or (opcode == Opcode.DATA_END)
+                            != (end == self._limit)):
             return False
         if (opcode == Opcode.HEADER) != (offset == len(MAGIC)):
             return False
@@ -283,7 +312,8 @@ class Scan:
     def _next(self, offset):
         """Return where the first whole record behind a damaged one is, the offset itself if there is none."""
         size = self._limit or os.fstat(self._file.fileno()).st_size
-        if offset + HEAD.size > size or self._record_at(offset):       # its writer has just completed it
+        # its writer has just completed it
+        if offset + HEAD.size > size or self._record_at(offset):
             return offset
         self._file.seek(offset)
         opcode, length = HEAD.unpack(self._file.read(HEAD.size))
@@ -291,7 +321,8 @@ class Scan:
         ends = {offset + HEAD.size + length}
         if opcode in SHAPES:
             begin = offset + HEAD.size
-            ends.add(begin + filled(opcode, length, lambda number, at: self._number(number, begin + at)))
+            ends.add(begin + filled(opcode, length,
+                                    lambda number, at: self._number(number, begin + at)))
         for end in sorted(ends):
             if offset < end <= size and (end == size or self._record_at(end)):
                 return end
@@ -299,9 +330,14 @@ class Scan:
         return self._search(offset + 1, size, loose) or self._limit or offset
 
     def _search(self, begin, size, loose):
-        """Return where the next whole record is, 0 for nowhere; ``loose``: also of the kinds that are in chunks."""
+        """
+        Return where the next whole record is, 0 for nowhere.
+
+        ``loose``: also of the kinds that are in chunks.
+        """
         kinds = bytes(kind for kind in (*SHAPES, IS_MESSAGE) if loose or kind not in _LOOSE)
-        pattern = re.compile(b'[' + re.escape(kinds) + rb'](?=.{5}\0{3})', re.DOTALL)      # shorter than 1 TiB
+        # shorter than 1 TiB
+        pattern = re.compile(b'[' + re.escape(kinds) + rb'](?=.{5}\0{3})', re.DOTALL)
         window = _FIRST_WINDOW
         while begin < size:
             self._file.seek(begin)
@@ -309,7 +345,8 @@ class Scan:
             for match in pattern.finditer(part, 0, window):
                 at = match.start()
                 found = HEAD.unpack_from(part, at) if at + HEAD.size <= len(part) else None
-                if found and self._may_start(begin + at, size, *found) and self._record_at(begin + at):
+                if (found and self._may_start(begin + at, size, *found)
+                    and self._record_at(begin + at)):
                     return begin + at
             begin, window = begin + window, min(2 * window, _WINDOW)
         return 0

@@ -1,4 +1,10 @@
-"""Which scene a bag was made with, and which of its topics is which output: of our recorder, or of rosbag2's."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Which scene a bag was made with, and which of its topics is which output.
+
+Of our recorder, or of rosbag2's.
+"""
 from __future__ import annotations
 
 import json
@@ -26,7 +32,8 @@ class Origin(NamedTuple):
     node : str
         Full name of the node.
     in_order : bool
-        Our recorder keeps the order in which things happened; others note messages as they come in.
+        Our recorder keeps the order in which things happened; others note messages as they come
+        in.
 
     """
 
@@ -61,8 +68,10 @@ def origin_of(path, node=None):
         is_ours = False
     if is_ours:
         scene = about['scene']
-        if rosbag2.REPEATS in about:                   # a later part of a split bag: it may have changed since
-            scene = next((record.message.data for record in bag.records([topics.get('scene')])), scene)
+        # a later part of a split bag: it may have changed since
+        if rosbag2.REPEATS in about:
+            scene = next((record.message.data for record in bag.records([topics.get('scene')])),
+                         scene)
         return Origin(_scene(bag, scene), topics, about.get('node', '/fourbar'), True)
     return _from_topics(bag, node)
 
@@ -75,13 +84,15 @@ def scene_of(path, node=None):
 
 def _from_topics(bag, wanted):
     types = topic_types(bag)
-    nodes = sorted(topic.removesuffix('/scene') for topic, type_name in types.items() if type_name == SCENE_TYPE
-                   and topic.endswith('/scene') and f'{topic.removesuffix("/scene")}/driven' in types)
+    nodes = sorted(topic.removesuffix('/scene') for topic, type_name in types.items()
+                   if type_name == SCENE_TYPE
+                   and topic.endswith('/scene')
+                   and f'{topic.removesuffix("/scene")}/driven' in types)
     if wanted:
         nodes = [node for node in nodes if node == wanted]
     if not nodes:
-        raise BagError(f'{bag.path}: holds no run of {wanted or "a fourbar_node"}: no scene in its metadata, no topics '
-                       '~/scene and ~/driven')
+        raise BagError(f'{bag.path}: holds no run of {wanted or "a fourbar_node"}: no scene in '
+                       'its metadata, no topics ~/scene and ~/driven')
     if len(nodes) > 1:
         raise BagError(f'{bag.path}: holds runs of {", ".join(nodes)}; say which with --node')
     node = nodes[0]
@@ -99,22 +110,30 @@ def topic_types(bag):
         summary = part.summary()
         if summary and summary.channels:
             names = {number: schema.name for number, schema in summary.schemas.items()}
-            found |= {channel.topic: names.get(channel.schema_id, '') for channel in summary.channels.values()}
+            found |= {channel.topic: names.get(channel.schema_id, '')
+                      for channel in summary.channels.values()}
         else:
             for _ in part.chunks():
                 pass
-            found |= {channel.topic: part.type_of(channel.topic) for channel in part.channels.values()}
+            found |= {channel.topic: part.type_of(channel.topic)
+                      for channel in part.channels.values()}
     return found
 
 
 def _resolved(scene, node, types):
-    """Return {name: topic} by the rules of ROS; one that was remapped is found if it is the only one of its type."""
+    """
+    Return {name: topic} by the rules of ROS.
+
+    One that was remapped is found if it is the only one of its type.
+    """
     namespace = node.rpartition('/')[0]
-    wanted = {topic.name: topic for topic in (DRIVEN, SCENE, *scene.topics.values(), *scene.wrench_topics,
+    wanted = {topic.name: topic for topic in (DRIVEN, SCENE, *scene.topics.values(),
+                                              *scene.wrench_topics,
                                               *INPUTS.values())}
     topics = {}
     for name, topic in wanted.items():
-        full = topic.topic.replace('~', node, 1) if topic.topic.startswith('~') else f'{namespace}/{topic.topic}'
+        full = (topic.topic.replace('~', node, 1) if topic.topic.startswith('~')
+                else f'{namespace}/{topic.topic}')
         same = [there for there, type_name in types.items() if type_name == topic.type]
         if full in types:
             topics[name] = full

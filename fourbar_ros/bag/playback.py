@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 The messages of a bag at their original pace, without ROS: for notebooks, and for the replay node.
 
@@ -18,7 +20,8 @@ FASTER = 1.1        # one press of a key, as of ros2 bag play
 
 class Pace:
     """
-    How the time of a bag passes: at a rate, not at all, or message by message; can be changed at any moment.
+    How the time of a bag passes: at a rate, not at all, or message by message; can be changed at
+    any moment.
 
     Parameters
     ----------
@@ -42,7 +45,8 @@ class Pace:
 
     def passed(self):
         """Return the time of the bag since its beginning [s]."""
-        return self._passed if self.is_paused else self._passed + (self._clock() - self._since) * self.rate
+        return (self._passed if self.is_paused else self._passed + (self._clock() - self._since)
+                * self.rate)
 
     def _hold(self):
         self._passed, self._since = self.passed(), self._clock()
@@ -80,15 +84,17 @@ def span(path):
     begun = [statistics for statistics in told if statistics and statistics.message_count]
     if None in told or not begun:
         return None, None
-    return min(part.message_start_time for part in begun), max(part.message_end_time for part in begun)
+    return min(part.message_start_time for part in begun), max(part.message_end_time
+                                                               for part in begun)
 
 
-def play(path, topics=None, rate=1.0, start=0.0, loop=False, follow=False, tick=None, period=TICK, pace=None):
+def play(path, topics=None, rate=1.0, start=0.0, loop=False, follow=False, tick=None, period=TICK,
+         pace=None):
     """
     Yield every :class:`~fourbar_ros.bag.reader.Raw` message of a bag when it is due.
 
-    Due is the time since the first message over ``rate``, on a monotonic clock: a late message does not
-    make the next one late. Of a finished bag only what is played is read.
+    Due is the time since the first message over ``rate``, on a monotonic clock: a late message
+    does not make the next one late. Of a finished bag only what is played is read.
 
     Parameters
     ----------
@@ -105,7 +111,8 @@ def play(path, topics=None, rate=1.0, start=0.0, loop=False, follow=False, tick=
     follow : bool
         At the end of a bag that is being written, wait for more.
     tick : callable, optional
-        Called with the time of the bag [ns] at least every ``period`` seconds, and before each message.
+        Called with the time of the bag [ns] at least every ``period`` seconds, and before each
+        message.
         Playing ends when it returns False.
     pace : Pace, optional
         To pause, step and change the rate meanwhile; ``rate`` is then its own.
@@ -133,11 +140,16 @@ def play(path, topics=None, rate=1.0, start=0.0, loop=False, follow=False, tick=
 
 
 def _wait(pace, due, origin, tick, period):
-    """Wait until a message is due, ``due`` nanoseconds of the bag after its beginning; tick meanwhile."""
+    """
+    Wait until a message is due, ``due`` nanoseconds of the bag after its beginning.
+
+    tick meanwhile.
+    """
     while True:
         if pace.is_due(due * 1e-9):
             return tick(origin + due) is not False
         passed = pace.passed()
         if tick(origin + int(passed * 1e9)) is False:
             return False
-        time.sleep(period if pace.is_paused else max(min((due * 1e-9 - passed) / pace.rate, period), 0.0))
+        time.sleep(period if pace.is_paused
+                   else max(min((due * 1e-9 - passed) / pace.rate, period), 0.0))

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Fields of a bag over time, as a picture. Needs matplotlib, imported when it is used."""
 from __future__ import annotations
 
@@ -12,7 +14,8 @@ from fourbar_ros.bag.origin import topic_types
 from fourbar_ros.bag.reader import Bag
 
 WIDTH, HEIGHT, DPI = 9.0, 2.4, 100      # [in] a picture, and each of its axes; pixels an inch
-POINTS = int(2 * WIDTH * DPI)           # stretches of a curve that are drawn by their extremes: two a pixel
+# stretches of a curve that are drawn by their extremes: two a pixel
+POINTS = int(2 * WIDTH * DPI)
 _ELEMENT = re.compile(r'(.+)\[(.+)\]')
 
 
@@ -20,7 +23,8 @@ def series(path, names, progress=None, stretches=None):
     """
     Return {name: (times [s] since the start, values, unit)} for fields of a bag.
 
-    Times are the stamps of the messages, or their log times where they have none. Only the fields named are decoded.
+    Times are the stamps of the messages, or their log times where they have none. Only the fields
+    named are decoded.
 
     Parameters
     ----------
@@ -32,7 +36,8 @@ def series(path, names, progress=None, stretches=None):
     progress : callable, optional
         Called with the number of bytes read.
     stretches : int, optional
-        Thin each curve to about so many stretches, of which the smallest and the largest value and any NaN stay.
+        Thin each curve to about so many stretches, of which the smallest and the largest value and
+        any NaN stay.
         Memory does not grow with the bag then.
 
     """
@@ -50,7 +55,8 @@ def series(path, names, progress=None, stretches=None):
             drawn = _column(columns, field)
             if drawn is not None:
                 seconds = _seconds(columns, *start) if seconds is None else seconds
-                curve.unit = next((leaf.unit for leaf in columns.layout.leaves if leaf.name == field.split('[')[0]), '')
+                curve.unit = next((leaf.unit for leaf in columns.layout.leaves
+                                   if leaf.name == field.split('[')[0]), '')
                 curve.add(columns.places, seconds, drawn)
     for name, curve in curves.items():
         if not curve.parts:
@@ -90,9 +96,11 @@ class _Curve:
 
 def thinned(places, values, stretches):
     """
-    Return which points of a curve to keep: the smallest and the largest value of each stretch, NaN, both ends.
+    Return which points of a curve to keep: the smallest and the largest value of each stretch,
+    NaN, both ends.
 
-    Stretches are equally long in ``places``, which ascend, so that a curve can be thinned again when it has grown.
+    Stretches are equally long in ``places``, which ascend, so that a curve can be thinned again
+    when it has grown.
     """
     count = len(values)
     if count <= 2 * stretches:
@@ -113,15 +121,21 @@ def _starts(bag):
     headed = [columns for columns in found if columns.stamps is not None]
     if not any((columns.stamps > 0).any() for columns in headed):
         return begin, None
-    places, stamps, logged = (np.concatenate(parts) for parts in zip(*((c.places, c.stamps, c.times) for c in headed)))
+    places, stamps, logged = (np.concatenate(parts)
+                              for parts in zip(*((c.places, c.stamps, c.times) for c in headed)))
     first = np.flatnonzero(stamps > 0)[places[stamps > 0].argmin()]
-    if (places[stamps == 0] < places[first]).any():      # the first are unstamped: the log tells how much later this is
+    # the first are unstamped: the log tells how much later this is
+    if (places[stamps == 0] < places[first]).any():
         return begin, stamps[first] - (logged[first] - begin)
     return begin, stamps[stamps > 0].min()
 
 
 def _seconds(columns, log_start, stamp_start):
-    """Return the times of messages since the start [s]: by stamp, by log time where nobody stamped them."""
+    """
+    Return the times of messages since the start [s].
+
+    By stamp, by log time where nobody stamped them.
+    """
     logged, stamps = columns.times - log_start, columns.stamps
     if stamps is None or stamp_start is None:
         return logged * 1e-9
@@ -143,17 +157,23 @@ def _topic(name, known, bag):
 
 def _fields_of(bag):
     """Return {last part of the topic: its fields} of the beginning of a bag."""
-    return {columns.topic.rsplit('/', 1)[-1]: list(table(columns)) for columns in next(bag.blocks(), [])}
+    return {columns.topic.rsplit('/', 1)[-1]: list(table(columns))
+            for columns in next(bag.blocks(), [])}
 
 
 def _column(columns, field):
-    """Return the numbers of a field, an element by its joint or its index; None if there are none."""
+    """
+    Return the numbers of a field, an element by its joint or its index.
+
+    None if there are none.
+    """
     records = columns.records
     if field == 'log_time':
         return columns.times
     element = _ELEMENT.fullmatch(field)
     if field in records.dtype.names:
-        return records[field] if records[field].ndim == 1 and records[field].dtype.kind in 'iufb' else None
+        return (records[field] if records[field].ndim == 1 and records[field].dtype.kind in 'iufb'
+                else None)
     if not element or element[1] not in records.dtype.names or records[element[1]].ndim != 2:
         return None
     elements, joints = records[element[1]].T, columns.layout.texts.get('name', [])
@@ -168,7 +188,8 @@ def _advice(name, known):
     topic, dot, field = name.partition('.')
     topic = topic.rsplit('/', 1)[-1]
     names = known if topic not in known else [f'{topic}.{field}' for field in known[topic]]
-    close = get_close_matches(topic if topic not in known else f'{topic}.{field}', names, 1) if dot else []
+    close = (get_close_matches(topic if topic not in known else f'{topic}.{field}', names, 1)
+             if dot else [])
     guess = f'did you mean {close[0]}{"" if topic in known else "." + field}? ' if close else ''
     if topic in known:
         return f'{guess}{topic} has {", ".join(known[topic])}'
@@ -194,7 +215,8 @@ def plot(path, names, out, progress=None):
             if (own or name) == unit:
                 axis.plot(times, values, label=name, linewidth=1.0)
                 axis.set_ylabel(f'[{own}]' if own else '')
-        axis.legend(loc='lower left', bbox_to_anchor=(0.0, 0.98), ncols=4, frameon=False, fontsize='small')
+        axis.legend(loc='lower left', bbox_to_anchor=(0.0, 0.98), ncols=4, frameon=False,
+                    fontsize='small')
         axis.grid(True, alpha=0.3)
     axes[-1].set_xlabel('time since the first message [s]')
     figure.suptitle(str(path), fontsize='medium')

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Make a whole bag of what a crash, a full disk or a bad copy left."""
 from __future__ import annotations
 
@@ -33,12 +35,13 @@ class Recovered(NamedTuple):
         The new bag.
     messages : int
     lost : int
-        Bytes of the old file that are not in the new one: its unfinished last record, damaged records.
+        Bytes of the old file that are not in the new one: its unfinished last record, damaged
+        records.
     damaged : list of str
         Everything wrong with the old file: where and why.
     missing : dict
-        {topic: messages that are not in the new bag}, by the numbers that our recorder gave, what it dropped
-        itself among them, and by the old bag's statistics.
+        {topic: messages that are not in the new bag}, by the numbers that our recorder gave, what
+        it dropped itself among them, and by the old bag's statistics.
     was_whole : bool
         The old bag was finished and nothing of it is lost.
 
@@ -97,7 +100,8 @@ def recover(path, out=None, progress=None):
 def beside(path):
     """Return the default place of the new bag: NAME_recovered beside NAME or NAME_0.mcap."""
     path = Path(path).absolute()
-    return path.with_name((path.name if path.is_dir() else path.stem.removesuffix('_0')) + '_recovered')
+    return path.with_name((path.name if path.is_dir() else path.stem.removesuffix('_0'))
+                          + '_recovered')
 
 
 def first_of(numbers):
@@ -139,8 +143,8 @@ class _Copy:
         if opcode == Opcode.CHUNK:
             container.flush()
             for record in container.copy_chunk(body, partial(self._scan.admit, offset)):
-                self._scan.damage.append(f'before byte {offset}: {type(record).__name__.lower()} {record.id} '
-                                         'is another one than in the chunk there')
+                self._scan.damage.append(f'before byte {offset}: {type(record).__name__.lower()} '
+                                         f'{record.id} is another one than in the chunk there')
         elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
             container.copy(parse(opcode, body), checked=False)
         elif opcode == Opcode.MESSAGE:                 # an unchunked file
@@ -155,7 +159,8 @@ class _Copy:
             if record.name == rosbag2.RECORD:
                 self._metadata = record.metadata.get(rosbag2.KEY)
             else:
-                container.add_metadata(record.name, {k: v for k, v in record.metadata.items() if k != SEAL})
+                container.add_metadata(record.name,
+                                       {k: v for k, v in record.metadata.items() if k != SEAL})
         elif opcode == Opcode.ATTACHMENT:
             raise Damaged('an attachment; these are not copied')
 
@@ -173,13 +178,18 @@ class _Copy:
         about['recovered_by'] = f'{OURS}{__version__}'
         about.update(self._told(about))
         metadata = rosbag2.describe(f'{folder.name}_0.mcap', self.container, about,
-                                    str(old.get('ros_distro') or ''), rosbag2.packing_of(old, source))
+                                    str(old.get('ros_distro') or ''),
+                                    rosbag2.packing_of(old, source))
         self.container.add_metadata(rosbag2.RECORD, {rosbag2.KEY: rosbag2.dumped(metadata)})
         self.container.finish()
         rosbag2.write_metadata_file(folder, metadata)
 
     def _told(self, about):
-        """Return what custom_data say of the numbers, the end and the losses; of the rest nobody knows."""
+        """
+        Return what custom_data say of the numbers, the end and the losses.
+
+        Of the rest nobody knows.
+        """
         container, numbers = self.container, rosbag2.mapping_in(about, rosbag2.NUMBERS)
         statistics = self._scan.ending.of(Statistics) if self._scan.ending else []
         had = statistics[0].channel_message_counts if statistics else {}
@@ -192,7 +202,8 @@ class _Copy:
                 there.append(channel.topic)
                 count -= 1
             missing = missing_of(numbers.get(channel.topic), count, last)
-            is_numbered, missing = missing is not None, max(missing or 0, had.get(number, 0) - again - count)
+            is_numbered, missing = missing is not None, max(missing or 0, had.get(number, 0)
+                                                            - again - count)
             if is_numbered:
                 first, end = numbers[channel.topic]
                 numbers[channel.topic] = first, first + count + missing if end is None else end
@@ -203,5 +214,6 @@ class _Copy:
         if numbers:
             told[rosbag2.NUMBERS] = json.dumps(numbers)
         if self._scan.lost:
-            told[rosbag2.LOST] = in_short([*filter(None, [about.get(rosbag2.LOST)]), *self._scan.damage])
+            told[rosbag2.LOST] = in_short([*filter(None, [about.get(rosbag2.LOST)]),
+                                           *self._scan.damage])
         return told

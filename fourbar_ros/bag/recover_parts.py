@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Make a whole bag of a split one: each part for itself, in a folder of the same layout."""
 from __future__ import annotations
 
@@ -25,7 +27,8 @@ def recover_parts(path, out, progress=None):
         whole.mkdir(parents=True)
         for source in rosbag2.files_of(path):
             try:
-                made = recover(source, work / out.name, progress and (lambda there, before=read: progress(before + there)))
+                made = recover(source, work / out.name,
+                               progress and (lambda there, before=read: progress(before + there)))
             except BagError as error:
                 if 'is being written' in str(error):
                     raise
@@ -35,7 +38,8 @@ def recover_parts(path, out, progress=None):
                 read += source.stat().st_size
             found.append(made)
             damaged += [f'{source.name}: {text}' for text in made.damaged]
-            metadata.append(_moved(work / out.name, whole, f'{out.name}_{rosbag2.part_of(source)[1]}.mcap'))
+            metadata.append(_moved(work / out.name, whole,
+                                   f'{out.name}_{rosbag2.part_of(source)[1]}.mcap'))
         if not found:
             raise BagError(f'{path}: nothing to recover')
         rosbag2.write_metadata_file(whole, rosbag2.merged(metadata))
@@ -43,7 +47,8 @@ def recover_parts(path, out, progress=None):
     missing = {}
     for topic, count in (pair for made in found for pair in made.missing.items()):
         missing[topic] = missing.get(topic, 0) + count
-    return Recovered(out, sum(made.messages for made in found), sum(made.lost for made in found), damaged, missing,
+    return Recovered(out, sum(made.messages for made in found), sum(made.lost for made in found),
+                     damaged, missing,
                      all(made.was_whole for made in found) and not damaged)
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """What rosbag2 of Jazzy keeps around the messages: folder, file names, QoS, metadata version 9."""
 from __future__ import annotations
 
@@ -17,9 +19,10 @@ NOT_STARTED = 2**63 - 1     # rosbag2's starting time of a bag without messages
 RECORD = 'rosbag2'          # name of the metadata record in the file; its one key:
 KEY = 'serialized_metadata'
 QOS, HASH = 'offered_qos_profiles', 'topic_type_hash'      # keys of the metadata of a channel
-# Keys of custom_data: why recording ended; what recover found damaged; as JSON by topic the sequence numbers that
-# were given, [first, next] (next is null until the end), and how many of these messages the recorder had to drop;
-# topics of which a later part of a split bag repeats one message, of a number before the first.
+# Keys of custom_data: why recording ended; what recover found damaged; as JSON by topic the
+# sequence numbers that were given, [first, next] (next is null until the end), and how many of
+# these messages the recorder had to drop; topics of which a later part of a split bag repeats one
+# message, of a number before the first.
 ENDED, LOST, NUMBERS, DROPPED, REPEATS = 'ended', 'lost', 'numbers', 'dropped', 'repeats'
 _LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
 DEEPEST = 100               # levels in a YAML text
@@ -41,7 +44,8 @@ class Channel(NamedTuple):
     def qos(self):
         """Return the QoS profile in rosbag2's words."""
         return {'history': 'keep_last', 'depth': self.depth,
-                'reliability': 'reliable', 'durability': 'transient_local' if self.latched else 'volatile',
+                'reliability': 'reliable', 'durability': 'transient_local' if self.latched
+                else 'volatile',
                 'deadline': _ENDLESS, 'lifespan': _ENDLESS, 'liveliness': 'automatic',
                 'liveliness_lease_duration': _ENDLESS, 'avoid_ros_namespace_conventions': False}
 
@@ -55,27 +59,33 @@ def describe(file_name, container, about, distro=None, packing=('', '')):
     """
     Return the metadata of a bag as rosbag2 of Jazzy writes it.
 
-    ``packing`` is (compression_format, compression_mode) of messages that are compressed one by one.
-    Counts, times and topics are those of the container; QoS and hash come from the channels, so that
-    file and metadata.yaml cannot differ (rosbags then silently yields no messages).
+    ``packing`` is (compression_format, compression_mode) of messages that are compressed one by
+    one.
+    Counts, times and topics are those of the container; QoS and hash come from the channels, so
+    that file and metadata.yaml cannot differ (rosbags then silently yields no messages).
     """
     begun = container.start is not None
     begin = {'nanoseconds_since_epoch': container.start if begun else NOT_STARTED}
     duration = {'nanoseconds': container.end - container.start if begun else 0}
     total = sum(container.counts.values())
     names = {number: schema.name for number, schema in container.schemas.items()}
-    profiles = {text: profiles_of(text) for text in {c.metadata.get(QOS, '') for c in container.channels.values()}}
+    profiles = {text: profiles_of(text)
+                for text in {c.metadata.get(QOS, '') for c in container.channels.values()}}
     topics = [{'topic_metadata': {
         'name': channel.topic, 'type': names.get(channel.schema_id, ''),
         'serialization_format': channel.message_encoding,
         'offered_qos_profiles': profiles[channel.metadata.get(QOS, '')],
         'type_description_hash': channel.metadata.get(HASH, '')},
-        'message_count': container.counts.get(channel.id, 0)} for channel in container.channels.values()]
+        'message_count': container.counts.get(channel.id, 0)}
+              for channel in container.channels.values()]
     return {
-        'version': VERSION, 'storage_identifier': 'mcap', 'duration': duration, 'starting_time': begin,
+        'version': VERSION, 'storage_identifier': 'mcap', 'duration': duration,
+        'starting_time': begin,
         'message_count': total, 'topics_with_message_count': topics,
-        'compression_format': packing[0], 'compression_mode': packing[1], 'relative_file_paths': [file_name],
-        'files': [{'path': file_name, 'starting_time': begin, 'duration': duration, 'message_count': total}],
+        'compression_format': packing[0], 'compression_mode': packing[1],
+        'relative_file_paths': [file_name],
+        'files': [{'path': file_name, 'starting_time': begin, 'duration': duration,
+                   'message_count': total}],
         'custom_data': about, 'ros_distro': distro or os.environ.get('ROS_DISTRO', 'jazzy'),
     }
 
@@ -84,7 +94,8 @@ def loaded(text):
     """
     Return what YAML text says: lists, dicts, texts and numbers.
 
-    Raises BagError for anything else, and for aliases that stand for more than LARGEST values when written out.
+    Raises BagError for anything else, and for aliases that stand for more than LARGEST values when
+    written out.
     """
     try:
         _check_depth(text)
@@ -108,28 +119,39 @@ def _check_depth(text):
     """Raise BagError for lists within lists that would end the loader, which calls itself for each, by a fault."""
     depth = 0
     for event in yaml.parse(text, Loader=_LOADER):
-        depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+        depth += (isinstance(event, yaml.CollectionStartEvent)
+                  - isinstance(event, yaml.CollectionEndEvent))
         if depth > DEEPEST:
             raise BagError(f'YAML of more than {DEEPEST} levels')
 
 
 def profiles_of(text):
-    """Return the QoS profiles, as dicts, that the metadata of a channel tell; none if they are in other words."""
+    """
+    Return the QoS profiles, as dicts, that the metadata of a channel tell.
+
+    None if they are in other words.
+    """
     try:
         found = loaded(text)
     except BagError:
         return []
-    return [profile for profile in found if isinstance(profile, dict)] if isinstance(found, list) else []
+    return ([profile for profile in found if isinstance(profile, dict)] if isinstance(found, list)
+            else [])
 
 
 def about_of(metadata):
     """Return the custom_data of rosbag2 metadata as {str: str}, whatever they are."""
     found = metadata.get('custom_data') if isinstance(metadata, dict) else None
-    return {str(key): str(value) for key, value in found.items()} if isinstance(found, dict) else {}
+    return ({str(key): str(value) for key, value in found.items()} if isinstance(found, dict)
+            else {})
 
 
 def mapping_in(about, key):
-    """Return the dict that custom_data keep as JSON under a key; empty if there is nothing of the kind."""
+    """
+    Return the dict that custom_data keep as JSON under a key.
+
+    Empty if there is nothing of the kind.
+    """
     try:
         found = json.loads(about.get(key, '{}'))
     except (TypeError, ValueError, RecursionError):
@@ -149,9 +171,11 @@ def joined(first, last):
     """Return the custom_data of a split bag from those of its first and its last part."""
     ends, numbers = mapping_in(last, NUMBERS), mapping_in(first, NUMBERS)
     pairs = {topic: (numbers[topic][0], ends[topic][1]) for topic in numbers.keys() & ends.keys()
-             if all(isinstance(pair, list) and len(pair) == 2 for pair in (numbers[topic], ends[topic]))}
+             if all(isinstance(pair, list) and len(pair) == 2
+                    for pair in (numbers[topic], ends[topic]))}
     told = {key: last[key] for key in (ENDED, DROPPED, LOST) if key in last}
-    late = {key: value for key, value in last.items() if key != REPEATS}     # what the bag itself begins with
+    # what the bag itself begins with
+    late = {key: value for key, value in last.items() if key != REPEATS}
     return {**late, **first, **told, **({NUMBERS: json.dumps(pairs)} if pairs else {})}
 
 
@@ -168,7 +192,8 @@ def merged(parts):
         name = told['topic_metadata']['name'], told['topic_metadata']['type']
         count = topics[name]['message_count'] if name in topics else 0
         topics[name] = {**told, 'message_count': count + told['message_count']}
-    return {**parts[0], 'starting_time': {'nanoseconds_since_epoch': start}, 'duration': {'nanoseconds': end - start},
+    return {**parts[0], 'starting_time': {'nanoseconds_since_epoch': start},
+            'duration': {'nanoseconds': end - start},
             'message_count': sum(part['message_count'] for part in parts),
             'topics_with_message_count': list(topics.values()), 'files': files,
             'relative_file_paths': [file['path'] for file in files],
@@ -229,7 +254,11 @@ def create_part(folder, number):
 
 
 def free_name(directory, name):
-    """Return a name or, where it is taken, NAME_2, NAME_3, ...; an empty one stays so. Raises BagError."""
+    """
+    Return a name or, where it is taken, NAME_2, NAME_3, .
+
+    An empty one stays so. Raises BagError.
+    """
     found, number = check_name(name), 1
     while name and os.path.lexists(Path(directory, found)):
         number += 1
@@ -251,23 +280,34 @@ def check_channels(channels):
             raise BagError(f'channel {channel!r}: must be a Channel')
         if not (isinstance(channel.topic, str) and channel.topic.startswith('/')):
             raise BagError(f'topic {channel.topic!r}: must be an absolute name')
-        if not (isinstance(channel.type, str) and re.fullmatch(r'\w+/(msg|srv|action)/\w+', channel.type)):
+        if not (isinstance(channel.type, str) and re.fullmatch(r'\w+/(msg|srv|action)/\w+',
+                                                               channel.type)):
             raise BagError(f'{channel.topic}: type {channel.type!r}: must be package/msg/Name')
-        if not (isinstance(channel.schema, str) and isinstance(channel.hash, str) and type(channel.depth) is int):
+        if not (isinstance(channel.schema, str) and isinstance(channel.hash, str)
+                and type(channel.depth) is int):
             raise BagError(f'{channel.topic}: schema and hash must be text, depth a whole number')
     if len({channel.topic for channel in channels}) != len(channels):
         raise BagError('a topic is given twice')
 
 
 def check_name(name):
-    """Return the name of a bag; raises BagError if it could lead out of the recording directory."""
-    if not isinstance(name, str) or name in ('.', '..') or '/' in name or not (name + 'x').isprintable():
+    """
+    Return the name of a bag.
+
+    Raises BagError if it could lead out of the recording directory.
+    """
+    if (not isinstance(name, str) or name in ('.', '..') or '/' in name
+        or not (name + 'x').isprintable()):
         raise BagError(f'bag name {name!r}: must be a plain name inside the recording directory')
     return name
 
 
 def file_of(path):
-    """Return the .mcap file of a bag given as directory or file; raises BagError if there are several."""
+    """
+    Return the .mcap file of a bag given as directory or file.
+
+    Raises BagError if there are several.
+    """
     files = files_of(path)
     if len(files) > 1:
         raise BagError(f'{path}: holds {len(files)} .mcap files, name one')
@@ -276,7 +316,8 @@ def file_of(path):
 
 def files_of(path):
     """
-    Return the .mcap files of a bag in order: of a split bag its parts NAME_0.mcap, NAME_1.mcap, ...
+    Return the .mcap files of a bag in order: of a split bag its parts NAME_0.mcap, NAME_1.mcap,
+    ...
 
     The folder is asked, not metadata.yaml alone: after a crash it may not know the newest part.
     """
@@ -299,10 +340,13 @@ def files_of(path):
 def hint_of(path):
     """Return what to do with a bag of another kind."""
     if packed := sorted(path.glob('*.mcap.*')):
-        tool = {'.zst': 'zstd -d', '.zstd': 'zstd -d', '.lz4': 'lz4 -d'}.get(packed[0].suffix, 'unpack')
-        return f': {packed[0].name} is compressed as a whole; first: {tool} {packed[0]} -o {packed[0].with_suffix("")}'
+        tool = {'.zst': 'zstd -d', '.zstd': 'zstd -d', '.lz4': 'lz4 -d'}.get(packed[0].suffix,
+                                                                             'unpack')
+        return (f': {packed[0].name} is compressed as a whole; first: {tool} {packed[0]} -o '
+                f'{packed[0].with_suffix("")}')
     if list(path.glob('*.db3*')):
-        return f': this is an sqlite3 bag; first: rosbags-convert --src {path} --dst {path}_mcap --dst-storage mcap'
+        return (f': this is an sqlite3 bag; first: rosbags-convert --src {path} --dst {path}_mcap '
+                '--dst-storage mcap')
     if list(path.glob('*.bag')):
         return ': this is a bag of ROS 1; rosbags-convert makes one of ROS 2'
     return ''
@@ -315,7 +359,11 @@ def part_of(file):
 
 
 def about_beside(file):
-    """Return the custom_data in the metadata.yaml of a file, if they tell why the recording ended; else empty."""
+    """
+    Return the custom_data in the metadata.yaml of a file, if they tell why the recording ended.
+
+    Else empty.
+    """
     found = _metadata_file(file.parent)
     about = about_of(found) if file.name in _names(found) else {}
     return about if ENDED in about else {}

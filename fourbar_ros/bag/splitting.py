@@ -1,18 +1,21 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """When a bag goes on in a new file, what that repeats so that it can be read alone, and which old ones may go."""
 from __future__ import annotations
 
 from typing import NamedTuple
 
-SHARE = 10          # a bag that keeps the newest seconds has so many parts, unless it is told otherwise
+# a bag that keeps the newest seconds has so many parts, unless it is told otherwise
+SHARE = 10
 
 
 class Split(NamedTuple):
     """
     How a bag is split; 0 stands for never.
 
-    ``size`` [bytes] and ``duration`` [s] end a part, whichever comes first; ``keep`` [s]: parts that the newest
-    seconds do not need are removed. ``head``: the channel whose messages begin a part, None for any: a step that
-    sends several messages is not torn apart.
+    ``size`` [bytes] and ``duration`` [s] end a part, whichever comes first; ``keep`` [s]: parts
+    that the newest seconds do not need are removed. ``head``: the channel whose messages begin a
+    part, None for any: a step that sends several messages is not torn apart.
     """
 
     size: int = 0
@@ -45,16 +48,22 @@ class Splitter:
 
     def __init__(self, split, latched):
         self._split, self._latched = split, latched
-        self._last = {}                  # {channel: (sequence, time, data)}, the newest of each, oldest first
+        # {channel: (sequence, time, data)}, the newest of each, oldest first
+        self._last = {}
         self._begun = None               # [ns] when the part began
         self.number = 0                  # of the part
 
     def is_due(self, channel, time, size):
-        """Return whether a new part begins with this message; ``size``: of the part so far [bytes]."""
+        """
+        Return whether a new part begins with this message.
+
+        ``size``: of the part so far [bytes].
+        """
         if self._begun is None:
             self._begun = time
         split = self._split
-        is_full = split.size and size >= split.size or split.seconds and time - self._begun >= split.seconds * 1e9
+        is_full = (split.size and size >= split.size or split.seconds and time - self._begun
+                   >= split.seconds * 1e9)
         return is_full and split.head in (None, channel)
 
     def note(self, channel, sequence, time, data):
@@ -66,7 +75,8 @@ class Splitter:
         """
         Return [(channel, sequence, time, data)] that a new part begins with.
 
-        The newest latched messages, as the scene, and of all others the newest that came after these.
+        The newest latched messages, as the scene, and of all others the newest that came after
+        these.
         """
         items = [(channel, *item) for channel, item in self._last.items()]
         newest = max((i for i, item in enumerate(items) if item[0] in self._latched), default=-1)
@@ -77,6 +87,10 @@ class Splitter:
         self._begun, self.number = time, self.number + 1
 
     def outdated(self, starts):
-        """Return how many of the oldest parts, which began at these times [ns], may go: the rest is long enough."""
+        """
+        Return how many of the oldest parts, which began at these times [ns], may go.
+
+        The rest is long enough.
+        """
         keep = self._split.keep * 1e9
         return sum(start <= starts[-1] - keep for start in starts[1:]) if keep else 0

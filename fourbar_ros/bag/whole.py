@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Files and folders that stand under their names only when they are whole."""
 from __future__ import annotations
 
@@ -13,7 +15,8 @@ from fourbar_ros.bag import BagError
 @contextlib.contextmanager
 def workshop(out):
     """
-    Give a hidden folder beside ``out`` to build it in; move it to ``out`` from there when it is whole.
+    Give a hidden folder beside ``out`` to build it in; move it to ``out`` from there when it is
+    whole.
 
     Whatever happens, the folder is gone afterwards. An OSError becomes a BagError.
     """

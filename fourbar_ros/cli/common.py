@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """What several verbs share: exit codes, arguments, progress bars."""
 from __future__ import annotations
 
@@ -13,7 +15,8 @@ BAG_HELP = 'folder of a bag, or .mcap file'
 PICTURE_HELP = 'picture to write: .png, .svg or .pdf'
 
 
-def add_verb(verbs, name: str, text: str, description: str, epilog: str = '') -> argparse.ArgumentParser:
+def add_verb(verbs, name: str, text: str, description: str,
+             epilog: str = '') -> argparse.ArgumentParser:
     """Add a verb whose description and epilog keep their line breaks; return its parser."""
     return verbs.add_parser(name, help=text, description=description, epilog=epilog,
                             formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -23,10 +26,12 @@ def add_pose(parser: argparse.ArgumentParser, what_at: str, is_required: bool = 
     """Add the arguments for input, speed, acceleration and assembly mode."""
     parser.add_argument('--at', type=finite, required=is_required, metavar='INPUT', help=what_at)
     parser.add_argument('--speed', type=finite, metavar='SPEED',
-                        help='input speed [rad/s], for a slide [m/s]; default: drive.speed of the scene')
+                        help='input speed [rad/s], for a slide [m/s]; default: drive.speed of the '
+                             'scene')
     parser.add_argument('--acceleration', type=finite, default=0.0, metavar='ACCELERATION',
                         help='input acceleration [rad/s^2], for a slide [m/s^2]; default 0')
-    parser.add_argument('--mode', type=int, choices=(1, 2), help='assembly mode; default: that of the scene')
+    parser.add_argument('--mode', type=int, choices=(1, 2),
+                        help='assembly mode; default: that of the scene')
 
 
 def add_json(parser: argparse.ArgumentParser) -> None:
@@ -37,7 +42,8 @@ def add_json(parser: argparse.ArgumentParser) -> None:
 
 def add_node(parser: argparse.ArgumentParser) -> None:
     """Add ``--node``, for a bag with several."""
-    parser.add_argument('--node', metavar='NAME', help='node, if a bag of ros2 bag record holds several')
+    parser.add_argument('--node', metavar='NAME', help='node, if a bag of ros2 bag record holds '
+                                                       'several')
 
 
 def add_tolerance(parser: argparse.ArgumentParser, when: str = '') -> None:

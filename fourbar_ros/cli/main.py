@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The ``fourbar`` command; each verb is a module of :mod:`fourbar_ros.cli`."""
 from __future__ import annotations
 
@@ -68,14 +70,19 @@ def main(args=None):
     except BrokenPipeError:                 # the reader of our output is gone: head, less
         sys.stderr.close()
     except OSError as error:
-        print(f'fourbar: {error.filename or arguments.verb}: {error.strerror or error}', file=sys.stderr)
+        print(f'fourbar: {error.filename or arguments.verb}: {error.strerror or error}',
+              file=sys.stderr)
         return 1
     return 0
 
 
 @contextlib.contextmanager
 def _terminable():
-    """Let SIGTERM and SIGHUP end a verb like Ctrl-C, with no partial output left; exit code 128 + number."""
+    """
+    Let SIGTERM and SIGHUP end a verb like Ctrl-C, with no partial output left.
+
+    Exit code 128 + number.
+    """
     def end(number, _):
         raise SystemExit(128 + number)
 

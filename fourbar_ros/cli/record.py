@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """``fourbar record``: start and stop the bag of a running node."""
 from __future__ import annotations
 
@@ -17,7 +19,8 @@ def add(verbs):
     """Add the verb."""
     record = add_verb(verbs, 'record', 'start or stop the bag of a running node',
                       'Start or stop the bag of a running node.', EPILOG)
-    record.add_argument('what', metavar='start|stop', choices=('start', 'stop'), help='what the node shall do')
+    record.add_argument('what', metavar='start|stop', choices=('start', 'stop'),
+                        help='what the node shall do')
     record.add_argument('name', metavar='NAME', nargs='?', default='',
                         help='name of the new bag; default: a new name from the clock')
     record.add_argument('--node', default='/fourbar', help='name of the node (default /fourbar)')

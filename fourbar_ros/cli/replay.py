@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """``fourbar replay``: publish a recorded run again, or drive a live node with it."""
 from __future__ import annotations
 
@@ -33,26 +35,33 @@ exit codes: 0 good; 1 an error; 2 bad arguments; 3 with --inputs-only: an output
 
 def add(verbs):
     """Add the verb."""
-    replay = add_verb(verbs, 'replay', 'publish a recorded run again, or drive a live node with it', DESCRIPTION, EPILOG)
+    replay = add_verb(verbs, 'replay', 'publish a recorded run again, or drive a live node with '
+                                       'it', DESCRIPTION, EPILOG)
     replay.add_argument('bag', metavar='BAG', help=BAG_HELP)
-    replay.add_argument('--rate', type=positive, default=1.0, metavar='X', help='play X times as fast (default 1)')
-    replay.add_argument('--start', type=not_negative, default=0.0, metavar='S', help='skip the first S seconds')
+    replay.add_argument('--rate', type=positive, default=1.0, metavar='X',
+                        help='play X times as fast (default 1)')
+    replay.add_argument('--start', type=not_negative, default=0.0, metavar='S',
+                        help='skip the first S seconds')
     replay.add_argument('--loop', action='store_true', help='repeat until stopped')
     replay.add_argument('--follow', action='store_true',
                         help='if the bag is still being written: continue until it is finished')
     replay.add_argument('--clock', nargs='?', type=positive, const=100.0, metavar='HZ',
-                        help='publish the time of the bag on /clock, HZ times per second (default 100)')
+                        help='publish the time of the bag on /clock, HZ times per second (default '
+                             '100)')
     replay.add_argument('--delay', type=not_negative, default=1.0, metavar='S',
-                        help='give subscribers at least S seconds to find the topics and wait for all that are '
-                             'discovered (default 1); 0: start at once')
+                        help='give subscribers at least S seconds to find the topics and wait for '
+                             'all that are discovered (default 1); 0: start at once')
     replay.add_argument('--readers', type=int, default=0, metavar='N',
                         help='start only when N subscriptions are matched, however long it takes')
     add_topics(replay, 'publish only these topics')
     replay.add_argument('--inputs-only', action='store_true',
-                        help='send only the driven motion to a live node and compare its outputs with the recorded ones')
-    replay.add_argument('--node', metavar='NAME', help='name of that node; default: the name in the bag')
+                        help='send only the driven motion to a live node and compare its outputs '
+                             'with the recorded ones')
+    replay.add_argument('--node', metavar='NAME', help='name of that node; default: the name in '
+                                                       'the bag')
     add_tolerance(replay, 'with --inputs-only: ')
-    replay.add_argument('--ros-args', nargs=argparse.REMAINDER, default=[], help='arguments for ROS, e.g. remappings')
+    replay.add_argument('--ros-args', nargs=argparse.REMAINDER, default=[],
+                        help='arguments for ROS, e.g. remappings')
     replay.set_defaults(run=_replay)
 
 
@@ -72,8 +81,10 @@ def _replay(arguments):
             for key in keyboard.pressed():
                 actions.get(key, lambda: None)()
             show(now)
-        count = replay(arguments.bag, arguments.topics, arguments.rate, arguments.start, arguments.loop,
-                       arguments.follow, arguments.clock, arguments.delay, ros_args, pace, on_tick, arguments.readers)
+        count = replay(arguments.bag, arguments.topics, arguments.rate, arguments.start,
+                       arguments.loop,
+                       arguments.follow, arguments.clock, arguments.delay, ros_args, pace, on_tick,
+                       arguments.readers)
     print(f'{count} messages published')
     return 0
 
@@ -98,7 +109,8 @@ def _status(first, last, pace, has_keys):
     shown = 0.0
     if has_keys and console.is_terminal:
         print('space: pause, right: next message, up and down: faster and slower', flush=True)
-    with Live(console=console, auto_refresh=False, transient=True) if console.is_terminal else nullcontext() as live:
+    with Live(console=console, auto_refresh=False,
+              transient=True) if console.is_terminal else nullcontext() as live:
         def show(now):
             nonlocal shown, first
             if live and time.monotonic() - shown > REFRESH:
@@ -122,9 +134,11 @@ def _inputs_only(arguments, ros_args):
     found = drive_live(arguments.bag, arguments.node, arguments.rate, arguments.start, ros_args)
     table = plain_table('', ('topic', 'answers>', 'missing>', 'largest difference>', 'field'))
     for answer in found.answers:
-        table.add_row(answer.topic, str(answer.messages), str(answer.missing), f'{answer.largest:g}', answer.field)
+        table.add_row(answer.topic, str(answer.messages), str(answer.missing),
+                      f'{answer.largest:g}', answer.field)
     make_console().print(table)
     for note in found.notes:
         print(note)
-    good = all(not answer.missing and answer.largest <= arguments.tolerance for answer in found.answers)
+    good = all(not answer.missing and answer.largest <= arguments.tolerance
+               for answer in found.answers)
     return 0 if any(answer.messages for answer in found.answers) and good else BAD

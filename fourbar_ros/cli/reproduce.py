@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """``fourbar reproduce``: recompute the two source documents, number by number."""
 from __future__ import annotations
 
@@ -20,10 +22,13 @@ def add(verbs):
     from fourbar_ros.reproduction.verdicts import VERDICTS
     verdicts = '\n'.join(f'  {name:<21}{meaning}' for name, meaning in VERDICTS.items())
     verb = add_verb(
-        verbs, 'reproduce', 'recompute the examples, equations, tables and figures of the lecture slides and the paper',
-        'Recompute every number printed in the lecture slides (set 7) and in the paper of Hayes, Hninn and\n'
-        'Irani: printed value, computed value, difference, verdict.', EPILOG.format(verdicts=verdicts))
-    verb.add_argument('--html', metavar='FILE', help='also write one self-contained page with the figures')
+        verbs, 'reproduce', 'recompute the examples, equations, tables and figures of the lecture '
+                            'slides and the paper',
+        'Recompute every number printed in the lecture slides (set 7) and in the paper of Hayes, '
+        'Hninn and\nIrani: printed value, computed value, difference, verdict.',
+        EPILOG.format(verdicts=verdicts))
+    verb.add_argument('--html', metavar='FILE', help='also write one self-contained page with the '
+                                                     'figures')
     verb.set_defaults(run=_reproduce)
 
 
@@ -31,7 +36,8 @@ def _reproduce(arguments):
     from fourbar_ros.reproduction.reproduce import count, print_tables, reproduce
     from fourbar_ros.reproduction.verdicts import DIFFERS
     sections = reproduce()
-    if arguments.html:              # first: a file that cannot be written is reported before the tables
+    # first: a file that cannot be written is reported before the tables
+    if arguments.html:
         from fourbar_ros.reproduction.figures import write_page
         write_page(sections, arguments.html)
     print_tables(sections)

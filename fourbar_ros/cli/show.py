@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """``fourbar show``: class, limits, extrema and loads of a scene, as tables."""
 from __future__ import annotations
 
@@ -14,8 +16,9 @@ examples:
 def add(verbs):
     """Add the verb."""
     show = add_verb(verbs, 'show', 'class, modes, limits, extrema and loads of a scene, as tables',
-                    'Show Grashof class, input range, transmission angle, all extrema of motion and (with masses) of\n'
-                    'loads over the input at constant speed, and optionally the state at one input.', EPILOG)
+                    'Show Grashof class, input range, transmission angle, all extrema of motion '
+                    'and (with masses) of\nloads over the input at constant speed, and optionally '
+                    'the state at one input.', EPILOG)
     show.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
     add_pose(show, 'also show state and loads at this input angle [degrees], or slide [m]')
     show.set_defaults(run=_show)

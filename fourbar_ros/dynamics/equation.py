@@ -127,7 +127,8 @@ def element_stiffness(element: Element, one: Curve, two: Curve) -> Any:
     share = element.free_length / square**0.5 if element.free_length else 0.0
     growth = dx * dx + dy * dy + x * (ddx2 - ddx1) + y * (ddy2 - ddy1)
     return element.stiffness * ((1.0 - share) * growth
-                                + (share * product * product / square if element.free_length else 0.0))
+                                + (share * product * product / square if element.free_length
+                                   else 0.0))
 
 
 def _bend_of(curve: Curve, point: Attachment) -> tuple[Any, Any]:

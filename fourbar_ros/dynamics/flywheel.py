@@ -7,7 +7,8 @@ A crank driven by the constant torque T that balances a turn has the rate w(q), 
 
     (J + I) w^2 / 2 = E0 + integral of (T + Q - D w) dq,   T = mean of D w - Q              (W1)
 
-and its coefficient of fluctuation is (max w - min w) / mean w with (max w + min w) / 2 as the mean.
+and its coefficient of fluctuation is (max w - min w) / mean w with (max w + min w) / 2 as the
+mean.
 E0 follows from the mean wanted, I from the coefficient wanted: exactly, not from the textbook's
 I = (largest change of energy) / (coefficient w^2), which leaves out that J varies.
 """

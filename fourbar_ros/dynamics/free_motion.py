@@ -9,8 +9,8 @@ A crank that goes round has u = +-q; an input that swings between turning points
 
     q = c + h sin u,   dt/du = h cos u sqrt(J / (2 (E - V)))                                (F2)
 
-Either way dt/du is a smooth periodic function of u. Its Fourier series from equal samples converges
-exponentially and is integrated term by term; u(t) follows by Newton's method.
+Either way dt/du is a smooth periodic function of u. Its Fourier series from equal samples
+converges exponentially and is integrated term by term; u(t) follows by Newton's method.
 """
 from __future__ import annotations
 
@@ -49,7 +49,8 @@ class FreeMotion:
     Raises
     ------
     InvalidParameter
-        For a system that is not conservative or does not move, or that reaches a limit of its input.
+        For a system that is not conservative or does not move, or that reaches a limit of its
+        input.
     NotResolved
         Where dt/du needs more than 2^17 samples.
 
@@ -90,7 +91,8 @@ class FreeMotion:
             raise InvalidParameter('system', None, 'must not reach a limit of its input')
         return ends[0], ends[1]
 
-    def _turning_point(self, mechanism: Any, side: float, at_rest: bool = False) -> Optional[float]:
+    def _turning_point(self, mechanism: Any, side: float,
+                       at_rest: bool = False) -> Optional[float]:
         """Return the nearest turning point on one side of the start, or None."""
         reach = TURN
         if not mechanism.turns_fully:
@@ -114,7 +116,8 @@ class FreeMotion:
         q = self._input(u)
         inertia, spare = self._equation.terms(q).inertia, self.energy - self._equation.potential(q)
         scale = (self._half * np.cos(u))**2 if self.swings else 1.0
-        return np.sqrt(scale * inertia / (2.0 * np.abs(spare)))      # rounding may make it negative
+        # rounding may make it negative
+        return np.sqrt(scale * inertia / (2.0 * np.abs(spare)))
 
     @cached_property
     def _resolved(self) -> tuple[float, Array]:
@@ -124,12 +127,14 @@ class FreeMotion:
             count *= 2
             u = (np.arange(count) + 0.5) * (self._cycle / count)
             series = np.fft.rfft(self._slope(u)) / count
-            series *= np.exp(-1j * np.arange(series.size) * (pi / count))       # samples at half steps
+            # samples at half steps
+            series *= np.exp(-1j * np.arange(series.size) * (pi / count))
             tail = float(np.max(np.abs(series[-count // 8:])) / abs(series[0]))
             if tail < best[0]:
                 best = tail, series
             elif best[0] < 1e-8 and tail > 4.0 * best[0]:
-                break           # rounding of E - V, which grows towards the turning points, governs
+                # rounding of E - V, which grows towards the turning points, governs
+                break
         if best[0] > RESOLVED:
             raise NotResolved(f'dt/du of the free motion needs more than {MOST_SAMPLES} samples')
         last = np.flatnonzero(np.abs(best[1]) > best[0] * abs(best[1][0]))[-1]

@@ -133,7 +133,8 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
     return _checked(system, until, tolerance, chosen, wanted)
 
 
-def _checked(system: System, until: float, asked: float, method: str, wanted: Optional[Array]) -> Run:
+def _checked(system: System, until: float, asked: float, method: str,
+             wanted: Optional[Array]) -> Run:
     """Integrate at two tolerances, ever tighter, until their difference is as small as asked for."""
     unit, evaluations = system.mechanism.input_unit, 0
     tolerance = max(FIRST * asked, LAST)

@@ -1,7 +1,8 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Static equilibria: where Q + T = 0, whether they are stable, and how fast the linkage swings about them.
+Static equilibria: where Q + T = 0, whether they are stable, and how fast the linkage swings about
+them.
 
 A small motion x about an equilibrium obeys J x.. + D x. + K x = 0 with K = -dQ/dq (dots are
 derivatives with respect to time): stable where K > 0, with the natural frequency
@@ -36,8 +37,9 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
     """
     Return all static equilibria in this assembly mode, in order of the input.
 
-    Found are the sign changes of Q + T on 2048 samples of each range of the input, and pairs of them
-    between samples where |Q + T| dips; where Q + T is zero over an interval there is nothing to find.
+    Found are the sign changes of Q + T on 2048 samples of each range of the input, and pairs of
+    them between samples where |Q + T| dips; where Q + T is zero over an interval there is nothing
+    to find.
 
     Parameters
     ----------
@@ -53,11 +55,16 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
 
 
 def _samples(mechanism: Any) -> list[Any]:
-    """Return inputs in each range: over the turn, or denser towards the ends, which are left out."""
+    """
+    Return inputs in each range.
+
+    Over the turn, or denser towards the ends, which are left out.
+    """
     if mechanism.turns_fully:
         return [np.linspace(-pi, pi, SAMPLES + 1)]
     u = (np.arange(SAMPLES) + 0.5) * (pi / SAMPLES)
-    return [0.5 * (low + high) - 0.5 * (high - low) * np.cos(u) for low, high in mechanism.input_ranges]
+    return [0.5 * (low + high) - 0.5 * (high - low) * np.cos(u)
+            for low, high in mechanism.input_ranges]
 
 
 def roots_of(function: Any, samples: Any) -> list[float]:
@@ -76,10 +83,12 @@ def roots_of(function: Any, samples: Any) -> list[float]:
     for i in dips:
         side = 1.0 if sides[i] else -1.0
         found = minimize_scalar(lambda x, side=side: side * function(float(x)), method='bounded',
-                                bounds=sorted((samples[i - 1], samples[i + 1])), options={'xatol': 1e-12})
+                                bounds=sorted((samples[i - 1], samples[i + 1])),
+                                options={'xatol': 1e-12})
         if found.fun < 0.0:
             brackets += [(samples[i - 1], found.x), (found.x, samples[i + 1])]
-    return [float(brentq(function, float(a), float(b), xtol=1e-300, rtol=4.0 * np.finfo(float).eps))
+    return [float(brentq(function, float(a), float(b), xtol=1e-300,
+                         rtol=4.0 * np.finfo(float).eps))
             for a, b in brackets]
 
 

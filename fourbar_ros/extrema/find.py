@@ -1,9 +1,11 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 All extrema of motion and loads over the input: none missed, for any linkage and mode.
 
-How each quantity is searched for, :mod:`fourbar_ros.extrema.methods` chooses. To the extrema inside the input
-range come its ends: toggles, where quantities are unbounded, and the flat positions of change points, where they
-have one-sided values.
+How each quantity is searched for, :mod:`fourbar_ros.extrema.methods` chooses. To the extrema
+inside the input range come its ends: toggles, where quantities are unbounded, and the flat
+positions of change points, where they have one-sided values.
 """
 from __future__ import annotations
 
@@ -25,7 +27,8 @@ MINIMUM, MAXIMUM, CONSTANT = 'minimum', 'maximum', 'constant'
 INTERIOR, LIMIT, ONE_SIDED = 'interior', 'limit', 'one-sided'
 _KINDS = {-1: MINIMUM, 1: MAXIMUM, 0: CONSTANT}
 
-# A condition larger than this is that of a change point, where values of either side are not those of the other.
+# A condition larger than this is that of a change point, where values of either side are not those
+# of the other.
 TRUSTED = 1e6
 
 
@@ -44,18 +47,20 @@ class Extremum(NamedTuple):
     value : float
         In the quantity's unit; +-inf at an end where the quantity is unbounded.
     is_global : bool
-        No other minimum (maximum) of the quantity in this mode is lower (higher), as far as rounding lets tell.
+        No other minimum (maximum) of the quantity in this mode is lower (higher), as far as
+        rounding lets tell.
     place : str
-        'interior'; 'limit': where the range of the input ends, at a toggle or an end of the stroke; 'one-sided': the value
-        towards the flat position of a change point, where the quantity jumps.
+        'interior'; 'limit': where the range of the input ends, at a toggle or an end of the
+        stroke; 'one-sided': the value towards the flat position of a change point, where the
+        quantity jumps.
     side : int
         +1 (-1): the input is approached from above (below); 0 in the interior.
     condition, value_condition : float
-        Link lengths each wrong by a relative eps move the place by up to eps * condition [rad or m] and
-        ``value`` by up to the relative eps * value_condition. NaN at ends.
+        Link lengths each wrong by a relative eps move the place by up to eps * condition [rad or
+        m] and ``value`` by up to the relative eps * value_condition. NaN at ends.
     proof : str
-        How it is known that no extremum inside the range is missing: '' if not asked, 'exact count',
-        'interval bounds ...', or 'not proved: ...'.
+        How it is known that no extremum inside the range is missing: '' if not asked, 'exact
+        count', 'interval bounds ...', or 'not proved: ...'.
     slide : float
         Of a driven slide [m], where ``theta1`` is the crank's angle; NaN if the crank is driven.
 
@@ -86,21 +91,22 @@ def find_extrema(linkage: Any, quantities: Any = (), rate: float = 1.0, accelera
     ----------
     linkage : FourBar, SliderCrank or InvertedSlider
     quantities : sequence of str, Quantity or callable
-        Names (see :data:`~fourbar_ros.mechanisms.quantities.QUANTITIES`), or functions (Motion, Loads) -> value of plain
-        arithmetic and numpy functions; with abs, comparisons or ``math`` they are slower and located
-        to about 1e-10 rad. Attributes ``unit`` and ``__name__`` are used. Empty: all rates, accelerations and
-        loads for which the linkage has data; positions only by name.
+        Names (see :data:`~fourbar_ros.mechanisms.quantities.QUANTITIES`), or functions (Motion,
+        Loads) -> value of plain arithmetic and numpy functions; with abs, comparisons or ``math``
+        they are slower and located to about 1e-10 rad. Attributes ``unit`` and ``__name__`` are
+        used. Empty: all rates, accelerations and loads for which the linkage has data; positions
+        only by name.
     rate, acceleration : float
-        Rate and acceleration of the input, the same everywhere: [rad/s] and [rad/s^2], or [m/s] and [m/s^2] of
-        a driven slide.
+        Rate and acceleration of the input, the same everywhere: [rad/s] and [rad/s^2], or [m/s]
+        and [m/s^2] of a driven slide.
     certify : bool
-        Also prove that none is missing, see :mod:`fourbar_ros.extrema.proof`: milliseconds for omega4 and alpha4, a
-        second or more for each other quantity.
+        Also prove that none is missing, see :mod:`fourbar_ros.extrema.proof`: milliseconds for
+        omega4 and alpha4, a second or more for each other quantity.
     conditions : bool
         Also compute condition numbers, which takes a quarter of the time; else they are NaN.
     check : callable
-        Called between the pieces of the work, during a proof every few milliseconds; what it raises ends
-        the search.
+        Called between the pieces of the work, during a proof every few milliseconds; what it
+        raises ends the search.
 
     Returns
     -------
@@ -109,7 +115,8 @@ def find_extrema(linkage: Any, quantities: Any = (), rate: float = 1.0, accelera
 
     """
     if not isinstance(linkage, Mechanism):
-        raise InvalidParameter('linkage', linkage, 'must be a mechanism: FourBar, SliderCrank or InvertedSlider')
+        raise InvalidParameter('linkage', linkage, 'must be a mechanism: FourBar, SliderCrank or '
+                                                   'InvertedSlider')
     rate, acceleration = number('rate', rate), number('acceleration', acceleration)
     quantities = _resolve(quantities, linkage)
     check()
@@ -144,10 +151,12 @@ def _resolve(quantities: Any, linkage: Mechanism) -> list[Any]:
         quantities = (quantities,)
     if not len(quantities):
         return select((), linkage)
-    names = [quantity for quantity in quantities if not (hasattr(quantity, 'of') or callable(quantity))]
+    names = [quantity for quantity in quantities
+             if not (hasattr(quantity, 'of') or callable(quantity))]
     named = iter(select(names, linkage) if names else ())
     return [quantity if hasattr(quantity, 'of') else next(named) if not callable(quantity)
-            else Function(getattr(quantity, '__name__', 'quantity'), getattr(quantity, 'unit', ''), '', quantity)
+            else Function(getattr(quantity, '__name__', 'quantity'), getattr(quantity, 'unit', ''),
+                          '', quantity)
             for quantity in quantities]
 
 
@@ -155,21 +164,30 @@ def _extrema(quantity: Any, linkage: Any, found: list[Found], proof: str) -> lis
     """Return the extrema of one quantity by place, the global ones marked."""
     if not found:
         return []
-    low = max(_bounds(part)[1] for part in found if part.value == min(part.value for part in found))
-    high = min(_bounds(part)[0] for part in found if part.value == max(part.value for part in found))
+    low = max(_bounds(part)[1] for part in found
+              if part.value == min(part.value for part in found))
+    high = min(_bounds(part)[0] for part in found
+               if part.value == max(part.value for part in found))
     found = sorted(found, key=lambda part: (part.place, part.side))
     unit, is_slide = linkage.input_unit, linkage.is_driven_by_slide
     angles = _crank_angles(linkage, found) if is_slide else [part.place for part in found]
-    return [Extremum(quantity.name, quantity.unit, linkage.mode, _KINDS[part.sense], theta1, part.value,
-                     part.sense <= 0 and _bounds(part)[0] <= low or part.sense >= 0 and _bounds(part)[1] >= high,
-                     INTERIOR if not part.side or not part.sense else ONE_SIDED if part.is_flat else LIMIT,
+    return [Extremum(quantity.name, quantity.unit, linkage.mode, _KINDS[part.sense], theta1,
+                     part.value,
+                     part.sense <= 0 and _bounds(part)[0] <= low or part.sense >= 0
+                     and _bounds(part)[1] >= high,
+                     INTERIOR if not part.side or not part.sense else ONE_SIDED if part.is_flat
+                     else LIMIT,
                      part.side, unit * part.condition, part.value_condition, proof,
                      unit * part.place if is_slide else nan)
             for part, theta1 in zip(found, angles)]
 
 
 def _bounds(part: Found) -> tuple[float, float]:
-    """Return between which values the value of a :class:`Found` may be: two that overlap are equal."""
+    """
+    Return between which values the value of a :class:`Found` may be.
+
+    Two that overlap are equal.
+    """
     if not isfinite(part.value):
         return part.value, part.value
     condition = part.value_condition if part.value_condition < TRUSTED else 0.0
@@ -178,8 +196,13 @@ def _bounds(part: Found) -> tuple[float, float]:
 
 
 def _crank_angles(linkage: Any, found: Sequence[Found]) -> list[float]:
-    """Return the crank's angles where the slide is driven; next to a limit that rounding has put outside."""
+    """
+    Return the crank's angles where the slide is driven.
+
+    Next to a limit that rounding has put outside.
+    """
     places = linkage.input_unit * np.array([part.place for part in found])
     inward = np.array([part.side for part in found]) * 4.0 * EPS * np.abs(places)
     angles = linkage.motion(places).theta1
-    return fold(np.where(np.isnan(angles), linkage.motion(places + inward).theta1, angles)).tolist()
+    return fold(np.where(np.isnan(angles), linkage.motion(places + inward).theta1,
+                         angles)).tolist()

@@ -1,8 +1,11 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Motion and loads next to the flat position of an exact change point, where their formulas are 0/0.
 
-On either side of it, in one mode, all are Laurent series of the distance t (:mod:`fourbar_ros.numerics.laurent`). Within a part
-of their radius of convergence they are evaluated, for real or complex t, with all their digits, however small t is.
+On either side of it, in one mode, all are Laurent series of the distance t
+(:mod:`fourbar_ros.numerics.laurent`). Within a part of their radius of convergence they are
+evaluated, for real or complex t, with all their digits, however small t is.
 """
 from __future__ import annotations
 
@@ -25,7 +28,8 @@ from fourbar_ros.numerics.laurent import (
 from fourbar_ros.numerics.number_types import converted
 from fourbar_ros.mechanisms.mechanism import Constants
 
-# Series are used up to this part of their scale, which is one to two times the distance of the next singularity:
+# Series are used up to this part of their scale, which is one to two times the distance of the
+# next singularity:
 # what they leave out is 2^-60 of the first term, times a small power of TERMS.
 REACH = 2.0**-4
 
@@ -40,8 +44,8 @@ class Fields(NamedTuple):
         The lowest power of each.
     c : ndarray, shape (TERMS, series, 1)
     partner : list of int
-        Number of the series that with this one makes a length, or -1: it is a field by itself. Such
-        partners stand after all fields.
+        Number of the series that with this one makes a length, or -1: it is a field by itself.
+        Such partners stand after all fields.
     varies : ndarray of bool, shape (fields,)
         Whether the field is more than a constant.
 
@@ -60,7 +64,8 @@ class Fields(NamedTuple):
         with np.errstate(all='ignore'):
             for order in np.unique(self.order).tolist():
                 values[self.order == order] *= t**order if order >= 0 else (1.0 / t)**-order
-            return np.stack([row if other < 0 else np.sqrt(row * row + values[other] * values[other])
+            return np.stack([row if other < 0
+                             else np.sqrt(row * row + values[other] * values[other])
                              for row, other in zip(values, self.partner)])
 
 
@@ -84,12 +89,14 @@ class FlatSide:
     def __init__(self, mechanism, rates: tuple[float, float], place: float, side: int):
         self._mechanism, self._rates, self.place, self.side = mechanism, rates, place, side
         self._is_angle = not mechanism.is_driven_by_slide
-        others = (self._turned(z / mechanism.input_unit - place) for z in mechanism.singular_inputs)
+        others = (self._turned(z / mechanism.input_unit - place)
+                  for z in mechanism.singular_inputs)
         self._scale = 2.0**frexp(min([1.0, *filter(None, map(abs, others))]))[1]
 
     def _turned(self, difference):
         """Return a difference of two inputs, or of arrays of them, the short way round."""
-        return difference - 2.0 * pi * np.round(difference.real / (2.0 * pi)) if self._is_angle else difference
+        return (difference - 2.0 * pi * np.round(difference.real / (2.0 * pi)) if self._is_angle
+                else difference)
 
     def distance(self, x: np.ndarray) -> np.ndarray:
         """Return how far inputs, in the input's unit, are on this side, in units of the scale of the series."""
@@ -120,7 +127,7 @@ class FlatSide:
         with many_digits():
             start = quarter_turns(round(self.place / (0.5 * pi)) if self._is_angle else 0)
             x = self._mechanism.input_unit * (start + self.side * self._scale * T)
-            return self._mechanism.motion_formula(LAURENT, self._constants)(x, *map(series, self._rates))
+            return (self._mechanism.motion_formula(LAURENT, self._constants)(x, *map(series, self._rates)))
 
     def state(self, t: np.ndarray, with_loads: bool) -> list[np.ndarray]:
         """Return the fields of motion and loads at distances in units of the scale, each of shape (fields, t.size)."""
@@ -128,7 +135,11 @@ class FlatSide:
 
 
 def flat_sides(mechanism, rates: tuple[float, float], path: InputPath) -> dict[int, FlatSide]:
-    """Return the :class:`FlatSide` of each end of a path that is a flat position; by the side, +1 at its lower end."""
+    """
+    Return the :class:`FlatSide` of each end of a path that is a flat position.
+
+    By the side, +1 at its lower end.
+    """
     return {side: FlatSide(mechanism, rates, end.x, side)
             for side, end in path.ends() if end.is_flat}
 
@@ -146,4 +157,5 @@ def _fields(values: tuple) -> Fields:
     c = np.zeros((TERMS, len(rows), 1))
     for i, row in enumerate(rows):
         c[:len(row.c), i, 0] = [float(v) for v in row.c]
-    return Fields(np.array([row.order if row.c else 0 for row in rows]), c, partner, np.array(varies))
+    return Fields(np.array([row.order if row.c else 0 for row in rows]), c, partner,
+                  np.array(varies))

@@ -1,14 +1,17 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Sample points of the input that resolve any mechanism of which the singular inputs are known.
 
-The input is x = phi for a crank that turns fully, x = middle + half sin(phi) for a range between two toggles,
-where phi goes through them into the other assembly mode without a root. The samples are equal steps of
+The input is x = phi for a crank that turns fully, x = middle + half sin(phi) for a range between
+two toggles, where phi goes through them into the other assembly mode without a root. The samples
+are equal steps of
 
     t(phi) = phi + sum over singular points of some kernels 2 atan(tan((phi - c)/2) / tanh(w/2)),
 
-each of which crowds a constant number of them within w of c. A quantity is analytic but for points z of
-the complex plane where the dyad is in line, or a pole; there c = Re z, w = |Im z|, and 4 w, 16 w, ... make
-the samples thin out with the distance.
+each of which crowds a constant number of them within w of c. A quantity is analytic but for points
+z of the complex plane where the dyad is in line, or a pole; there c = Re z, w = |Im z|, and 4 w,
+16 w, ... make the samples thin out with the distance.
 """
 from __future__ import annotations
 
@@ -24,9 +27,9 @@ from fourbar_ros.numerics.arrays import Array
 # Samples of a kernel; widths of the kernels of a singular point; the least that is resolved.
 PER_KERNEL, WIDER, NARROWEST = 16, 4.0, 1e-12
 HALVINGS, POLISHINGS = 24, 6        # to solve t(phi) = t
-# Points added towards a toggle, each twice as close as the one before, and towards a flat position, every second
-# one twice as close. The last are 1e-6 in u from a toggle and 1e-12 in x from either, where x itself has four
-# digits left.
+# Points added towards a toggle, each twice as close as the one before, and towards a flat
+# position, every second one twice as close. The last are 1e-6 in u from a toggle and 1e-12 in x
+# from either, where x itself has four digits left.
 TOGGLE_POINTS, FLAT_POINTS = 14, 64
 
 
@@ -57,12 +60,13 @@ class InputPath(NamedTuple):
     Parameters
     ----------
     x : ndarray, shape (n,)
-        Inputs inside the range, in the order of motion; a full turn in [-pi, pi]: after pi comes -pi.
+        Inputs inside the range, in the order of motion; a full turn in [-pi, pi]: after pi comes
+        -pi.
     low, high : End or None
         Where it begins and ends; None for full turns: after the last point comes the first.
     first, last : int
-        Indices of the points half a step of the path's parameter from ``low`` and ``high``; between them
-        steps are equal.
+        Indices of the points half a step of the path's parameter from ``low`` and ``high``;
+        between them steps are equal.
 
     """
 
@@ -78,7 +82,11 @@ class InputPath(NamedTuple):
         return self.low is None
 
     def ends(self) -> list[tuple[int, End]]:
-        """Return (side, end) of both ends: +1, inputs above it, for the lower one; none of a full turn."""
+        """
+        Return (side, end) of both ends: +1, inputs above it, for the lower one.
+
+        None of a full turn.
+        """
         return [(side, end) for side, end in ((1, self.low), (-1, self.high)) if end]
 
     def inward(self, side: int) -> Array:
@@ -94,7 +102,8 @@ def closer_points(end: End | None, count: int) -> Array:
     """Return the parameters t of the points added at an end at t = 0, outwards, to ``count`` in [0, 1]."""
     if end is None:
         return np.zeros(0)
-    octaves = 0.5 * np.arange(1, 1 + FLAT_POINTS) if end.is_flat else np.arange(1.0, 1 + TOGGLE_POINTS)
+    octaves = (0.5 * np.arange(1, 1 + FLAT_POINTS) if end.is_flat
+               else np.arange(1.0, 1 + TOGGLE_POINTS))
     return 0.5 / count * 2.0**-octaves
 
 
@@ -102,7 +111,8 @@ class TooNarrow(FourBarError, ValueError):
     """The range of the input is so narrow beside the input itself that floats do not resolve it."""
 
     def __init__(self) -> None:
-        super().__init__('the range of the input is too narrow, beside the input itself, to be searched')
+        super().__init__('the range of the input is too narrow, beside the input itself, to be '
+                         'searched')
 
 
 class Kernels(NamedTuple):
@@ -161,8 +171,8 @@ def input_paths(mechanism: Any, points: int) -> list[InputPath]:
     """
     Return the paths that make up the motion of a mechanism in its mode.
 
-    ``points`` is the least number of points of a full turn, without those added at the ends. A slide is
-    given in units of :attr:`input_unit`.
+    ``points`` is the least number of points of a full turn, without those added at the ends. A
+    slide is given in units of :attr:`input_unit`.
     """
     unit = mechanism.input_unit
     singular = np.array(mechanism.singular_inputs, complex) / unit
@@ -178,7 +188,11 @@ def input_paths(mechanism: Any, points: int) -> list[InputPath]:
 
 
 def _closed(singular: Array, points: int) -> list[InputPath]:
-    """Return the paths of a crank that makes full turns: one, or those between its flat positions."""
+    """
+    Return the paths of a crank that makes full turns.
+
+    One, or those between its flat positions.
+    """
     flat = np.unique(singular.real[singular.imag == 0.0])
     kernels = _kernels(singular[singular.imag != 0.0], points)
     if not flat.size:
@@ -198,7 +212,8 @@ def _beside(singular: Array, bounds: Range, is_periodic: bool) -> Array:
     return singular
 
 
-def _between(bounds: Range, singular: Array, points: int, stroke: Sequence[float]) -> list[InputPath]:
+def _between(bounds: Range, singular: Array, points: int,
+             stroke: Sequence[float]) -> list[InputPath]:
     """
     Return the paths of a range between two toggles: one, or two with a flat position between them.
 
@@ -210,7 +225,8 @@ def _between(bounds: Range, singular: Array, points: int, stroke: Sequence[float
     kernels = _kernels(np.concatenate((angles, pi - angles)), points)
     flat = {float(np.arcsin(place)): End(float(x), True)
             for place, x in zip(scaled.real[is_flat], singular.real[is_flat])}
-    ends = {-0.5 * pi: End(bounds.low, False), **dict(sorted(flat.items())), 0.5 * pi: End(bounds.high, False)}
+    ends = {-0.5 * pi: End(bounds.low, False), **dict(sorted(flat.items())),
+            0.5 * pi: End(bounds.high, False)}
     return _paths(kernels, _within(ends, stroke, bounds) if stroke else ends, bounds.to_input)
 
 
@@ -224,7 +240,8 @@ def _within(ends: dict[float, End], stroke: Sequence[float], bounds: Range) -> d
     return dict(sorted(inside.items()))
 
 
-def _paths(kernels: Kernels, ends: dict[float, End], to_input: Callable[[Array], Array]) -> list[InputPath]:
+def _paths(kernels: Kernels, ends: dict[float, End],
+           to_input: Callable[[Array], Array]) -> list[InputPath]:
     """Return the paths between neighbouring ends, {phi: End}."""
     paths = []
     for first, last in zip(ends, list(ends)[1:]):
@@ -252,10 +269,12 @@ def _kernels(singular: Array, points: int) -> Kernels:
             width *= WIDER
     weights = np.full(len(centres), float(PER_KERNEL))
     weights[0] = points
-    return Kernels(np.array(centres)[:, None], np.tanh(0.5 * np.array(widths))[:, None], weights[:, None] / (2.0 * pi))
+    return Kernels(np.array(centres)[:, None], np.tanh(0.5 * np.array(widths))[:, None],
+                   weights[:, None] / (2.0 * pi))
 
 
-def _spread(kernels: Kernels, bounds: tuple[float, float], ends: Sequence[End]) -> tuple[Array, int, int]:
+def _spread(kernels: Kernels, bounds: tuple[float, float],
+            ends: Sequence[End]) -> tuple[Array, int, int]:
     """Return the phi of equal steps between two bounds, half a step from them, and how many were added at each."""
     begin, end = (kernels.samples(np.array([phi]))[0][0] for phi in bounds)
     count = int(np.ceil(end - begin))

@@ -1,18 +1,23 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
-Which search, which sample points and which proof serve which quantity of which mechanism: chosen here, once a request.
+Which search, which sample points and which proof serve which quantity of which mechanism: chosen
+here, once a request.
 
-=============================  ============================================  ==============================
-quantity                       search                                        proof
-=============================  ============================================  ==============================
-omega4, alpha4 of a four-bar,  :mod:`.four_bar_rates.search`; at a change    :mod:`.four_bar_rates.exact_count`
-constant input rate            point as the others
+=============================  ============================================
+============================== quantity                       search
+proof =============================  ============================================
+============================== omega4, alpha4 of a four-bar,  :mod:`.four_bar_rates.search`; at a
+change    :mod:`.four_bar_rates.exact_count` constant input rate            point as the others
 omega4 of it, any input        :mod:`.path_search`, exact derivatives        the same
 others with a name             :mod:`.path_search`, exact derivatives        :mod:`.interval_proof`
 functions                      the same, or with differences: what a trial   the same
                                of the exact derivatives says
-=============================  ============================================  ==============================
+=============================  ============================================
+==============================
 
-The sample points are those of :mod:`.four_bar_rates.input_paths` for a four-bar, of :mod:`.input_paths` for others.
+The sample points are those of :mod:`.four_bar_rates.input_paths` for a four-bar, of
+:mod:`.input_paths` for others.
 """
 from __future__ import annotations
 
@@ -59,7 +64,8 @@ class Methods:
                        if quantity.name in countable and is_published(quantity)]
         is_fast = len(countable) == 2 and linkage.change_point_margin > 0.0
         self._fast = self._exact if is_fast else []
-        self._groups = self._samplers([row for row in range(len(quantities)) if row not in self._fast])
+        self._groups = self._samplers([row for row in range(len(quantities))
+                                       if row not in self._fast])
 
     def paths(self, density: int = 1) -> list[InputPath]:
         """Return the paths of the input, with ``density`` times the usual number of points."""
@@ -77,10 +83,15 @@ class Methods:
                 for kind, group in ((Sampler, smooth), (DifferenceSampler, rough)) if group]
 
     def _sampler(self, kind: type[Sampler], rows: list[int]) -> Sampler:
-        return kind(self._linkage, [self._quantities[row] for row in rows], self._rates, self._is_four_bar)
+        return kind(self._linkage, [self._quantities[row] for row in rows], self._rates,
+                    self._is_four_bar)
 
     def _has_complex_step(self, quantity: Any) -> bool:
-        """Return whether the complex step gives the derivative of a function: tried at some points."""
+        """
+        Return whether the complex step gives the derivative of a function.
+
+        Tried at some points.
+        """
         path = self.paths()[0]
         part = slice(path.first, path.last, TRIAL)
         x, step = path.x[part], 2.0**-10 * np.gradient(path.x)[part]
@@ -109,19 +120,26 @@ class Methods:
         return found
 
     def _rate_extrema(self, density: int, with_conditions: bool) -> list[Found]:
-        """Return the extrema of omega4 and alpha4 at constant input rate; ``row`` counts those that are fast."""
+        """
+        Return the extrema of omega4 and alpha4 at constant input rate.
+
+        ``row`` counts those that are fast.
+        """
         extrema, toggles = rate_extrema(self._linkage, density * RATE_SAMPLES, with_conditions)
         found, rate = [], self._rates[0]
         for row, name in enumerate(self._quantities[row].name for row in self._fast):
-            i, factor, sign = (0, rate, 1 if rate > 0.0 else -1) if name == 'omega4' else (1, rate * rate, 1)
+            i, factor, sign = ((0, rate, 1 if rate > 0.0 else -1) if name == 'omega4'
+                               else (1, rate * rate, 1))
             for theta1, value, is_maximum, *conditions in extrema[i]:
-                found.append(Found(row, theta1, factor * value, sign if is_maximum else -sign, 0, False, *conditions))
+                found.append(Found(row, theta1, factor * value, sign if is_maximum else -sign, 0,
+                                   False, *conditions))
             for x, side, *is_up in toggles:
                 sense = sign if is_up[i] else -sign
                 found.append(Found(row, fold(x), sense * inf, sense, side))
         return found
 
-    def prove(self, found: list[list[Found]], check: Callable[[], None]) -> list[tuple[int | None, str]]:
+    def prove(self, found: list[list[Found]],
+              check: Callable[[], None]) -> list[tuple[int | None, str]]:
         """
         Return how many extrema each quantity has inside the input range, and how that is known.
 
@@ -147,5 +165,6 @@ class Methods:
         for sampler, rows in self._groups:
             for i, row in enumerate(rows):
                 if row not in proofs:
-                    proofs[row] = proof.by_intervals(sampler.only(i), self.paths(), found[row], check)
+                    proofs[row] = proof.by_intervals(sampler.only(i), self.paths(), found[row],
+                                                     check)
         return [proofs[row] for row in range(len(found))]

@@ -1,8 +1,12 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
-Extrema of arbitrary quantities along one input path: interior ones, ends, ranges where they are constant.
+Extrema of arbitrary quantities along one input path: interior ones, ends, ranges where they are
+constant.
 
-Quantities are sampled with their derivatives on the points of :mod:`fourbar_ros.extrema.input_paths`. Sign changes of the
-derivative, hidden pairs of them too, are bracketed, and all brackets of all quantities solved at once.
+Quantities are sampled with their derivatives on the points of
+:mod:`fourbar_ros.extrema.input_paths`. Sign changes of the derivative, hidden pairs of them too,
+are bracketed, and all brackets of all quantities solved at once.
 """
 from __future__ import annotations
 
@@ -18,9 +22,9 @@ from fourbar_ros.extrema.sensitivity import sampled_conditions
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.roots import EPS, find_brackets, newton_roots, rises
 
-# Power of sin(mu) by which derivatives grow at toggles (that of the acceleration; forces grow faster by
-# one, rates more slowly). With it they are smooth, that of a magnitude |F| only when multiplied by |F|: near a
-# zero of the force it changes suddenly, F . dF/dtheta1 does not.
+# Power of sin(mu) by which derivatives grow at toggles (that of the acceleration; forces grow
+# faster by one, rates more slowly). With it they are smooth, that of a magnitude |F| only when
+# multiplied by |F|: near a zero of the force it changes suddenly, F . dF/dtheta1 does not.
 POLE = 5
 # Samples on either side of an end from which the value there is interpolated.
 NEIGHBOURS = 12
@@ -97,13 +101,15 @@ def _constant_values(sampler: Sampler, samples: Samples) -> tuple[dict[int, floa
     return {row: float(middle[row]) for row in np.nonzero(~varies)[0].tolist()}, noise
 
 
-def _interior(sampler: Sampler, samples: Samples, rows: Array, with_conditions: bool) -> list[Found]:
+def _interior(sampler: Sampler, samples: Samples, rows: Array,
+              with_conditions: bool) -> list[Found]:
     """Return the extrema of the quantities ``rows`` between the samples."""
     x, is_closed = samples.path.x, samples.path.is_closed
     f = _smooth_slopes(sampler, samples, rows)
     turn = rises(np.unwrap(x)[:, None], False)[:, 0]
     i, row, xa, xb, fa, guess = find_brackets(lambda x, row: sampler.slope(x, rows[row]),
-                                              lambda i, row: (x[i], turn[i]), f, rises(f, is_closed), is_closed)
+                                              lambda i, row: (x[i], turn[i]), f,
+                                              rises(f, is_closed), is_closed)
     if not row.size:
         return []
     row, spacing = rows[row], xb - xa
@@ -121,18 +127,21 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array, with_conditions: 
     conditions = (sampled_conditions(sampler, root, row, spacing) if with_conditions
                   else np.full((2, row.size), nan))
     return [Found(*fields[:4], 0, False, *fields[4:])
-            for fields in zip(*(v.tolist() for v in (row, place, value, sense, *conditions, noise)))]
+            for fields in zip(*(v.tolist() for v in (row, place, value, sense, *conditions,
+                                                     noise)))]
 
 
 def _smooth_slopes(sampler: Sampler, samples: Samples, rows: Array) -> Array:
     """Return the derivatives of quantities at the samples, shape (n, rows), times a power of the sine that has no poles."""
     sine = np.abs(sampler.linkage.transmission_sine(samples.state[0]))
     values = samples.values[rows]
-    scale = np.where((values > 0.0).all(axis=1, keepdims=True), values * sine**(2 * POLE - 1), sine**POLE)
+    scale = np.where((values > 0.0).all(axis=1, keepdims=True), values * sine**(2 * POLE - 1),
+                     sine**POLE)
     return samples.slopes[rows].T * scale.T
 
 
-def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End], rows: Array) -> list[Found]:
+def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End],
+            rows: Array) -> list[Found]:
     """Return what the quantities ``rows`` do at one end of a path: (side, end)."""
     side, end = where
     if end.is_regular:
@@ -146,15 +155,16 @@ def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End], rows: Ar
     falls = samples.slopes[:, nearest] * side > 0.0        # seen from inside
     sense = np.where(np.isinf(limits), np.sign(limits), np.where(falls, -1, 1)).astype(int)
     place = sampler.fold(end.x)
-    return [Found(row, place, float(limits[row]), int(sense[row]), side, end.is_flat) for row in rows.tolist()]
+    return [Found(row, place, float(limits[row]), int(sense[row]), side, end.is_flat)
+            for row in rows.tolist()]
 
 
 def _limits_at_toggle(sampler: Sampler, samples: Samples, side: int, rows: Array) -> Array:
     """
     Return the limits of all quantities at a toggle; right for ``rows``.
 
-    Quantities are meromorphic in the path's parameter: one that grows twofold each time the distance falls
-    to a quarter has a pole. The others go on smoothly into the other assembly mode.
+    Quantities are meromorphic in the path's parameter: one that grows twofold each time the
+    distance falls to a quarter has a pole. The others go on smoothly into the other assembly mode.
     """
     values, path = samples.values, samples.path
     inward = path.inward(side)
@@ -169,10 +179,12 @@ def _limits_at_toggle(sampler: Sampler, samples: Samples, side: int, rows: Array
     every = np.arange(len(beyond))[:, None]
     one_sided = values[:, near] @ _UP_TO
     # An angle in [0, pi] goes on as its negative.
-    both = [(values[:, near] + sampler.next_to(values[:, near], sign * beyond, every)) @ _THROUGH for sign in (1.0, -1.0)]
+    both = [(values[:, near] + sampler.next_to(values[:, near], sign * beyond, every)) @ _THROUGH
+            for sign in (1.0, -1.0)]
     mirrored = sampler.is_angle & (np.abs(both[1] - one_sided) < np.abs(both[0] - one_sided))
     bounded = np.where(mirrored, both[1], both[0])
-    # What does not go on, as angles in functions may not, is extrapolated, at the loss of three digits.
+    # What does not go on, as angles in functions may not, is extrapolated, at the loss of three
+    # digits.
     folded = np.abs(one_sided - bounded) > 1e-6 * np.ptp(values[:, near], axis=1)
     bounded = np.where(folded, one_sided, bounded)
     bounded[np.abs(bounded) <= samples.noise[:, first]] = 0.0

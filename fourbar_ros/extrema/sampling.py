@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Quantities of a mechanism and their derivatives with respect to its input, at many points at once.
 
@@ -54,7 +56,8 @@ class Samples(NamedTuple):
     ----------
     path : InputPath
     values, slopes : ndarray, shape (quantities, n)
-        The quantities, each in its unit, and their derivatives with respect to the input in its unit.
+        The quantities, each in its unit, and their derivatives with respect to the input in its
+        unit.
     state : (motion, loads)
         From which they come: fields of shape (n,), or floats.
     noise : ndarray, shape (quantities, n)
@@ -78,8 +81,9 @@ class Sampler:
     """
     Values and derivatives of some quantities of a mechanism in its mode.
 
-    The input x is in units of :attr:`~fourbar_ros.mechanisms.mechanism.Mechanism.input_unit`. Next to the flat
-    positions at the ends of the path that was given to :meth:`enter` motion and loads come from series, see
+    The input x is in units of :attr:`~fourbar_ros.mechanisms.mechanism.Mechanism.input_unit`. Next
+    to the flat positions at the ends of the path that was given to :meth:`enter` motion and loads
+    come from series, see
     :mod:`fourbar_ros.extrema.flat_positions`.
 
     Parameters
@@ -102,7 +106,8 @@ class Sampler:
     # Step of real differences of derivatives, in samples: little enough for Newton's method.
     TURN: ClassVar[float] = 2.0**-24
 
-    def __init__(self, linkage: Any, quantities: Sequence[Any], rates: tuple[float, float], takes_columns: bool = False):
+    def __init__(self, linkage: Any, quantities: Sequence[Any], rates: tuple[float, float],
+                 takes_columns: bool = False):
         self.linkage, self.quantities, self.rates = linkage, quantities, rates
         self.takes_columns = takes_columns
         self.with_angles = with_angles = any(map(needs_angles, quantities))
@@ -116,7 +121,8 @@ class Sampler:
         self._complex = COMPLEX_WITH_ANGLES if with_angles else COMPLEX
         types = ARRAY, self._complex
         self._functions = (tuple([linkage.make_motion(numbers) for numbers in types]),
-                           tuple([linkage.make_loads(numbers) if has_loads else None for numbers in types]))
+                           tuple([linkage.make_loads(numbers) if has_loads else None
+                                  for numbers in types]))
 
     def enter(self, path: InputPath) -> None:
         """Take the flat positions at the ends of a path into account."""
@@ -139,7 +145,8 @@ class Sampler:
         with np.errstate(over='ignore', invalid='ignore'):
             values, slopes = self.sample(path.x)
         if np.isinf(values).any() or np.isinf(slopes).any():
-            raise InvalidParameter('rate, acceleration', self.rates, 'too large: quantities overflow')
+            raise InvalidParameter('rate, acceleration', self.rates,
+                                   'too large: quantities overflow')
         state = self.state(path.x)
         return Samples(path, self._continuous(values), slopes, state, self.noise(state))
 
@@ -147,7 +154,8 @@ class Sampler:
         """Return the values along a path, angles without jumps, the least of them in [-pi, pi)."""
         if self.is_angle.any():
             angles = np.unwrap(values[self.is_angle], axis=1)
-            values[self.is_angle] = angles - 2.0 * pi * np.floor(angles.min(axis=1, keepdims=True) / (2.0 * pi) + 0.5)
+            values[self.is_angle] = (angles - 2.0 * pi * np.floor(angles.min(axis=1, keepdims=True)
+                                                                  / (2.0 * pi) + 0.5))
         return values
 
     def next_to(self, reference: Array, values: Array, row: Array) -> Array:
@@ -158,14 +166,18 @@ class Sampler:
             turns = np.round((reference - values) / (2.0 * pi))
         return np.where(self.is_angle[row] & (turns != 0.0), values + 2.0 * pi * turns, values)
 
-    def with_lengths(self, lengths: Sequence[tuple[float, ...]], x: Array, row: Array) -> Sequence[Array]:
+    def with_lengths(self, lengths: Sequence[tuple[float, ...]], x: Array,
+                     row: Array) -> Sequence[Array]:
         """Return :meth:`at` for mechanisms of other lengths, shapes (n, mechanisms)."""
-        others = [replace(self.linkage, **dict(zip(self.linkage.length_names, changed))) for changed in lengths]
+        others = [replace(self.linkage, **dict(zip(self.linkage.length_names, changed)))
+                  for changed in lengths]
         if not self.takes_columns:
-            return [np.stack(parts, axis=1) for parts in zip(*(self.of(other).at(x, row) for other in others))]
+            return [np.stack(parts, axis=1)
+                    for parts in zip(*(self.of(other).at(x, row) for other in others))]
         sampler, numbers = copy(self), columns_of(self._complex if self.IS_COMPLEX else ARRAY)
         sampler.flats = {}          # of a change point: the others are none
-        constants = others[0].constants._replace(lengths=tuple([np.array(column)[:, None] for column in zip(*lengths)]))
+        constants = others[0].constants._replace(lengths=tuple([np.array(column)[:, None]
+                                                                for column in zip(*lengths)]))
         motion = self.linkage.motion_formula(numbers, constants)
         loads = self._functions[1][0] and self.linkage.loads_formula(numbers, constants)
         sampler._functions = (motion,) * 2, (loads,) * 2
@@ -191,24 +203,30 @@ class Sampler:
 
     def _named(self, state: Sequence[Any]) -> State:
         """Return (motion, loads) of their fields."""
-        return (self.linkage.MOTION(*state[0]), self.linkage.LOADS(*state[1]) if len(state) > 1 else NoLoads())
+        return (self.linkage.MOTION(*state[0]), self.linkage.LOADS(*state[1]) if len(state) > 1
+                else NoLoads())
 
     def limits(self, side: int) -> Array:
         """
         Return the quantities at the flat position that the path has on this side, with infinities.
 
-        They are read off so near that all terms of a series but the first are less than rounding, and once
-        more nearer still: a pole has grown then, a zero fallen.
+        They are read off so near that all terms of a series but the first are less than rounding,
+        and once more nearer still: a pole has grown then, a zero fallen.
         """
         t = np.array((2.0**-60, 2.0**-80))
         state = self._named(self.flats[side].state(t, self._functions[1][0] is not None))
         with np.errstate(all='ignore'):
             one, other = self._rows(state, t).T
             growth = np.abs(other / one)
-        return np.where(growth > 2.0**10, np.copysign(np.inf, other), np.where(growth > 2.0**-10, other, 0.0))
+        return np.where(growth > 2.0**10, np.copysign(np.inf, other),
+                        np.where(growth > 2.0**-10, other, 0.0))
 
     def varies_next_to(self, side: int) -> Array:
-        """Return whether each quantity is more than a constant on this side; True where that is not known."""
+        """
+        Return whether each quantity is more than a constant on this side.
+
+        True where that is not known.
+        """
         flat = self.flats[side]
         varies = dict(zip(self.linkage.MOTION._fields, flat.motion.varies))
         if self.needs_loads:
@@ -239,7 +257,8 @@ class Sampler:
 
     def values_and_noise(self, x: Array, row: Array) -> tuple[Array, Array]:
         """
-        Return quantity ``row[i]`` at x[i], zero where it is less than its rounding error, and a bound of that.
+        Return quantity ``row[i]`` at x[i], zero where it is less than its rounding error, and a
+        bound of that.
 
         At exact change points that is not known: zero.
         """
@@ -264,22 +283,28 @@ class Sampler:
         """
         Return a bound of the rounding errors of each quantity, shape (quantities, n).
 
-        By the sizes of the terms it is a sum of, as far as they are known: of a balanced linkage the
-        shaking force is the noise of the joint reactions.
+        By the sizes of the terms it is a sum of, as far as they are known: of a balanced linkage
+        the shaking force is the noise of the joint reactions.
         """
         motion, loads = state
         sine = self.linkage.transmission_sine(motion).real
         scales = self.linkage.term_sizes(motion, *self.rates)
         scales |= {'rad': 1.0, 'm': max(map(abs, self.linkage.lengths))}
         if self.needs_loads:
-            scales['N'] = force = sum(abs(f.real) for f in (loads.f41, loads.f21, loads.f32, loads.f43))
+            scales['N'] = force = sum(abs(f.real) for f in (loads.f41, loads.f21, loads.f32,
+                                                            loads.f43))
             scales['N m'] = max(map(abs, self.linkage.lengths)) * force
-        rows = np.stack([np.broadcast_to(scales.get(q.unit, 0.0), sine.shape) for q in self.quantities])
+        rows = np.stack([np.broadcast_to(scales.get(q.unit, 0.0), sine.shape)
+                         for q in self.quantities])
         return 64.0 * EPS * rows / np.minimum(np.abs(sine), 1.0)
 
 
 class DifferenceSampler(Sampler):
-    """The same for functions without a complex step (abs, max, a table): derivatives by differences."""
+    """
+    The same for functions without a complex step (abs, max, a table).
+
+    Derivatives by differences.
+    """
 
     IS_COMPLEX = False
     TURN = DIFFERENCE
@@ -297,9 +322,11 @@ class DifferenceSampler(Sampler):
         except (TypeError, ValueError):       # a function of plain numbers: one sample at a time
             motions, loads = (zip(*(np.broadcast_to(f, x.shape).ravel().tolist() for f in part))
                               if isinstance(part, tuple) else repeat(part) for part in state)
-            states = [(self.linkage.MOTION(*v), self.linkage.LOADS(*w) if isinstance(w, tuple) else w)
+            states = [(self.linkage.MOTION(*v), self.linkage.LOADS(*w) if isinstance(w, tuple)
+                       else w)
                       for v, w in zip(motions, loads)]
-            return np.reshape([[q.of(*s) for s in states] for q in self.quantities], (-1, *x.shape)).astype(float)
+            return np.reshape([[q.of(*s) for s in states] for q in self.quantities],
+                              (-1, *x.shape)).astype(float)
 
     def sample(self, x: Array) -> tuple[Array, Array]:
         self._x = x[np.argsort(x)]
@@ -307,22 +334,28 @@ class DifferenceSampler(Sampler):
                                          for row in range(len(self.quantities))])
 
     def step(self, x: Array) -> Array:
-        """Return the step of differences at x: a part of the distance between the samples around it."""
+        """
+        Return the step of differences at x.
+
+        A part of the distance between the samples around it.
+        """
         i = np.clip(np.searchsorted(self._x, x), 1, self._x.size - 1)
         return DIFFERENCE * (self._x[i] - self._x[i - 1])
 
     def at(self, x: Array, row: Array) -> tuple[Array, Array]:
         h = self.step(x)
         points = np.concatenate((x, x + h, x - h, x + 2.0 * h, x - 2.0 * h), axis=-1)
-        value, *around = np.split(self.values(points)[np.tile(row, 5), ..., np.arange(5 * row.size)], 5)
+        value, *around = np.split(self.values(points)[np.tile(row, 5), ...,
+                                                      np.arange(5 * row.size)], 5)
         return value, (8.0 * (around[0] - around[1]) - (around[2] - around[3])) / (12.0 * h.T)
 
     def polish(self, x: Array, row: Array, sense: Array) -> Array:
         """
-        Return x, or where the quantity has a kink the place of the extremum by golden section around x.
+        Return x, or where the quantity has a kink the place of the extremum by golden section
+        around x.
 
-        By hand, as scipy.optimize.minimize_scalar takes one bracket at a time: this takes all of them, each of
-        another quantity, with one evaluation of motion and loads a step.
+        By hand, as scipy.optimize.minimize_scalar takes one bracket at a time: this takes all of
+        them, each of another quantity, with one evaluation of motion and loads a step.
         """
         low, high = x - 4.0 * self.step(x), x + 4.0 * self.step(x)
         part, i = 0.5 * (sqrt(5.0) - 1.0), np.arange(x.size)

@@ -1,9 +1,11 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 How far link lengths that are a little wrong move an extremum: condition numbers.
 
-With F = dQ/dtheta1 at an extremum, its place moves by -sum (dF/da_i) da_i / F' and its value by sum
-(dQ/da_i) da_i. For lengths that are each wrong by a relative eps, eps times the sums of the absolute
-terms bounds both.
+With F = dQ/dtheta1 at an extremum, its place moves by -sum (dF/da_i) da_i / F' and its value by
+sum (dQ/da_i) da_i. For lengths that are each wrong by a relative eps, eps times the sums of the
+absolute terms bounds both.
 """
 from __future__ import annotations
 
@@ -14,8 +16,8 @@ import numpy as np
 from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.numerics.arrays import Array
 
-# Relative steps of a length: at most the first; a part of the distance to the next change point, where
-# everything changes; but never lost in rounding.
+# Relative steps of a length: at most the first; a part of the distance to the next change point,
+# where everything changes; but never lost in rounding.
 LARGEST, PART, SMALLEST = 2.0**-26, 2.0**-10, 2.0**-46
 # Step in theta1 for the curvature, in distances of samples.
 TURN = 2.0**-12
@@ -24,16 +26,19 @@ TURN = 2.0**-12
 def perturbed_lengths(mechanism: Any) -> tuple[list[float], list[tuple[float, ...]]]:
     """Return a relative step for each length, and the lengths with that one changed by it, away from change points."""
     size = min(LARGEST, max(SMALLEST, PART * mechanism.change_point_margin))
-    signs, margin = min(zip(mechanism.MARGIN_SIGNS, mechanism.margins), key=lambda pair: abs(pair[1]))
+    signs, margin = min(zip(mechanism.MARGIN_SIGNS, mechanism.margins),
+                        key=lambda pair: abs(pair[1]))
     steps = [sign * size if margin >= 0.0 else -sign * size for sign in signs]
     lengths = mechanism.lengths
     return steps, [(*lengths[:i], length * (1.0 + step), *lengths[i + 1:])
                    for i, (step, length) in enumerate(zip(steps, lengths))]
 
 
-def sampled_conditions(sampler: Sampler, x: Array, row: Array, spacing: Array) -> tuple[Array, Array]:
+def sampled_conditions(sampler: Sampler, x: Array, row: Array,
+                       spacing: Array) -> tuple[Array, Array]:
     """
-    Return the conditions of place [rad] and relative value, each of shape (n,), of the extrema of a sampler's quantities.
+    Return the conditions of place [rad] and relative value, each of shape (n,), of the extrema of
+    a sampler's quantities.
 
     Parameters
     ----------

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """What is given for a link, in its own frame: origin at its first joint, x to its second joint."""
 from __future__ import annotations
 
@@ -32,7 +34,8 @@ class Body:
 
     def __post_init__(self):
         for name in ('mass', 'inertia'):
-            value = number(name, getattr(self, name), 'must be a finite number, zero or more', least=0.0)
+            value = number(name, getattr(self, name), 'must be a finite number, zero or more',
+                           least=0.0)
             object.__setattr__(self, name, value)
         for name in ('cg_along', 'cg_across'):
             object.__setattr__(self, name, number(name, getattr(self, name)))
@@ -43,16 +46,16 @@ class Applied:
     """
     External force and couple on a link.
 
-    The force acts at a point fixed in the link; its direction, like that of gravity, is constant along
-    the ground axes (x from O1 to O4), whatever the link does.
+    The force acts at a point fixed in the link; its direction, like that of gravity, is constant
+    along the ground axes (x from O1 to O4), whatever the link does.
 
     Parameters
     ----------
     force_x, force_y : float
         Force [N].
     along, across : float
-        Where it acts: from the first joint (A of the coupler, O4 of the output link), along the link
-        and to its left [m].
+        Where it acts: from the first joint (A of the coupler, O4 of the output link), along the
+        link and to its left [m].
     couple : float
         Couple, counter-clockwise positive [N m].
     """
@@ -84,7 +87,8 @@ def round_rod(length, density, radius):
         Length [m], density [kg/m^3], radius [m], all positive.
 
     """
-    length, density, radius = (number(name, value, 'must be a positive number', above=0.0) for name, value in
+    length, density, radius = (number(name, value, 'must be a positive number', above=0.0)
+                               for name, value in
                                (('length', length), ('density', density), ('radius', radius)))
     mass = density * pi * radius**2 * length
     return Body(mass, 0.5 * length, 0.0, mass * (3.0 * radius**2 + length**2) / 12.0)

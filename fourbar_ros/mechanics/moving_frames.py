@@ -1,8 +1,11 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Moving frames: velocity and acceleration of a point seen from a frame that moves and turns.
 
-Slides, Eqs. (9)-(15). Vectors are arrays of shape (2,) or (..., 2) along the ground axes; angular rates
-and accelerations are about z, counter-clockwise positive, floats or arrays that broadcast with ``...``.
+Slides, Eqs. (9)-(15). Vectors are arrays of shape (2,) or (..., 2) along the ground axes; angular
+rates and accelerations are about z, counter-clockwise positive, floats or arrays that broadcast
+with ``...``.
 """
 from __future__ import annotations
 
@@ -23,7 +26,11 @@ class AccelerationTerms(NamedTuple):
 
 
 class RollingContact(NamedTuple):
-    """A disc that rolls on the ground: its centre, and its point in contact, whose velocity is zero."""
+    """
+    A disc that rolls on the ground.
+
+    Its centre, and its point in contact, whose velocity is zero.
+    """
 
     centre_velocity: np.ndarray         # [m/s]
     centre_acceleration: np.ndarray     # [m/s^2]
@@ -80,7 +87,8 @@ def relative_velocity(v_a, omega, r, v_rel=(0.0, 0.0)):
 
 def acceleration_terms(a_a, omega, alpha, r, v_rel=(0.0, 0.0), a_rel=(0.0, 0.0)):
     """
-    Return the :class:`AccelerationTerms` of Eq. (9), for polygons and for who asks how large each is.
+    Return the :class:`AccelerationTerms` of Eq. (9), for polygons and for who asks how large each
+    is.
 
     Parameters
     ----------
@@ -97,7 +105,11 @@ def acceleration_terms(a_a, omega, alpha, r, v_rel=(0.0, 0.0), a_rel=(0.0, 0.0))
 
 
 def relative_acceleration(a_a, omega, alpha, r, v_rel=(0.0, 0.0), a_rel=(0.0, 0.0)):
-    """Return A_B, Eqs. (9) and (10), with (6) as the case of a B fixed in the frame; see acceleration_terms."""
+    """
+    Return A_B, Eqs.
+
+    (9) and (10), with (6) as the case of a B fixed in the frame; see acceleration_terms.
+    """
     terms = acceleration_terms(a_a, omega, alpha, r, v_rel, a_rel)
     return (terms.of_origin + terms.relative) + (terms.tangential + terms.normal) + terms.coriolis
 
@@ -136,10 +148,11 @@ def apparent_angular_acceleration(alpha3, alpha2):
 
 def rolling_contact(omega, alpha, radius, normal, ground_radius=inf):
     """
-    Return the :class:`RollingContact` of a disc that rolls without slip on fixed ground, Eqs. (13)-(15).
+    Return the :class:`RollingContact` of a disc that rolls without slip on fixed ground, Eqs.
+    (13)-(15).
 
-    The contact point has no tangential acceleration: all of it is the rolling acceleration, along the
-    normal and towards the centre of the disc for ground that is flat or convex.
+    The contact point has no tangential acceleration: all of it is the rolling acceleration, along
+    the normal and towards the centre of the disc for ground that is flat or convex.
 
     Parameters
     ----------
@@ -150,8 +163,8 @@ def rolling_contact(omega, alpha, radius, normal, ground_radius=inf):
     normal : array_like, shape (..., 2)
         Unit vector from the contact to the centre of the disc.
     ground_radius : float
-        Radius of the ground [m]: infinite if flat, positive if convex, negative if the disc rolls inside
-        a ring (then longer than the disc's).
+        Radius of the ground [m]: infinite if flat, positive if convex, negative if the disc rolls
+        inside a ring (then longer than the disc's).
 
     """
     arm = scaled(radius, normal)
@@ -159,4 +172,5 @@ def rolling_contact(omega, alpha, radius, normal, ground_radius=inf):
     hollow = radius / (ground_radius + radius)
     towards_ground = scaled(-np.square(omega) * hollow, arm)
     centre = turned(alpha, arm) + towards_ground
-    return RollingContact(turned(omega, arm), centre, relative_acceleration(centre, omega, alpha, -arm))
+    return RollingContact(turned(omega, arm), centre,
+                          relative_acceleration(centre, omega, alpha, -arm))

@@ -1,4 +1,10 @@
-"""A mechanism evaluated for arrays of inputs: few samples one by one, many by a recorded program."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+A mechanism evaluated for arrays of inputs.
+
+Few samples one by one, many by a recorded program.
+"""
 from __future__ import annotations
 
 from collections.abc import Iterator
@@ -11,10 +17,12 @@ import numpy as np
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.given import array
-from fourbar_ros.numerics.number_types import COMPLEX, COMPLEX_WITH_ANGLES, REAL, Function, NumberType
+from fourbar_ros.numerics.number_types import (COMPLEX, COMPLEX_WITH_ANGLES, REAL, Function,
+                                               NumberType)
 from fourbar_ros.numerics.recorded import Constants, Record, program
 
-# Samples for which numpy's calls of all operations of a formula take as long as the formula with floats does:
+# Samples for which numpy's calls of all operations of a formula take as long as the formula with
+# floats does:
 # of fewer, or where fewer operations are needed, as many fewer, each sample is computed by itself.
 ONE_BY_ONE = 30
 
@@ -37,7 +45,8 @@ def recorded(mechanism: Any, with_loads: bool) -> tuple[Record, Constants]:
     return _records[key], _records[key].constants_for(data)
 
 
-def evaluate(mechanism: Any, given: tuple, wanted: tuple[int, ...] | None, with_loads: bool) -> list[np.ndarray]:
+def evaluate(mechanism: Any, given: tuple, wanted: tuple[int, ...] | None,
+             with_loads: bool) -> list[np.ndarray]:
     """
     Return fields of motion, or of motion and loads, as arrays of the inputs' common shape.
 
@@ -52,7 +61,8 @@ def evaluate(mechanism: Any, given: tuple, wanted: tuple[int, ...] | None, with_
     """
     inputs, shape = _inputs(mechanism, given)
     position, size = inputs[0], prod(shape)
-    if mechanism.stroke is not None:     # outside of it nothing is known, as where the links cannot close
+    # outside of it nothing is known, as where the links cannot close
+    if mechanism.stroke is not None:
         low, high = mechanism.stroke
         inputs[0] = np.where((position.real >= low) & (position.real <= high), position, np.nan)
     with np.errstate(all='ignore'):
@@ -60,10 +70,13 @@ def evaluate(mechanism: Any, given: tuple, wanted: tuple[int, ...] | None, with_
         if any(v.dtype.kind == 'c' for v in inputs):
             rows = _complex_rows(mechanism, inputs, shape, wanted, with_loads)
         else:
-            inputs = [float(v) if i and not v.ndim else np.broadcast_to(v, shape).reshape(-1) for i, v in enumerate(inputs)]
-            record, constants = mechanism.record_with_loads if with_loads else mechanism.record_of_motion
+            inputs = [float(v) if i and not v.ndim else np.broadcast_to(v, shape).reshape(-1)
+                      for i, v in enumerate(inputs)]
+            record, constants = (mechanism.record_with_loads if with_loads
+                                 else mechanism.record_of_motion)
             single = tuple([type(v) is float for v in inputs])
-            chosen = program(record, range_of(record) if wanted is None else wanted, single, constants.zeros)
+            chosen = program(record, range_of(record) if wanted is None else wanted, single,
+                             constants.zeros)
             rows = _one_by_one(mechanism, inputs, wanted, with_loads) if (
                 0 < size * record.operations <= ONE_BY_ONE * len(chosen.steps)) else None
             if rows is None:
@@ -95,8 +108,13 @@ def _inputs(mechanism: Any, given: tuple) -> tuple[list[np.ndarray], tuple[int, 
                                'must have shapes that broadcast') from None
 
 
-def _one_by_one(mechanism: Any, inputs: list, wanted: tuple[int, ...] | None, with_loads: bool) -> Any:
-    """Return the rows computed with floats, or None if any sample has no finite result: numpy knows infinities."""
+def _one_by_one(mechanism: Any, inputs: list, wanted: tuple[int, ...] | None,
+                with_loads: bool) -> Any:
+    """
+    Return the rows computed with floats, or None if any sample has no finite result.
+
+    Numpy knows infinities.
+    """
     motion, loads = mechanism.make_motion(REAL), mechanism.make_loads(REAL) if with_loads else None
     columns = [repeat(v) if type(v) is float else v.tolist() for v in inputs]
     try:
@@ -127,7 +145,7 @@ def _keep_memory() -> None:
     """
     Have blocks of up to 31 MB kept by the C library when they are freed, once and for all.
 
-    glibc gives each back to the system until it has seen one of that size freed; getting the pages again
-    would take longer than the formulas. The block is never touched, so it costs nothing.
+    glibc gives each back to the system until it has seen one of that size freed; getting the pages
+    again would take longer than the formulas. The block is never touched, so it costs nothing.
     """
     np.empty(31 * 2**17)

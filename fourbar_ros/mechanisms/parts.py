@@ -1,4 +1,10 @@
-"""What mechanisms are described with: coordinates, lengths, links, and what a picture of them shows."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What mechanisms are described with.
+
+Coordinates, lengths, links, and what a picture of them shows.
+"""
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -18,12 +24,20 @@ class Coordinate(NamedTuple):
 
     @property
     def unit(self) -> str:
-        """Return the unit of the position: m of what slides, whose rate is called ..._velocity; else rad."""
+        """
+        Return the unit of the position: m of what slides, whose rate is called ..._velocity.
+
+        Else rad.
+        """
         return 'm' if self.rate.endswith('_velocity') else 'rad'
 
 
 class Output(NamedTuple):
-    """What a mechanism is used for: a coordinate, and the field of the motion d output / d input."""
+    """
+    What a mechanism is used for.
+
+    A coordinate, and the field of the motion d output / d input.
+    """
 
     coordinate: Coordinate
     ratio: str
@@ -37,7 +51,11 @@ SLOT = Coordinate('slot', 'slot_velocity', 'slot_acceleration')
 
 
 class Quantity(NamedTuple):
-    """A number that a mechanism has for each input: a field of its motion or, if ``is_load``, of its loads."""
+    """
+    A number that a mechanism has for each input.
+
+    A field of its motion or, if ``is_load``, of its loads.
+    """
 
     name: str
     unit: str
@@ -50,7 +68,11 @@ class Quantity(NamedTuple):
 
 
 class Length(NamedTuple):
-    """A length that a mechanism is given by, positive unless ``signed``; zero if not given, then."""
+    """
+    A length that a mechanism is given by, positive unless ``signed``.
+
+    Zero if not given, then.
+    """
 
     name: str
     text: str
@@ -93,10 +115,14 @@ class Joint(NamedTuple):
     coordinate: Coordinate
 
 
-# --- what a picture shows --------------------------------------------------------------------------
+# --- what a picture shows ------------------------------------------------------------------------
 
 class Bar(NamedTuple):
-    """A straight part of a link from ``start`` to ``end``, each of shape (2,) [m]; ``width`` 1: usual."""
+    """
+    A straight part of a link from ``start`` to ``end``, each of shape (2,) [m].
+
+    ``width`` 1: usual.
+    """
 
     start: np.ndarray
     end: np.ndarray
@@ -104,7 +130,11 @@ class Bar(NamedTuple):
 
 
 class Block(NamedTuple):
-    """A block at a place that slides in a direction (unit vector); ``is_guided``: along the ground."""
+    """
+    A block at a place that slides in a direction (unit vector).
+
+    ``is_guided``: along the ground.
+    """
 
     place: np.ndarray
     direction: np.ndarray
@@ -128,7 +158,8 @@ class Diagram(NamedTuple):
     angles : mapping
         {field of the motion: joint about which its arc is drawn, from x}.
     drawn_whole : tuple of str
-        Links whose bars reach as far as the link does: they are not drawn longer for points on them.
+        Links whose bars reach as far as the link does: they are not drawn longer for points on
+        them.
 
     """
 
@@ -171,7 +202,8 @@ def around(start: np.ndarray, link: Any, arm: np.ndarray, name: str) -> list[Arr
     """
     Return the normal and the tangential acceleration of a point beside another of its link.
 
-    ``link``: a :class:`~fourbar_ros.mechanisms.points.LinkMotion`; ``arm``: from the other to the point.
+    ``link``: a :class:`~fourbar_ros.mechanisms.points.LinkMotion`; ``arm``: from the other to the
+    point.
     """
     terms = acceleration_terms(ORIGIN, link.omega, link.alpha, arm)
     return chain(start, (terms.normal, f'A_{{{name}}}^n'), (terms.tangential, f'A_{{{name}}}^t'))

@@ -1,7 +1,11 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
-Any point fixed to any link of any mechanism: path, velocity, acceleration, and its polygon's image.
+Any point fixed to any link of any mechanism: path, velocity, acceleration, and its polygon's
+image.
 
-A point is given as a centre of gravity is: along the link from its first joint, and across to its left.
+A point is given as a centre of gravity is: along the link from its first joint, and across to its
+left.
 From the fields of a motion alone, so a point costs nothing until it is asked for.
 """
 from __future__ import annotations
@@ -43,8 +47,8 @@ class PointMotion(NamedTuple):
     """
     Motion of a point; each field a float, or an array of the input's shape.
 
-    The tangential and normal acceleration are the parts along the velocity and to its left; they and the
-    curvature are NaN where the point rests.
+    The tangential and normal acceleration are the parts along the velocity and to its left; they
+    and the curvature are NaN where the point rests.
     """
 
     x: float                  # [m]
@@ -89,8 +93,8 @@ def link_motion(mechanism, motion, link):
     motion : Motion of that mechanism
         One sample or arrays.
     link : str
-        Name of one of its ``LINKS``: the coupler of an inverted slider is its block, the output of a
-        slider-crank its slider, of an inverted one its bar.
+        Name of one of its ``LINKS``: the coupler of an inverted slider is its block, the output of
+        a slider-crank its slider, of an inverted one its bar.
 
     """
     return mechanism.link_motion(motion, mechanism.link(link).name)
@@ -111,7 +115,8 @@ def point_of(link, along, across=0.0):
 
 def crank_motion(motion):
     """Return the :class:`LinkMotion` of a crank that turns about O1."""
-    return LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_x, motion.sin_x, motion.omega1, motion.alpha1)
+    return LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_x, motion.sin_x, motion.omega1,
+                      motion.alpha1)
 
 
 def make_point(n: NumberType, mechanism, link: str, along: float, across: float) -> Function:
@@ -167,8 +172,9 @@ def acceleration_image(omega, alpha):
     """
     Return (scale [1/s^2], turn [rad]) of the acceleration image of a link.
 
-    The link's figure, sqrt(omega^4 + alpha^2) times as large and turned by 180 deg - atan(alpha/omega^2)
-    counter-clockwise, is the figure of its points in the acceleration polygon (slides, after Eq. (6)).
+    The link's figure, sqrt(omega^4 + alpha^2) times as large and turned by 180 deg -
+    atan(alpha/omega^2) counter-clockwise, is the figure of its points in the acceleration polygon
+    (slides, after Eq. (6)).
     """
     square = np.square(omega)
     return np.hypot(square, alpha), np.pi - np.arctan2(alpha, square)

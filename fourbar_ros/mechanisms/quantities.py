@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """What can be asked for by name: searched for extrema, tabulated, plotted."""
 from __future__ import annotations
 
@@ -36,13 +38,15 @@ class Function(NamedTuple):
 
 def point_speed(mechanism, link, along, across=0.0, name='point'):
     """Return the speed [m/s] of a point fixed to a link, see :mod:`fourbar_ros.mechanisms.points`, as a quantity ``name.speed``."""
-    return Function(f'{name}.speed', 'm/s', f'speed of the point ({along:g}, {across:g}) m of the {link}',
+    return Function(f'{name}.speed', 'm/s', f'speed of the point ({along:g}, {across:g}) m of the '
+                                            f'{link}',
                     partial(_length, mechanism, link, along, across, 2))
 
 
 def point_acceleration(mechanism, link, along, across=0.0, name='point'):
     """Return the magnitude of the acceleration [m/s^2] of such a point as a quantity ``name.acceleration``."""
-    return Function(f'{name}.acceleration', 'm/s^2', f'acceleration of the point ({along:g}, {across:g}) m of the {link}',
+    return Function(f'{name}.acceleration', 'm/s^2', f'acceleration of the point ({along:g}, '
+                                                     f'{across:g}) m of the {link}',
                     partial(_length, mechanism, link, along, across, 4))
 
 
@@ -74,8 +78,8 @@ QUANTITIES = {quantity.name: quantity for quantity in (
 )}
 QUANTITIES |= {quantity.name: quantity for kind in KINDS.values() for quantity in kind.QUANTITIES}
 
-# By name alone: they turn back at dead points and at the ends of the input, which are known in closed form, so
-# that a request for everything leaves them out.
+# By name alone: they turn back at dead points and at the ends of the input, which are known in
+# closed form, so that a request for everything leaves them out.
 POSITIONS = {quantity.name: quantity for quantity in (
     Quantity('theta4', 'rad', 'angle of the output link, continuous', False),
     Quantity('theta1', 'rad', 'angle of a crank that is not driven, continuous', False),
@@ -116,11 +120,14 @@ def is_position(quantity):
 
 def select(names, mechanism, others=()):
     """
-    Return the quantities of these names, or all rates, accelerations and loads that a mechanism has data for.
+    Return the quantities of these names, or all rates, accelerations and loads that a mechanism
+    has data for.
 
-    ``others``: more quantities that have a name, as those of a scene's points; of no names these are part too.
+    ``others``: more quantities that have a name, as those of a scene's points; of no names these
+    are part too.
     """
-    available = known(mechanism, mechanism.input) | {quantity.name: quantity for quantity in others}
+    available = known(mechanism, mechanism.input) | {quantity.name: quantity
+                                                     for quantity in others}
     if names:
         available |= positions(mechanism, mechanism.input)
     for name in names:
@@ -128,4 +135,5 @@ def select(names, mechanism, others=()):
             raise UnknownQuantity(name, available)
     if names:
         return [available[name] for name in names]
-    return [quantity for quantity in available.values() if mechanism.bodies is not None or not quantity.is_load]
+    return [quantity for quantity in available.values() if mechanism.bodies is not None
+            or not quantity.is_load]

@@ -1,8 +1,11 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
-What the mechanisms with a sliding joint share: the triangle of which one side slides, and their loads by name.
+What the mechanisms with a sliding joint share: the triangle of which one side slides, and their
+loads by name.
 
-The triangle is the dyad of every mechanism that is driven by its slide: a slider-crank driven by its slider, and, for
-an observer on its bar, an inverted one driven by its cylinder.
+The triangle is the dyad of every mechanism that is driven by its slide: a slider-crank driven by
+its slider, and, for an observer on its bar, an inverted one driven by its cylinder.
 """
 from __future__ import annotations
 
@@ -17,9 +20,9 @@ class SliderLoads(NamedTuple):
     """
     Loads for one input; each field a float, or an array of the input's shape.
 
-    fij = all that link i does ON link j along the ground axes (1 crank, 2 coupler or block, 3 slider or
-    bar, 4 ground), the drive's force included where the drive is between them; fji = -fij. Forces [N],
-    moments [N m], counter-clockwise positive.
+    fij = all that link i does ON link j along the ground axes (1 crank, 2 coupler or block, 3
+    slider or bar, 4 ground), the drive's force included where the drive is between them; fji =
+    -fij. Forces [N], moments [N m], counter-clockwise positive.
     """
 
     f41_x: float
@@ -51,8 +54,8 @@ def make_triangle(n: NumberType, a1: Any, a2: Any, e: Any, sign: Any) -> Functio
     With q = s^2 + e^2, f = a1^2 - a2^2, theta2 = b - x as the 4R's mu
     (:mod:`fourbar_ros.mechanisms.four_bar.motion`):
 
-        (T1)  root^2 = (2 a1 a2 sin theta2)^2 = u w,   u = K+ - s^2,   w = s^2 - K-,   K+- = (a1 +- a2)^2 - e^2
-        (T2)  2 a1 e^{ix} = (q + f - i root)(s + i e) / q
+        (T1)  root^2 = (2 a1 a2 sin theta2)^2 = u w,   u = K+ - s^2,   w = s^2 - K-,   K+- = (a1 +-
+        a2)^2 - e^2 (T2)  2 a1 e^{ix} = (q + f - i root)(s + i e) / q
         (T3)  2 a2 e^{ib} = (q - f + i root)(s + i e) / q
         (T4)  x' = cos b / (a1 sin theta2),   b' = -cos x / (a2 sin theta2)
         (T5)  theta2' = -s / (a1 a2 sin theta2)
@@ -61,16 +64,17 @@ def make_triangle(n: NumberType, a1: Any, a2: Any, e: Any, sign: Any) -> Functio
         (T8)  b'' = (2 e - f theta2') s/q^2 + theta2'' (q + f)/(2 q)
 
     All is computed from the smaller of u and w, as u + w = 4 a1 a2. Of links of very
-    different length both are small beside s^2: hence q + f = 2 a1 (a1 + a2) - u = 2 a1 (a1 - a2) + w, and
-    K+ K- - s^4 = s^2 (u - w) - u w where s^2 > 4 a1 a2.
+    different length both are small beside s^2: hence q + f = 2 a1 (a1 + a2) - u = 2 a1 (a1 - a2) +
+    w, and K+ K- - s^4 = s^2 (u - w) - u w where s^2 > 4 a1 a2.
 
-    ``sign``: of sin(theta2). Lengths within a few powers of two of one. At s = 0 of a change point the
-    values are those for s -> 0 from above.
+    ``sign``: of sin(theta2). Lengths within a few powers of two of one. At s = 0 of a change point
+    the values are those for s -> 0 from above.
 
     Returns
     -------
     callable
-        s -> (cos x, sin x, cos b, sin b, cos theta2, sin theta2, x', b', theta2', x'', b'', theta2'', 1/root).
+        s -> (cos x, sin x, cos b, sin b, cos theta2, sin theta2, x', b', theta2', x'', b'',
+        theta2'', 1/root).
 
     """
     sqrt, where, infinitesimal, ee = n.sqrt, n.where, n.infinitesimal, e * e
@@ -87,22 +91,27 @@ def make_triangle(n: NumberType, a1: Any, a2: Any, e: Any, sign: Any) -> Functio
         ss = s * s
         q = ss + ee
         u, w = k_plus - ss, ss - k_minus                                                # (T1)
-        # their sum is given: so the rounding of one is that of the other, as in the shape of a triangle
-        small, plus, minus, side = where(u.real < w.real, (u, plus_1, plus_2, -1.0), (w, minus_1, minus_2, 1.0))
+        # their sum is given: so the rounding of one is that of the other, as in the shape of a
+        # triangle
+        small, plus, minus, side = where(u.real < w.real, (u, plus_1, plus_2, -1.0),
+                                         (w, minus_1, minus_2, 1.0))
         large, change = u_plus_w - small, side * small
         uw, u_minus_w = small * large, side * (large - small)
         root = sign * sqrt(uw)
         cos_2, sin_2 = -u_minus_w * per_a1_a2 + 0.0 * root, 2.0 * root * per_a1_a2
         per_q, per_root = 1.0 / q, 1.0 / root
         more, less, turn = (plus + change) * per_q, (minus + change) * per_q, root * per_q
-        cos_x, sin_x = (s * more + e * turn) * half_per_a1, (e * more - s * turn) * half_per_a1     # (T2)
-        cos_b, sin_b = (s * less - e * turn) * half_per_a2, (e * less + s * turn) * half_per_a2     # (T3)
+        # (T2)
+        cos_x, sin_x = (s * more + e * turn) * half_per_a1, (e * more - s * turn) * half_per_a1
+        # (T3)
+        cos_b, sin_b = (s * less - e * turn) * half_per_a2, (e * less + s * turn) * half_per_a2
         d_x, d_b = two_a2 * cos_b * per_root, -two_a1 * cos_x * per_root                # (T4)
         d_2 = -2.0 * s * per_root                                                       # (T5)
         bend = where(ss.real < u_plus_w, k_product - ss * ss, ss * u_minus_w - uw)
         dd_2 = 2.0 * bend * per_root * per_root * per_root                              # (T6)
         common, half = (two_e - f * d_2) * s * per_q * per_q, 0.5 * dd_2
-        dd_x, dd_b = common - half * less, common + half * more                         # (T7), (T8)
+        # (T7), (T8)
+        dd_x, dd_b = common - half * less, common + half * more
         return cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, d_b, d_2, dd_x, dd_b, dd_2, per_root
     return triangle
 
@@ -118,7 +127,11 @@ def margins(p: float, r: float, e: float) -> tuple[float, float]:
 
 
 def reach(p: float, r: float, e: float) -> tuple[float, float]:
-    """Return (inner, outer) distances squared, minus e^2: (p - r)^2 - e^2 and (p + r)^2 - e^2 [m^2]."""
+    """
+    Return (inner, outer) distances squared, minus e^2.
+
+    (p - r)^2 - e^2 and (p + r)^2 - e^2 [m^2].
+    """
     return difference_of_squares(p, -r, e, 0.0), difference_of_squares(p, r, e, 0.0)
 
 
@@ -138,4 +151,5 @@ def singular_slides(p: float, r: float, e: float) -> list[complex]:
     unit = power_of_two(p, r, e)
     roots = [complex(unit * sqrt(k)) if k >= 0.0 else complex(0.0, unit * sqrt(-k))
              for k in reach(p / unit, r / unit, e / unit)]
-    return [*roots, *(-z for z in roots if z.imag == 0.0 != z.real), *([complex(0.0, e)] if e else [])]
+    return [*roots, *(-z for z in roots if z.imag == 0.0 != z.real),
+            *([complex(0.0, e)] if e else [])]

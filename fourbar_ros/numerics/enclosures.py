@@ -1,8 +1,11 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Enclosures: Taylor series of balls, a number type in which a result is certain.
 
-A thin cover of ``flint.arb_series`` of the optional package python-flint (Arb): each coefficient is a ball that
-contains the true one. Constants are balls, ``flint.arb``, made from floats without rounding.
+A thin cover of ``flint.arb_series`` of the optional package python-flint (Arb): each coefficient
+is a ball that contains the true one. Constants are balls, ``flint.arb``, made from floats without
+rounding.
 """
 from __future__ import annotations
 
@@ -25,7 +28,11 @@ class Series:
 
     @property
     def real(self) -> Any:
-        """Return the middle of the value: to choose between forms of a formula that are both right."""
+        """
+        Return the middle of the value.
+
+        To choose between forms of a formula that are both right.
+        """
         return self.series[0].mid()
 
     def sin(self) -> Series:
@@ -51,8 +58,8 @@ class Root(Series):
     """
     The root of a series, taken only where it is calculated with.
 
-    It has its extrema where its square has them: also where that is zero and the root has a kink, as the
-    magnitude of a force along one line has where the force changes its sense.
+    It has its extrema where its square has them: also where that is zero and the root has a kink,
+    as the magnitude of a force along one line has where the force changes its sense.
     """
 
     __slots__ = ('square',)
@@ -84,7 +91,11 @@ def series_of(value: Any) -> Any:
 
 
 def squared_or_plain(value: Any) -> Any:
-    """Return the series of a value, or of the square of a root: with extrema at the same places."""
+    """
+    Return the series of a value, or of the square of a root.
+
+    With extrema at the same places.
+    """
     return value.square if isinstance(value, Root) else series_of(value)
 
 
@@ -103,7 +114,8 @@ def _fabs(v: Any) -> Any:
 def _enclosure(name: str, atan2: Callable[[Any, Any], Any]) -> NumberType:
     # Balls need no scaling.
     return NumberType(name, Series.sin, Series.cos, Series.sqrt, atan2,
-                      lambda x, y: (x * x + y * y).sqrt(), _fabs, choose, sum, lambda *lengths: 1.0,
+                      lambda x, y: (x * x + y * y).sqrt(), _fabs, choose, sum,
+                      lambda *lengths: 1.0,
                       INFINITESIMAL)
 
 

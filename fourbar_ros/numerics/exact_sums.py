@@ -1,8 +1,11 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Sums and differences of lengths that keep their digits where they cancel.
 
-Lengths are exact data. A sum of some of them, however small beside them, is here rounded once, and a difference
-of squares is taken as the product of two such sums: near change points and toggles all other digits would be lost.
+Lengths are exact data. A sum of some of them, however small beside them, is here rounded once, and
+a difference of squares is taken as the product of two such sums: near change points and toggles
+all other digits would be lost.
 """
 from __future__ import annotations
 

@@ -1,4 +1,10 @@
-"""What callers give, as doubles: every public function converts or refuses here, with the name and what is allowed."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What callers give, as doubles.
+
+Every public function converts or refuses here, with the name and what is allowed.
+"""
 from __future__ import annotations
 
 from collections.abc import Iterable
@@ -16,8 +22,8 @@ def number(name: str, value: Any, allowed: str = 'must be a finite number', leas
     """
     Return a finite number as a float, so that no other precision is computed with.
 
-    Integers, fractions, numpy's numbers and arrays without dimensions are numbers; truth values, texts, times,
-    complex numbers and None are not.
+    Integers, fractions, numpy's numbers and arrays without dimensions are numbers; truth values,
+    texts, times, complex numbers and None are not.
 
     Parameters
     ----------
@@ -62,7 +68,8 @@ def array(name: str, value: Any, with_complex: bool = False) -> np.ndarray:
 
     """
     if isinstance(value, np.ma.MaskedArray):
-        value = value.astype(complex if value.dtype.kind == 'c' else float).filled(np.nan) if value.dtype.kind in 'iufc' else value.data
+        value = (value.astype(complex if value.dtype.kind == 'c' else float).filled(np.nan)
+                 if value.dtype.kind in 'iufc' else value.data)
     try:
         given = np.asarray(value)
     except ValueError:     # rows of unlike length
@@ -70,7 +77,8 @@ def array(name: str, value: Any, with_complex: bool = False) -> np.ndarray:
     if given.dtype.kind == 'c' and with_complex:
         return given.astype(np.complex128, copy=False)
     if given.dtype.kind not in 'iuf' and given.size:
-        what = f'of type {given.dtype}' if given.dtype.kind != 'O' else _first_that_is_no_number(given)
+        what = (f'of type {given.dtype}' if given.dtype.kind != 'O'
+                else _first_that_is_no_number(given))
         raise InvalidParameter(name, value, f'must be real numbers, not {what}')
     return given.astype(np.float64, copy=False)
 
@@ -94,6 +102,7 @@ def records(name: str, value: Any, kind: type, whole: type) -> Any:
     """
     given = tuple(value) if isinstance(value, Iterable) else ()
     if len(given) != len(whole._fields) or not all(isinstance(item, kind) for item in given):
-        raise InvalidParameter(name, value, f'must be {whole.__name__}({", ".join(whole._fields)}), each of type '
-                               f'{kind.__name__}')
+        raise InvalidParameter(name, value,
+                               f'must be {whole.__name__}({", ".join(whole._fields)}), each of '
+                               f'type {kind.__name__}')
     return whole(*given)

@@ -1,11 +1,15 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
-Laurent series of one variable t > 0, t -> 0, to many digits: a number type in which 0/0 is a quotient.
+Laurent series of one variable t > 0, t -> 0, to many digits: a number type in which 0/0 is a
+quotient.
 
-At the flat position of an exact change point all that moves is a quotient of numbers that vanish there.
-Put into the formulas of motion and loads, series leave no doubt about the limit: common powers of t cancel, a root
-of t^2 is t, and the sign of a number is that of its first term. Coefficients have :data:`DIGITS`
-decimal digits; one that is nothing beside the terms it is a sum of is exactly zero, so that the data of a
-mechanism, taken to the last bit, decide what vanishes and what does not.
+At the flat position of an exact change point all that moves is a quotient of numbers that vanish
+there.
+Put into the formulas of motion and loads, series leave no doubt about the limit: common powers of
+t cancel, a root of t^2 is t, and the sign of a number is that of its first term. Coefficients have
+:data:`DIGITS` decimal digits; one that is nothing beside the terms it is a sum of is exactly zero,
+so that the data of a mechanism, taken to the last bit, decide what vanishes and what does not.
 """
 from __future__ import annotations
 
@@ -41,7 +45,8 @@ class Laurent:
     """
     The series t^order (c[0] + c[1] t + ...), c[0] not zero, known up to, without, t^end.
 
-    ``end`` is infinite if it has no more terms; c is empty if none is known, or there is none: zero.
+    ``end`` is infinite if it has no more terms; c is empty if none is known, or there is none:
+    zero.
     Comparisons are those of the values for t -> 0. To be used within :func:`many_digits`.
     """
 
@@ -74,7 +79,8 @@ class Laurent:
         return self.c + [Decimal(0)] * (number - len(self.c))
 
     def _end_of_unit(self) -> float:
-        return math.inf if len(self.c) == 1 and self.end == math.inf else min(TERMS, self.end - self.order)
+        return (math.inf if len(self.c) == 1 and self.end == math.inf
+                else min(TERMS, self.end - self.order))
 
     @property
     def real(self) -> Laurent:
@@ -85,7 +91,8 @@ class Laurent:
         end = min(self.end, other.end)
         low = min(self.order, other.order)
         high = max(self.order + len(self.c), other.order + len(other.c))
-        return Laurent([_sum([self._at(i), other._at(i)]) for i in range(low, int(min(high, end)))], low, end)
+        return Laurent([_sum([self._at(i), other._at(i)])
+                        for i in range(low, int(min(high, end)))], low, end)
 
     def __neg__(self):
         return Laurent([-v for v in self.c], self.order, self.end)
@@ -101,7 +108,8 @@ class Laurent:
         if self._is_nothing() or other._is_nothing():
             return Laurent([])
         order, end = self.order + other.order, min(self.end + other.order, other.end + self.order)
-        number = int(min(len(self.c) + len(other.c) - 1, end - order, TERMS + 1)) if self.c and other.c else 0
+        number = (int(min(len(self.c) + len(other.c) - 1, end - order, TERMS + 1)) if self.c
+                  and other.c else 0)
         one, two = ([(i, v) for i, v in enumerate(s.c) if v] for s in (self, other))
         terms = [[] for _ in range(number)]
         for i, a in one:
@@ -132,7 +140,11 @@ class Laurent:
         return Laurent(inverse, -self.order, -self.order + self._end_of_unit())
 
     def sqrt(self) -> Laurent:
-        """Return the root, positive for t > 0; ValueError where it is not real or has half a power of t."""
+        """
+        Return the root, positive for t > 0.
+
+        ValueError where it is not real or has half a power of t.
+        """
         if not self.c:
             return Laurent([], 0, self.end if self._is_nothing() else self.end // 2)
         if self.c[0] < 0 or self.order % 2:
@@ -142,7 +154,8 @@ class Laurent:
         if self._end_of_unit() == math.inf:
             return Laurent(root, order)
         for k in range(1, len(c)):
-            root.append(_sum([c[k], *(-root[i] * root[k - i] for i in range(1, k))]) / (2 * root[0]))
+            root.append(_sum([c[k], *(-root[i] * root[k - i] for i in range(1, k))])
+                        / (2 * root[0]))
         return Laurent(root, order, order + self._end_of_unit())
 
     def _sine_and_cosine(self) -> tuple[Laurent, Laurent]:
@@ -151,10 +164,12 @@ class Laurent:
         rest = self - Laurent([_QUARTER * quarters])
         if rest.c and rest.order < 1:
             raise ValueError('an angle of which only multiples of pi/2 are expected')
-        slope, sine, cosine = [rest._at(i + 1) * (i + 1) for i in range(TERMS)], [Decimal(0)], [Decimal(1)]
+        slope, sine, cosine = [rest._at(i + 1) * (i + 1)
+                               for i in range(TERMS)], [Decimal(0)], [Decimal(1)]
         for k in range(TERMS):      # s' = c phi', c' = -s phi'
             sine, cosine = (sine + [sum(slope[i] * cosine[k - i] for i in range(k + 1)) / (k + 1)],
-                            cosine + [-sum(slope[i] * sine[k - i] for i in range(k + 1)) / (k + 1)])
+                            cosine + [-sum(slope[i] * sine[k - i] for i in range(k + 1))
+                                      / (k + 1)])
         sine, cosine = (Laurent(c[:TERMS], 0, TERMS) for c in (sine, cosine))
         for _ in range(quarters % 4):
             sine, cosine = cosine, -sine
@@ -186,18 +201,24 @@ class Laurent:
         return not self > other
 
     def derivative(self) -> Laurent:
-        return Laurent([(self.order + i) * v for i, v in enumerate(self.c)], self.order - 1, self.end - 1)
+        return Laurent([(self.order + i) * v for i, v in enumerate(self.c)], self.order - 1,
+                       self.end - 1)
 
     def integral(self) -> Laurent:
         """Return that without a constant; the series has no term 1/t, which is not checked."""
-        return Laurent([v / (self.order + i + 1) if v else v for i, v in enumerate(self.c)], self.order + 1, self.end + 1)
+        return Laurent([v / (self.order + i + 1) if v else v for i, v in enumerate(self.c)],
+                       self.order + 1, self.end + 1)
 
 
 T = Laurent([Decimal(1)], 1)
 
 
 class Length:
-    """The length of a vector of two series: no series itself, as it may be nearly zero next to t = 0."""
+    """
+    The length of a vector of two series.
+
+    No series itself, as it may be nearly zero next to t = 0.
+    """
 
     def __init__(self, x: Laurent, y: Laurent):
         self.x, self.y = x, y
@@ -232,5 +253,6 @@ def _sum_of(terms) -> Laurent:
 
 
 # With sin(x/2) a series nothing needs to be added to it.
-LAURENT = NumberType('Laurent series', Laurent.sin, Laurent.cos, Laurent.sqrt, _atan2, Length, abs, choose,
+LAURENT = NumberType('Laurent series', Laurent.sin, Laurent.cos, Laurent.sqrt, _atan2, Length, abs,
+                     choose,
                      _sum_of, _power_of_two, infinitesimal=0.0)

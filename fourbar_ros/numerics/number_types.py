@@ -1,10 +1,12 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 One formula, several number types.
 
-Formulas are written once, as factories ``make_...(n, ...)`` that return a function of the input. They take
-every function they use from ``n``, a :class:`NumberType`, and contain no ``if``: a choice between two forms
-of a formula is ``n.where(condition, one, other)``, and a condition compares real parts, ``x.real > 0.0``,
-which floats, arrays and complex numbers all have.
+Formulas are written once, as factories ``make_...(n, ...)`` that return a function of the input.
+They take every function they use from ``n``, a :class:`NumberType`, and contain no ``if``: a
+choice between two forms of a formula is ``n.where(condition, one, other)``, and a condition
+compares real parts, ``x.real > 0.0``, which floats, arrays and complex numbers all have.
 
 =========================  ==================================================================
 ``REAL``                   floats: one sample takes microseconds where numpy would take thirty
@@ -29,8 +31,8 @@ import numpy as np
 
 Function = Callable[..., Any]
 
-# Added to sin(x/2): nothing, except at x = 0 exactly, where an exact change point (0/0) thereby takes
-# its one-sided value for x -> 0+. Its third power is still a normal number.
+# Added to sin(x/2): nothing, except at x = 0 exactly, where an exact change point (0/0) thereby
+# takes its one-sided value for x -> 0+. Its third power is still a normal number.
 INFINITESIMAL = 2.0**-250
 
 
@@ -46,8 +48,8 @@ class NumberType:
     sin, cos, sqrt, atan2, hypot, fabs : callable
         As in :mod:`math`.
     where : callable
-        ``where(condition, one, other)``; ``one`` and ``other`` may be tuples of equal length. Both are
-        computed, whatever the condition: neither may divide by zero.
+        ``where(condition, one, other)``; ``one`` and ``other`` may be tuples of equal length. Both
+        are computed, whatever the condition: neither may divide by zero.
     exact_sum : callable
         Correctly rounded sum of a tuple of lengths, as :func:`math.fsum`.
     power_of_two : callable

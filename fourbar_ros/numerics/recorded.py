@@ -1,13 +1,18 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
-A formula recorded once and replayed on arrays: only what was asked for, in buffers that stay in the cache.
+A formula recorded once and replayed on arrays: only what was asked for, in buffers that stay in
+the cache.
 
-:class:`Number` is one more kind of number for the formulas: arithmetic with it writes down what is done. From
-that record a :class:`Program` takes the operations that some results need, does those of single numbers
-once, gives each of the others numpy's function and a buffer, and uses a buffer again when nothing needs
-its content any more. Operations, their order and so their results are those of the formula on arrays.
+:class:`Number` is one more kind of number for the formulas: arithmetic with it writes down what is
+done. From that record a :class:`Program` takes the operations that some results need, does those
+of single numbers once, gives each of the others numpy's function and a buffer, and uses a buffer
+again when nothing needs its content any more. Operations, their order and so their results are
+those of the formula on arrays.
 
-A record belongs to a kind of mechanism, not to one: what a formula is made for, lengths and masses, is recorded
-too, and what depends on that alone is computed once for each mechanism, as :class:`Constants`.
+A record belongs to a kind of mechanism, not to one: what a formula is made for, lengths and
+masses, is recorded too, and what depends on that alone is computed once for each mechanism, as
+:class:`Constants`.
 """
 from __future__ import annotations
 
@@ -34,12 +39,15 @@ def _where(condition: np.ndarray, one: Any, other: Any, out: np.ndarray) -> None
     np.copyto(out, one, where=condition)
 
 
-# For each operation the function of floats and that of arrays, whose last argument is where the result goes;
-# lengths are no arrays.
+# For each operation the function of floats and that of arrays, whose last argument is where the
+# result goes; lengths are no arrays.
 _OPERATIONS: dict[str, tuple[Callable, Callable | None]] = {
-    'add': (operator.add, np.add), 'sub': (operator.sub, np.subtract), 'mul': (operator.mul, np.multiply),
-    'truediv': (operator.truediv, np.true_divide), 'neg': (operator.neg, np.negative), 'pow': (operator.pow, None),
-    'gt': (operator.gt, np.greater), 'lt': (operator.lt, np.less), 'sin': (math.sin, np.sin), 'cos': (math.cos, np.cos),
+    'add': (operator.add, np.add), 'sub': (operator.sub, np.subtract),
+    'mul': (operator.mul, np.multiply),
+    'truediv': (operator.truediv, np.true_divide), 'neg': (operator.neg, np.negative),
+    'pow': (operator.pow, None),
+    'gt': (operator.gt, np.greater), 'lt': (operator.lt, np.less), 'sin': (math.sin, np.sin),
+    'cos': (math.cos, np.cos),
     'sqrt': (math.sqrt, np.sqrt), 'atan2': (math.atan2, np.arctan2), 'fabs': (math.fabs, np.abs),
     'hypot': (math.hypot, hypot_of_arrays), 'where': (choose, _where),
     'exact_sum': (lambda *terms: math.fsum(terms), None), 'power_of_two': (power_of_two, None)}
@@ -92,7 +100,8 @@ def _choice(condition: Any, one: Any, other: Any) -> Any:
 
 
 _exact_sum = _function('exact_sum')
-RECORDED = NumberType('recorded', *map(_function, ('sin', 'cos', 'sqrt', 'atan2', 'hypot', 'fabs')), _choice,
+RECORDED = NumberType('recorded', *map(_function, ('sin', 'cos', 'sqrt', 'atan2', 'hypot',
+                                                   'fabs')), _choice,
                       lambda terms: _exact_sum(*terms), _function('power_of_two'))
 
 
@@ -100,9 +109,11 @@ class Record:
     """
     What formulas do to three inputs: motion(x, rate, acceleration), then, if given, loads(motion).
 
-    ``steps``: for each place (operation, places of its arguments), or None for what is given: the inputs, the
-    data that the formulas are made for, numbers in their text (``known``: {place: value}). ``results``: places.
-    ``is_constant``: the places of what depends on the data alone. ``operations``: number of the other steps.
+    ``steps``: for each place (operation, places of its arguments), or None for what is given: the
+    inputs, the data that the formulas are made for, numbers in their text (``known``: {place:
+    value}). ``results``: places.
+    ``is_constant``: the places of what depends on the data alone. ``operations``: number of the
+    other steps.
 
     Parameters
     ----------
@@ -148,7 +159,8 @@ class Record:
         for place in sorted(self.is_constant):
             name, arguments = self.steps[place]
             values[place] = _OPERATIONS[name][0](*[values[i] for i in arguments])
-        return Constants(values, frozenset([place for place in self._used if values[place] == 0.0]))
+        return (Constants(values, frozenset([place for place in self._used if values[place]
+                                             == 0.0])))
 
     def add(self, name: str, *values: Any) -> Number:
         """Write down an operation and return its result."""
@@ -202,7 +214,11 @@ def _without_zeros(record: Record, zeros: frozenset[int]) -> tuple[list, list[in
 
 
 def _carriers(steps: list, places: Sequence[int]) -> list[frozenset[int]]:
-    """Return for each result the inputs and roots it depends on: what makes it NaN out of range."""
+    """
+    Return for each result the inputs and roots it depends on.
+
+    What makes it NaN out of range.
+    """
     found: list[frozenset[int]] = []
     for place, step in enumerate(steps):
         if step is None:
@@ -214,8 +230,13 @@ def _carriers(steps: list, places: Sequence[int]) -> list[frozenset[int]]:
 
 
 def _pose(steps: list) -> frozenset[int]:
-    """Return the places of the position and of all roots: not of rate and acceleration, which may be multiplied by zero."""
-    return frozenset((0, *(place for place, step in enumerate(steps) if step is not None and step[0] == 'sqrt')))
+    """
+    Return the places of the position and of all roots.
+
+    Not of rate and acceleration, which may be multiplied by zero.
+    """
+    return frozenset((0, *(place for place, step in enumerate(steps) if step is not None
+                           and step[0] == 'sqrt')))
 
 
 class Program:
@@ -230,12 +251,13 @@ class Program:
     single : sequence of 3 bools
         Which inputs are one number for all samples.
     zeros : frozenset of int
-        Which constants are zero: what only adds zero is left out, unless a result would then no longer be NaN
-        where it should.
+        Which constants are zero: what only adds zero is left out, unless a result would then no
+        longer be NaN where it should.
 
     """
 
-    def __init__(self, record: Record, wanted: Sequence[int], single: Sequence[bool], zeros: frozenset[int] = frozenset()):
+    def __init__(self, record: Record, wanted: Sequence[int], single: Sequence[bool],
+                 zeros: frozenset[int] = frozenset()):
         self._record, results = record, [record.results[i] for i in wanted]
         self._is_single = [True] * len(record.steps)
         self._is_single[:3] = single
@@ -255,7 +277,8 @@ class Program:
         steps, needed, left = self._steps, set(), list(self._places)
         while left:
             place = left.pop()
-            if place not in needed and steps[place] is not None and place not in self._record.is_constant:
+            if (place not in needed and steps[place] is not None
+                and place not in self._record.is_constant):
                 needed.add(place)
                 left += steps[place][1]
         return sorted(needed)
@@ -265,7 +288,11 @@ class Program:
         return place, _OPERATIONS[name][0], arguments
 
     def _allocate(self, places: list[int]) -> list[tuple[Callable, Callable]]:
-        """Return (numpy's function, what takes its arguments from the values) of all steps; results own their places."""
+        """
+        Return (numpy's function, what takes its arguments from the values) of all steps.
+
+        Results own their places.
+        """
         size = len(self._record.steps)
         last = {i: place for place in places for i in self._steps[place][1]}
         results, where, free, found = set(self._places), {}, [], []
@@ -298,7 +325,8 @@ class Program:
         many = [i for i in range(3) if not self._is_single[i]]
         for start in range(0, size, count):
             part = slice(start, start + count)
-            work = values + (buffers if start + count <= size else [b[:size - start] for b in buffers])
+            work = values + (buffers if start + count <= size
+                             else [b[:size - start] for b in buffers])
             for i in many:
                 work[i] = inputs[i][part]
             self._replay(work, [row[part] for row in rows])
@@ -319,6 +347,7 @@ class Program:
 
 
 @cache
-def program(record: Record, wanted: tuple[int, ...], single: tuple[bool, ...], zeros: frozenset[int]) -> Program:
+def program(record: Record, wanted: tuple[int, ...], single: tuple[bool, ...],
+            zeros: frozenset[int]) -> Program:
     """Return the :class:`Program` of a record, made once."""
     return Program(record, wanted, single, zeros)

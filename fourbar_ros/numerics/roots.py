@@ -1,7 +1,10 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 All sign changes of sampled functions: one function in plain floats, or many brackets at once.
 
-Zero counts as positive. Angles are given in order; a smaller one after a larger one is a turn later.
+Zero counts as positive. Angles are given in order; a smaller one after a larger one is a turn
+later.
 """
 from __future__ import annotations
 
@@ -19,9 +22,11 @@ SMALL = 2.0**-12
 PARTS = 8
 # Part of the sample by which the cubic is allowed to be wrong.
 CAUTION = 0.25
-# By how much the error of a step of Newton's method may exceed its square over the width of the bracket.
+# By how much the error of a step of Newton's method may exceed its square over the width of the
+# bracket.
 SAFETY = 64.0
-# A dip is looked into as long as its lowest sample is less than this part of how much the parabola bends in a step.
+# A dip is looked into as long as its lowest sample is less than this part of how much the parabola
+# bends in a step.
 DEEP = 0.25
 # Halvings of a dip before it is taken for a touching point without a sign change.
 HALVINGS = 26
@@ -48,12 +53,14 @@ def turns_back(f, rise):
 
 def intervals_with_roots(f, rise, is_closed):
     """
-    Return (i, column, is_plain) of the intervals between samples that have roots, or may have two more.
+    Return (i, column, is_plain) of the intervals between samples that have roots, or may have two
+    more.
 
-    Hermite's cubic through two samples has as many roots as its Bernstein coefficients change sign, or less
-    by two. One root is plain; where there could be more, also if the inner coefficients were a little smaller,
-    the interval needs a closer look. Where one sample is so small for its slope that the sign changes in an
-    interval without a root, so do both intervals beside it.
+    Hermite's cubic through two samples has as many roots as its Bernstein coefficients change
+    sign, or less by two. One root is plain; where there could be more, also if the inner
+    coefficients were a little smaller, the interval needs a closer look. Where one sample is so
+    small for its slope that the sign changes in an interval without a root, so do both intervals
+    beside it.
 
     Parameters
     ----------
@@ -81,9 +88,14 @@ def intervals_with_roots(f, rise, is_closed):
 
 
 def intervals_of_one(f, rise, is_closed):
-    """Return (i, is_plain) as :func:`intervals_with_roots`, of one function in plain floats: lists."""
+    """
+    Return (i, is_plain) as :func:`intervals_with_roots`, of one function in plain floats.
+
+    Lists.
+    """
     positive = [v >= 0.0 for v in f]
-    turning = [abs(r) >= (1.0 - CAUTION) * abs(v) for v, r in zip(f, rise)]      # one way or the other
+    # one way or the other
+    turning = [abs(r) >= (1.0 - CAUTION) * abs(v) for v, r in zip(f, rise)]
     following = [*range(1, len(f)), *[0] * is_closed]
     found, small = [], set()
     for i, j in enumerate(following):
@@ -119,7 +131,8 @@ def look_closer(function, row, xa, xb):
     """
     Return brackets (which, xa, xb, fa, fb) of the roots in intervals that may have several.
 
-    Each interval is cut in :data:`PARTS`, and where |f| then has a minimum between equal signs, halved on.
+    Each interval is cut in :data:`PARTS`, and where |f| then has a minimum between equal signs,
+    halved on.
     ``function(x, row)`` evaluates the rows given; ``which``: the index of the interval.
     """
     # one part more on either side: a minimum may be at an end
@@ -130,7 +143,8 @@ def look_closer(function, row, xa, xb):
     changes = positive[1:] != positive[:-1]
     i, which = np.nonzero(changes[1:-1])
     found = [(which, x[i + 1, which], x[i + 2, which], f[i + 1, which], f[i + 2, which])]
-    i, which = np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] < size[2:]) & ~changes[1:] & ~changes[:-1])
+    i, which = np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] < size[2:]) & ~changes[1:]
+                          & ~changes[:-1])
     xs, fs = ([v[i + j, which] for j in range(3)] for v in (x, f))
     for _ in range(HALVINGS):
         going = _may_touch(xs, fs)
@@ -147,7 +161,8 @@ def look_closer(function, row, xa, xb):
         found.append((which[j], xs[i, j], xs[i + 1, j], fs[i, j], fs[i + 1, j]))
         on = np.nonzero(~changes.any(axis=0))[0]
         middle = 1 + np.argmin(np.abs(fs[1:4, on]), axis=0)
-        which, xs, fs = which[on], [xs[middle + j, on] for j in (-1, 0, 1)], [fs[middle + j, on] for j in (-1, 0, 1)]
+        which, xs, fs = which[on], [xs[middle + j, on] for j in (-1, 0, 1)], [fs[middle + j, on]
+                                                                              for j in (-1, 0, 1)]
     return [np.concatenate(parts) for parts in zip(*found)]
 
 
@@ -155,8 +170,8 @@ def _may_touch(xs, fs):
     """
     Return whether the function may have roots between three samples of one sign.
 
-    The parabola through them comes down to half the middle one, or the middle one is so low between the others
-    that the error of the parabola's slope, unknown, may have hidden that.
+    The parabola through them comes down to half the middle one, or the middle one is so low
+    between the others that the error of the parabola's slope, unknown, may have hidden that.
     """
     left, right = xs[1] - xs[0], xs[2] - xs[1]
     slope_left, slope_right = (fs[1] - fs[0]) / left, (fs[2] - fs[1]) / right
@@ -170,8 +185,9 @@ def make_first_guess(n: NumberType) -> Function:
     """
     Return the function (xa, xb, fa, fb, step_a, step_b) -> where a root is by the inverse of f.
 
-    It is interpolated with values and slopes (Hermite): the mean of the points of Newton's method from both
-    ends, x - step, and of the secant. Without steps (NaN), or outside, it is the secant's.
+    It is interpolated with values and slopes (Hermite): the mean of the points of Newton's method
+    from both ends, x - step, and of the secant. Without steps (NaN), or outside, it is the
+    secant's.
     """
     where = n.where
 
@@ -190,16 +206,19 @@ first_guesses = make_first_guess(ARRAY)
 
 def find_brackets(function, x, f, rise, is_closed):
     """
-    Return brackets (i, row, xa, xb, fa, guess) of all roots of sampled functions, hidden pairs included.
+    Return brackets (i, row, xa, xb, fa, guess) of all roots of sampled functions, hidden pairs
+    included.
 
     Parameters
     ----------
     function : callable
         (x, row) -> f of the rows given, or a positive multiple.
     x : callable
-        (i, row) -> where sample i of the row is [rad], and a third of what x rises in a step there.
+        (i, row) -> where sample i of the row is [rad], and a third of what x rises in a step
+        there.
     f, rise, is_closed
-        As in :func:`intervals_with_roots`; ``i`` counts the interval after the last sample as the last.
+        As in :func:`intervals_with_roots`; ``i`` counts the interval after the last sample as the
+        last.
 
     """
     i, row, is_plain = intervals_with_roots(f, rise, is_closed)
@@ -207,7 +226,8 @@ def find_brackets(function, x, f, rise, is_closed):
     (xa, turn_a), (xb, turn_b) = x(i, row), x(j, row)
     xb, fa, fb = turn_after(xb, xa), f[i, row], f[j, row]
     with np.errstate(all='ignore'):
-        guess = first_guesses(xa, xb, fa, fb, fa * turn_a / rise[i, row], fb * turn_b / rise[j, row])
+        guess = first_guesses(xa, xb, fa, fb, fa * turn_a / rise[i, row],
+                              fb * turn_b / rise[j, row])
     brackets = i, row, xa, xb, fa, guess
     if is_plain.all():
         return brackets
@@ -224,8 +244,9 @@ def newton_roots(function, row, xa, xb, fa, x):
     """
     Return the root of a function in each bracket, to the last bits of x, all together.
 
-    Newton's method, with bisection wherever that leaves the bracket or does not halve its step. The last step
-    is not looked at again: its error is about its square over the width of the bracket.
+    Newton's method, with bisection wherever that leaves the bracket or does not halve its step.
+    The last step is not looked at again: its error is about its square over the width of the
+    bracket.
 
     Parameters
     ----------
@@ -247,7 +268,8 @@ def newton_roots(function, row, xa, xb, fa, x):
         is_newton = (better >= xa) & (better <= xb) & (2.0 * np.abs(step) <= last)
         better = np.where(is_newton, better, 0.5 * (xa + xb))
         tolerance = EPS * np.maximum(np.abs(better), SMALL)
-        done = np.where(is_newton, SAFETY * step * step <= tolerance * width, xb - xa <= 2.0 * tolerance)
+        done = np.where(is_newton, SAFETY * step * step <= tolerance * width,
+                        xb - xa <= 2.0 * tolerance)
         done |= ~np.isfinite(f)              # overflow: no root to be found
         last, x = np.abs(better - x), better
         root[todo] = x
@@ -259,7 +281,11 @@ def newton_roots(function, row, xa, xb, fa, x):
 
 
 def newton_root(function, xa, xb, fa, x):
-    """Return as :func:`newton_roots`, in plain floats; ``function(x)`` -> f, step and anything; with its last."""
+    """
+    Return as :func:`newton_roots`, in plain floats.
+
+    ``function(x)`` -> f, step and anything; with its last.
+    """
     width = last = xb - xa
     positive = fa >= 0.0
     while True:

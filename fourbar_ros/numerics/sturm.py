@@ -1,8 +1,12 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
-Number of real roots of a polynomial with integer coefficients in an interval: Sturm's theorem, exact.
+Number of real roots of a polynomial with integer coefficients in an interval: Sturm's theorem,
+exact.
 
-Source: Basu, Pollack, Roy, Algorithms in Real Algebraic Geometry, section 2.2. The optional python-flint has
-such polynomials too, but an exact count is to be there without it, and takes milliseconds.
+Source: Basu, Pollack, Roy, Algorithms in Real Algebraic Geometry, section 2.2. The optional
+python-flint has such polynomials too, but an exact count is to be there without it, and takes
+milliseconds.
 """
 from __future__ import annotations
 
@@ -99,7 +103,11 @@ def _changes(chain: list[Polynomial], low: int, high: int) -> int:
 
 
 def sturm_chain(P: Polynomial) -> list[Polynomial]:
-    """Return the Sturm chain of P, not zero: each member divided by the content of its coefficients."""
+    """
+    Return the Sturm chain of P, not zero.
+
+    Each member divided by the content of its coefficients.
+    """
     chain = [_primitive(P), _primitive(P.derivative)]
     while len(chain[-1].c) > 1:
         remainder = _negative_remainder(chain[-2], chain[-1])

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Rates of the input from a stream that does not carry them all: causal, on the stamps as they come.
 

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """One evaluation that never raises: a status says what the numbers are worth."""
 from __future__ import annotations
 
@@ -10,7 +12,8 @@ from fourbar_ros.errors import InvalidParameter, OutOfRange, Toggle
 
 # The same numbers as the STATUS_ constants of fourbar_msgs/LinkageState (a test compares them).
 OK, OUT_OF_RANGE, INVALID_INPUT, TOGGLE, RATES_UNKNOWN, INPUT_TIMEOUT, LOADS_UNKNOWN = range(7)
-STATUS_NAMES = ('ok', 'out of range', 'invalid input', 'toggle', 'rates unknown', 'input timeout', 'loads unknown')
+STATUS_NAMES = ('ok', 'out of range', 'invalid input', 'toggle', 'rates unknown', 'input timeout',
+                'loads unknown')
 
 
 @cache
@@ -23,8 +26,9 @@ def evaluate(mechanism, position, rate, acceleration, with_loads):
     """
     Return (status, motion, loads): what does not exist is NaN, loads are all NaN if not asked for.
 
-    INVALID_INPUT stands for an input that is NaN, for infinity, and for speeds so high that a result
-    overflows; RATES_UNKNOWN for a rate or acceleration that is NaN: what does not depend on it is valid.
+    INVALID_INPUT stands for an input that is NaN, for infinity, and for speeds so high that a
+    result overflows; RATES_UNKNOWN for a rate or acceleration that is NaN: what does not depend on
+    it is valid.
     """
     given = position, rate, acceleration
     if not isfinite(position) or isinf(rate) or isinf(acceleration):
@@ -50,9 +54,15 @@ def evaluate(mechanism, position, rate, acceleration, with_loads):
 
 
 def _partly(status, mechanism, position, rate, acceleration):
-    """Return the answer where not all of the motion exists: what is infinite or undefined is NaN."""
+    """
+    Return the answer where not all of the motion exists.
+
+    What is infinite or undefined is NaN.
+    """
     motion = mechanism.motion(np.array([position]), rate, acceleration)
     if isnan(motion.transmission_angle[0]):
-        return OUT_OF_RANGE, mechanism.unknown(position, rate, acceleration), _none_of(mechanism.LOADS)
+        return OUT_OF_RANGE, mechanism.unknown(position, rate,
+                                               acceleration), _none_of(mechanism.LOADS)
     values = [float(field[0]) for field in motion]
-    return (status, mechanism.MOTION(*[value if isfinite(value) else nan for value in values]), _none_of(mechanism.LOADS))
+    return (status, mechanism.MOTION(*[value if isfinite(value) else nan for value in values]),
+            _none_of(mechanism.LOADS))

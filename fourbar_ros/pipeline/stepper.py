@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """One scene, one input after the other, with what the scene wants where the linkage cannot be assembled."""
 from __future__ import annotations
 
@@ -8,7 +10,8 @@ from fourbar_ros.mechanisms.points import PointMotion, make_point
 from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.pipeline.status import INVALID_INPUT, LOADS_UNKNOWN, OK, OUT_OF_RANGE, evaluate
 
-_UNBOUNDED = ('_ratio', 'condition', '_velocity', '_acceleration')      # at a limit, besides omega and alpha
+# at a limit, besides omega and alpha
+_UNBOUNDED = ('_ratio', 'condition', '_velocity', '_acceleration')
 _NO_POINT = (nan,) * len(PointMotion._fields)
 
 
@@ -16,15 +19,16 @@ class Stepper:
     """
     Evaluates inputs of one scene in order.
 
-    Out of range its policy holds: 'none' (nothing is known), 'hold' (the last good values again), or
-    'clamp' (the pose at the nearest limit; rates and loads are unbounded there, so NaN). The status says
-    OUT_OF_RANGE in any case.
+    Out of range its policy holds: 'none' (nothing is known), 'hold' (the last good values again),
+    or 'clamp' (the pose at the nearest limit; rates and loads are unbounded there, so NaN). The
+    status says OUT_OF_RANGE in any case.
 
     Parameters
     ----------
     scene : Scene
     acting : dict, optional
-        A :class:`~fourbar_ros.pipeline.wrenches.Wrench` for each link that a topic loads; not given: as before the first.
+        A :class:`~fourbar_ros.pipeline.wrenches.Wrench` for each link that a topic loads; not
+        given: as before the first.
 
     """
 
@@ -34,9 +38,11 @@ class Stepper:
         self._points = [make_point(REAL, scene.linkage, *point) for point in scene.points.values()]
         self._good = None
         self._limits = None
-        self._joints = None if scene.joint_states.are_plain else joints.Joints(scene.layout, scene.joint_states)
+        self._joints = (None if scene.joint_states.are_plain
+                        else joints.Joints(scene.layout, scene.joint_states))
         self._nothing = (nan,) * (len(scene.layout.place)
-                                  - (len(joints.FIELDS) * len(scene.layout.joints) if self._joints else 0))
+                                  - (len(joints.FIELDS) * len(scene.layout.joints) if self._joints
+                                     else 0))
         self._drive_wrench = (wrenches.drive_wrench(scene.linkage, scene.layout.place)
                               if 'drive_wrench' in scene.outputs else None)
         self.acting, self._loads_unknown = {}, False
@@ -52,7 +58,11 @@ class Stepper:
             self.linkage = self.linkage.with_external(external)
 
     def step(self, position, rate, acceleration, with_loads, with_points):
-        """Return (status, values): values are (*motion, *loads, *the motion of each point, *what the layout adds)."""
+        """
+        Return (status, values).
+
+        Values are (*motion, *loads, *the motion of each point, *what the layout adds).
+        """
         status, motion, loads = evaluate(self.linkage, position, rate, acceleration,
                                          with_loads and not self._loads_unknown)
         if self._loads_unknown and status == OK:
@@ -77,16 +87,19 @@ class Stepper:
         return values + self._joints.of(values) if self._joints else values
 
     def _of_points(self, motion, wanted):
-        return [value for point in self._points for value in (point(motion) if wanted else _NO_POINT)]
+        return [value for point in self._points
+                for value in (point(motion) if wanted else _NO_POINT)]
 
     def _at_limit(self, position):
         if self._limits is None:
-            self._limits = [_inside(self.linkage, end, toward) for low, high in self.linkage.input_ranges
+            self._limits = [_inside(self.linkage, end, toward)
+                            for low, high in self.linkage.input_ranges
                             for end, toward in ((low, high), (high, low))]
         nearest = min(self._limits, key=lambda limit: abs(self.linkage.distance(position, limit)))
         _, motion, loads = evaluate(self.linkage, nearest, nan, nan, False)
         motion = motion._replace(**{name: nan for name in motion._fields
-                                    if name.startswith(('omega', 'alpha')) or name.endswith(_UNBOUNDED)})
+                                    if name.startswith(('omega', 'alpha'))
+                                    or name.endswith(_UNBOUNDED)})
         return self._completed((*motion, *loads, *self._of_points(motion, True)))
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Forces between linkages in a chain: what acts on a link from outside, what one does to its drive.
 

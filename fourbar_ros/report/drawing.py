@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 A mechanism in a pose with its forces, and its velocity and acceleration polygons, to scale.
 
@@ -16,7 +18,8 @@ from fourbar_ros.mechanisms.parts import ORIGIN
 from fourbar_ros.report.mechanism_panel import draw_mechanism, renamed, significant
 from fourbar_ros.report.sheet import Sheet
 
-STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 11, 'svg.hashsalt': 'fourbar_ros',
+STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 11,
+         'svg.hashsalt': 'fourbar_ros',
          'svg.fonttype': 'path'}
 LEAST = 0.004          # arrows shorter than this share of the longest are left out
 PART, SUM = '#a02c2c', '#1f4e8c'      # dark enough for print in grey
@@ -43,17 +46,25 @@ def need_matplotlib(what):
 
 
 def draw_polygon(axes, arrows, title, unit, names=None):
-    """Draw a polygon to scale: sums from the pole, parts in a chain, every magnitude below it in a unit (text, size in SI)."""
+    """
+    Draw a polygon to scale.
+
+    Sums from the pole, parts in a chain, every magnitude below it in a unit (text, size in SI).
+    """
     unit, size = unit
-    arrows = [arrow._replace(start=arrow.start / size, vector=arrow.vector / size, label=renamed(arrow.label, names or {}))
+    arrows = [arrow._replace(start=arrow.start / size, vector=arrow.vector / size,
+                             label=renamed(arrow.label, names or {}))
               for arrow in arrows]
     longest = max(hypot(*arrow.vector) for arrow in arrows)
     # a part that is all of its sum is not drawn twice
     sums = [arrow for arrow in arrows if arrow.is_sum]
-    shown = [arrow for arrow in arrows if hypot(*arrow.vector) > LEAST * longest and (arrow.is_sum or not any(
-        np.allclose(arrow.vector, other.vector, 0.0, LEAST * longest) and np.allclose(arrow.start, other.start)
+    shown = [arrow for arrow in arrows if hypot(*arrow.vector) > LEAST * longest
+             and (arrow.is_sum or not any(
+        np.allclose(arrow.vector, other.vector, 0.0, LEAST * longest)
+        and np.allclose(arrow.start, other.start)
         for other in sums))]
-    sheet = Sheet(axes, [ORIGIN] + [point for arrow in shown for point in (arrow.start, arrow.start + arrow.vector)],
+    sheet = Sheet(axes, [ORIGIN] + [point for arrow in shown
+                                    for point in (arrow.start, arrow.start + arrow.vector)],
                   f'{title} [{unit}]')
     for arrow in shown:
         sheet.arrow(arrow.start, arrow.vector, *((SUM, 2.0) if arrow.is_sum else (PART, 1.4)))
@@ -64,7 +75,8 @@ def draw_polygon(axes, arrows, title, unit, names=None):
         return
     sheet.label('o', sheet.around(ORIGIN), 'k')
     for arrow in shown:
-        sheet.label(arrow.label, sheet.beside(arrow.start, arrow.vector), SUM if arrow.is_sum else PART)
+        sheet.label(arrow.label, sheet.beside(arrow.start, arrow.vector), SUM if arrow.is_sum
+                    else PART)
     sheet.scale(unit)
     sheet.write([f'${arrow.label}$ = {significant(hypot(*arrow.vector))}' for arrow in shown])
 
@@ -73,7 +85,8 @@ def make_figure(mechanism, motion, loads=None, title='', points=None, names=None
     """
     Return a matplotlib Figure of three panels: mechanism, velocity and acceleration polygon.
 
-    ``points``, ``names``: see :func:`~fourbar_ros.report.mechanism_panel.draw_mechanism`; ``units`` of lengths and polygons.
+    ``points``, ``names``: see :func:`~fourbar_ros.report.mechanism_panel.draw_mechanism`;
+    ``units`` of lengths and polygons.
     """
     need_matplotlib('draw')
     import matplotlib
@@ -81,24 +94,32 @@ def make_figure(mechanism, motion, loads=None, title='', points=None, names=None
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(12.6, 6.2 if loads else 5.6))
         axes = figure.subplots(1, 3)
-        figure.subplots_adjust(left=0.01, right=0.99, bottom=0.34 if loads else 0.24, top=0.89, wspace=0.06)
+        figure.subplots_adjust(left=0.01, right=0.99, bottom=0.34 if loads else 0.24, top=0.89,
+                               wspace=0.06)
         figure.suptitle(title, x=0.012, y=0.98, ha='left', fontsize=13, fontweight='bold')
         below = '   $F_{ij}$: force of link $i$ on link $j$' if loads else ''
-        draw_mechanism(axes[0], mechanism, motion, loads, points, names, units.length, f'mechanism{below}')
+        draw_mechanism(axes[0], mechanism, motion, loads, points, names, units.length,
+                       f'mechanism{below}')
         draw_polygon(axes[1], mechanism.velocity_polygon(motion), 'velocities', units.speed, names)
-        draw_polygon(axes[2], mechanism.acceleration_polygon(motion), 'accelerations', units.acceleration, names)
+        draw_polygon(axes[2], mechanism.acceleration_polygon(motion), 'accelerations',
+                     units.acceleration, names)
     return figure
 
 
 def save(figure, path):
-    """Write a figure as .svg, .pdf, .png, ... and return the path; the same bytes for the same figure."""
+    """
+    Write a figure as .svg, .pdf, .png, ... and return the path.
+
+    The same bytes for the same figure.
+    """
     import matplotlib
     path = Path(path)
     if not path.suffix:
         path = path.with_name(path.name + '.png')
     try:
         with matplotlib.rc_context(STYLE):
-            figure.savefig(path, dpi=200, **({'metadata': {'Date': None}} if path.suffix == '.svg' else {}))
+            figure.savefig(path, dpi=200, **({'metadata': {'Date': None}} if path.suffix == '.svg'
+                                             else {}))
     except OSError as error:
         raise CannotDraw(f'{path}: {error.strerror}') from None
     except ValueError as error:

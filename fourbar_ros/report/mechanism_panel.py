@@ -1,4 +1,10 @@
-"""The picture of a mechanism in a pose: links, bodies, points, forces at the joints, angles, torque; to scale."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The picture of a mechanism in a pose: links, bodies, points, forces at the joints, angles, torque.
+
+To scale.
+"""
 from __future__ import annotations
 
 import re
@@ -12,14 +18,20 @@ from fourbar_ros.report.sheet import Sheet
 
 LEAST_FORCE = 0.1      # forces shorter than this share of the longest have no arrow
 ARROW = 0.4            # length of the longest force over the size of the mechanism
-BODY, FORCE, POINT, ANGLE = '0.35', '#1e6b37', '#7a4b00', '0.45'      # dark enough for print in grey
+# dark enough for print in grey
+BODY, FORCE, POINT, ANGLE = '0.35', '#1e6b37', '#7a4b00', '0.45'
 SYMBOLS = {'theta': r'\theta_', 'omega': r'\omega_', 'alpha': r'\alpha_'}
 
 
 def renamed(label, names):
-    """Return a label with the letters of points as another document has them: ``names`` maps ours to its."""
+    """
+    Return a label with the letters of points as another document has them.
+
+    ``names`` maps ours to its.
+    """
     def replace(match):
-        return '_' + '{' + '/'.join(names.get(part, part) for part in match[1].strip('{}').split('/')) + '}'
+        return '_' + '{' + '/'.join(names.get(part, part)
+                                    for part in match[1].strip('{}').split('/')) + '}'
     if label in names:
         return names[label]
     return re.sub(r'_(\{[^}]*\}|\w)', replace, label) if names else label
@@ -31,9 +43,11 @@ def significant(value):
     return f'{rounded:.10g}' if 1e-3 <= abs(rounded) < 1e7 or rounded == 0.0 else f'{rounded:.4g}'
 
 
-def draw_mechanism(axes, mechanism, motion, loads=None, points=None, names=None, unit=('m', 1.0), title='mechanism'):
+def draw_mechanism(axes, mechanism, motion, loads=None, points=None, names=None, unit=('m', 1.0),
+                   title='mechanism'):
     """
-    Draw links and joints, centres of gravity, points, and with loads the force on a link at every joint and the drive.
+    Draw links and joints, centres of gravity, points, and with loads the force on a link at every
+    joint and the drive.
 
     Parameters
     ----------
@@ -53,9 +67,11 @@ def draw_mechanism(axes, mechanism, motion, loads=None, points=None, names=None,
     forces = _forces(diagram, loads, ARROW * size) if loads else {}
     centres = _centres(mechanism, motion)
     arms = _arms(mechanism, motion, points)
-    ends = [end for bar in diagram.bars for end in bar[:2]] + [places[at] + force for at, force in forces.values()]
+    ends = ([end for bar in diagram.bars for end in bar[:2]]
+            + [places[at] + force for at, force in forces.values()])
     below = [at - (0.0, 0.08 * size) for at in places.values()]
-    sheet = Sheet(axes, [*ends, *below, *centres.values(), *(arm[-1] for arm in arms.values())], title)
+    sheet = Sheet(axes, [*ends, *below, *centres.values(), *(arm[-1] for arm in arms.values())],
+                  title)
     for start, end in _extensions(mechanism, motion, points, centres, diagram.drawn_whole):
         _link(sheet, start, end, 1.0)
     for bar in diagram.bars:
@@ -89,15 +105,17 @@ def draw_mechanism(axes, mechanism, motion, loads=None, points=None, names=None,
     sheet.scale(*unit)
     if forces:
         sheet.scale('N', ARROW * size / max(getattr(loads, name) for name in diagram.forces), 0.5)
-    sheet.write(_about(loads, diagram.forces, forces) if loads else [], _motion_lines(mechanism, motion, unit))
+    sheet.write(_about(loads, diagram.forces, forces) if loads else [],
+                _motion_lines(mechanism, motion, unit))
 
 
-# --- what is drawn ---------------------------------------------------------------------------------
+# --- what is drawn -------------------------------------------------------------------------------
 
 def _forces(diagram, loads, length):
     """Return {name: (joint, arrow)} of the forces that can be seen, the longest of this length."""
     longest = max(getattr(loads, name) for name in diagram.forces)
-    return {name: (at, length / longest * np.array([getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y')]))
+    return {name: (at, length / longest * np.array([getattr(loads, f'{name}_x'),
+                                                    getattr(loads, f'{name}_y')]))
             for name, at in diagram.forces.items() if getattr(loads, name) > LEAST_FORCE * longest}
 
 
@@ -125,18 +143,20 @@ def _extensions(mechanism, motion, points, centres, drawn_whole):
     for link, alongs in reach.items():
         name = mechanism.link(link).length
         length = getattr(mechanism, name) if name else 0.0
-        ends = [point_motion(mechanism, motion, link, along).place for along in (0.0, min(alongs), max(alongs), length)]
+        ends = [point_motion(mechanism, motion, link, along).place
+                for along in (0.0, min(alongs), max(alongs), length)]
         if max(alongs) > length and link not in drawn_whole:
             yield ends[0], ends[2]
         if min(alongs) < 0.0:
             yield ends[1], ends[0]
 
 
-# --- strokes ---------------------------------------------------------------------------------------
+# --- strokes -------------------------------------------------------------------------------------
 
 def _link(sheet, start, end, width):
     sheet.axes.plot(*zip(start, end), color=BODY, lw=4.5 * width, solid_capstyle='round', zorder=2)
-    sheet.axes.plot(*zip(start, end), color='0.88', lw=4.5 * width - 1.9, solid_capstyle='round', zorder=3)
+    sheet.axes.plot(*zip(start, end), color='0.88', lw=4.5 * width - 1.9, solid_capstyle='round',
+                    zorder=3)
     sheet.occupy(start, end)
 
 
@@ -157,10 +177,13 @@ def _draw_joints(sheet, places, ground):
     for name, at in places.items():
         if name in ground:
             half = 0.12 * sheet.inch
-            sheet.axes.fill(at[0] + half * np.array([0.0, -1.0, 1.0]), at[1] + half * np.array([0.0, -1.6, -1.6]), fc='w',
+            sheet.axes.fill(at[0] + half * np.array([0.0, -1.0, 1.0]),
+                            at[1] + half * np.array([0.0, -1.6, -1.6]), fc='w',
                             ec='k', lw=1.1, zorder=1)
-            sheet.axes.plot(at[0] + half * np.array([-1.6, 1.6]), [at[1] - 1.6 * half] * 2, color='k', lw=1.4, zorder=1)
-            sheet.occupy(at - (0.1 * sheet.inch, 0.19 * sheet.inch), at + sheet.inch * np.array([0.1, -0.19]))
+            sheet.axes.plot(at[0] + half * np.array([-1.6, 1.6]), [at[1] - 1.6 * half] * 2,
+                            color='k', lw=1.4, zorder=1)
+            sheet.occupy(at - (0.1 * sheet.inch, 0.19 * sheet.inch),
+                         at + sheet.inch * np.array([0.1, -0.19]))
         sheet.axes.plot(*at, 'o', ms=5, mfc='w', mec='k', zorder=7)
 
 
@@ -170,7 +193,8 @@ def _draw_centre(sheet, at):
     radius = 0.06 * sheet.inch
     for start in (0.0, 180.0):
         sheet.axes.add_patch(Wedge(at, radius, start, start + 90.0, fc='k', ec='none', zorder=6.5))
-        sheet.axes.add_patch(Wedge(at, radius, start + 90.0, start + 180.0, fc='w', ec='none', zorder=6.5))
+        sheet.axes.add_patch(Wedge(at, radius, start + 90.0, start + 180.0, fc='w', ec='none',
+                                   zorder=6.5))
     sheet.axes.add_patch(Wedge(at, radius, 0.0, 360.0, fc='none', ec='k', lw=0.8, zorder=6.6))
     sheet.occupy(at, at)
 
@@ -209,7 +233,7 @@ def _directions(angles):
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
 
-# --- text ------------------------------------------------------------------------------------------
+# --- text ----------------------------------------------------------------------------------------
 
 def _symbol(name):
     """Return the name of a position or a rate as mathtext: theta1, beta, omega_beta, slide."""
@@ -220,31 +244,40 @@ def _symbol(name):
 
 
 def _motion_lines(mechanism, motion, unit):
-    """Return lines about the motion: position, rate and acceleration of what turns, absolute, or slides."""
+    """
+    Return lines about the motion.
+
+    Position, rate and acceleration of what turns, absolute, or slides.
+    """
     lines, (text, size) = [], unit
     for coordinate in mechanism.DRAWN:
         position, rate, acceleration = (getattr(motion, name) for name in coordinate)
         if coordinate.unit == 'rad':
             symbol, omega, alpha = map(_symbol, coordinate)
-            lines.append(rf'${symbol}$ = {degrees(remainder(position, 2.0 * pi)):.2f}°,  ${omega}$ = {significant(rate)} rad/s,  '
+            lines.append(rf'${symbol}$ = {degrees(remainder(position, 2.0 * pi)):.2f}°,  '
+                         rf'${omega}$ = {significant(rate)} rad/s,  '
                          rf'${alpha}$ = {significant(acceleration)} rad/s$^2$')
         else:
             symbol = _symbol(coordinate.position)
             name = f'{coordinate.position} ' if len(symbol) == 1 else ''
-            slide, rate, acceleration = (significant(value / size) for value in (position, rate, acceleration))
-            lines.append(rf'{name}${symbol}$ = {slide} {text},  $\dot {symbol}$ = {rate} {text}/s,  '
+            slide, rate, acceleration = (significant(value / size)
+                                         for value in (position, rate, acceleration))
+            lines.append(rf'{name}${symbol}$ = {slide} {text},  $\dot {symbol}$ = {rate} '
+                         rf'{text}/s,  '
                          rf'$\ddot {symbol}$ = {acceleration} {text}/s$^2$')
     return lines
 
 
 def _about(loads, forces, drawn):
     """Return the lines of text about loads; ``drawn``: the forces that have an arrow."""
-    lines = [f'$F_{{{name[1:]}}}$ = {significant(getattr(loads, name))} N' + ('' if name in drawn else ' (not drawn)')
+    lines = [f'$F_{{{name[1:]}}}$ = {significant(getattr(loads, name))} N'
+             + ('' if name in drawn else ' (not drawn)')
              for name in forces]
     force = getattr(loads, 'driving_force', 0.0)
     lines.append(f'drive $P$ = {significant(force)} N' if force else
                  f'drive $T_{{41}}$ = {significant(loads.driving_torque)} N m')
     if hasattr(loads, 'guide_force'):
-        lines += [f'guide force {significant(loads.guide_force)} N', f'guide couple {significant(loads.guide_couple)} N m']
+        lines += [f'guide force {significant(loads.guide_force)} N',
+                  f'guide couple {significant(loads.guide_couple)} N m']
     return lines + [f'shaking force {significant(loads.shaking_force)} N',
                     f'shaking moment {significant(loads.shaking_moment)} N m']

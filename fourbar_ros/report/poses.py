@@ -1,4 +1,10 @@
-"""One pose of a linkage as ``fourbar show`` and ``fourbar draw`` take and tell it: angles in degrees."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+One pose of a linkage as ``fourbar show`` and ``fourbar draw`` take and tell it.
+
+Angles in degrees.
+"""
 from __future__ import annotations
 
 from math import degrees, hypot, radians
@@ -18,19 +24,30 @@ from fourbar_ros.pipeline.status import (
 )
 from fourbar_ros.report.terminal import PlainTable, plain_table
 
-FORCES = {'f41': ('F41', 'ground on crank'), 'f21': ('F21', 'crank on coupler'), 'f32': ('F32', 'output on coupler'),
-          'f43': ('F43', 'ground on output'), 'shaking_force': ('shaking force', 'linkage on ground')}
-MOMENTS = {'driving_torque': ('driving torque T41', 'N m'), 'driving_force': ('driving force', 'N'),
+FORCES = {'f41': ('F41', 'ground on crank'), 'f21': ('F21', 'crank on coupler'),
+          'f32': ('F32', 'output on coupler'),
+          'f43': ('F43', 'ground on output'),
+          'shaking_force': ('shaking force', 'linkage on ground')}
+MOMENTS = {'driving_torque': ('driving torque T41', 'N m'),
+           'driving_force': ('driving force', 'N'),
            'guide_force': ('guide force', 'N'), 'guide_couple': ('guide couple', 'N m'),
            'shaking_moment': ('shaking moment about O1', 'N m')}
 
 
 class NoPose(FourBarError, ValueError):
-    """The linkage has no pose at the input asked for; the message is in the units of the question."""
+    """
+    The linkage has no pose at the input asked for.
+
+    The message is in the units of the question.
+    """
 
 
 class Pose(NamedTuple):
-    """Motion and loads (None without masses) at one input; ``status`` of :mod:`fourbar_ros.pipeline.status`."""
+    """
+    Motion and loads (None without masses) at one input.
+
+    ``status`` of :mod:`fourbar_ros.pipeline.status`.
+    """
 
     status: int
     motion: Any
@@ -44,7 +61,8 @@ def position_of(linkage: Mechanism, at: float) -> float:
 
 def evaluate_at(linkage: Mechanism, at: float, speed: float, acceleration: float) -> Pose:
     """
-    Return the :class:`Pose` at an input [degrees] or [m], its rate and acceleration [rad/s], [m/s], ...
+    Return the :class:`Pose` at an input [degrees] or [m], its rate and acceleration [rad/s],
+    [m/s], ...
 
     Raises
     ------
@@ -64,7 +82,11 @@ def evaluate_at(linkage: Mechanism, at: float, speed: float, acceleration: float
 
 
 def step_at(linkage: Mechanism, at: float, speed: float, acceleration: float) -> Pose:
-    """Return the :class:`Pose` as :func:`evaluate_at`; at a toggle, where rates are unbounded, NoPose too."""
+    """
+    Return the :class:`Pose` as :func:`evaluate_at`.
+
+    at a toggle, where rates are unbounded, NoPose too.
+    """
     pose = evaluate_at(linkage, at, speed, acceleration)
     if pose.status == TOGGLE:
         raise no_pose(linkage, at, 'is a toggle position: rates and loads are unbounded')
@@ -91,7 +113,8 @@ def ranges_in_words(linkage: Mechanism) -> str:
     """Return the range of the input as text, angles in degrees."""
     if linkage.input_coordinate.unit == 'm':
         return ' or '.join(f'{low:.9g} to {high:.9g}' for low, high in linkage.input_ranges) + ' m'
-    return ' or '.join(f'{degrees(low):.4f} to {degrees(high):.4f}' for low, high in linkage.input_ranges) + ' deg'
+    return ' or '.join(f'{degrees(low):.4f} to {degrees(high):.4f}'
+                       for low, high in linkage.input_ranges) + ' deg'
 
 
 def number(value: float) -> str:
@@ -99,20 +122,23 @@ def number(value: float) -> str:
     return f'{value + 0.0:.10g}'
 
 
-# --- tables ----------------------------------------------------------------------------------------
+# --- tables --------------------------------------------------------------------------------------
 
 def motion_table(linkage: Mechanism, pose: Pose) -> PlainTable:
     """Return the table of all joints: position, rate, acceleration."""
     driven = linkage.input_coordinate
     given = (f'at {driven.position} = {shown(driven, getattr(pose.motion, driven.position))}, '
              f'{getattr(pose.motion, driven.rate):g} {driven.unit}/s, '
-             f'{getattr(pose.motion, driven.acceleration):g} {driven.unit}/s^2: {STATUS_NAMES[pose.status]}')
+             f'{getattr(pose.motion, driven.acceleration):g} {driven.unit}/s^2: '
+             f'{STATUS_NAMES[pose.status]}')
     table = plain_table(given, ('', 'position>', 'unit', 'rate>', 'acceleration>', 'unit', 'of'))
     for coordinate, part in linkage.PARTS.items():
         value, unit = shown(coordinate, getattr(pose.motion, coordinate.position)).split()
         rates = coordinate.unit
-        table.add_row(coordinate.position, value, unit, number(getattr(pose.motion, coordinate.rate)),
-                      number(getattr(pose.motion, coordinate.acceleration)), f'{rates}/s, {rates}/s^2', part)
+        table.add_row(coordinate.position, value, unit,
+                      number(getattr(pose.motion, coordinate.rate)),
+                      number(getattr(pose.motion, coordinate.acceleration)),
+                      f'{rates}/s, {rates}/s^2', part)
     table.add_row('transmission angle', *in_degrees(pose.motion.transmission_angle).split())
     return table
 
@@ -121,13 +147,15 @@ def loads_table(pose: Pose) -> PlainTable:
     """Return the table of all forces with their components, and of torques."""
     table = plain_table('loads', ('', 'x>', 'y>', 'magnitude>', 'unit', 'of'))
     for name, (text, what) in FORCES.items():
-        table.add_row(text, *(number(getattr(pose.loads, field)) for field in (f'{name}_x', f'{name}_y', name)), 'N', what)
+        table.add_row(text, *(number(getattr(pose.loads, field))
+                              for field in (f'{name}_x', f'{name}_y', name)), 'N', what)
     for name, (text, unit) in MOMENTS.items():
         if name in pose.loads._fields:
             table.add_row(text, '', '', number(getattr(pose.loads, name)), unit)
     for name in pose.loads._fields:                  # what only one kind of mechanism has
         if name in QUANTITIES and name not in FORCES and name not in MOMENTS:
-            table.add_row(name.replace('_', ' '), '', '', number(getattr(pose.loads, name)), QUANTITIES[name].unit)
+            table.add_row(name.replace('_', ' '), '', '', number(getattr(pose.loads, name)),
+                          QUANTITIES[name].unit)
     return table
 
 
@@ -136,7 +164,8 @@ def points_table(linkage: Mechanism, motion, points: dict) -> PlainTable:
     table = plain_table('points', ('', '', 'x>', 'y>', 'magnitude>', 'unit'))
     for name, point in points.items():
         found = point_motion(linkage, motion, *point)
-        for label, what, (x, y), unit in ((name, 'place', found.place, 'm'), ('', 'velocity', found.velocity, 'm/s'),
+        for label, what, (x, y), unit in ((name, 'place', found.place, 'm'),
+                                          ('', 'velocity', found.velocity, 'm/s'),
                                           ('', 'acceleration', found.acceleration, 'm/s^2')):
             table.add_row(label, what, number(x), number(y), number(hypot(x, y)), unit)
     return table

@@ -1,4 +1,10 @@
-"""A drawing to scale on matplotlib's axes: arrows, labels that keep off what is there, scale bars."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+A drawing to scale on matplotlib's axes.
+
+Arrows, labels that keep off what is there, scale bars.
+"""
 from __future__ import annotations
 
 from math import floor, hypot, log10
@@ -15,19 +21,25 @@ def nice(value):
 
 
 class Sheet:
-    """Axes with equal scales, filled by what is on them, and what is already there: labels keep off it."""
+    """
+    Axes with equal scales, filled by what is on them, and what is already there.
+
+    Labels keep off it.
+    """
 
     def __init__(self, axes, points, title):
         points = np.asarray(points)
         low, high = points.min(axis=0), points.max(axis=0)
         box = axes.get_position()
-        width, height = box.width * axes.figure.get_figwidth(), box.height * axes.figure.get_figheight()
+        width, height = (box.width * axes.figure.get_figwidth(),
+                         box.height * axes.figure.get_figheight())
         # inches of paper around the drawing: labels, and below it the scale
         self.inch = max((high - low) / (width - 0.9, height - 1.15)) or 1.0
         middle = 0.5 * (low + high) - (0.0, 0.12 * self.inch)
         half = 0.5 * self.inch * np.array([width, height])
         self.axes, self.left, self.bottom = axes, middle[0] - half[0], middle[1] - half[1]
-        axes.set(xlim=(self.left, middle[0] + half[0]), ylim=(self.bottom, middle[1] + half[1]), aspect='equal')
+        axes.set(xlim=(self.left, middle[0] + half[0]), ylim=(self.bottom, middle[1] + half[1]),
+                 aspect='equal')
         axes.axis('off')
         axes.set_title(title, loc='left', fontsize=12, fontweight='bold')
         self.width = 2.0 * half[0]
@@ -39,18 +51,23 @@ class Sheet:
 
     def arrow(self, start, vector, color, width):
         """Draw an arrow."""
-        head = min(0.5, 0.5 * HEAD * hypot(*vector) / self.inch)       # of a short arrow, half of it
+        # of a short arrow, half of it
+        head = min(0.5, 0.5 * HEAD * hypot(*vector) / self.inch)
         self.axes.annotate('', start + vector, start, zorder=9, arrowprops={
-            'arrowstyle': f'-|>,head_width={0.44 * head:.3f},head_length={head:.3f}', 'shrinkA': 0, 'shrinkB': 0,
+            'arrowstyle': f'-|>,head_width={0.44 * head:.3f},head_length={head:.3f}', 'shrinkA': 0,
+            'shrinkB': 0,
             'lw': width, 'color': color})
 
     def label(self, text, places, color):
         """Write a label at the first of several places that is free, or else the freest."""
         letters = len(text.replace('\\', '').translate(str.maketrans('', '', '_^{}')))
-        reach = np.array([[x * 0.045 * letters * self.inch, 0.0] for x in (-1.0, -0.5, 0.0, 0.5, 1.0)])
+        reach = np.array([[x * 0.045 * letters * self.inch, 0.0]
+                          for x in (-1.0, -0.5, 0.0, 0.5, 1.0)])
         taken, enough = np.array(self.taken)[:, None, :], 0.13 * self.inch
-        best = max(places, key=lambda at: min(enough, np.hypot(*np.moveaxis(taken - (at + reach), -1, 0)).min()))
-        self.axes.text(*best, f'${text}$', ha='center', va='center', color=color, zorder=8, fontsize=12)
+        best = (max(places, key=lambda at: min(enough, np.hypot(*np.moveaxis(taken - (at + reach),
+                                                                             -1, 0)).min())))
+        self.axes.text(*best, f'${text}$', ha='center', va='center', color=color, zorder=8,
+                       fontsize=12)
         self.taken.extend(best + reach)
 
     def around(self, at, towards=(0.0, 1.0)):
@@ -71,16 +88,24 @@ class Sheet:
         """Draw a bar of a round number of units, each ``factor`` long on paper, ``place`` of the width to the right."""
         length = nice(1.3 * self.inch / factor)
         start, y = self.left + 0.1 * self.inch + place * self.width, self.bottom + 0.05 * self.inch
-        self.axes.plot([start, start + length * factor], [y, y], color='k', lw=1.2, marker='|', ms=7, clip_on=False)
-        self.axes.annotate(f'{length:g} {unit}', (start + length * factor, y), (6, 0), textcoords='offset points',
+        self.axes.plot([start, start + length * factor], [y, y], color='k', lw=1.2, marker='|',
+                       ms=7, clip_on=False)
+        self.axes.annotate(f'{length:g} {unit}', (start + length * factor, y), (6, 0),
+                           textcoords='offset points',
                            va='center', fontsize=10)
 
     def write(self, lines, wide=()):
-        """Write lines below the drawing: first those over the whole width, then the others in two columns."""
+        """
+        Write lines below the drawing.
+
+        First those over the whole width, then the others in two columns.
+        """
         half = (len(lines) + 1) // 2
         rows = [(0, row, text) for row, text in enumerate(wide)]
-        rows += [(column, len(wide) + row, text) for column, part in enumerate((lines[:half], lines[half:]))
+        rows += [(column, len(wide) + row, text)
+                 for column, part in enumerate((lines[:half], lines[half:]))
                  for row, text in enumerate(part)]
         for column, row, text in rows:
-            self.axes.annotate(text, (0.02 + 0.49 * column, 0.0), (0, -14 - 16 * row), xycoords='axes fraction',
+            self.axes.annotate(text, (0.02 + 0.49 * column, 0.0), (0, -14 - 16 * row),
+                               xycoords='axes fraction',
                                textcoords='offset points', va='center', fontsize=11)

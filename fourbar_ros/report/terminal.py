@@ -1,4 +1,10 @@
-"""Tables for terminals and pipes in which no number is ever cropped: they wrap text, or stack rows."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Tables for terminals and pipes in which no number is ever cropped.
+
+They wrap text, or stack rows.
+"""
 from __future__ import annotations
 
 from textwrap import wrap
@@ -17,7 +23,11 @@ WHOLE_WORDS = {'break_long_words': False, 'break_on_hyphens': False}
 
 
 def make_console() -> Console:
-    """Return the console all verbs print to: as wide as the terminal; in a pipe nothing is wrapped."""
+    """
+    Return the console all verbs print to: as wide as the terminal.
+
+    In a pipe nothing is wrapped.
+    """
     console = Console(highlight=False)
     return console if console.is_terminal else Console(highlight=False, width=PIPE_WIDTH)
 
@@ -26,8 +36,8 @@ class PlainTable:
     """
     A table without lines. Right-aligned columns are never wrapped; the others wrap between words.
 
-    Where even that is too wide, each row becomes a block of its own: the first cell, and below it the
-    others with their heads. Print it with a rich console.
+    Where even that is too wide, each row becomes a block of its own: the first cell, and below it
+    the others with their heads. Print it with a rich console.
 
     Parameters
     ----------
@@ -58,19 +68,23 @@ class PlainTable:
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator:
         if self.title:
-            yield from (Text(line, style='bold') for line in wrap(self.title, options.max_width, **WHOLE_WORDS))
+            yield from (Text(line, style='bold') for line in wrap(self.title, options.max_width,
+                                                                  **WHOLE_WORDS))
         self._drop_empty_columns()
         if sum(self._least_widths()) + GAP * (len(self.heads) - 1) > options.max_width:
             yield from self._stacked(options.max_width)
             return
-        wide = options.update(width=options.max_width + GAP, height=None)      # no gap after the last column
+        # no gap after the last column
+        wide = options.update(width=options.max_width + GAP, height=None)
         for line in console.render_lines(self._as_rich(), wide, pad=False):
             yield from _without_blanks_at_end(line)
             yield Segment.line()
 
     def _drop_empty_columns(self) -> None:
-        kept = [i for i, head in enumerate(self.heads) if head or any(cells[i] for cells, _ in self._rows)]
-        self.heads, self.is_right = ([part[i] for i in kept] for part in (self.heads, self.is_right))
+        kept = [i for i, head in enumerate(self.heads) if head
+                or any(cells[i] for cells, _ in self._rows)]
+        self.heads, self.is_right = ([part[i] for i in kept]
+                                     for part in (self.heads, self.is_right))
         self._rows = [([cells[i] for i in kept], ends) for cells, ends in self._rows]
 
     def _cells(self, column: int) -> Iterator[str]:
@@ -79,8 +93,13 @@ class PlainTable:
             yield self.heads[column]
 
     def _least_widths(self) -> list[int]:
-        """Return the least width of each column: of its longest cell, or longest word if it may wrap."""
-        return [max((cell_len(part) for cell in self._cells(i) for part in ([cell] if right else cell.split())),
+        """
+        Return the least width of each column.
+
+        Of its longest cell, or longest word if it may wrap.
+        """
+        return [max((cell_len(part) for cell in self._cells(i)
+                     for part in ([cell] if right else cell.split())),
                     default=0) for i, right in enumerate(self.is_right)]
 
     def _as_rich(self) -> Table:
@@ -105,7 +124,11 @@ class PlainTable:
 
 
 def _filled(items: list[str], width: int) -> Iterator[str]:
-    """Return lines of items with gaps between them; an item is broken only where a line cannot hold it."""
+    """
+    Return lines of items with gaps between them.
+
+    An item is broken only where a line cannot hold it.
+    """
     line = ''
     for item in (part for item in items for part in wrap(item, width, **WHOLE_WORDS)):
         if line and cell_len(line) + GAP + cell_len(item) > width:

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The figures of the two documents, drawn from our values, and the page of ``fourbar reproduce --html``."""
 from __future__ import annotations
 
@@ -37,34 +39,43 @@ td.part { padding-left: 1.2em; } nav ul { columns: 2; } dt { font-weight: 600; }
 figure { margin: 1em 0; } svg { max-width: 100%; height: auto; } figcaption, ol { color: #555; font-size: 0.92em; }
 @media print { section { break-inside: avoid; } nav { break-after: page; } }
 """
-STYLES = {MISPRINT: 'wrong', WRONG: 'wrong', GARBLED: 'copy', ASSUMED: 'assumed', MISSING: 'assumed', DIFFERS: 'differs'}
+STYLES = {MISPRINT: 'wrong', WRONG: 'wrong', GARBLED: 'copy', ASSUMED: 'assumed',
+          MISSING: 'assumed', DIFFERS: 'differs'}
 FEET = Units(('in', published.INCH), ('ft/s', published.FOOT), ('ft/s$^2$', published.FOOT))
 
 
 def example_7_2():
     motion = published.EXAMPLE_7_2.motion(*published.GIVEN_7_2)
-    return (make_figure(published.EXAMPLE_7_2, motion, None, 'slider-crank at 30 deg, points and units of the slides',
-                        names={'O_1': 'O_2', 'A': 'B', 'B': 'C'}, units=FEET), 'Velocity and acceleration polygons.')
+    return (make_figure(published.EXAMPLE_7_2, motion, None, 'slider-crank at 30 deg, points and '
+                                                             'units of the slides',
+                        names={'O_1': 'O_2', 'A': 'B', 'B': 'C'}, units=FEET),
+            'Velocity and acceleration polygons.')
 
 
 def example_7_3():
     motion = published.EXAMPLE_7_3.motion(*published.GIVEN_7_3)
-    return (make_figure(published.EXAMPLE_7_3, motion, None, '4R at 120 deg, points and units of the slides',
-                        points=published.POINTS_7_3, names={'O_1': 'A', 'A': 'B', 'B': 'C', 'O_4': 'D'}, units=FEET),
+    return (make_figure(published.EXAMPLE_7_3, motion, None, '4R at 120 deg, points and units of '
+                                                             'the slides',
+                        points=published.POINTS_7_3,
+                        names={'O_1': 'A', 'A': 'B', 'B': 'C', 'O_4': 'D'}, units=FEET),
             'Velocity and acceleration polygons.')
 
 
 def example_7_5():
     motion = published.EXAMPLE_7_5.motion(*published.GIVEN_7_5)
-    return (make_figure(published.EXAMPLE_7_5, motion, None, 'inverted slider-crank at 30 deg, points and units of the slides',
+    return (make_figure(published.EXAMPLE_7_5, motion, None, 'inverted slider-crank at 30 deg, '
+                                                             'points and units of the slides',
                         names={'O_1': 'E', 'O_4': 'D'}, units=FEET),
-            'Q is the point of the bar under A; the Coriolis term turns V_rel by 90° in the sense of the bar.')
+            'Q is the point of the bar under A; the Coriolis term turns V_rel by 90° in the sense '
+            'of the bar.')
 
 
 def example_7_6():
     motion = published.EXAMPLE_7_6.motion(*published.GIVEN_7_6)
-    return (make_figure(published.EXAMPLE_7_6, motion, None, '4R at 60 deg, 10 rad/s, 100 rad/s², assembly mode 2'),
-            'The slides solve this example with the input-output equations, in any unit of length.')
+    return (make_figure(published.EXAMPLE_7_6, motion, None, '4R at 60 deg, 10 rad/s, 100 rad/s², '
+                                                             'assembly mode 2'),
+            'The slides solve this example with the input-output equations, in any unit of '
+            'length.')
 
 
 def example_7_7():
@@ -72,21 +83,28 @@ def example_7_7():
     curves, marks = [], []
     for mode, style in ((CROSSED, '-'), (OPEN, '--')):
         motion = published.EXAMPLE_7_7.in_mode(mode).motion(theta1, 10.0)
-        curves += [(theta1, motion.alpha4, fr'$\alpha_4$, mode ' f'{mode} [rad/s$^2$]', style, 'C3'),
-                   (theta1, 8.0 * motion.omega4, rf'$8\,\omega_4$, mode {mode} [rad/s]', style, 'C0')]
-        for extremum in find_extrema(published.EXAMPLE_7_7.in_mode(mode), ('alpha4', 'omega4'), 10.0):
+        curves += [(theta1, motion.alpha4, fr'$\alpha_4$, mode ' f'{mode} [rad/s$^2$]', style,
+                    'C3'),
+                   (theta1, 8.0 * motion.omega4, rf'$8\,\omega_4$, mode {mode} [rad/s]', style,
+                    'C0')]
+        for extremum in find_extrema(published.EXAMPLE_7_7.in_mode(mode), ('alpha4', 'omega4'),
+                                     10.0):
             factor = 8.0 if extremum.quantity == 'omega4' else 1.0
-            marks += [(x, factor * extremum.value) for x in (extremum.theta1, extremum.theta1 - tau)]
+            marks += [(x, factor * extremum.value)
+                      for x in (extremum.theta1, extremum.theta1 - tau)]
     return (_curves([curves], [''], [marks]),
-            'Where ω4 is extreme, α4 is zero; mode 2 is the mirror image of mode 1. Circles: the extrema found.')
+            'Where ω4 is extreme, α4 is zero; mode 2 is the mirror image of mode 1. Circles: the '
+            'extrema found.')
 
 
 def paper_figure_3():
     theta1 = np.linspace(0.0, tau, 1441)
     motion = published.PAPER.motion(theta1, published.PAPER_SPEED)
-    marks = [[(e.theta1, e.value) for e in find_extrema(published.PAPER, (name,), published.PAPER_SPEED)]
+    marks = [[(e.theta1, e.value) for e in find_extrema(published.PAPER, (name,),
+                                                        published.PAPER_SPEED)]
              for name in ('omega4', 'alpha4')]
-    return (_curves([[(theta1, motion.omega4, '', '-', 'C0')], [(theta1, motion.alpha4, '', '-', 'C3')]],
+    return (_curves([[(theta1, motion.omega4, '', '-', 'C0')],
+                     [(theta1, motion.alpha4, '', '-', 'C3')]],
                     [r'$\omega_4$ [rad/s]', r'$\alpha_4$ [rad/s$^2$]'], marks),
             'The paper\'s Figure 3: assembly mode 2 at 25 rad/s. Circles: the extrema of Table 2.')
 
@@ -94,18 +112,22 @@ def paper_figure_3():
 def paper_figure_4():
     theta1, force, moment, _ = published.wrong_curves()
     loads = published.THIN.loads(theta1, published.PAPER_SPEED)
-    curves = [[(theta1, loads.shaking_force, 'm a', '-', 'k'), (theta1, force, 'm v, as printed', '--', 'C3')],
+    curves = [[(theta1, loads.shaking_force, 'm a', '-', 'k'),
+               (theta1, force, 'm v, as printed', '--', 'C3')],
               [(theta1, np.abs(loads.shaking_moment), 'm a, arm a4', '-', 'k'),
                (theta1, moment, 'm v, arm 0.01 m, as printed', '--', 'C3')]]
     marks = [[(x[np.argmax(y)], np.max(y)) for x, y, *_ in panel] for panel in curves]
-    return (_curves(curves, ['shaking force [N]', '|shaking moment| [N m]'], marks, with_logarithmic=True),
-            "The paper's Figure 4: computed correctly (solid) and as printed (dashed); above linear, below logarithmic scale. "
+    return (_curves(curves, ['shaking force [N]', '|shaking moment| [N m]'], marks,
+                    with_logarithmic=True),
+            "The paper's Figure 4: computed correctly (solid) and as printed (dashed); above "
+            'linear, below logarithmic scale. '
             'Circles: the largest values.')
 
 
 def _curves(panels, titles, marks=(), with_logarithmic=False):
     """
-    Return a Figure with one panel for each list of (x, y, label, line style, color) over theta1 [rad].
+    Return a Figure with one panel for each list of (x, y, label, line style, color) over theta1
+    [rad].
 
     ``marks``: places (x, y) to circle, of each panel; ``with_logarithmic``: all again below, so.
     """
@@ -116,12 +138,14 @@ def _curves(panels, titles, marks=(), with_logarithmic=False):
         figure = Figure(figsize=(12.6, 4.2 * len(scales)), layout='constrained')
         grid = figure.subplots(len(scales), len(panels), squeeze=False)
         for row, scale in zip(grid, scales):
-            for axes, curves, title, points in zip(row, panels, titles, marks or [()] * len(panels)):
+            for axes, curves, title, points in zip(row, panels, titles,
+                                                   marks or [()] * len(panels)):
                 for x, y, label, style, color in curves:
                     axes.plot(x, y, style, color=color, lw=1.5, label=label)
                 if points:
                     axes.plot(*zip(*points), 'o', ms=6, mfc='none', mec='k')
-                axes.set(title=title, xlabel=r'$\theta_1$ [rad]', xlim=(curves[0][0][0], curves[0][0][-1]))
+                axes.set(title=title, xlabel=r'$\theta_1$ [rad]',
+                         xlim=(curves[0][0][0], curves[0][0][-1]))
                 axes.grid(alpha=0.3)
                 if any(label for _, _, label, _, _ in curves):
                     axes.legend(loc='best')
@@ -142,18 +166,23 @@ def svg(name):
 
 
 def page(sections, when=None):
-    """Return the whole report as one self-contained HTML page; ``when``: the date that it bears, default today."""
+    """
+    Return the whole report as one self-contained HTML page.
+
+    ``when``: the date that it bears, default today.
+    """
     need_matplotlib('reproduce --html')
     body = '\n'.join(_section(section, i) for i, section in enumerate(sections))
-    contents = ''.join(f'<li><a href="#s{i}">{html.escape(section.title)}</a></li>' for i, section in enumerate(sections))
+    contents = ''.join(f'<li><a href="#s{i}">{html.escape(section.title)}</a></li>'
+                       for i, section in enumerate(sections))
     legend = ''.join(f'<dt>{name}</dt><dd>{meaning}</dd>' for name, meaning in VERDICTS.items())
     return ('<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
-            '<meta name="viewport" content="width=device-width"><title>The two source documents, recomputed'
-            f'</title>\n<style>\n{CSS}</style></head>\n<body>\n<h1>The two source documents, recomputed</h1>\n'
-            '<p>Lecture slide set 7 (Hayes, Irani, Afagh, Langlois) and the paper of Hayes, Hninn and Irani: '
-            f'printed value, ours, difference, verdict. {summary(sections)}.</p>\n'
-            f'<p>fourbar_ros {__version__}, {when or date.today().isoformat()}.</p>\n'
-            f'<h2>Verdicts</h2>\n<dl>{legend}</dl>\n<nav><h2>Contents</h2>\n<ul>{contents}</ul></nav>\n{body}\n</body></html>\n')
+            '<meta name="viewport" content="width=device-width"><title>The two source documents, '
+            f'recomputed</title>\n<style>\n{CSS}</style></head>\n<body>\n<h1>The two source '
+            'documents, recomputed</h1>\n<p>Lecture slide set 7 (Hayes, Irani, Afagh, Langlois) '
+            'and the paper of Hayes, Hninn and Irani: printed value, ours, difference, verdict. '
+            f'{summary(sections)}.</p>\n<p>fourbar_ros {__version__}, '
+            f'{when or date.today().isoformat()}.</p>\n<h2>Verdicts</h2>\n<dl>{legend}</dl>\n<nav><h2>Contents</h2>\n<ul>{contents}</ul></nav>\n{body}\n</body></html>\n')
 
 
 SYMBOL = re.compile(r'\b(theta|omega|alpha)(\d)')
@@ -161,7 +190,11 @@ GREEK = {'theta': 'θ', 'omega': 'ω', 'alpha': 'α'}
 
 
 def typeset(text):
-    """Return a text as HTML: Greek letters with indices, powers of units, V_A and A_C/B with theirs."""
+    """
+    Return a text as HTML.
+
+    Greek letters with indices, powers of units, V_A and A_C/B with theirs.
+    """
     text = SYMBOL.sub(lambda match: f'{GREEK[match[1]]}<sub>{match[2]}</sub>', html.escape(text))
     text = re.sub(r'\b([AV])_([A-Z](?:/[A-Z])?)\b', r'\1<sub>\2</sub>', text)
     return re.sub(r'\b(m|s|ft|v\d)\^(\d)', r'\1<sup>\2</sup>', text)
@@ -177,8 +210,10 @@ def _section(section, number):
         texts = (*cells(row), note)
         columns = [' class="part"' if i == 0 and text.startswith(' ') else _kind(head)
                    for i, (head, text) in enumerate(zip(COLUMNS, texts))]
-        rows.append(f'<tr{style}>' + ''.join(f'<td{kind}>{typeset(text)}</td>' for kind, text in zip(columns, texts)) + '</tr>')
-    text = (f'<section id="s{number}"><h2>{typeset(section.title)}</h2>\n<div class="wide"><table><tr>{heads}</tr>\n'
+        rows.append(f'<tr{style}>' + ''.join(f'<td{kind}>{typeset(text)}</td>'
+                                             for kind, text in zip(columns, texts)) + '</tr>')
+    text = (f'<section id="s{number}"><h2>{typeset(section.title)}</h2>\n<div '
+            f'class="wide"><table><tr>{heads}</tr>\n'
             + '\n'.join(rows) + '\n</table></div>')
     if notes:
         text += '\n<ol>' + ''.join(f'<li>{typeset(reason)}</li>' for reason in notes) + '</ol>'

@@ -1,4 +1,10 @@
-"""``fourbar reproduce``: everything the lecture slides and the paper print, computed again and judged."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+``fourbar reproduce``.
+
+Everything the lecture slides and the paper print, computed again and judged.
+"""
 from __future__ import annotations
 
 from math import isnan, nan
@@ -39,7 +45,11 @@ class Row(NamedTuple):
 
 
 class Section(NamedTuple):
-    """An example or a table of a document; ``figure``: name of a drawing of :mod:`fourbar_ros.reproduction.figures`, or ''."""
+    """
+    An example or a table of a document.
+
+    ``figure``: name of a drawing of :mod:`fourbar_ros.reproduction.figures`, or ''.
+    """
 
     title: str
     rows: list
@@ -54,7 +64,8 @@ def reproduce(path=DOCUMENTS):
 def _section(entry):
     values = getattr(published, entry.get('values', 'symbols'))() if 'values' in entry else {}
     symbols = getattr(published, entry['symbols'])() if 'symbols' in entry else {}
-    rows = [_equation(row, symbols) if 'key' not in row and symbols else _number(row, values) for row in entry['rows']]
+    rows = [_equation(row, symbols) if 'key' not in row and symbols else _number(row, values)
+            for row in entry['rows']]
     return Section(entry['title'], rows, entry.get('figure', ''))
 
 
@@ -67,7 +78,8 @@ def _number(row, values):
     if not isnan(own) and not agrees(own, printed):
         verdict = DIFFERS
     reason = '' if verdict == AGREES and 'rounded' in row else _reason(row)
-    return Row(row['what'], row.get('unit', ''), printed, ours, ours - float(printed or nan), verdict, reason)
+    return Row(row['what'], row.get('unit', ''), printed, ours, ours - float(printed or nan),
+               verdict, reason)
 
 
 def _verdict(row, ours):
@@ -83,7 +95,8 @@ def _verdict(row, ours):
     else:
         verdict = ROUNDED if difference <= row.get('rounded', 0.0) * abs(ours) else DIFFERS
     if 'copies' in row:
-        return GARBLED if verdict in (AGREES, ROUNDED) and is_reading(row['printed'], row['copies']) else DIFFERS
+        return (GARBLED if verdict in (AGREES, ROUNDED)
+                and is_reading(row['printed'], row['copies']) else DIFFERS)
     for name, wrong in (('garbled', GARBLED), ('misprint', MISPRINT), ('wrong', WRONG)):
         if name in row:
             return wrong if verdict == DIFFERS else DIFFERS
@@ -94,7 +107,8 @@ def _reason(row):
     """Return the text below the table that a row refers to."""
     if 'copies' in row:
         return f'the copy has {" and ".join(repr(text.strip()) for text in row["copies"])}'
-    return next((row[name] for name in ('missing', 'assumed', 'garbled', 'misprint', 'wrong', 'why') if name in row), '')
+    return next((row[name] for name in ('missing', 'assumed', 'garbled', 'misprint', 'wrong',
+                                        'why') if name in row), '')
 
 
 def is_reading(text, copies):
@@ -139,7 +153,7 @@ def _evaluate(expression, symbols):
     return float(eval(str(expression), {'__builtins__': {}}, symbols))
 
 
-# --- as tables -------------------------------------------------------------------------------------
+# --- as tables -----------------------------------------------------------------------------------
 
 COLUMNS = ('', 'printed>', 'ours>', 'difference>', 'unit', 'verdict', '')
 
@@ -152,7 +166,8 @@ def cells(row):
 
 def footnotes(section):
     """Return {reason: its number} of a Section, in order."""
-    return {reason: i for i, reason in enumerate(dict.fromkeys(row.reason for row in section.rows if row.reason), 1)}
+    return {reason: i for i, reason in enumerate(dict.fromkeys(row.reason for row in section.rows
+                                                               if row.reason), 1)}
 
 
 def count(sections):

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """From numbers to messages: each message is made once, filled many times, serialised once."""
 from __future__ import annotations
 
@@ -42,7 +44,8 @@ def set_constants(output, message, scene):
     if hasattr(message, 'change_point_margin'):
         message.change_point_margin = float(scene.linkage.change_point_margin)
     if hasattr(message, 'effort'):
-        message.name, message.effort = list(scene.joint_names), []     # filled in where it is known
+        # filled in where it is known
+        message.name, message.effort = list(scene.joint_names), []
 
 
 def filler(output, message, layout):
@@ -58,7 +61,8 @@ def filler(output, message, layout):
         for step in path:
             target = getattr(target, step)
         if isinstance(source, tuple):
-            arrays.append((target, attribute, [None if s is None else layout.place[s] for s in source]))
+            arrays.append((target, attribute,
+                           [None if s is None else layout.place[s] for s in source]))
         else:
             plan.append((target, attribute, layout.place[source]))
     has_status = hasattr(message, 'status')

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Definitions and type hashes of messages, from the packages that define them."""
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ def channel(topic, name):
     """Return the bag's Channel of a :class:`~fourbar_ros.scene.topics.Topic` under its resolved name."""
     is_input = topic in INPUTS.values() or topic in WRENCHES.values()
     depth = 1 if topic.latched else INPUT_DEPTH if is_input else QUEUE_DEPTH
-    return Channel(name, topic.type, definition(topic.type), type_hash(topic.type), depth, topic.latched)
+    return Channel(name, topic.type, definition(topic.type), type_hash(topic.type), depth,
+                   topic.latched)
 
 
 def type_hash(type_name):

@@ -1,4 +1,10 @@
-"""The end of a process by signals; imports little, so that they are caught before the long imports."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The end of a process by signals.
+
+Imports little, so that they are caught before the long imports.
+"""
 from __future__ import annotations
 
 import contextlib
@@ -36,7 +42,11 @@ class Stop:
 
     @staticmethod
     def ignore():
-        """Ignore signals until the end: Python restores handlers while it ends, but not what is ignored."""
+        """
+        Ignore signals until the end.
+
+        Python restores handlers while it ends, but not what is ignored.
+        """
         for number in SIGNALS:
             with _silent_race():
                 signal.signal(number, signal.SIG_IGN)
@@ -46,7 +56,8 @@ class Stop:
 def _silent_race():
     """Keep Python from printing a traceback for a signal that arrives while it changes from caught to ignored."""
     before = sys.unraisablehook
-    sys.unraisablehook = lambda found: None if isinstance(found.exc_value, OSError) else before(found)
+    sys.unraisablehook = lambda found: None if isinstance(found.exc_value,
+                                                          OSError) else before(found)
     try:
         yield
         time.sleep(0.0)                      # here Python handles what arrived in between

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Command lines: errors that name the nearest known word, numbers in their range, and the node's own arguments."""
 from __future__ import annotations
 
@@ -31,16 +33,22 @@ class Parser(argparse.ArgumentParser):
         """Say what is wrong in one line below the usage; exit code 2."""
         if match := INVALID_CHOICE.search(message):
             known = re.findall(r"[^\s,']+", match[2])
-            message = message[:match.start()] + f'{match[1]!r} is unknown{nearest(match[1], known)}'
+            message = (message[:match.start()] + f'{match[1]!r} is '
+                                                 f'unknown{nearest(match[1], known)}')
         super().error(message)
 
     def parse_known_args(self, args=None, namespace=None):
-        """Parse as the base class; of a verb, an option that it does not know is an error of that verb."""
+        """
+        Parse as the base class.
+
+        Of a verb, an option that it does not know is an error of that verb.
+        """
         namespace, rest = super().parse_known_args(args, namespace)
         if rest and ' ' in self.prog:
             known = [option for action in self._actions for option in action.option_strings]
             self.error(f'{rest[0]!r} is not understood'
-                       + (nearest(rest[0].split('=')[0], known) if rest[0].startswith('--') else ''))
+                       + (nearest(rest[0].split('=')[0], known) if rest[0].startswith('--')
+                          else ''))
         return namespace, rest
 
 
@@ -75,7 +83,8 @@ class UsageError(FourBarError):
 
 def check_node_arguments(arguments: list[str]) -> None:
     """
-    Refuse arguments that ROS would ignore, and scene files that it would read in another way than we do.
+    Refuse arguments that ROS would ignore, and scene files that it would read in another way than
+    we do.
 
     Parameters
     ----------
@@ -116,7 +125,8 @@ def _name_of(inside):
     """Return the full name of the node after remapping."""
     name, namespace = NODE[1:], ''
     for option, value in zip(inside, inside[1:]):
-        if option in ('-r', '--remap') and (match := re.fullmatch(r'(?:\w+:)?__(node|name|ns):=(.*)', value)):
+        if (option in ('-r', '--remap')
+            and (match := re.fullmatch(r'(?:\w+:)?__(node|name|ns):=(.*)', value))):
             if match[1] == 'ns':
                 namespace = '/' + match[2].strip('/') if match[2].strip('/') else ''
             else:

@@ -1,4 +1,10 @@
-"""Scene files: where they are, and what ROS reads in them. They are ROS 2 parameter files; no ROS is imported."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Scene files: where they are, and what ROS reads in them.
+
+They are ROS 2 parameter files; no ROS is imported.
+"""
 from __future__ import annotations
 
 import re
@@ -17,7 +23,8 @@ BOOLS = {word: value for value, words in ((True, 'y yes true on'), (False, 'n no
 INTEGER = re.compile(r'[-+]?(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)')       # base 0 of C's strtoll
 DOUBLE = re.compile(r'[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?')
 NAMED = {'.nan': nan, '.inf': inf, '+.inf': inf, '-.inf': -inf,
-         **{sign + word: float(sign + word) for sign in ('', '+', '-') for word in ('nan', 'inf', 'infinity')}}
+         **{sign + word: float(sign + word) for sign in ('', '+', '-')
+            for word in ('nan', 'inf', 'infinity')}}
 
 
 class SceneError(FourBarError, ValueError):
@@ -29,7 +36,11 @@ class NotForNode(SceneError):
 
 
 def folder() -> Path:
-    """Return the folder of the scenes that come with this software: in the package, or beside it in its source."""
+    """
+    Return the folder of the scenes that come with this software.
+
+    In the package, or beside it in its source.
+    """
     package = Path(__file__).resolve().parent.parent
     inside = package / 'config'
     return inside if inside.is_dir() else package.parent / 'config'
@@ -37,7 +48,8 @@ def folder() -> Path:
 
 def find(name: str | Path) -> Path:
     """
-    Return the path of a scene: a file, or the name of one that comes with this software, as ``paper``.
+    Return the path of a scene: a file, or the name of one that comes with this software, as
+    ``paper``.
 
     Raises
     ------
@@ -64,7 +76,8 @@ def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
     path : str or Path
         A file, or a name for :func:`find`.
     node : str, optional
-        Full name of the node that is to read it. Not given: one that is called fourbar, in any namespace.
+        Full name of the node that is to read it. Not given: one that is called fourbar, in any
+        namespace.
 
     Raises
     ------
@@ -85,7 +98,11 @@ def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
 
 
 def sections(path: str | Path) -> dict[str, dict]:
-    """Return {key for nodes: tree of parameters} of a ROS 2 parameter file; SceneError if it is none."""
+    """
+    Return {key for nodes: tree of parameters} of a ROS 2 parameter file.
+
+    SceneError if it is none.
+    """
     try:
         document = yaml.load(Path(path).read_text(), _Loader)
     except OSError as error:
@@ -107,11 +124,16 @@ def parse(text: str) -> Any:
 
 
 def is_for(key: str, node: str | None) -> bool:
-    """Return whether parameters under a key of a file are for a node; None: one named fourbar, anywhere."""
+    """
+    Return whether parameters under a key of a file are for a node.
+
+    None: one named fourbar, anywhere.
+    """
     parts = key.strip('/').split('/')
     if node is None:
         return parts[-1] in ('*', '**', NODE[1:])
-    pattern = ''.join('(/[^/]+)*' if part == '**' else '/[^/]+' if part == '*' else '/' + re.escape(part)
+    pattern = ''.join('(/[^/]+)*' if part == '**' else '/[^/]+' if part == '*' else '/'
+                      + re.escape(part)
                       for part in parts)
     return re.fullmatch(pattern, node) is not None
 
@@ -127,10 +149,15 @@ def _sections(tree, prefix=''):
 
 
 def flatten(tree: dict, path: str | Path = '', prefix: str = '') -> dict[str, Any]:
-    """Return a nested dict with its keys joined by dots, as ROS does; SceneError where one comes twice."""
+    """
+    Return a nested dict with its keys joined by dots, as ROS does.
+
+    SceneError where one comes twice.
+    """
     flat: dict[str, Any] = {}
     for key, value in tree.items():
-        part = flatten(value, path, f'{prefix}{key}.') if isinstance(value, dict) else {f'{prefix}{key}': value}
+        part = (flatten(value, path, f'{prefix}{key}.') if isinstance(value, dict)
+                else {f'{prefix}{key}': value})
         for name in part:
             if name in flat:
                 raise SceneError(f'{path}: {name} is given twice')
@@ -139,16 +166,22 @@ def flatten(tree: dict, path: str | Path = '', prefix: str = '') -> dict[str, An
 
 
 def scalar(text: str) -> bool | int | float | str:
-    """Return a plain scalar as rcl's parser takes it: ``4e-1`` is a number, ``1_000`` and ``1:30`` are texts."""
+    """
+    Return a plain scalar as rcl's parser takes it.
+
+    ``4e-1`` is a number, ``1_000`` and ``1:30`` are texts.
+    """
     if text in BOOLS:
         return BOOLS[text]
     if INTEGER.fullmatch(text):
         sign, digits = -1 if text[0] == '-' else 1, text.lstrip('+-')
-        value = sign * int(digits, 16 if digits[:2] in ('0x', '0X') else 8 if digits[0] == '0' else 10)
+        value = sign * int(digits, 16 if digits[:2] in ('0x', '0X') else 8 if digits[0] == '0'
+                           else 10)
         return value if -2**63 <= value < 2**63 else float(value)
     if DOUBLE.fullmatch(text):
         value = float(text)
-        overflows = isinf(value) or (value == 0.0 and any(c in '123456789' for c in re.split('[eE]', text)[0]))
+        overflows = (isinf(value) or (value == 0.0 and any(c in '123456789'
+                                                           for c in re.split('[eE]', text)[0])))
         return text if overflows else value
     return NAMED.get(text.lower(), text)
 
@@ -160,7 +193,8 @@ class _Loader(yaml.SafeLoader):
 
     def compose_node(self, parent, index):
         if self.check_event(yaml.AliasEvent):
-            raise yaml.MarkedYAMLError(problem='ROS reads no aliases', problem_mark=self.peek_event().start_mark)
+            raise yaml.MarkedYAMLError(problem='ROS reads no aliases',
+                                       problem_mark=self.peek_event().start_mark)
         return super().compose_node(parent, index)
 
 
@@ -177,9 +211,11 @@ def _mapping(loader, node):
     for key_node, value_node in node.value:
         key = key_node.value if isinstance(key_node, yaml.ScalarNode) else None
         if key is None:
-            raise yaml.MarkedYAMLError(problem='a key that is no text', problem_mark=key_node.start_mark)
+            raise yaml.MarkedYAMLError(problem='a key that is no text',
+                                       problem_mark=key_node.start_mark)
         if key in found:
-            raise yaml.MarkedYAMLError(problem=f'{key} is given twice', problem_mark=key_node.start_mark)
+            raise yaml.MarkedYAMLError(problem=f'{key} is given twice',
+                                       problem_mark=key_node.start_mark)
         found[key] = loader.construct_object(value_node, deep=True)
     return found
 

@@ -1,4 +1,10 @@
-"""What all kinds of mechanisms together have: names and texts for parameters and topics, from the kinds."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What all kinds of mechanisms together have.
+
+Names and texts for parameters and topics, from the kinds.
+"""
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -29,7 +35,8 @@ def _lengths() -> dict[str, KnownLength]:
     """Return {name: :class:`KnownLength`}; a text that is not of every kind names its kinds."""
     found = {}
     for name in dict.fromkeys(length.name for kind in KINDS.values() for length in kind.LENGTHS):
-        having = [(kind, length) for kind, its in KINDS.items() for length in its.LENGTHS if length.name == name]
+        having = [(kind, length) for kind, its in KINDS.items() for length in its.LENGTHS
+                  if length.name == name]
         texts = _grouped([(kind, length.text) for kind, length in having])
         is_in_all = len(having) == len(KINDS)
         text = next(iter(texts)) if is_in_all and len(texts) == 1 else '; '.join(
@@ -41,11 +48,14 @@ def _lengths() -> dict[str, KnownLength]:
 def _links(is_wanted: Callable[[Link], bool]) -> dict[str, str]:
     """Return {name of a link: its first joint, or joints by kind} of the links that are wanted."""
     found = {}
-    for name in dict.fromkeys(link.name for kind in KINDS.values() for link in filter(is_wanted, kind.LINKS)):
-        joints = _grouped([(kind, find_link(its.LINKS, name).first_joint) for kind, its in KINDS.items()
+    for name in dict.fromkeys(link.name for kind in KINDS.values()
+                              for link in filter(is_wanted, kind.LINKS)):
+        joints = _grouped([(kind, find_link(its.LINKS, name).first_joint)
+                           for kind, its in KINDS.items()
                            if name in [link.name for link in its.LINKS]])
         usual, *others = sorted(joints, key=lambda joint: -len(joints[joint]))
-        found[name] = usual + ''.join(f' ({joint} of a {" or ".join(joints[joint])})' for joint in others)
+        found[name] = usual + ''.join(f' ({joint} of a {" or ".join(joints[joint])})'
+                                      for joint in others)
     return found
 
 
@@ -54,5 +64,6 @@ LINKS = _links(lambda link: True)                    # {name: first joint}
 LOADED_LINKS = _links(lambda link: link.is_loadable)
 INPUTS = tuple(dict.fromkeys(name for kind in KINDS.values() for name in kind.INPUTS))
 KINDS_IN_WORDS = '; '.join(f'{kind.TEXT} ({name})' for name, kind in KINDS.items())
-JOINTS_IN_WORDS = '; '.join(f'{", ".join(joint.place for joint in kind.JOINTS)} ({name})' for name, kind in KINDS.items())
+JOINTS_IN_WORDS = '; '.join(f'{", ".join(joint.place for joint in kind.JOINTS)} ({name})'
+                            for name, kind in KINDS.items())
 MORE_INPUTS_IN_WORDS = ' or '.join(name for name, kind in KINDS.items() if len(kind.INPUTS) > 1)

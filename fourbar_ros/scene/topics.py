@@ -1,5 +1,8 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
-The single table of topics, services and actions of the node: names, types, quality of service. Imports no ROS.
+The single table of topics, services and actions of the node: names, types, quality of service.
+Imports no ROS.
 
 Names starting with ``~/`` are below the node's name; the others are relative to its namespace.
 """
@@ -14,7 +17,11 @@ INPUT_DEPTH = 100         # best effort matches every publisher; deep enough for
 
 
 class Topic(NamedTuple):
-    """A topic; ``needs_loads``: only for scenes with masses; ``latched``: late subscribers get the last message."""
+    """
+    A topic; ``needs_loads``: only for scenes with masses.
+
+    ``latched``: late subscribers get the last message.
+    """
 
     name: str
     topic: str
@@ -25,7 +32,11 @@ class Topic(NamedTuple):
 
 
 class Service(NamedTuple):
-    """A service of the node; ``worker``: name of the thread that answers, if it may take longer than a step."""
+    """
+    A service of the node.
+
+    ``worker``: name of the thread that answers, if it may take longer than a step.
+    """
 
     name: str
     service: str
@@ -42,16 +53,20 @@ INPUTS = {topic.name: topic for topic in (
 )}
 
 # External wrenches on the links whose external.LINK.from_topic is true: received, and in effect.
-WRENCHES = {link: Topic(f'external_{link}', f'~/external/{link}', 'geometry_msgs/msg/WrenchStamped',
-                        f'external force on the {link} at the point external.{link}.along, .across, and couple')
+WRENCHES = {link: Topic(f'external_{link}', f'~/external/{link}',
+                        'geometry_msgs/msg/WrenchStamped',
+                        f'external force on the {link} at the point external.{link}.along, '
+                        '.across, and couple')
             for link in LOADED_LINKS}
 APPLIED = {link: Topic(f'applied_{link}', f'~/applied/{link}', 'geometry_msgs/msg/WrenchStamped',
-                       f'external wrench in effect on the {link}; NaN: unknown; latched, sent on every change', latched=True)
+                       f'external wrench in effect on the {link}; NaN: unknown; latched, sent on '
+                       'every change', latched=True)
            for link in LOADED_LINKS}
 
 # Always present; without subscribers or a recorder they cost nothing.
 DRIVEN = Topic('driven', '~/driven', 'fourbar_msgs/msg/Motion',
-               'motion of the driven joint behind the outputs: from the clock, or the input with estimated rates')
+               'motion of the driven joint behind the outputs: from the clock, or the input with '
+               'estimated rates')
 SCENE = Topic('scene', '~/scene', 'std_msgs/msg/String',
               'all parameters as JSON; latched, sent on every change', latched=True)
 
@@ -61,25 +76,34 @@ OUTPUTS = {topic.name: topic for topic in (
     Topic('output', '~/output', 'fourbar_msgs/msg/Motion',
           'motion of the output joint; can be the input of another node'),
     Topic('joint_states', 'joint_states', 'sensor_msgs/msg/JointState',
-          'the four joints for robot_state_publisher, RViz and Foxglove; with loads also the effort of the driven joint'),
+          'the four joints for robot_state_publisher, RViz and Foxglove; with loads also the '
+          'effort of the driven joint'),
     Topic('loads', '~/loads', 'fourbar_msgs/msg/LinkageLoads',
           'joint reactions, driving torque or force, shaking force and moment', True),
     Topic('shaking_wrench', '~/shaking_wrench', 'geometry_msgs/msg/WrenchStamped',
-          'force of the linkage on the ground, and its moment about O1, the origin of the frame', True),
+          'force of the linkage on the ground, and its moment about O1, the origin of the frame',
+          True),
     Topic('drive_wrench', '~/drive_wrench', 'geometry_msgs/msg/WrenchStamped',
-          'force and torque of the linkage on its drive, at the driven joint: the negative driving force and torque', True),
+          'force and torque of the linkage on its drive, at the driven joint: the negative '
+          'driving force and torque', True),
     Topic('points', '~/points/NAME', 'fourbar_msgs/msg/PointMotion',
-          'position, velocity and acceleration of a point of the scene (one topic for each points.NAME)'),
+          'position, velocity and acceleration of a point of the scene (one topic for each '
+          'points.NAME)'),
 )}
 
 
 def topics_of(outputs, points):
-    """Return {name: Topic} of the outputs of a scene; the points have a topic each, named points/NAME."""
+    """
+    Return {name: Topic} of the outputs of a scene.
+
+    The points have a topic each, named points/NAME.
+    """
     topics = {}
     for output in outputs:
         topic = OUTPUTS[output]
         if output == 'points':
-            topics |= {f'points/{name}': topic._replace(name=f'points/{name}', topic=topic.topic.replace('NAME', name))
+            topics |= {f'points/{name}': topic._replace(name=f'points/{name}',
+                                                        topic=topic.topic.replace('NAME', name))
                        for name in points}
         else:
             topics[output] = topic
@@ -98,4 +122,5 @@ SERVICES = {service.name: service for service in (
 )}
 
 FIND_EXTREMA = Service('find_extrema', '~/find_extrema', 'fourbar_msgs/action/FindExtrema',
-                       'the same search, one quantity at a time, with feedback; can be canceled', 'search')
+                       'the same search, one quantity at a time, with feedback; can be canceled',
+                       'search')

@@ -1,4 +1,10 @@
-"""What is left of a bag: cut anywhere, followed by zeros, with a flipped bit; read and recovered."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What is left of a bag: cut anywhere, followed by zeros, with a flipped bit.
+
+Read and recovered.
+"""
 import random
 import shutil
 from collections import Counter
@@ -27,7 +33,8 @@ COUNT = 700
 def whole(tmp_path_factory):
     """Return the path of a bag of many small chunks."""
     path = tmp_path_factory.mktemp('whole')
-    writer = BagWriter(path, 'run', [MOTION, bags.channel('/text', 'std_msgs/msg/String')], {'who': 'test'})
+    writer = BagWriter(path, 'run', [MOTION, bags.channel('/text', 'std_msgs/msg/String')],
+                       {'who': 'test'})
     writer._stop.set()
     for thread in writer._threads:                        # what they do is done here
         thread.join()
@@ -49,7 +56,8 @@ def test_200_random_cuts_each_leave_an_exact_prefix_that_recover_makes_whole(who
     data, everything = file.read_bytes(), raws(whole)
     assert len(everything) == COUNT * 11 // 10
     shuffled = random.Random(5)
-    cuts = sorted([0, 1, 7, 8, 9, len(data) - 1, len(data), *(shuffled.randrange(len(data)) for _ in range(200))])
+    cuts = sorted([0, 1, 7, 8, 9, len(data) - 1, len(data),
+                   *(shuffled.randrange(len(data)) for _ in range(200))])
     lengths = []
     for cut in cuts:
         cut_file = tmp_path / 'cut_0.mcap'
@@ -64,7 +72,8 @@ def test_200_random_cuts_each_leave_an_exact_prefix_that_recover_makes_whole(who
         try:
             recovered = recover(cut_file, tmp_path / 'out')
         except BagError as error:
-            assert 'nothing to recover' in str(error) and not found and not (tmp_path / 'out').exists()
+            assert ('nothing to recover' in str(error) and not found
+                    and not (tmp_path / 'out').exists())
             continue
         assert raws(recovered.path) == found and recovered.messages == len(found)
         assert recovered.was_whole == (cut == len(data)) and 0 <= recovered.lost < cut + 1
@@ -99,19 +108,22 @@ def test_zeros_behind_the_data_as_a_power_cut_leaves_them_are_a_cut(whole, tmp_p
 
 @pytest.mark.parametrize('seed', [6, 7, 8])
 def test_flipped_bits_are_seen_and_cost_at_most_what_they_hit(whole, tmp_path, seed):
-    data, everything, shuffled = (whole / 'run_0.mcap').read_bytes(), raws(whole), random.Random(seed)
+    data, everything, shuffled = ((whole / 'run_0.mcap').read_bytes(), raws(whole),
+                                  random.Random(seed))
     for _ in range(20):
         place, bit = shuffled.randrange(len(data)), shuffled.randrange(8)
-        seen, kept = flipped(tmp_path / 'spoiled.mcap', data, place, bit, everything, recovering=True)
+        seen, kept = flipped(tmp_path / 'spoiled.mcap', data, place, bit, everything,
+                             recovering=True)
         assert seen and len(kept) >= len(everything) - 11, (seed, place, bit)
 
 
-# --- every byte of a small bag -----------------------------------------------------------------------
+# --- every byte of a small bag -------------------------------------------------------------------
 
-FLIPPED = ['finished', 'cut', *(f'{state}, {kind.name}' for state in ('finished', 'cut') for kind in CompressionType)]
-# What no checksum covers in a file that was cut, and nobody reads or loses: the index of a chunk, made anew by
-# recover; the name of the library; the name of the checksum of a metadata record; bits of compressed data
-# that do not matter, as they unpack to the same content.
+FLIPPED = ['finished', 'cut', *(f'{state}, {kind.name}' for state in ('finished', 'cut')
+                                for kind in CompressionType)]
+# What no checksum covers in a file that was cut, and nobody reads or loses: the index of a chunk,
+# made anew by recover; the name of the library; the name of the checksum of a metadata record;
+# bits of compressed data that do not matter, as they unpack to the same content.
 HARMLESS_IN_CUT = {'MESSAGE_INDEX body', 'HEADER body', "METADATA body, 'crc32'", 'CHUNK content'}
 
 
@@ -120,7 +132,11 @@ def text(number):
 
 
 def small_bag(path):
-    """Write a bag as the recorder does, without its long texts; returns its bytes and where its messages end."""
+    """
+    Write a bag as the recorder does, without its long texts.
+
+    Returns its bytes and where its messages end.
+    """
     with open(path, 'x+b', buffering=0) as file:
         container = Container(file, 'ros2', 'test')
         schema = container.add_schema('std_msgs/msg/String', 'string data')
@@ -142,7 +158,8 @@ def foreign_bag(path, compression):
         writer = Writer(file, chunk_size=250, compression=compression, enable_data_crcs=True)
         writer.start('ros2', 'test')
         schema = writer.register_schema('std_msgs/msg/String', 'ros2msg', b'string data')
-        channels = [writer.register_channel(topic, 'cdr', schema, {'a': 'b'}) for topic in ('/a', '/b')]
+        channels = [writer.register_channel(topic, 'cdr', schema, {'a': 'b'})
+                    for topic in ('/a', '/b')]
         for k in range(12):
             writer.add_message(channels[k % 2], 10**18 + k, text(k), 10**18 + k, k // 2)
         writer.finish()
@@ -159,10 +176,11 @@ def kind_of(data, place):
         if place < end:
             if within < 0:
                 return f'{name} {"opcode" if place == at else "length"}'
-            if opcode == Opcode.METADATA and data.find(b'crc32', at) <= place < data.find(b'crc32', at) + 5:
+            if (opcode == Opcode.METADATA and data.find(b'crc32', at) <= place
+                < data.find(b'crc32', at) + 5):
                 return f"{name} body, 'crc32'"
             head = 40 + int.from_bytes(data[at + 37:at + 41], 'little')
-            return f'{name} {"body" if opcode != Opcode.CHUNK else "head" if within < head else "content"}'
+            return (f'{name} {"body" if opcode != Opcode.CHUNK else "head" if within < head else "content"}')
         at = end
     return 'magic'
 
@@ -173,7 +191,11 @@ def is_part(few, all_of_them):
 
 
 def flipped(file, data, place, bit, everything, recovering):
-    """Flip a bit; return whether it was seen, and what recover keeps; asserts that nothing is altered or added."""
+    """
+    Flip a bit; return whether it was seen, and what recover keeps.
+
+    Asserts that nothing is altered or added.
+    """
     spoiled = bytearray(data)
     spoiled[place] ^= 1 << bit
     file.write_bytes(spoiled)
@@ -193,13 +215,19 @@ def flipped(file, data, place, bit, everything, recovering):
     recovered = recover(file, file.parent / 'out')
     kept, again = raws(recovered.path), info(recovered.path, check=True)
     shutil.rmtree(recovered.path)
-    assert again.state == 'finished' and not again.damage and is_part(kept, everything), (place, bit)
-    assert len(kept) == recovered.messages and bool(recovered.damaged) == bool(found.damage), (place, bit)
+    assert (again.state == 'finished' and not again.damage
+            and is_part(kept, everything)), (place, bit)
+    assert (len(kept) == recovered.messages and bool(recovered.damaged)
+            == bool(found.damage)), (place, bit)
     return bool(found.damage), kept
 
 
 def flip_all(tmp_path, case, bits, recovering):
-    """Flip bits(place) of every byte, recover where recovering(place); returns what was not seen."""
+    """
+    Flip bits(place) of every byte, recover where recovering(place).
+
+    Returns what was not seen.
+    """
     state, _, kind = case.partition(', ')
     file = tmp_path / 'small.mcap'
     data, end = foreign_bag(file, CompressionType[kind]) if kind else small_bag(file)
@@ -212,8 +240,10 @@ def flip_all(tmp_path, case, bits, recovering):
     for place in range(len(data)):
         for bit in bits(place):
             seen, kept = flipped(file, data, place, bit, everything, recovering(place))
-            # The first chunk of the library's own writer holds the only names of the topics, in a file that was cut.
-            assert len(everything) - len(kept) <= (12 if kind and state == 'cut' else largest), (place, bit)
+            # The first chunk of the library's own writer holds the only names of the topics, in a
+            # file that was cut.
+            assert (len(everything) - len(kept) <= (12 if kind and state == 'cut'
+                                                    else largest)), (place, bit)
             if not seen:
                 unseen[kind_of(data, place)] += 1
     return unseen
@@ -222,7 +252,8 @@ def flip_all(tmp_path, case, bits, recovering):
 @pytest.mark.parametrize('case', FLIPPED)
 def test_a_flipped_bit_in_any_byte_is_seen_or_without_effect(tmp_path, case):
     shuffled, stride = random.Random(case), 1 if case in ('finished', 'cut') else 2
-    unseen = flip_all(tmp_path, case, lambda place: [shuffled.randrange(8)] if place % stride == 0 else [],
+    unseen = flip_all(tmp_path, case, lambda place: [shuffled.randrange(8)] if place % stride == 0
+                      else [],
                       lambda place: place % (8 * stride) == 0)
     assert unseen.keys() <= (HARMLESS_IN_CUT if 'cut' in case else set()), unseen
 
@@ -250,7 +281,8 @@ def test_larger_damage_costs_what_it_hits(whole, tmp_path):
         again, missing = info(recovered.path), len(everything) - len(kept)
         assert again.missing == sum(recovered.missing.values()) == missing or place + size > end
         assert again.is_sound == (not again.missing)
-        cost = 22 + 11 * size / 300 if place < end else 0       # chunks of 11 messages have more than 300 bytes
+        # chunks of 11 messages have more than 300 bytes
+        cost = 22 + 11 * size / 300 if place < end else 0
         assert len(kept) >= len(everything) - cost, (i, size, place, len(everything) - len(kept))
         shutil.rmtree(recovered.path)
 
@@ -270,8 +302,10 @@ def test_files_that_are_no_bags_are_named_in_one_line(tmp_path, content):
 
 def test_bags_of_other_writers_are_read_and_recovered(tmp_path):
     from mcap.writer import IndexType
-    for i, options in enumerate(({'use_chunking': False}, {'compression': CompressionType.LZ4}, {'enable_crcs': False},
-                                 {'compression': CompressionType.NONE, 'index_types': IndexType.NONE})):
+    for i, options in enumerate(({'use_chunking': False}, {'compression': CompressionType.LZ4},
+                                 {'enable_crcs': False},
+                                 {'compression': CompressionType.NONE,
+                                  'index_types': IndexType.NONE})):
         file = tmp_path / f'other{i}_0.mcap'
         with open(file, 'wb') as stream:
             writer = Writer(stream, chunk_size=2000, **options)
@@ -286,12 +320,14 @@ def test_bags_of_other_writers_are_read_and_recovered(tmp_path):
         file.write_bytes(data[:len(data) // 3])
         found = numbers(file)
         recovered = recover(file)
-        assert found == numbers(recovered.path) == list(range(len(found))) and 10 < len(found) < 300
+        assert (found == numbers(recovered.path) == list(range(len(found))) and 10 < len(found)
+                < 300)
         assert_every_reader_takes(recovered.path, len(found))
 
 
 def test_a_channel_of_unknown_schema_says_so(tmp_path):
-    writer = BagWriter(tmp_path, 'run', [rosbag2.Channel('/odd', 'odd/msg/Odd', 'other/Missing field\n', '', 10)], {})
+    writer = BagWriter(tmp_path, 'run', [rosbag2.Channel('/odd', 'odd/msg/Odd',
+                                                         'other/Missing field\n', '', 10)], {})
     writer.write(0, motion(0))
     path = writer.close()
     assert len(raws(path)) == 1
@@ -299,7 +335,7 @@ def test_a_channel_of_unknown_schema_says_so(tmp_path):
         list(Bag(path).records())
 
 
-# --- gaps and order --------------------------------------------------------------------------------
+# --- gaps and order ------------------------------------------------------------------------------
 
 CRC = 33            # [bytes] place of the checksum in a chunk
 
@@ -329,14 +365,16 @@ def test_a_lost_chunk_at_either_end_or_between_is_in_the_recovered_bag_and_in_it
     (tmp_path / 'hit_0.mcap').write_bytes(data)
     recovered = recover(tmp_path / 'hit_0.mcap')
     lost = Counter(raw[0] for raw in everything) - Counter(raw[0] for raw in raws(recovered.path))
-    if (which, state) == (-1, 'cut'):           # how many came after the last whole one nobody knows
+    # how many came after the last whole one nobody knows
+    if (which, state) == (-1, 'cut'):
         assert sum(lost.values()) and not recovered.missing and recovered.damaged
         assert 'wrong checksum' in info(recovered.path).lost
         return
     assert sum(lost.values()) >= 1 and recovered.missing == lost
     for check in (False, True):
         found = info(recovered.path, check)
-        assert {t.topic: t.missing for t in found.topics if t.missing} == lost and not found.is_sound
+        assert ({t.topic: t.missing for t in found.topics if t.missing} == lost
+                and not found.is_sound)
         assert found.ended.startswith('stopped' if state == 'finished' else 'without an end')
         assert not found.damage and 'wrong checksum' in found.lost
 
@@ -364,24 +402,28 @@ def test_chunks_that_stand_twice_or_are_swapped_are_named(whole, tmp_path, state
         raws(file)
     assert f'at byte {b}: a copy of the chunk at byte {a}' in info(file, check=True).damage
     recovered = recover(file)
-    assert raws(recovered.path) == everything and not recovered.missing and info(recovered.path, check=True).is_sound
+    assert (raws(recovered.path) == everything and not recovered.missing
+            and info(recovered.path, check=True).is_sound)
     file = tmp_path / 'swapped_0.mcap'
     file.write_bytes(data[:a] + data[c:d] + data[b:c] + data[a:b] + data[d:end])
     found = info(file, check=True)
-    assert 'out of order' in found.damage and 'no chunk has' not in found.damage and not found.missing
+    assert ('out of order' in found.damage and 'no chunk has' not in found.damage
+            and not found.missing)
     recovered = recover(file)
-    assert sorted(raws(recovered.path)) == sorted(everything) and 'out of order' in recovered.damaged[0]
+    assert (sorted(raws(recovered.path)) == sorted(everything)
+            and 'out of order' in recovered.damaged[0])
 
 
-# --- definitions -----------------------------------------------------------------------------------
+# --- definitions ---------------------------------------------------------------------------------
 
 def loose_bag(path, count=6):
     """Write a bag whose definitions stand outside of its chunks and, as of a recorder, in its first two."""
     data, _ = small_bag(path)
     first = chunk_places(data)[0][0]
-    loose = b''.join(encoded(record) for record in (Schema(1, b'string data', 'ros2msg', 'std_msgs/msg/String'),
-                                                   Channel(1, '/a', 'cdr', {'a': 'b'}, 1),
-                                                   Channel(2, '/b', 'cdr', {'a': 'b'}, 1)))
+    loose = b''.join(encoded(record)
+                     for record in (Schema(1, b'string data', 'ros2msg', 'std_msgs/msg/String'),
+                                   Channel(1, '/a', 'cdr', {'a': 'b'}, 1),
+                                   Channel(2, '/b', 'cdr', {'a': 'b'}, 1)))
     return data[:first], loose, data[first:chunk_places(data)[-1][1]]
 
 

@@ -1,4 +1,10 @@
-"""Bag tools on a full disk, ended by a signal, on files that cannot be read: one line, and nothing half-made."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Bag tools on a full disk, ended by a signal, on files that cannot be read.
+
+One line, and nothing half-made.
+"""
 import os
 import resource
 import shutil
@@ -19,7 +25,8 @@ from fourbar_ros.cli.main import main
 
 PATIENCE = 60.0
 COUNT = 6000
-# A verb that stops in the middle of its work and waits there: the first block is read, the second never comes.
+# A verb that stops in the middle of its work and waits there: the first block is read, the second
+# never comes.
 WAITING = '''
 import sys, time
 from fourbar_ros.bag import mcap_scan as scan, reader
@@ -44,12 +51,15 @@ sys.exit(main({arguments!r}))
 def bag(tmp_path_factory):
     """Return the path of a bag that no format makes smaller than 100 kB."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(container, 'CHUNK_SIZE', 20_000)          # many chunks, however fast it is written
+        # many chunks, however fast it is written
+        patch.setattr(container, 'CHUNK_SIZE', 20_000)
         writer = BagWriter(tmp_path_factory.mktemp('faults'), 'run', [MOTION], {})
         noise = os.urandom(8 * COUNT)
         for k in range(COUNT):
-            writer.write(0, bags.encode(MOTION.type, header=bags.stamp(k), position=float(k), acceleration=0.0,
-                                        velocity=float(int.from_bytes(noise[8 * k:8 * k + 7], 'big'))))
+            writer.write(0, bags.encode(MOTION.type, header=bags.stamp(k), position=float(k),
+                                        acceleration=0.0,
+                                        velocity=float(int.from_bytes(noise[8 * k:8 * k + 7],
+                                                                      'big'))))
         return writer.close()
 
 
@@ -65,23 +75,30 @@ def arguments_of(verb, bag, out):
 def test_a_disk_that_is_full_is_one_line_and_leaves_nothing(bag, tmp_path, verb, limit):
     if verb == 'parquet':
         pytest.importorskip('pyarrow')
-    code = f'import sys; from fourbar_ros.cli.main import main; sys.exit(main({arguments_of(verb, bag, tmp_path / "deep/out")!r}))'
-    done = subprocess.run([sys.executable, '-B', '-c', code], capture_output=True, text=True, timeout=PATIENCE, check=False,
-                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
-    assert done.returncode == 1 and done.stderr.startswith('fourbar: ') and done.stderr.count('\n') == 1, done.stderr
+    code = ('import sys; from fourbar_ros.cli.main import main; '
+            f'sys.exit(main({arguments_of(verb, bag, tmp_path / "deep/out")!r}))')
+    done = subprocess.run([sys.executable, '-B', '-c', code], capture_output=True, text=True,
+                          timeout=PATIENCE, check=False,
+                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE,
+                                                                (limit, limit)))
+    assert (done.returncode == 1 and done.stderr.startswith('fourbar: ')
+            and done.stderr.count('\n') == 1), done.stderr
     assert 'File too large' in done.stderr and str(tmp_path) in done.stderr and not done.stdout
     assert list(tmp_path.rglob('*')) == [tmp_path / 'deep']
 
 
-@pytest.mark.parametrize(('number', 'code'), [(signal.SIGTERM, 143), (signal.SIGHUP, 129), (signal.SIGINT, 130)])
+@pytest.mark.parametrize(('number', 'code'), [(signal.SIGTERM, 143), (signal.SIGHUP, 129),
+                                              (signal.SIGINT, 130)])
 @pytest.mark.parametrize('verb', ['recover', 'csv', 'npz'])
 def test_a_signal_ends_a_verb_and_leaves_nothing(bag, tmp_path, verb, number, code):
     program = WAITING.format(after=3 if verb == 'recover' else 1, patience=PATIENCE, verb=verb,
                              arguments=arguments_of(verb, bag, tmp_path / 'out'))
-    process = subprocess.Popen([sys.executable, '-c', program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen([sys.executable, '-c', program], stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE, text=True)
     try:
         assert process.stdout.readline() == 'waiting\n', process.stderr.read()
-        assert any(path.name.startswith('.out.') for path in tmp_path.iterdir()) and not (tmp_path / 'out').exists()
+        assert (any(path.name.startswith('.out.') for path in tmp_path.iterdir())
+                and not (tmp_path / 'out').exists())
         process.send_signal(number)
         _, error = process.communicate(timeout=PATIENCE)
     finally:
@@ -91,10 +108,12 @@ def test_a_signal_ends_a_verb_and_leaves_nothing(bag, tmp_path, verb, number, co
 
 def test_a_folder_in_place_of_the_file_and_one_without_rights_are_one_line(tmp_path, capsys):
     (tmp_path / 'run/run_0.mcap').mkdir(parents=True)
-    for verb in (['info'], ['info', '--check'], ['recover'], ['recompute'], ['scene'], ['export', '-o', str(tmp_path / 'out')]):
+    for verb in (['info'], ['info', '--check'], ['recover'], ['recompute'], ['scene'],
+                 ['export', '-o', str(tmp_path / 'out')]):
         assert main(['bag', verb[0], str(tmp_path / 'run'), *verb[1:]]) == 1
         error = capsys.readouterr().err
-        assert error.startswith('fourbar: ') and error.count('\n') == 1 and 'run_0.mcap' in error, verb
+        assert (error.startswith('fourbar: ') and error.count('\n') == 1
+                and 'run_0.mcap' in error), verb
     assert [path.name for path in tmp_path.iterdir()] == ['run']
 
 
@@ -106,9 +125,12 @@ def test_what_exists_is_not_touched_and_an_unknown_topic_leaves_nothing(bag, tmp
             assert main(arguments_of(verb, bag, tmp_path / name)) == 1
             assert 'exists already' in capsys.readouterr().err
     for verb in ('csv', 'npz'):
-        assert main([*arguments_of(verb, bag, tmp_path / 'out'), '--topics', MOTION.topic, '/typo']) == 1
-        assert capsys.readouterr().err == f'fourbar: /typo: not in the bag; it has {MOTION.topic}\n'
-    assert {path.name for path in tmp_path.iterdir()} == {'link', 'there'} and (tmp_path / 'there').read_text() == 'mine'
+        assert main([*arguments_of(verb, bag, tmp_path / 'out'), '--topics', MOTION.topic,
+                     '/typo']) == 1
+        assert (capsys.readouterr().err == 'fourbar: /typo: not in the bag; it has '
+                                           f'{MOTION.topic}\n')
+    assert ({path.name for path in tmp_path.iterdir()} == {'link', 'there'}
+            and (tmp_path / 'there').read_text() == 'mine')
 
 
 def test_a_file_that_is_removed_while_it_is_recorded_is_noticed(tmp_path, monkeypatch):
@@ -153,7 +175,9 @@ except BagError:
     print(writer.accepted, writer.dropped)
 '''
     for limit in (9_000, 10_000, 20_000):
-        done = subprocess.run([sys.executable, '-c', code.replace('(SIZE, SIZE)', str((limit, limit)))], capture_output=True, text=True,
+        done = subprocess.run([sys.executable, '-c',
+                               code.replace('(SIZE, SIZE)', str((limit, limit)))],
+                              capture_output=True, text=True,
                               timeout=PATIENCE, check=False)
         assert not done.stderr
         accepted, dropped = map(int, done.stdout.split())
@@ -161,5 +185,6 @@ except BagError:
         assert sum(topic.messages for topic in found.topics) == accepted and dropped > 0
         assert found.ended == 'File too large' and not found.is_sound, (limit, found)
         if found.state == 'finished':
-            assert found.dropped == found.missing == dropped and info(tmp_path / 'run').missing == dropped
+            assert (found.dropped == found.missing == dropped and info(tmp_path / 'run').missing
+                    == dropped)
         shutil.rmtree(tmp_path / 'run')

@@ -1,4 +1,10 @@
-"""What recompute must find: every field, text, stamp, missing and doubled message; in bags of rosbag2 as well."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What recompute must find: every field, text, stamp, missing and doubled message.
+
+In bags of rosbag2 as well.
+"""
 import json
 import math
 
@@ -48,9 +54,10 @@ def problems(path):
     return ' '.join(compare(path).problems())
 
 
-# --- fields ---------------------------------------------------------------------------------------
+# --- fields --------------------------------------------------------------------------------------
 
-OUTPUT_TOPICS = ['/fourbar/state', '/fourbar/output', '/joint_states', '/fourbar/loads', '/fourbar/shaking_wrench',
+OUTPUT_TOPICS = ['/fourbar/state', '/fourbar/output', '/joint_states', '/fourbar/loads',
+                 '/fourbar/shaking_wrench',
                  '/fourbar/points/tip']
 
 
@@ -74,11 +81,13 @@ def test_the_last_bit_of_every_number_of_every_output_counts(bag, tmp_path, topi
 
     for begin in range(0, len(places), STEPS):
         some = places[begin:begin + STEPS]
-        path = bags.copy(bag, tmp_path, f'n{begin}', lambda raw, some=some: changed(raw.data, *some[raw.sequence])
+        path = bags.copy(bag, tmp_path, f'n{begin}',
+                         lambda raw, some=some: changed(raw.data, *some[raw.sequence])
                          if raw.topic == topic and raw.sequence < len(some) else raw.data)
         found = compare(path)
         assert {d.field for d in found.differences if d.largest} == {name for name, *_ in some}
-        assert {d.topic for d in found.differences if d.largest} == {topic} and len(found.problems()) == 1
+        assert ({d.topic for d in found.differences if d.largest} == {topic}
+                and len(found.problems()) == 1)
     path = bags.copy(bag, tmp_path, 'stamps', lambda raw: changed(raw.data, *stamps[raw.sequence])
                      if raw.topic == topic and raw.sequence < 2 else raw.data)
     assert compare(path).problems() == ['2 outputs without their motion', '2 outputs missing']
@@ -89,28 +98,32 @@ def test_frame_and_names_of_joints_are_compared(bag, tmp_path):
     for number, (topic, old, new) in enumerate((('/fourbar/state', b'fourbar\0', b'foubarr\0'),
                                                 ('/fourbar/driven', b'fourbar\0', b'foubarr\0'),
                                                 ('/joint_states', b'coupler\0', b'couplor\0'))):
-        path = bags.copy(bag, tmp_path, f't{number}', lambda raw, topic=topic, old=old, new=new: raw.data.replace(
+        path = bags.copy(bag, tmp_path, f't{number}',
+                         lambda raw, topic=topic, old=old, new=new: raw.data.replace(
             old, new, 1) if raw.topic == topic and raw.sequence == 7 else raw.data)
         differing = [d for d in compare(path).differences if d.largest]
         assert [(d.topic, d.field, d.largest) for d in differing] == [
             (topic, 'name' if topic == '/joint_states' else 'header.frame_id', math.inf)]
 
 
-# --- messages -------------------------------------------------------------------------------------
+# --- messages ------------------------------------------------------------------------------------
 
 @pytest.mark.parametrize('topic', OUTPUT_TOPICS)
 @pytest.mark.parametrize('which', [0, 17, STEPS - 1])
 def test_a_removed_or_doubled_message_is_found(bag, tmp_path, topic, which):
     raws = content(bag)
     at = [i for i, raw in enumerate(raws) if raw[0] == topic][which]
-    assert problems(rewritten(bag, tmp_path, raws[:at] + raws[at + 1:], 'less')) == '1 outputs missing'
-    assert problems(rewritten(bag, tmp_path, raws[:at + 1] + raws[at:], 'more')) == '1 outputs more than once'
+    assert problems(rewritten(bag, tmp_path, raws[:at] + raws[at + 1:],
+                              'less')) == '1 outputs missing'
+    assert problems(rewritten(bag, tmp_path, raws[:at + 1] + raws[at:],
+                              'more')) == '1 outputs more than once'
 
 
 def test_a_removed_motion_leaves_its_outputs_alone(bag, tmp_path):
     raws = content(bag)
     at = [i for i, raw in enumerate(raws) if raw[0] == '/fourbar/driven'][9]
-    assert problems(rewritten(bag, tmp_path, raws[:at] + raws[at + 1:])) == f'{len(OUTPUTS)} outputs without their motion'
+    assert problems(rewritten(bag, tmp_path, raws[:at]
+                              + raws[at + 1:])) == f'{len(OUTPUTS)} outputs without their motion'
 
 
 def test_with_nothing_to_compare_it_does_not_say_that_all_is_well(bag, tmp_path, capsys):
@@ -130,7 +143,8 @@ def test_outputs_that_say_that_the_input_stopped_are_no_fault(tmp_path):
     for turn in TURNS:
         stepper.step(*turn, True, True)
     topics = json.loads(Bag(path).about()['topics'])
-    late = [(topics[name], bags.output_message(name, 10**9, 5, stepper.silence(), scene), raws[-1][2] + 10**9)
+    late = [(topics[name], bags.output_message(name, 10**9, 5, stepper.silence(), scene),
+             raws[-1][2] + 10**9)
             for name in scene.topics]
     found = compare(rewritten(path, tmp_path, raws + late))
     assert found.silent == len(late) == len(OUTPUTS) and not found.problems()
@@ -141,12 +155,13 @@ def test_the_last_step_of_a_cut_bag_need_not_be_whole(bag, tmp_path):
     cut = rewritten(bag, tmp_path, content(bag)[:-3])
     assert problems(cut) == '3 outputs missing' and not compare(path).problems()
     data = (cut / 'new_0.mcap').read_bytes()
-    (tmp_path / 'cut_0.mcap').write_bytes(data[:data.rindex(b'\x0f' + (4).to_bytes(8, 'little'))])   # without its end
+    # without its end
+    (tmp_path / 'cut_0.mcap').write_bytes(data[:data.rindex(b'\x0f' + (4).to_bytes(8, 'little'))])
     found = compare(tmp_path / 'cut_0.mcap')
     assert found.cut and not found.problems()
 
 
-# --- the driven joint -----------------------------------------------------------------------------
+# --- the driven joint ----------------------------------------------------------------------------
 
 def with_input(directory, name, given, scene, change=lambda k, motion: motion, stamps=None):
     """Record inputs (position, velocity, acceleration) and what follows from them, the motion as it came."""
@@ -160,10 +175,12 @@ def with_input(directory, name, given, scene, change=lambda k, motion: motion, s
     for k, motion in enumerate(given):
         when = (k + 1) * 10**6
         told = when if stamps is None else stamps
-        writer.write(2, bags.encode('fourbar_msgs/msg/Motion', header=bags.stamp(told, ''), position=motion[0],
+        writer.write(2, bags.encode('fourbar_msgs/msg/Motion', header=bags.stamp(told, ''),
+                                    position=motion[0],
                                     velocity=motion[1], acceleration=motion[2]))
         motion = change(k, motion)
-        writer.write(0, bags.output_message('driven', when, 0, scene.linkage.unknown(*motion), scene))
+        writer.write(0, bags.output_message('driven', when, 0, scene.linkage.unknown(*motion),
+                                            scene))
         status, values = stepper.step(*motion, scene.needs_loads, True)
         for output in scene.topics:
             writer.write(number[output], bags.output_message(output, when, status, values, scene))
@@ -179,7 +196,8 @@ def test_the_motion_of_the_driven_joint_is_compared_with_its_input(tmp_path):
     assert not compare(with_input(tmp_path, 'unstamped', TURNS, scene, stamps=0)).problems()
     for field in range(3):
         def change(k, motion, field=field):
-            return (*motion[:field], np.nextafter(motion[field], 9.0), *motion[field + 1:]) if k == 5 else motion
+            return ((*motion[:field], np.nextafter(motion[field], 9.0), *motion[field + 1:])
+                    if k == 5 else motion)
         found = compare(with_input(tmp_path, f'bad{field}', TURNS, scene, change))
         assert [(d.topic, d.field) for d in found.differences if d.largest] == [
             ('/fourbar/driven', ('position', 'velocity', 'acceleration')[field])]
@@ -191,15 +209,22 @@ def test_it_is_said_when_the_motion_cannot_be_computed_again(bag):
     assert 'not computed again: driven by the motion, no input in the bag' == compare(bag).driven
 
 
-# --- bags of rosbag2 ------------------------------------------------------------------------------
+# --- bags of rosbag2 -----------------------------------------------------------------------------
 
-def as_recorded_by_rosbag2(bag, directory, name='rosbag2', jitter=0, late_scene=0, seed=1, keep=lambda topic: True):
-    """Write a bag again as ``ros2 bag record -a`` does: no word of the scene, messages as they came in."""
+def as_recorded_by_rosbag2(bag, directory, name='rosbag2', jitter=0, late_scene=0, seed=1,
+                           keep=lambda topic: True):
+    """
+    Write a bag again as ``ros2 bag record -a`` does.
+
+    No word of the scene, messages as they came in.
+    """
     rng = np.random.default_rng(seed)
     raws = [raw for raw in content(bag) if keep(raw[0])]
-    moved = [(time + int(rng.integers(0, jitter + 1)) + (late_scene if topic.endswith('/scene') else 0), i)
+    moved = [(time + int(rng.integers(0, jitter + 1)) + (late_scene if topic.endswith('/scene')
+                                                         else 0), i)
              for i, (topic, _, time) in enumerate(raws)]
-    return rewritten(bag, directory, [(*raws[i][:2], time) for time, i in sorted(moved)], name, about={})
+    return rewritten(bag, directory, [(*raws[i][:2], time) for time, i in sorted(moved)], name,
+                     about={})
 
 
 @pytest.mark.parametrize('jitter, late_scene', [(0, 0), (3_000_000, 0), (3_000_000, 10_000_000)])
@@ -208,9 +233,11 @@ def test_a_bag_of_rosbag2_is_recomputed_from_its_topics(bag, tmp_path, jitter, l
     order = [raw.topic for raw in Bag(path).raw()]
     assert jitter == 0 or order != [raw[0] for raw in content(bag)]
     found = compare(path)
-    assert not found.problems() and (found.inputs, found.compared) == (STEPS, len(OUTPUTS) * STEPS) and found.largest == 0.0
+    assert (not found.problems() and (found.inputs, found.compared)
+            == (STEPS, len(OUTPUTS) * STEPS) and found.largest == 0.0)
     assert main(['bag', 'recompute', str(path)]) == 0
-    wrong = bags.copy(path, tmp_path, 'wrong', lambda raw: raw.data[:-8] + b'\0' * 8 if raw.topic == '/fourbar/loads'
+    wrong = bags.copy(path, tmp_path, 'wrong', lambda raw: raw.data[:-8] + b'\0' * 8
+                      if raw.topic == '/fourbar/loads'
                       else raw.data)
     assert compare(wrong).largest > 0.0
 
@@ -218,28 +245,35 @@ def test_a_bag_of_rosbag2_is_recomputed_from_its_topics(bag, tmp_path, jitter, l
 def test_what_rosbag2_missed_in_the_middle_is_missing_at_the_ends_it_is_not(bag, tmp_path):
     raws = content(as_recorded_by_rosbag2(bag, tmp_path))
     at = [i for i, raw in enumerate(raws) if raw[0] == '/fourbar/state']
-    for name, gone, said in (('begin', at[:3], ''), ('end', at[-3:], ''), ('middle', at[5:8], '3 outputs missing')):
-        path = rewritten(bag, tmp_path, [raw for i, raw in enumerate(raws) if i not in gone], name, about={})
+    for name, gone, said in (('begin', at[:3], ''), ('end', at[-3:], ''),
+                             ('middle', at[5:8], '3 outputs missing')):
+        path = rewritten(bag, tmp_path, [raw for i, raw in enumerate(raws) if i not in gone], name,
+                         about={})
         assert problems(path) == said, name
 
 
 def test_a_scene_changed_during_a_bag_of_rosbag2_leaves_a_moment_out(tmp_path):
     cranks = [(0.05 * k, 25.0, 0.1) for k in range(300)]
-    path = bags.run(tmp_path, 'run', FULL, cranks, {150: {'linkage.a1': 0.35}}, step_ns=5 * 10**6, paced=True)
+    path = bags.run(tmp_path, 'run', FULL, cranks, {150: {'linkage.a1': 0.35}}, step_ns=5 * 10**6,
+                    paced=True)
     found = compare(as_recorded_by_rosbag2(path, tmp_path, jitter=10**7))
     assert not found.problems() and found.inputs == 300 and 300 < found.uncertain < 1000
     assert found.compared + found.uncertain == 300 * len(OUTPUTS)
 
 
-def test_a_remapped_topic_of_joint_states_is_found_and_two_nodes_are_told_apart(bag, tmp_path, capsys):
+def test_a_remapped_topic_of_joint_states_is_found_and_two_nodes_are_told_apart(bag, tmp_path,
+                                                                                capsys):
     raws = content(as_recorded_by_rosbag2(bag, tmp_path))
     other = bags.run(tmp_path, 'other', {**PAPER, 'outputs': ['state']}, TURNS[:20], paced=True)
-    topics = {topic: told for path in (bag, other) for told in Bag(path).metadata()['topics_with_message_count']
+    topics = {topic: told for path in (bag, other)
+              for told in Bag(path).metadata()['topics_with_message_count']
               for topic in [told['topic_metadata']['name']]}
     names = sorted(topics)
     writer = BagWriter(tmp_path, 'both', [
-        *(bags.channel(name if name != '/joint_states' else '/cell/joint_states', topics[name]['topic_metadata']['type'])
-          for name in names), *(bags.channel(f'/cell{name}', topics[name]['topic_metadata']['type']) for name in (
+        *(bags.channel(name if name != '/joint_states' else '/cell/joint_states',
+                       topics[name]['topic_metadata']['type'])
+          for name in names),
+        *(bags.channel(f'/cell{name}', topics[name]['topic_metadata']['type']) for name in (
               '/fourbar/driven', '/fourbar/scene', '/fourbar/state'))], {})
     for topic, data, _ in raws:
         writer.write(names.index(topic), data)
@@ -247,7 +281,8 @@ def test_a_remapped_topic_of_joint_states_is_found_and_two_nodes_are_told_apart(
     for topic, data, _ in content(other):
         writer.write(len(names) + second.index(topic), data)
     path = writer.close()
-    with pytest.raises(BagError, match='holds runs of /cell/fourbar, /fourbar; say which with --node'):
+    with pytest.raises(BagError, match='holds runs of /cell/fourbar, /fourbar; say which with '
+                                       '--node'):
         compare(path)
     assert compare(path, node='/fourbar').compared == len(OUTPUTS) * STEPS
     assert compare(path, node='/cell/fourbar').inputs == 20
@@ -260,5 +295,6 @@ def test_a_remapped_topic_of_joint_states_is_found_and_two_nodes_are_told_apart(
 
 def test_values_held_out_of_range_are_computed_again(tmp_path):
     cranks = [(0.01 * k, 1.0, 0.0) for k in range(200)]
-    path = bags.run(tmp_path, 'run', {**ROCKER, **RODS, 'outputs': ['state', 'loads'], 'drive.out_of_range': 'hold'}, cranks)
+    path = bags.run(tmp_path, 'run', {**ROCKER, **RODS, 'outputs': ['state', 'loads'],
+                                      'drive.out_of_range': 'hold'}, cranks)
     assert not compare(path).problems() and compare(path).uncertain == 0

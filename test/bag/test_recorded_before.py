@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Bags recorded before the code was restructured compute again to the last bit."""
 from pathlib import Path
 

@@ -1,4 +1,10 @@
-"""The recorder against what can go wrong: bad arguments, a slow or full disk, names, clocks, threads."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The recorder against what can go wrong.
+
+Bad arguments, a slow or full disk, names, clocks, threads.
+"""
 import os
 import subprocess
 import sys
@@ -22,7 +28,8 @@ PATIENCE = 30.0
 
 
 def open_bag(directory, name='run', **kwargs):
-    return BagWriter(directory, name, [MOTION, bags.channel('/other', 'std_msgs/msg/String')], {'who': 'test'},
+    return BagWriter(directory, name, [MOTION, bags.channel('/other', 'std_msgs/msg/String')],
+                     {'who': 'test'},
                      **kwargs)
 
 
@@ -53,7 +60,8 @@ def assert_every_reader_takes(path, count):
 
 
 @pytest.mark.parametrize('bad', [
-    (-1, motion(0)), (2, motion(0)), (2**32, motion(0)), ('0', motion(0)), (None, motion(0)), (0.0, motion(0)),
+    (-1, motion(0)), (2, motion(0)), (2**32, motion(0)), ('0', motion(0)), (None, motion(0)),
+    (0.0, motion(0)),
     (0, 'text'), (0, None), (0, [1, 2]), (0, 7), (0, b''), (0, b'abc')])
 def test_a_bad_argument_is_refused_and_spoils_nothing(tmp_path, bad):
     writer = open_bag(tmp_path)
@@ -68,7 +76,8 @@ def test_a_bad_argument_is_refused_and_spoils_nothing(tmp_path, bad):
 
 
 @pytest.mark.parametrize('bad', [
-    {'topic': 'relative'}, {'topic': None}, {'type': 'Motion'}, {'type': 7}, {'schema': b'bytes'}, {'hash': None},
+    {'topic': 'relative'}, {'topic': None}, {'type': 'Motion'}, {'type': 7}, {'schema': b'bytes'},
+    {'hash': None},
     {'depth': '10'}])
 def test_a_bad_channel_is_refused_before_anything_is_made(tmp_path, bad):
     for channels in ([MOTION._replace(**bad)], [MOTION, MOTION], ['/topic']):
@@ -90,12 +99,14 @@ def test_buffers_are_copied(tmp_path):
     assert numbers(writer.close()) == [1, 2]
 
 
-@pytest.mark.parametrize('name', ['../escape', 'a/b', '..', '.', '/absolute', 'new\nline', 'nul\0', 'x' * 300,
+@pytest.mark.parametrize('name', ['../escape', 'a/b', '..', '.', '/absolute', 'new\nline', 'nul\0',
+                                  'x' * 300,
                                   'x' * 250, 7])
 def test_a_name_that_leads_elsewhere_is_refused_and_leaves_nothing(tmp_path, name):
     with pytest.raises(BagError):
         open_bag(tmp_path / 'bags', name)
-    assert not list((tmp_path / 'bags').glob('*')) and [p.name for p in tmp_path.iterdir()] in ([], ['bags'])
+    assert (not list((tmp_path / 'bags').glob('*'))
+            and [p.name for p in tmp_path.iterdir()] in ([], ['bags']))
 
 
 def test_a_link_in_the_recording_directory_is_not_followed(tmp_path):
@@ -177,12 +188,16 @@ def test_a_disk_that_hangs_never_holds_up_the_caller_and_drops_are_counted(tmp_p
     assert time.monotonic() - begin < 1.0           # a caller that waited would never come here
     disk.released.set()
     path = writer.close()
-    assert accepted == [True] * 100 + [False] * 900 and writer.dropped == 900 and writer.accepted == 101
+    assert (accepted == [True] * 100 + [False] * 900 and writer.dropped == 900 and writer.accepted
+            == 101)
     assert len(told) == 1 and 'dropped' in told[0]
     assert numbers(path) == list(range(101))
-    found = info(path)                              # the gap is at the end, no later number shows it
-    assert found.dropped == found.missing == 900 and not found.is_sound and found.ended == 'stopped'
-    assert [topic.missing for topic in found.topics] == [topic.missing for topic in info(path, check=True).topics]
+    # the gap is at the end, no later number shows it
+    found = info(path)
+    assert (found.dropped == found.missing == 900 and not found.is_sound and found.ended
+            == 'stopped')
+    assert [topic.missing for topic in found.topics] == [topic.missing
+                                                         for topic in info(path, check=True).topics]
 
 
 def test_dropped_messages_leave_a_gap_that_info_counts(tmp_path, monkeypatch):
@@ -198,15 +213,18 @@ def test_dropped_messages_leave_a_gap_that_info_counts(tmp_path, monkeypatch):
     assert [raw.sequence for raw in Bag(path).raw()] == [*range(10), 17]
     for check in (False, True):
         found = info(path, check)
-        assert [topic.missing for topic in found.topics] == [7, 0] and not found.is_sound and found.dropped == 7
+        assert ([topic.missing for topic in found.topics] == [7, 0] and not found.is_sound
+                and found.dropped == 7)
 
 
 def test_a_jointstate_of_a_million_joints_is_recorded_or_dropped_never_fatal(tmp_path, monkeypatch):
     import numpy as np
     count = 1_000_000
     data = bags.encode('sensor_msgs/msg/JointState', header=bags.stamp(1), name=[''] * count,
-                       position=np.arange(float(count)), velocity=np.zeros(count), effort=np.zeros(count))
-    writer = BagWriter(tmp_path, 'big', [bags.channel('/joint_states', 'sensor_msgs/msg/JointState')], {})
+                       position=np.arange(float(count)), velocity=np.zeros(count),
+                       effort=np.zeros(count))
+    writer = BagWriter(tmp_path, 'big',
+                       [bags.channel('/joint_states', 'sensor_msgs/msg/JointState')], {})
     assert writer.write(0, data)
     monkeypatch.setattr(writer_module, 'QUEUE_BYTES', len(data) - 1)
     assert not writer.write(0, data) and writer.dropped == 1

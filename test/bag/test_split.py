@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Bags of several files: as rosbag2 splits them, and as our recorder does."""
 import math
 import subprocess
@@ -32,12 +34,17 @@ STEPS = 300
 @pytest.fixture(scope='module')
 def bag(tmp_path_factory):
     """Return a bag of one file, steps 1 ms apart."""
-    return bags.run(tmp_path_factory.mktemp('split'), 'run', FULL, [(0.05 * k, 25.0, 0.1 * k) for k in range(STEPS)],
+    return bags.run(tmp_path_factory.mktemp('split'), 'run', FULL,
+                    [(0.05 * k, 25.0, 0.1 * k) for k in range(STEPS)],
                     paced=True, flush_period=0.01)
 
 
 def as_rosbag2_splits(bag, directory, bounds, name='run', about=True, reverse=True):
-    """Write a bag again with the mcap library as rosbag2 lays out a split one: channels numbered anew in each file."""
+    """
+    Write a bag again with the mcap library as rosbag2 lays out a split one.
+
+    Channels numbered anew in each file.
+    """
     folder = directory / name
     folder.mkdir()
     metadata = Bag(bag).metadata()
@@ -49,16 +56,21 @@ def as_rosbag2_splits(bag, directory, bounds, name='run', about=True, reverse=Tr
         with open(folder / files[-1], 'wb') as file:
             writer = Writer(file, chunk_size=20_000)
             writer.start('ros2', 'libmcap 1.3.0')
-            channels = sorted(source.channels.values(), key=lambda c: c.topic, reverse=reverse and part % 2 == 1)
+            channels = sorted(source.channels.values(), key=lambda c: c.topic, reverse=reverse
+                              and part % 2 == 1)
             numbers, schemas = {}, {}
             for channel in channels:
                 type_name = source.type_of(channel.topic)
                 if type_name not in schemas:
-                    schemas[type_name] = writer.register_schema(type_name, 'ros2msg', bags.text_of(type_name).encode())
-                numbers[channel.topic] = writer.register_channel(channel.topic, 'cdr', schemas[type_name], channel.metadata)
+                    schemas[type_name] = writer.register_schema(type_name, 'ros2msg',
+                                                                bags.text_of(type_name).encode())
+                numbers[channel.topic] = writer.register_channel(channel.topic, 'cdr',
+                                                                 schemas[type_name],
+                                                                 channel.metadata)
             for raw in raws[begin:end]:
                 writer.add_message(numbers[raw.topic], raw.time, raw.data, raw.time, 0)
-            told = {**metadata, 'relative_file_paths': [files[-1]], 'custom_data': metadata['custom_data'] if about else {}}
+            told = {**metadata, 'relative_file_paths': [files[-1]],
+                    'custom_data': metadata['custom_data'] if about else {}}
             writer.add_metadata('rosbag2', {'serialized_metadata': yaml.safe_dump(told)})
             writer.finish()
     (folder / 'metadata.yaml').write_text(yaml.safe_dump({'rosbag2_bagfile_information': {
@@ -73,14 +85,16 @@ def content(path, **kwargs):
 def test_a_bag_split_by_rosbag2_is_read_as_one(bag, tmp_path):
     split = as_rosbag2_splits(bag, tmp_path, (700, 701, 1500))
     assert content(split) == content(bag) and len(Bag(split).files) == 4
-    assert len({channel.id for channel in Bag(split / 'run_1.mcap').summary().channels.values()}) == len(OUTPUTS) + 2
+    assert (len({channel.id for channel in Bag(split / 'run_1.mcap').summary().channels.values()})
+            == len(OUTPUTS) + 2)
     for topic in ('/fourbar/state', '/fourbar/points/tip'):
         assert content(split, topics=[topic]) == content(bag, topics=[topic])
     assert {topic.topic: topic.messages for topic in info(split).topics} == {
         topic.topic: topic.messages for topic in info(bag, check=True).topics}
     assert all(topic.is_same() for topic in diff(bag, split))
     found = compare(split)
-    assert found.inputs == STEPS and found.unmatched == 0 and max(d.largest for d in found.differences) == 0.0
+    assert (found.inputs == STEPS and found.unmatched == 0
+            and max(d.largest for d in found.differences) == 0.0)
     assert [raw.data for raw in play(split, rate=math.inf)] == [raw.data for raw in Bag(bag).raw()]
     assert content(split / 'run_2.mcap') == content(bag)[701:1500]
 
@@ -103,7 +117,8 @@ def test_only_the_chunks_that_can_matter_are_read(bag, tmp_path, monkeypatch):
     split = as_rosbag2_splits(bag, tmp_path, (700, 1500))
     read = []
     record_at = scan.Scan._record_at
-    monkeypatch.setattr(scan.Scan, '_record_at', lambda self, offset, wait=False: read.append(offset) or record_at(
+    monkeypatch.setattr(scan.Scan, '_record_at',
+                        lambda self, offset, wait=False: read.append(offset) or record_at(
         self, offset, wait))
     times = [raw.time for raw in Bag(split).raw()]
     everything = len(read)
@@ -113,7 +128,8 @@ def test_only_the_chunks_that_can_matter_are_read(bag, tmp_path, monkeypatch):
         assert content(split, start=start) == [item for item in content(bag) if item[2] >= start]
         read.clear()
         list(Bag(split).raw(start=start))
-        assert len(read) < (1.2 - share) * everything / 2             # message indices are passed over as well
+        # message indices are passed over as well
+        assert len(read) < (1.2 - share) * everything / 2
     read.clear()
     assert len(list(Bag(split).raw(['/fourbar/scene']))) == 1 and len(read) < everything / 10
 
@@ -129,12 +145,14 @@ def test_a_damaged_chunk_that_is_read_by_the_index_is_an_error(bag, tmp_path):
         list(Bag(split).raw(['/fourbar/state']))
 
 
-# --- our recorder ---------------------------------------------------------------------------------
+# --- our recorder --------------------------------------------------------------------------------
 
-def split_run(directory, split, steps=600, step_ns=10**6, values=FULL, changes=(), name='run', **kwargs):
+def split_run(directory, split, steps=600, step_ns=10**6, values=FULL, changes=(), name='run',
+              **kwargs):
     """Record a run with a small flush period into a split bag."""
     cranks = [(0.05 * k, 25.0, 0.1 * k) for k in range(steps)]
-    return bags.run(directory, name, values, cranks, changes, step_ns=step_ns, paced=True, flush_period=0.01,
+    return bags.run(directory, name, values, cranks, changes, step_ns=step_ns, paced=True,
+                    flush_period=0.01,
                     sync_period=0.0, split=split, **kwargs)
 
 
@@ -146,22 +164,26 @@ def numbers_of(path):
     return found
 
 
-SPLITS = {'duration': Split(duration=0.1, head=0), 'any message': Split(duration=0.0371), 'size': Split(size=30_000, head=0)}
+SPLITS = {'duration': Split(duration=0.1, head=0), 'any message': Split(duration=0.0371),
+          'size': Split(size=30_000, head=0)}
 
 
 @pytest.mark.parametrize('split', SPLITS.values(), ids=SPLITS)
 def test_a_bag_is_split_without_losing_a_message(tmp_path, split):
     path = split_run(tmp_path, split)
     files = Bag(path).files
-    assert len(files) > 2 and [file.name for file in files] == [f'run_{k}.mcap' for k in range(len(files))]
+    assert len(files) > 2 and [file.name for file in files] == [f'run_{k}.mcap'
+                                                                for k in range(len(files))]
     for sequences in numbers_of(path).values():
         assert sequences == list(range(len(sequences)))
     whole = split_run(tmp_path, Split(), name='whole')
     assert len(Bag(whole).files) == 1
-    assert [(raw.topic, raw.data) for raw in Bag(path).raw()] == [(raw.topic, raw.data) for raw in Bag(whole).raw()]
+    assert [(raw.topic, raw.data) for raw in Bag(path).raw()] == [(raw.topic, raw.data)
+                                                                  for raw in Bag(whole).raw()]
     for check in (False, True):
         found = info(path, check=check)
-        assert found.is_sound and found.parts == len(files) and found.missing == 0 and found.ended == 'stopped'
+        assert (found.is_sound and found.parts == len(files) and found.missing == 0 and found.ended
+                == 'stopped')
         assert {topic.topic: topic.messages for topic in found.topics} == {
             topic.topic: topic.messages for topic in info(whole).topics}
     found = compare(path)
@@ -174,11 +196,13 @@ def test_each_part_can_be_read_alone(tmp_path):
     files = Bag(path).files
     for k, file in enumerate(files):
         found = info(file, check=True)
-        assert found.is_sound and found.ended == ('stopped' if file == files[-1] else 'split'), file
+        assert found.is_sound and found.ended == ('stopped' if file == files[-1]
+                                                  else 'split'), file
         first = next(Bag(file).raw())
         assert first.topic == '/fourbar/scene'
         recomputed = compare(file)
-        assert not recomputed.problems() and recomputed.inputs >= 100 - (k == 0) and recomputed.largest == 0.0
+        assert (not recomputed.problems() and recomputed.inputs >= 100 - (k == 0)
+                and recomputed.largest == 0.0)
         assert scene_of(file)[0].linkage.lengths[0] == (0.35 if k > 2 else 0.4)
         begun = [raw.topic for raw in list(Bag(file).raw())[:len(OUTPUTS) + 2]]
         assert sorted(begun) == sorted({raw.topic for raw in Bag(path).raw()})
@@ -203,13 +227,16 @@ def test_the_folder_is_laid_out_as_rosbag2_lays_out_a_split_bag(tmp_path):
         counts.append(statistics.message_count)
         begins.append(statistics.message_start_time)
         ends.append(statistics.message_end_time)
-    assert told['version'] == 9 and told['relative_file_paths'] == [file.name for file in Bag(path).files]
+    assert (told['version'] == 9 and told['relative_file_paths']
+            == [file.name for file in Bag(path).files])
     assert [file['path'] for file in told['files']] == told['relative_file_paths']
-    assert [file['message_count'] for file in told['files']] == counts and told['message_count'] == sum(counts)
+    assert ([file['message_count'] for file in told['files']] == counts and told['message_count']
+            == sum(counts))
     assert [file['starting_time']['nanoseconds_since_epoch'] for file in told['files']] == begins
     assert told['starting_time']['nanoseconds_since_epoch'] == begins[0]
     assert told['duration']['nanoseconds'] == ends[-1] - begins[0]
-    assert sum(topic['message_count'] for topic in told['topics_with_message_count']) == sum(counts)
+    assert sum(topic['message_count']
+               for topic in told['topics_with_message_count']) == sum(counts)
     with Reader(path) as reader:
         assert reader.message_count == sum(counts) == sum(1 for _ in reader.messages())
 
@@ -217,7 +244,8 @@ def test_the_folder_is_laid_out_as_rosbag2_lays_out_a_split_bag(tmp_path):
 def test_only_the_newest_parts_are_kept(tmp_path):
     path = split_run(tmp_path, Split(keep=0.2, head=0), steps=1500)
     files = Bag(path).files
-    assert 10 <= len(files) <= 12 and files[-1].name == 'run_74.mcap' and sorted(path.glob('*.mcap')) == sorted(files)
+    assert (10 <= len(files) <= 12 and files[-1].name == 'run_74.mcap'
+            and sorted(path.glob('*.mcap')) == sorted(files))
     stamps = [r.message.header.stamp.nanosec for r in Bag(path).records(['/fourbar/state'])]
     assert stamps[-1] == stamps[0] // 10**9 + 1_500 * 10**6 % 10**9 and 200 <= len(stamps) < 250
     assert [b - a for a, b in zip(stamps[1:], stamps[2:])] == [10**6] * (len(stamps) - 2)
@@ -240,13 +268,16 @@ def test_dropped_messages_are_told_of_the_whole_bag(tmp_path, monkeypatch):
     for check in (False, True):
         found = info(path, check=check)
         assert found.parts > 3 and not found.is_sound and found.missing == found.dropped > 0
-    assert sum(len(s) for s in numbers_of(path).values()) + found.missing == (len(OUTPUTS) + 1) * 4000 + 1
+    assert (sum(len(s) for s in numbers_of(path).values()) + found.missing == (len(OUTPUTS) + 1)
+            * 4000 + 1)
 
 
 def test_values_held_from_before_a_part_are_not_called_wrong(tmp_path):
-    values = {**ROCKER, **RODS, 'outputs': ['state', 'loads', 'joint_states'], 'drive.out_of_range': 'hold'}
+    values = {**ROCKER, **RODS, 'outputs': ['state', 'loads', 'joint_states'],
+              'drive.out_of_range': 'hold'}
     cranks = [(0.3 if k < 50 else 3.0, 1.0, 0.0) for k in range(400)]
-    path = bags.run(tmp_path, 'run', values, cranks, paced=True, sync_period=0.0, split=Split(duration=0.1, head=0))
+    path = bags.run(tmp_path, 'run', values, cranks, paced=True, sync_period=0.0,
+                    split=Split(duration=0.1, head=0))
     assert not compare(path).problems() and compare(path).uncertain == 0
     for file in Bag(path).files[1:]:
         found = compare(file)
@@ -255,9 +286,11 @@ def test_values_held_from_before_a_part_are_not_called_wrong(tmp_path):
 
 def test_a_split_bag_being_written_is_followed_into_its_next_parts(tmp_path):
     channel = bags.MOTION
-    writer = BagWriter(tmp_path, 'run', [channel], {}, flush_period=0.01, sync_period=0.0, split=Split(duration=0.02))
+    writer = BagWriter(tmp_path, 'run', [channel], {}, flush_period=0.01, sync_period=0.0,
+                       split=Split(duration=0.02))
     heard = []
-    reader = threading.Thread(target=lambda: heard.extend(raw.sequence for raw in Bag(tmp_path / 'run').raw(follow=True)))
+    reader = (threading.Thread(target=lambda: heard.extend(raw.sequence
+                                                           for raw in Bag(tmp_path / 'run').raw(follow=True))))
     writer.write(0, bags.motion(0))
     reader.start()
     for k in range(1, 300):
@@ -265,7 +298,8 @@ def test_a_split_bag_being_written_is_followed_into_its_next_parts(tmp_path):
         time.sleep(0.001)
     writer.close()
     reader.join(60)
-    assert not reader.is_alive() and heard == list(range(300)) and len(Bag(tmp_path / 'run').files) > 3
+    assert (not reader.is_alive() and heard == list(range(300))
+            and len(Bag(tmp_path / 'run').files) > 3)
 
 
 def test_a_killed_recorder_leaves_whole_parts_and_a_cut_one(tmp_path):
@@ -305,7 +339,8 @@ def test_a_disk_that_is_full_at_a_split_leaves_the_part_before_whole(tmp_path, m
         created.append(number)
         raise OSError(28, 'No space left on device')
     monkeypatch.setattr(rosbag2, 'create_part', create)
-    writer = BagWriter(tmp_path, 'run', [bags.MOTION], {}, flush_period=0.01, sync_period=0.0, split=Split(duration=0.02))
+    writer = BagWriter(tmp_path, 'run', [bags.MOTION], {}, flush_period=0.01, sync_period=0.0,
+                       split=Split(duration=0.02))
     end = time.monotonic() + 60
     while not writer.error and time.monotonic() < end:
         writer.write(0, bags.motion(1))
@@ -313,7 +348,8 @@ def test_a_disk_that_is_full_at_a_split_leaves_the_part_before_whole(tmp_path, m
     with pytest.raises(BagError, match='No space left'):
         writer.close()
     found = info(tmp_path / 'run', check=True)
-    assert created == [1] and found.state == 'finished' and 'No space left' in found.ended and found.parts == 1
+    assert (created == [1] and found.state == 'finished' and 'No space left' in found.ended
+            and found.parts == 1)
 
 
 def test_a_split_bag_that_was_killed_is_recovered_part_by_part(tmp_path):
@@ -326,10 +362,12 @@ def test_a_split_bag_that_was_killed_is_recovered_part_by_part(tmp_path):
     assert [file.name for file in Bag(made.path).files] == [
         f'run_recovered_{k}.mcap' for k in range(len(Bag(path).files))]
     there = [(raw.topic, raw.sequence, raw.data) for raw in Bag(made.path).raw()]
-    assert there == [(raw.topic, raw.sequence, raw.data) for raw in Bag(path).raw()] == before[:len(there)]
+    assert there == [(raw.topic, raw.sequence, raw.data)
+                     for raw in Bag(path).raw()] == before[:len(there)]
     assert len(there) > 0.8 * len(before)
     assert info(made.path).state == 'finished' and info(made.path, check=True).missing == 0
-    assert info(made.path / f'run_recovered_{len(Bag(path).files) - 1}.mcap', check=True).missing == 0
+    assert info(made.path / f'run_recovered_{len(Bag(path).files) - 1}.mcap',
+                check=True).missing == 0
     assert not compare(made.path).problems() or len(there) < len(before)
     with Reader(made.path) as reader:
         assert reader.message_count == sum(1 for _ in reader.messages())
@@ -346,6 +384,7 @@ def test_a_damaged_part_is_named_and_the_others_are_kept(tmp_path):
     data[chunk.chunk_start_offset + chunk.chunk_length // 2] ^= 4
     file.write_bytes(data)
     made = recover(path, tmp_path / 'new')
-    assert made.damaged and all(text.startswith('run_1.mcap: ') for text in made.damaged) and not made.was_whole
+    assert (made.damaged and all(text.startswith('run_1.mcap: ') for text in made.damaged)
+            and not made.was_whole)
     found = info(tmp_path / 'new', check=True)
     assert found.parts == len(Bag(path).files) and found.missing == sum(made.missing.values()) > 0

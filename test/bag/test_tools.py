@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """What is done with a bag: recompute, export, diff, plot, play, and the command line around it."""
 import csv
 import json
@@ -37,7 +39,7 @@ def bag(tmp_path_factory):
     return bags.run(tmp_path_factory.mktemp('tools'), 'run', FULL, TURNS)
 
 
-# --- recompute ------------------------------------------------------------------------------------
+# --- recompute -----------------------------------------------------------------------------------
 
 def test_a_fresh_bag_recomputes_without_any_difference(bag):
     found = compare(bag)
@@ -49,15 +51,18 @@ def test_a_fresh_bag_recomputes_without_any_difference(bag):
 @pytest.mark.parametrize('policy', ['none', 'hold', 'clamp'])
 def test_bad_inputs_and_every_policy_recompute_exactly(tmp_path, policy):
     cranks = [(0.01 * k, 1.0, 0.0) for k in range(200)]
-    cranks[5:9] = [(math.nan, 1.0, 0.0), (0.1, math.inf, 0.0), (1e300, 1e200, 0.0), (0.2, math.nan, math.nan)]
-    path = bags.run(tmp_path, 'run', {**ROCKER, **RODS, **TIP, 'outputs': list(OUTPUTS), 'drive.out_of_range': policy}, cranks)
+    cranks[5:9] = [(math.nan, 1.0, 0.0), (0.1, math.inf, 0.0), (1e300, 1e200, 0.0),
+                   (0.2, math.nan, math.nan)]
+    path = bags.run(tmp_path, 'run', {**ROCKER, **RODS, **TIP, 'outputs': list(OUTPUTS),
+                                      'drive.out_of_range': policy}, cranks)
     found = compare(path)
     assert max(d.largest for d in found.differences) == 0.0 and found.inputs == 200
 
 
 def test_scenes_changed_on_the_way_are_followed(tmp_path):
-    path = bags.run(tmp_path, 'run', FULL, TURNS, {100: {'linkage.a1': 0.35}, 101: {'linkage.mode': 1},
-                                                    333: {'bodies.rods.density': 2700.0}})
+    path = bags.run(tmp_path, 'run', FULL, TURNS,
+                    {100: {'linkage.a1': 0.35}, 101: {'linkage.mode': 1},
+                      333: {'bodies.rods.density': 2700.0}})
     found = compare(path)
     assert max(d.largest for d in found.differences) == 0.0 and found.inputs == STEPS
     assert len(list(records(path, ['/fourbar/scene']))) == 4
@@ -67,15 +72,17 @@ def test_outputs_without_their_input_are_counted_not_compared(tmp_path):
     path = bags.run(tmp_path, 'run', FULL, TURNS[:20])
     topics = ['/fourbar/driven', '/fourbar/scene', '/fourbar/state']
     metadata = Bag(path).metadata()
-    writer = BagWriter(tmp_path, 'less', [bags.channel(t, 'fourbar_msgs/msg/Motion' if 'driven' in t else
-                                                       'std_msgs/msg/String' if 'scene' in t else
-                                                       'fourbar_msgs/msg/LinkageState') for t in topics],
+    writer = BagWriter(tmp_path, 'less',
+                       [bags.channel(t, 'fourbar_msgs/msg/Motion' if 'driven' in t else
+                                     'std_msgs/msg/String' if 'scene' in t else
+                                     'fourbar_msgs/msg/LinkageState') for t in topics],
                        metadata['custom_data'])
     for i, raw in enumerate(r for r in Bag(path).raw(topics)):
         if not (raw.topic == topics[0] and raw.sequence in (0, 7, 8)):
             writer.write(topics.index(raw.topic), raw.data)
     found = compare(writer.close())
-    assert found.unmatched == 3 and found.inputs == 17 and max(d.largest for d in found.differences) == 0.0
+    assert (found.unmatched == 3 and found.inputs == 17
+            and max(d.largest for d in found.differences) == 0.0)
 
 
 def test_one_changed_bit_is_found(bag, tmp_path):
@@ -92,8 +99,10 @@ def test_one_changed_bit_is_found(bag, tmp_path):
     assert main(['bag', 'recompute', str(path), '--tolerance', '1e-6']) == 0
     assert main(['bag', 'recompute', str(bag)]) == 0
     found = {topic.topic: topic for topic in diff(bag, path)}
-    assert not found['/fourbar/loads'].is_same() and all(t.is_same() for n, t in found.items() if n != '/fourbar/loads')
-    assert main(['bag', 'diff', str(bag), str(path)]) == 3 and main(['bag', 'diff', str(bag), str(bag)]) == 0
+    assert (not found['/fourbar/loads'].is_same() and all(t.is_same() for n, t in found.items()
+                                                          if n != '/fourbar/loads'))
+    assert (main(['bag', 'diff', str(bag), str(path)]) == 3
+            and main(['bag', 'diff', str(bag), str(bag)]) == 0)
 
 
 def test_the_distance_knows_nan_and_infinity():
@@ -104,11 +113,13 @@ def test_the_distance_knows_nan_and_infinity():
     assert distance(np.array([1.0, 3.0]), np.array([1.5, 2.0])) == 1.0
 
 
-# --- decoding -------------------------------------------------------------------------------------
+# --- decoding ------------------------------------------------------------------------------------
 
-TYPES = ['fourbar_msgs/msg/Motion', 'fourbar_msgs/msg/LinkageState', 'fourbar_msgs/msg/LinkageLoads',
+TYPES = ['fourbar_msgs/msg/Motion', 'fourbar_msgs/msg/LinkageState',
+         'fourbar_msgs/msg/LinkageLoads',
          'sensor_msgs/msg/JointState', 'geometry_msgs/msg/WrenchStamped', 'std_msgs/msg/String',
-         'visualization_msgs/msg/MarkerArray', 'diagnostic_msgs/msg/DiagnosticArray', 'sensor_msgs/msg/Imu',
+         'visualization_msgs/msg/MarkerArray', 'diagnostic_msgs/msg/DiagnosticArray',
+         'sensor_msgs/msg/Imu',
          'sensor_msgs/msg/PointCloud2', 'tf2_msgs/msg/TFMessage', 'std_msgs/msg/Empty']
 
 
@@ -144,7 +155,8 @@ def number(kind, rng, count):
         values[rng.random(count) < 0.1] = np.nan
         return values
     if kind in ('byte', 'octet', 'char'):
-        return rng.integers(0, 127, count, dtype=np.uint8)      # whose sign the two codecs see differently
+        # whose sign the two codecs see differently
+        return rng.integers(0, 127, count, dtype=np.uint8)
     info = np.iinfo(kind)
     return rng.integers(info.min, info.max, count, dtype=kind, endpoint=True)
 
@@ -152,7 +164,8 @@ def number(kind, rng, count):
 def plain(value):
     """Return nested plain values, NaN as text."""
     if hasattr(value, '__dict__'):
-        return {k: plain(v) for k, v in vars(value).items() if k != '__msgtype__' and not k.isupper()
+        return {k: plain(v) for k, v in vars(value).items() if k != '__msgtype__'
+                and not k.isupper()
                 and k != 'structure_needs_at_least_one_member'}
     if hasattr(value, '__len__') and not isinstance(value, str):
         return [plain(v) for v in value]
@@ -166,7 +179,8 @@ def test_messages_are_decoded_as_an_independent_codec_encoded_them(type_name):
     decoder = Decoder(type_name, bags.text_of(type_name))
     messages = [filled(type_name, rng) for _ in range(40)]
     for little in (True, False):
-        encoded = [bytes(bags.STORE.serialize_cdr(m, type_name, little_endian=little)) for m in messages]
+        encoded = [bytes(bags.STORE.serialize_cdr(m, type_name, little_endian=little))
+                   for m in messages]
         for message, data in zip(messages, encoded):
             assert plain(decoder.message(data)) == plain(message)
         rows_seen = []
@@ -178,7 +192,8 @@ def test_messages_are_decoded_as_an_independent_codec_encoded_them(type_name):
 
 
 def test_a_message_that_is_shorter_than_its_type_is_an_error_not_a_number():
-    decoder = Decoder('fourbar_msgs/msg/LinkageState', bags.text_of('fourbar_msgs/msg/LinkageState'))
+    decoder = Decoder('fourbar_msgs/msg/LinkageState',
+                      bags.text_of('fourbar_msgs/msg/LinkageState'))
     data = bags.motion(1)
     for length in range(4, len(data)):
         with pytest.raises(BagError, match='shorter than its definition'):
@@ -188,23 +203,26 @@ def test_a_message_that_is_shorter_than_its_type_is_an_error_not_a_number():
 def test_old_memory_in_the_padding_between_texts_changes_nothing(bag, tmp_path):
     rng, names = np.random.default_rng(3), next(records(bag, ['/joint_states'])).message.name
     assert any((len(name) + 1) % 4 for name in names)
-    path = bags.copy(bag, tmp_path, 'dirty', lambda raw: raw.data if raw.topic != '/joint_states' else
+    path = bags.copy(bag, tmp_path, 'dirty', lambda raw: raw.data if raw.topic != '/joint_states'
+                     else
                      bags.with_old_memory(raw.data, names, rng))
-    assert len({raw.data[24:60] for raw in Bag(path).raw(['/joint_states'])}) > STEPS // 2     # behind the header
+    # behind the header
+    assert len({raw.data[24:60] for raw in Bag(path).raw(['/joint_states'])}) > STEPS // 2
     assert len(list(Bag(path).columns(['/joint_states']))) == 1
     for pair in ((path, path), (path, bag)):
         assert [topic[1:4] for topic in diff(*pair, ['/joint_states'])] == [(STEPS, 0, 0)]
         assert all(topic.is_same() for topic in diff(*pair))
     assert export(path, tmp_path / 'run.npz', 'npz')['joint_states'] == STEPS
     assert (np.diff(np.load(tmp_path / 'run.npz')['joint_states/log_time']) > 0).all()
-    times, values, _ = series(path, ['joint_states.position[output]'])['joint_states.position[output]']
+    times, values, _ = (series(path, ['joint_states.position[output]'])['joint_states.position[output]'])
     assert (np.diff(times) > 0).all() and values.tolist() == [
         r.message.position[3] for r in records(bag, ['/joint_states'])]
     found = compare(path)
-    assert found.inputs == STEPS and found.unmatched == 0 and {d.largest for d in found.differences} == {0.0}
+    assert (found.inputs == STEPS and found.unmatched == 0
+            and {d.largest for d in found.differences} == {0.0})
 
 
-# --- export, plot ---------------------------------------------------------------------------------
+# --- export, plot --------------------------------------------------------------------------------
 
 def test_csv_and_npz_hold_every_number_exactly(bag, tmp_path):
     rows = export(bag, tmp_path / 'out')
@@ -217,7 +235,8 @@ def test_csv_and_npz_hold_every_number_exactly(bag, tmp_path):
         assert len(lines) == topic['message_count']
         for column, texts in zip(head, zip(*lines)):
             values = arrays[f'{name}/{column}']
-            assert repr(values.tolist()) == repr([type(values[0].item())(text) for text in texts])     # NaN too
+            # NaN too
+            assert repr(values.tolist()) == repr([type(values[0].item())(text) for text in texts])
     messages = [r.message for r in records(bag, ['/joint_states'])]
     assert arrays['joint_states/position[output]'].tolist() == [m.position[3] for m in messages]
     assert arrays['joint_states/effort[crank]'].tolist() == [m.effort[0] for m in messages]
@@ -231,7 +250,8 @@ def test_topics_whose_columns_change_go_on_in_a_new_table(tmp_path):
     for k in range(30):
         names = ['a', 'b'] if k < 10 or k >= 20 else ['a', 'c', 'd']
         writer.write(0, bags.encode('sensor_msgs/msg/JointState', header=bags.stamp(k), name=names,
-                                    position=np.arange(float(len(names))) + k, velocity=np.zeros(0),
+                                    position=np.arange(float(len(names))) + k,
+                                    velocity=np.zeros(0),
                                     effort=np.zeros(0)))
     assert export(writer.close(), tmp_path / 'out') == {'j': 20, 'j.2': 10}
     assert (tmp_path / 'out/j.2.csv').read_text().splitlines()[0].endswith('position[a],position[c],position[d]')
@@ -241,16 +261,20 @@ def test_topics_whose_columns_change_go_on_in_a_new_table(tmp_path):
 def mixed(tmp_path, monkeypatch):
     """Return a bag whose messages change to and fro between layouts, read in several blocks."""
     monkeypatch.setattr(reader, 'BLOCK', 16)
-    writer = BagWriter(tmp_path, 'mixed', [bags.channel('/text', 'std_msgs/msg/String'), bags.MOTION,
+    writer = BagWriter(tmp_path, 'mixed', [bags.channel('/text', 'std_msgs/msg/String'),
+                                           bags.MOTION,
                                            bags.channel('/j', 'sensor_msgs/msg/JointState')], {})
     for k in range(90):
         frame = 'x' * (7 * k % 5)
         names = ['a', 'b'] if k % 3 else ['a', 'c', 'd']
         writer.write(0, bags.encode('std_msgs/msg/String', data=f'{"-" * (11 * k % 7)}{k}'))
-        writer.write(1, bags.encode('fourbar_msgs/msg/Motion', header=bags.stamp(k * 10**6 + 1, frame),
+        writer.write(1, bags.encode('fourbar_msgs/msg/Motion',
+                                    header=bags.stamp(k * 10**6 + 1, frame),
                                     position=float(k), velocity=0.0, acceleration=0.0))
-        writer.write(2, bags.encode('sensor_msgs/msg/JointState', header=bags.stamp(k * 10**6 + 1), name=names,
-                                    position=np.full(len(names), float(k)), velocity=np.zeros(0), effort=np.zeros(0)))
+        writer.write(2, bags.encode('sensor_msgs/msg/JointState', header=bags.stamp(k * 10**6 + 1),
+                                    name=names,
+                                    position=np.full(len(names), float(k)), velocity=np.zeros(0),
+                                    effort=np.zeros(0)))
     return writer.close()
 
 
@@ -269,8 +293,10 @@ def test_rows_of_several_layouts_stand_in_the_order_of_the_bag(mixed, tmp_path):
 
 
 def test_messages_of_several_layouts_meet_in_a_diff(mixed, tmp_path):
-    assert [(topic[1:4], topic.is_same()) for topic in diff(mixed, mixed)] == [((90, 0, 0), True)] * 3
-    other = bags.copy(mixed, tmp_path, 'other', lambda raw: raw.data if raw.topic != '/text' or raw.sequence != 40 else
+    assert [(topic[1:4], topic.is_same())
+            for topic in diff(mixed, mixed)] == [((90, 0, 0), True)] * 3
+    other = bags.copy(mixed, tmp_path, 'other', lambda raw: raw.data if raw.topic != '/text'
+                      or raw.sequence != 40 else
                       bags.encode('std_msgs/msg/String', data='another, longer than all before'))
     found = {topic.topic: topic for topic in diff(mixed, other)}
     assert [name for name, topic in found.items() if not topic.is_same()] == ['/text']
@@ -294,7 +320,8 @@ def test_parquet_says_what_is_missing_or_writes(bag, tmp_path):
     else:
         export(bag, tmp_path / 'out', 'parquet')
         table = pyarrow.parquet.read_table(tmp_path / 'out/fourbar.state.parquet')
-        assert table['theta4'].to_pylist() == [r.message.theta4 for r in records(bag, ['/fourbar/state'])]
+        assert table['theta4'].to_pylist() == [r.message.theta4
+                                               for r in records(bag, ['/fourbar/state'])]
 
 
 def test_a_plot_has_its_fields_with_units_and_names_what_is_not_there(bag, tmp_path):
@@ -304,13 +331,16 @@ def test_a_plot_has_its_fields_with_units_and_names_what_is_not_there(bag, tmp_p
     assert np.allclose(times, np.arange(STEPS) * 1e-3, rtol=0, atol=4 * np.spacing(STEPS * 1e-3))
     assert values.tolist() == [r.message.theta4 for r in records(bag, ['/fourbar/state'])]
     by_index = series(bag, ['joint_states.position[3]', 'joint_states.position[output]'])
-    assert by_index['joint_states.position[3]'][1].tolist() == by_index['joint_states.position[output]'][1].tolist()
+    assert (by_index['joint_states.position[3]'][1].tolist()
+            == by_index['joint_states.position[output]'][1].tolist())
     assert by_index['joint_states.position[3]'][2] == by_index['joint_states.position[output]'][2]
-    for wrong, said in (('state.theta9', 'state has'), ('nothing.x', 'field; topics are'), ('state', 'state has'),
+    for wrong, said in (('state.theta9', 'state has'), ('nothing.x', 'field; topics are'),
+                        ('state', 'state has'),
                         ('f41', r'write TOPIC\.FIELD, as loads\.f41; topics are'),
                         ('theta', r'write TOPIC\.FIELD, as state\.theta4; topics are'),
                         *((f'joint_states.{field}', 'joint_states has') for field in
-                          ('position[4]', 'position[-1]', 'position[]', 'position[3', 'position', 'header.frame_id',
+                          ('position[4]', 'position[-1]', 'position[]', 'position[3', 'position',
+                           'header.frame_id',
                            'header.frame_id[0]', 'name[0]', 'header.stamp.sec[0]'))):
         with pytest.raises(BagError, match=said):
             series(bag, [wrong])
@@ -320,29 +350,34 @@ def test_a_plot_has_its_fields_with_units_and_names_what_is_not_there(bag, tmp_p
         plot(bag, ['state.theta4'], tmp_path / 'run.nothing')
 
 
-# --- diff -----------------------------------------------------------------------------------------
+# --- diff ----------------------------------------------------------------------------------------
 
 def test_diff_matches_by_stamp_and_counts_what_is_in_one_bag_only(bag, tmp_path, capsys):
     part = bags.run(tmp_path, 'part', FULL, TURNS[:300])
     other = bags.run(tmp_path, 'other', {**FULL, 'linkage.a1': 0.39}, TURNS)
     by_topic = {topic.topic: topic for topic in diff(bag, part)}
-    assert by_topic['/fourbar/state'][1:4] == (300, 100, 0) and not any(by_topic['/fourbar/state'].largest.values())
-    assert {topic.topic: topic for topic in diff(part, bag)}['/fourbar/loads'][1:4] == (300, 0, 100)
+    assert (by_topic['/fourbar/state'][1:4] == (300, 100, 0)
+            and not any(by_topic['/fourbar/state'].largest.values()))
+    assert {topic.topic: topic
+            for topic in diff(part, bag)}['/fourbar/loads'][1:4] == (300, 0, 100)
     changed = {topic.topic: topic for topic in diff(bag, other)}
-    assert changed['/fourbar/driven'].is_same() and changed['/fourbar/state'].largest['theta4'] > 1e-3
+    assert (changed['/fourbar/driven'].is_same() and changed['/fourbar/state'].largest['theta4']
+            > 1e-3)
     assert changed['/fourbar/state'].is_same(tolerance=1e4)
-    assert list(changed['/fourbar/scene'].largest) == ['linkage.a1'] and not changed['/fourbar/scene'].is_same()
+    assert (list(changed['/fourbar/scene'].largest) == ['linkage.a1']
+            and not changed['/fourbar/scene'].is_same())
     assert changed['/fourbar/scene'].largest['linkage.a1'] == pytest.approx(0.01)
     assert main(['bag', 'diff', str(bag), str(other), '--topics', '/fourbar/scene']) == 3
     assert 'linkage.a1' in capsys.readouterr().out
-    unlike = bags.run(tmp_path, 'unlike', {**FULL, 'outputs': ['state'], 'linkage.mode': 1}, TURNS[:9])
+    unlike = bags.run(tmp_path, 'unlike', {**FULL, 'outputs': ['state'], 'linkage.mode': 1},
+                      TURNS[:9])
     found = diff(bag, unlike, ['/fourbar/scene'])[0]
     assert found.largest['outputs'] == math.inf and 'linkage.a1' not in found.largest
     with pytest.raises(BagError, match='in neither bag'):
         diff(bag, part, ['/nothing'])
 
 
-# --- play -----------------------------------------------------------------------------------------
+# --- play ----------------------------------------------------------------------------------------
 
 def paced(tmp_path, count=40, step=0.005):
     """Return a bag whose messages are ``step`` apart."""
@@ -361,7 +396,8 @@ def test_play_keeps_the_original_pace_and_its_multiples(tmp_path):
         came = [time.monotonic() - began for _ in play(path, rate=rate)]
         due = [0.005 * k / rate for k in range(40)]
         assert len(came) == 40 and all(c >= d - 1e-9 for c, d in zip(came, due))      # never early
-        assert sorted(c - d for c, d in zip(came, due))[20] < 0.1                     # and mostly in time
+        # and mostly in time
+        assert sorted(c - d for c, d in zip(came, due))[20] < 0.1
     assert len(list(play(path, rate=math.inf))) == 40
 
 
@@ -377,30 +413,34 @@ def test_play_starts_later_loops_selects_and_stops_when_told(tmp_path, bag):
     assert looped == [k % 40 for k in range(100)]
     assert {r.topic for r in play(bag, ['/joint_states'], rate=math.inf)} == {'/joint_states'}
     ticks = []
-    assert len(list(play(path, tick=lambda now: ticks.append(now) or len(ticks) < 5, rate=0.01))) < 5 == len(ticks)
+    assert len(list(play(path, tick=lambda now: ticks.append(now) or len(ticks) < 5,
+                         rate=0.01))) < 5 == len(ticks)
     for wrong in ({'rate': 0.0}, {'rate': -1.0}, {'rate': math.nan}, {'start': -1.0}):
         with pytest.raises(BagError, match='rate'):
             list(play(path, **wrong))
 
 
-# --- command line ---------------------------------------------------------------------------------
+# --- command line --------------------------------------------------------------------------------
 
 def test_exit_codes_and_messages(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(container, 'CHUNK_SIZE', 20_000)            # so that a part of it is left when it is cut
+    # so that a part of it is left when it is cut
+    monkeypatch.setattr(container, 'CHUNK_SIZE', 20_000)
     bag = bags.run(tmp_path, 'run', FULL, TURNS)
     assert main(['bag', 'info', str(bag)]) == 0 and main(['bag', 'info', str(bag), '--check']) == 0
     said = capsys.readouterr().out
     assert 'finished' in said and '/fourbar/state' in said and str(STEPS) in said
     cut = tmp_path / 'cut_0.mcap'
     cut.write_bytes((bag / 'run_0.mcap').read_bytes()[:60_000])
-    assert main(['bag', 'info', str(cut)]) == 3 and 'fourbar bag recover' in capsys.readouterr().out
+    assert (main(['bag', 'info', str(cut)]) == 3
+            and 'fourbar bag recover' in capsys.readouterr().out)
     assert main(['bag', 'recover', str(cut)]) == 3
     assert main(['bag', 'recover', str(bag), '-o', str(tmp_path / 'same')]) == 0
     assert 'nothing lost' in capsys.readouterr().out
     assert main(['bag', 'recompute', str(cut)]) == 0
     assert 'the bag is cut' in capsys.readouterr().out
     for wrong in (['bag', 'info', str(tmp_path / 'no')], ['bag', 'recover', str(cut)],
-                  ['bag', 'export', str(bag), '-o', str(tmp_path)], ['bag', 'plot', str(bag), 'x.y', '-o', 'x.png']):
+                  ['bag', 'export', str(bag), '-o', str(tmp_path)],
+                  ['bag', 'plot', str(bag), 'x.y', '-o', 'x.png']):
         assert main(wrong) == 1
         error = capsys.readouterr().err
         assert error.startswith('fourbar: ') and error.count('\n') == 1
@@ -432,17 +472,21 @@ def test_the_scene_of_a_bag_is_a_parameter_file_again(bag, tmp_path, capsys):
     from fourbar_ros.scene import scene as scenes
     assert main(['bag', 'scene', str(bag)]) == 0
     (tmp_path / 'again.yaml').write_text(capsys.readouterr().out)
-    again, told = scenes.load(tmp_path / 'again.yaml'), json.loads(Bag(bag).metadata()['custom_data']['scene'])
+    again, told = (scenes.load(tmp_path / 'again.yaml'),
+                   json.loads(Bag(bag).metadata()['custom_data']['scene']))
     assert again.drive.source == 'motion' and again.linkage.lengths == (0.4, 1.2, 0.8, 1.0)
-    assert {k: v for k, v in again.values.items() if v == v} == {k: v for k, v in told.items() if v == v}
+    assert {k: v for k, v in again.values.items() if v == v} == {k: v for k, v in told.items()
+                                                                 if v == v}
 
 
 def test_every_verb_explains_itself_with_ros_and_mcap_blocked():
-    for verb in ([], ['bag'], ['replay'], ['record'], *(['bag', a] for a in ('info', 'recover', 'recompute', 'export',
-                                                                             'plot', 'diff', 'scene'))):
+    for verb in ([], ['bag'], ['replay'], ['record'],
+                 *(['bag', a] for a in ('info', 'recover', 'recompute', 'export',
+                                        'plot', 'diff', 'scene'))):
         code = f'import sys; sys.modules.update(rclpy=None, mcap=None, matplotlib=None)\n' \
                f'from fourbar_ros.cli.main import main; main({[*verb, "--help"]!r})'
-        done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True, check=False)
+        done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True,
+                              check=False)
         assert done.returncode == 0 and len(done.stdout) > 200, done.stderr
 
 
@@ -502,8 +546,8 @@ def test_keys_are_read_from_a_terminal_as_they_are_pressed():
     code = ('import time, sys\nfrom fourbar_ros.ros.clients.keyboard import Keyboard\nfound = []\n'
             'with Keyboard() as keyboard:\n    print(keyboard.is_there, flush=True)\n'
             '    end = time.monotonic() + 30\n'
-            '    while len(found) < 5 and time.monotonic() < end:\n        found += keyboard.pressed()\n'
-            '        time.sleep(0.01)\nprint(*found, flush=True)\n')
+            '    while len(found) < 5 and time.monotonic() < end:\n        found += '
+            'keyboard.pressed()\n        time.sleep(0.01)\nprint(*found, flush=True)\n')
     child, terminal = pty.fork()
     if child == 0:
         os.execv(sys.executable, [sys.executable, '-c', code])
@@ -517,7 +561,8 @@ def test_keys_are_read_from_a_terminal_as_they_are_pressed():
         said += os.read(terminal, 1000)
     os.waitpid(child, 0)
     os.close(terminal)
-    done = subprocess.run([sys.executable, '-c', code.replace('+ 30', '+ 0.1')], stdin=subprocess.DEVNULL, check=True,
+    done = subprocess.run([sys.executable, '-c', code.replace('+ 30', '+ 0.1')],
+                          stdin=subprocess.DEVNULL, check=True,
                           capture_output=True, text=True)
     assert done.stdout.split() == ['False']
 
@@ -544,9 +589,11 @@ def test_a_thinned_curve_keeps_every_peak_and_every_gap(tmp_path, monkeypatch):
         assert np.nanmax(whole) == np.nanmax(kept) and np.nanmin(whole) == np.nanmin(kept)
     assert thinned(places[:5], values[:5], 1000).tolist() == [0, 1, 2, 3, 4]
     writer = BagWriter(tmp_path, 'run', [bags.MOTION], {}, sync_period=0.0)
-    peaks = [40_000.0 if k in (5, 3001, 9998) else -40_000.0 if k == 7000 else math.sin(k) for k in range(10_000)]
+    peaks = [40_000.0 if k in (5, 3001, 9998) else -40_000.0 if k == 7000 else math.sin(k)
+             for k in range(10_000)]
     for k, peak in enumerate(peaks):
-        writer.write(0, bags.encode('fourbar_msgs/msg/Motion', header=bags.stamp((k + 1) * 10**6), position=peak,
+        writer.write(0, bags.encode('fourbar_msgs/msg/Motion', header=bags.stamp((k + 1) * 10**6),
+                                    position=peak,
                                     velocity=0.0, acceleration=0.0))
     path = writer.close()
     monkeypatch.setattr(reader, 'BLOCK', 500)
@@ -558,7 +605,8 @@ def test_a_thinned_curve_keeps_every_peak_and_every_gap(tmp_path, monkeypatch):
 
 
 def test_messages_that_nobody_stamped_do_not_break_the_time_axis(tmp_path):
-    writer, begun = BagWriter(tmp_path, 'run', [bags.MOTION], {}, sync_period=0.0), 1_800_000_000 * 10**9
+    writer, begun = BagWriter(tmp_path, 'run', [bags.MOTION], {},
+                              sync_period=0.0), 1_800_000_000 * 10**9
     for k in range(100):
         writer.clock.now = lambda k=k: begun + k * 10**7 + 5000
         writer.write(0, bags.motion(begun + k * 10**7 if k not in (0, 40, 99) else 0))
@@ -569,7 +617,8 @@ def test_messages_that_nobody_stamped_do_not_break_the_time_axis(tmp_path):
 def test_only_the_topics_that_are_drawn_are_decoded(bag, monkeypatch):
     decoded = []
     arrays = Decoder.arrays
-    monkeypatch.setattr(Decoder, 'arrays', lambda self, messages: decoded.append(self.definition.name) or arrays(
+    monkeypatch.setattr(Decoder, 'arrays',
+                        lambda self, messages: decoded.append(self.definition.name) or arrays(
         self, messages))
     monkeypatch.setattr(reader, 'BLOCK', 100)
     series(bag, ['state.theta4'])
@@ -578,7 +627,8 @@ def test_only_the_topics_that_are_drawn_are_decoded(bag, monkeypatch):
 
 
 def test_two_topics_of_one_name_are_told_apart(tmp_path):
-    writer = BagWriter(tmp_path, 'run', [bags.MOTION, bags.MOTION._replace(topic='/other/driven')], {})
+    writer = BagWriter(tmp_path, 'run', [bags.MOTION, bags.MOTION._replace(topic='/other/driven')],
+                       {})
     writer.write(0, bags.motion(1))
     writer.write(1, bags.motion(2))
     path = writer.close()

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """What the commands answer to what people type: names, ranges, units, wrong words."""
 import os
 import subprocess
@@ -34,13 +36,17 @@ def said(capsys, *arguments):
     return code, *capsys.readouterr()
 
 
-# --- scene files -----------------------------------------------------------------------------------
+# --- scene files ---------------------------------------------------------------------------------
 
 @pytest.mark.parametrize('text, value', [
-    ('4e-1', 0.4), ('1E+5', 1e5), ('.5', 0.5), ('1.', 1.0), ('0x10', 16), ('010', 8), ('08', 8.0), ('+1', 1),
-    ('1_000', '1_000'), ('1:30', '1:30'), ('2020-01-01', '2020-01-01'), ('null', 'null'), ('~', '~'), ('y', True),
-    ('Off', False), ('tRue', 'tRue'), ('1e400', '1e400'), ('0b11', '0b11'), ("'4e-1'", '4e-1'), ('"1"', '1'), ('08x', '08x'),
-    ('99999999999999999999', 1e20), ('inf', float('inf')), ('-.inf', -float('inf')), ('-', None), ('', None)])
+    ('4e-1', 0.4), ('1E+5', 1e5), ('.5', 0.5), ('1.', 1.0), ('0x10', 16), ('010', 8), ('08', 8.0),
+    ('+1', 1),
+    ('1_000', '1_000'), ('1:30', '1:30'), ('2020-01-01', '2020-01-01'), ('null', 'null'),
+    ('~', '~'), ('y', True),
+    ('Off', False), ('tRue', 'tRue'), ('1e400', '1e400'), ('0b11', '0b11'), ("'4e-1'", '4e-1'),
+    ('"1"', '1'), ('08x', '08x'),
+    ('99999999999999999999', 1e20), ('inf', float('inf')), ('-.inf', -float('inf')), ('-', None),
+    ('', None)])
 def test_scalars_are_read_as_ros_reads_them(text, value, tmp_path):
     """Of the same texts test/ros/test_scene_file.py asks ROS itself."""
     file = scene_with(tmp_path, f'    frame_id: {text}\n')
@@ -60,18 +66,23 @@ def test_a_key_twice_is_refused(more, tmp_path, capsys):
     assert (code, out) == (1, '') and 'is given twice' in err and len(err.splitlines()) == 1
 
 
-@pytest.mark.parametrize('key, is_good', [('/**', True), ('fourbar', True), ('/fourbar', True), ('/cell/fourbar', True),
-                                          ('"/*"', True), ('/**/fourbar', True), ('other', False), ('/cell/other', False)])
+@pytest.mark.parametrize('key, is_good', [('/**', True), ('fourbar', True), ('/fourbar', True),
+                                          ('/cell/fourbar', True),
+                                          ('"/*"', True), ('/**/fourbar', True), ('other', False),
+                                          ('/cell/other', False)])
 def test_a_scene_for_another_node_is_refused(key, is_good, tmp_path, capsys):
     code, _, err = said(capsys, 'scene', 'check', scene_with(tmp_path, '', key))
     assert (code == 0) == is_good
     if not is_good:
-        assert '/other' in err or '/cell/other' in err and 'write "/**:"' in err and len(err.splitlines()) == 1
+        assert ('/other' in err or '/cell/other' in err and 'write "/**:"' in err
+                and len(err.splitlines()) == 1)
 
 
 @pytest.mark.parametrize('key, arguments, is_good', [
-    ('/**', [], True), ('fourbar', [], True), ('other', [], False), ('other', ['-r', '__node:=other'], True),
-    ('fourbar', ['-r', '__node:=other'], False), ('/cell/fourbar', [], False), ('/cell/fourbar', ['-r', '__ns:=/cell'], True),
+    ('/**', [], True), ('fourbar', [], True), ('other', [], False),
+    ('other', ['-r', '__node:=other'], True),
+    ('fourbar', ['-r', '__node:=other'], False), ('/cell/fourbar', [], False),
+    ('/cell/fourbar', ['-r', '__ns:=/cell'], True),
     ('fourbar', ['-r', '__ns:=/cell'], False), ('"/*"', ['-r', '__ns:=/cell'], False)])
 def test_the_node_refuses_parameters_that_are_not_its_own(key, arguments, is_good, tmp_path):
     given = ['--ros-args', '--params-file', scene_with(tmp_path, '', key), *arguments]
@@ -82,7 +93,8 @@ def test_the_node_refuses_parameters_that_are_not_its_own(key, arguments, is_goo
             check_node_arguments(given)
 
 
-@pytest.mark.parametrize('arguments', [['scene.yaml'], ['--params-file', 'scene.yaml'], ['paper', '--ros-args']])
+@pytest.mark.parametrize('arguments', [['scene.yaml'], ['--params-file', 'scene.yaml'],
+                                       ['paper', '--ros-args']])
 def test_the_node_says_what_to_type(arguments):
     with pytest.raises(UsageError, match='type  fourbar_node --ros-args --params-file '):
         check_node_arguments(arguments)
@@ -90,7 +102,8 @@ def test_the_node_says_what_to_type(arguments):
 
 def test_scenes_are_found_by_name_anywhere(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    assert {file.stem for file in scene_file.folder().glob('*.yaml')} >= {'paper', 'cylinder', 'slides_7_6'}
+    assert {file.stem for file in scene_file.folder().glob('*.yaml')} >= {'paper', 'cylinder',
+                                                                          'slides_7_6'}
     assert said(capsys, 'scene', 'check', 'paper')[0] == 0
     code, _, err = said(capsys, 'show', 'papr')
     assert code == 1 and 'did you mean paper?' in err
@@ -100,14 +113,17 @@ def test_scenes_are_found_by_name_anywhere(tmp_path, monkeypatch, capsys):
 
 @pytest.mark.parametrize('name', ['mid-dle', '1st', 'm d', 'ä-b'])
 def test_a_bad_name_of_a_point_is_explained(name, tmp_path, capsys):
-    _, _, err = said(capsys, 'scene', 'check', scene_with(tmp_path, f'    points: {{"{name}": {{link: crank}}}}\n'))
-    assert f"{name!r} is not a valid point name: use letters, digits and _" in err and len(err) < 200
+    _, _, err = said(capsys, 'scene', 'check', scene_with(tmp_path, '    points: '
+                                                                    f'{{"{name}": {{link: crank}}}}\n'))
+    assert (f"{name!r} is not a valid point name: use letters, digits and _" in err and len(err)
+            < 200)
 
 
-# --- words and numbers -----------------------------------------------------------------------------
+# --- words and numbers ---------------------------------------------------------------------------
 
 @pytest.mark.parametrize('arguments, suggestion', [
-    (('shwo', 'paper'), 'show'), (('bag', 'inf', 'x'), 'info'), (('show', 'paper', '--sped', '3'), '--speed'),
+    (('shwo', 'paper'), 'show'), (('bag', 'inf', 'x'), 'info'),
+    (('show', 'paper', '--sped', '3'), '--speed'),
     (('bag', 'info', 'x', '--chek'), '--check'), (('scene', 'chekc', 'x'), 'check')])
 def test_the_nearest_word_is_named(arguments, suggestion, capsys):
     code, _, err = said(capsys, *arguments)
@@ -117,15 +133,18 @@ def test_the_nearest_word_is_named(arguments, suggestion, capsys):
 
 
 @pytest.mark.parametrize('field, suggestion', [('state.omga4', 'state.omega4'),
-                                               ('stat.theta4', 'state.theta4'), ('loads.driving_torq', 'loads.driving_torque')])
+                                               ('stat.theta4', 'state.theta4'),
+                                               ('loads.driving_torq', 'loads.driving_torque')])
 def test_the_nearest_field_of_a_bag_is_named(field, suggestion, tmp_path, capsys):
     pytest.importorskip('matplotlib')
-    bag = bags.run(tmp_path, 'run', {**PAPER, **RODS, 'outputs': ['state', 'loads']}, [(0.1 * k, 25.0, 0.0) for k in range(5)])
+    bag = bags.run(tmp_path, 'run', {**PAPER, **RODS, 'outputs': ['state', 'loads']},
+                   [(0.1 * k, 25.0, 0.0) for k in range(5)])
     code, _, err = said(capsys, 'bag', 'plot', str(bag), field, '-o', str(tmp_path / 'x.png'))
     assert code == 1 and f'did you mean {suggestion}?' in err and len(err.splitlines()) == 1
 
 
-@pytest.mark.parametrize('name, suggestion', [('omga4', 'omega4'), ('shaking_frce', 'shaking_force'), ('F21', 'f21')])
+@pytest.mark.parametrize('name, suggestion',
+                         [('omga4', 'omega4'), ('shaking_frce', 'shaking_force'), ('F21', 'f21')])
 def test_the_nearest_quantity_is_named(name, suggestion):
     from fourbar_ros.mechanisms.quantities import UnknownQuantity, select
     with pytest.raises(UnknownQuantity, match=f'did you mean {suggestion}'):
@@ -133,8 +152,10 @@ def test_the_nearest_quantity_is_named(name, suggestion):
 
 
 @pytest.mark.parametrize('arguments', [
-    ('bag', 'recompute', 'x', '--tolerance', '-1'), ('bag', 'diff', 'x', 'y', '--tolerance', 'nan'),
-    ('replay', 'x', '--tolerance', '-1e-9'), ('replay', 'x', '--rate', '0'), ('show', 'paper', '--speed', 'nan'),
+    ('bag', 'recompute', 'x', '--tolerance', '-1'), ('bag', 'diff', 'x', 'y', '--tolerance',
+                                                     'nan'),
+    ('replay', 'x', '--tolerance', '-1e-9'), ('replay', 'x', '--rate', '0'),
+    ('show', 'paper', '--speed', 'nan'),
     ('show', 'paper', '--at', 'inf'), ('draw', 'paper', '--at', 'x', '-o', 'x.png'),
     ('show', 'paper', '--acceleration', 'nan')])
 def test_numbers_that_make_no_sense_are_refused_at_once(arguments, capsys):
@@ -145,7 +166,8 @@ def test_numbers_that_make_no_sense_are_refused_at_once(arguments, capsys):
 @pytest.mark.parametrize('verb', [('show',), ('draw', '-o', 'x.png')])
 @pytest.mark.parametrize('scene_name, at, text', [
     ('slides_7_6', '200', 'theta1 = 200 deg is outside the input range -130.3202 to 130.3202 deg'),
-    ('slides_7_6', '-130.5', 'theta1 = -130.5 deg is outside'), ('cylinder', '9', 'slide = 9 m is outside')])
+    ('slides_7_6', '-130.5', 'theta1 = -130.5 deg is outside'),
+    ('cylinder', '9', 'slide = 9 m is outside')])
 def test_asked_in_degrees_answered_in_degrees(verb, scene_name, at, text, capsys):
     pytest.importorskip('matplotlib')
     code, out, err = said(capsys, *verb, scene_name, '--at', at)
@@ -155,8 +177,10 @@ def test_asked_in_degrees_answered_in_degrees(verb, scene_name, at, text, capsys
 def test_show_tells_the_whole_of_example_7_6(capsys):
     """The slides' numbers for 60 deg, 10 rad/s, 100 rad/s^2."""
     _, out, _ = said(capsys, 'show', 'slides_7_6', '--at', '60', '--acceleration', '100')
-    rows = {line.split()[0]: line.split() for line in out.partition('at theta1 = 60.0000 deg')[2].splitlines()[2:]}
-    for name, expected in (('theta2', (-51.6570, -12.4463, -103.5916)), ('theta4', (84.5689, 7.1781, 125.5109)),
+    rows = {line.split()[0]: line.split()
+            for line in out.partition('at theta1 = 60.0000 deg')[2].splitlines()[2:]}
+    for name, expected in (('theta2', (-51.6570, -12.4463, -103.5916)),
+                           ('theta4', (84.5689, 7.1781, 125.5109)),
                            ('beta', (8.3430, -2.4463, -3.5916))):
         assert [float(rows[name][i]) for i in (1, 3, 4)] == pytest.approx(expected, abs=5e-5), name
 
@@ -166,9 +190,11 @@ def test_show_gives_all_components_of_forces_and_points(name, capsys):
     its = scene.load(name)
     at = 1.5 if its.linkage.is_driven_by_slide else 60.0
     _, out, _ = said(capsys, 'show', name, '--at', str(at))
-    motion, loads = its.linkage.step(at if its.linkage.is_driven_by_slide else np.radians(at), its.drive.speed)
+    motion, loads = its.linkage.step(at if its.linkage.is_driven_by_slide else np.radians(at),
+                                     its.drive.speed)
     lines = out.partition('\nloads\n')[2].splitlines()
-    for text, field in (('F41', 'f41'), ('F21', 'f21'), ('F32', 'f32'), ('F43', 'f43'), ('shaking force', 'shaking_force')):
+    for text, field in (('F41', 'f41'), ('F21', 'f21'), ('F32', 'f32'), ('F43', 'f43'),
+                        ('shaking force', 'shaking_force')):
         line, = (line for line in lines if line.startswith(text + ' '))
         numbers = [float(word) for word in line.removeprefix(text).split()[:3]]
         expected = [getattr(loads, f'{field}{end}') for end in ('_x', '_y', '')]
@@ -184,44 +210,61 @@ def test_zeros_are_not_printed_as_rounding(capsys):
     assert values.count('0') == 4 and not any('e-' in value for value in values)
 
 
-# --- ranges ----------------------------------------------------------------------------------------
+# --- ranges --------------------------------------------------------------------------------------
 
-@pytest.mark.parametrize('lengths', [(0.4, 1.2, 0.8, 1.0), (8.0, 14.0, 9.0, 17.0), (4.0, 3.0, 2.0, 8.0),
-                                     (5.0, 2.0, 7.0, 6.0), (6.0, 7.0, 5.0, 2.0), (2.0, 6.0, 7.0, 5.0)])
+@pytest.mark.parametrize('lengths', [(0.4, 1.2, 0.8, 1.0), (8.0, 14.0, 9.0, 17.0),
+                                     (4.0, 3.0, 2.0, 8.0),
+                                     (5.0, 2.0, 7.0, 6.0), (6.0, 7.0, 5.0, 2.0),
+                                     (2.0, 6.0, 7.0, 5.0)])
 @pytest.mark.parametrize('mode', [1, 2])
 def test_the_output_range_is_that_of_the_mode(lengths, mode):
-    """Against a fine grid of poses of this mode; both modes together are output_ranges of the linkage."""
+    """
+    Against a fine grid of poses of this mode.
+
+    Both modes together are output_ranges of the linkage.
+    """
     linkage = FourBar(*lengths, mode=mode)
     for low, high in linkage.input_ranges:
         theta4 = np.unwrap(linkage.motion(np.linspace(low, high, 20001)[1:-1]).theta4)
-        assert any(abs(np.ptp(theta4) - (b - a)) < 4e-2 and abs(np.exp(1j * theta4.min()) - np.exp(1j * a)) < 2e-2
+        assert any(abs(np.ptp(theta4) - (b - a)) < 4e-2
+                   and abs(np.exp(1j * theta4.min()) - np.exp(1j * a)) < 2e-2
                    for a, b in output_ranges(linkage))
-    both = [end % (2.0 * np.pi) for m in (1, 2) for pair in output_ranges(linkage.in_mode(m)) for end in pair]
+    both = [end % (2.0 * np.pi) for m in (1, 2) for pair in output_ranges(linkage.in_mode(m))
+            for end in pair]
     for low, high in linkage.output_ranges:
         if high - low < 6.28:
             for end in (low, high):
-                assert min(abs((end - e + np.pi) % (2.0 * np.pi) - np.pi) for e in both) < 1e-6, degrees(end)
+                assert min(abs((end - e + np.pi) % (2.0 * np.pi) - np.pi)
+                           for e in both) < 1e-6, degrees(end)
 
 
 def test_the_output_does_not_change_from_run_to_run():
     def text(*arguments, seed):
-        done = subprocess.run([sys.executable, '-c', 'import sys; from fourbar_ros.cli import main, scene\n'
-                               'scene.step_cost = lambda scene: 1e-5; sys.exit(main.main(sys.argv[1:]))',
+        done = subprocess.run([sys.executable, '-c', 'import sys; from fourbar_ros.cli import '
+                               'main, scene\nscene.step_cost = lambda scene: 1e-5; '
+                               'sys.exit(main.main(sys.argv[1:]))',
                                *arguments],
-                              capture_output=True, text=True, env={**os.environ, 'PYTHONHASHSEED': str(seed)}, check=False)
+                              capture_output=True, text=True,
+                              env={**os.environ, 'PYTHONHASHSEED': str(seed)}, check=False)
         assert 'Traceback' not in done.stderr, done.stderr
         return done.stdout + done.stderr
-    for arguments in (('scene', 'check', 'slides_7_6'), ('show', 'cylinder', '--at', '1'), ('show', 'nosuch')):
+    for arguments in (('scene', 'check', 'slides_7_6'), ('show', 'cylinder', '--at', '1'),
+                      ('show', 'nosuch')):
         assert len({text(*arguments, seed=seed) for seed in (1, 2, 3)}) == 1
 
 
 @pytest.mark.parametrize('arguments, text', [
-    (['config/typo.yaml', '5'], 'config/typo.yaml: no such file'), (['papr', '5'], 'no scene of this name'),
-    (['paper', '-1'], 'SECONDS=-1: must be'), (['paper', '0'], 'SECONDS=0: must be'), (['paper', 'x'], 'SECONDS=x: must be'),
-    (['paper', '0.0'], 'SECONDS=0.0: must be'), (['paper', '5'], ''), (['config/cylinder.yaml', '.5'], '')])
+    (['config/typo.yaml', '5'], 'config/typo.yaml: no such file'),
+    (['papr', '5'], 'no scene of this name'),
+    (['paper', '-1'], 'SECONDS=-1: must be'), (['paper', '0'], 'SECONDS=0: must be'),
+    (['paper', 'x'], 'SECONDS=x: must be'),
+    (['paper', '0.0'], 'SECONDS=0.0: must be'), (['paper', '5'], ''),
+    (['config/cylinder.yaml', '.5'], '')])
 def test_make_run_checks_what_it_is_asked_for_first(arguments, text):
-    done = subprocess.run([ROOT / 'scripts/check_run.sh', *arguments], capture_output=True, text=True, check=False)
-    assert (done.returncode == 0) == (not text) and text in done.stderr and len(done.stderr.splitlines()) == bool(text)
+    done = subprocess.run([ROOT / 'scripts/check_run.sh', *arguments], capture_output=True,
+                          text=True, check=False)
+    assert (done.returncode
+            == 0) == (not text) and text in done.stderr and len(done.stderr.splitlines()) == bool(text)
 
 
 def test_a_picture_is_where_it_is_said_to_be(tmp_path, capsys):
@@ -230,7 +273,7 @@ def test_a_picture_is_where_it_is_said_to_be(tmp_path, capsys):
     assert code == 0 and out == f"{tmp_path / 'noext.png'}\n" and (tmp_path / 'noext.png').exists()
 
 
-# --- without what is optional ----------------------------------------------------------------------
+# --- without what is optional --------------------------------------------------------------------
 
 @pytest.mark.parametrize('command, blocked, hint', [
     (['bag', 'info', 'x'], 'mcap', 'fourbar: bag requires mcap: pip install mcap lz4 zstandard'),
@@ -242,7 +285,8 @@ def test_what_to_install_is_said_in_one_line(command, blocked, hint):
     done = subprocess.run([sys.executable, '-c', f'import sys; sys.modules[{blocked!r}] = None\n'
                            f'from fourbar_ros.cli.main import main; sys.exit(main({command}))'],
                           capture_output=True, text=True, cwd=ROOT, check=False)
-    assert done.returncode == 1 and hint in done.stderr and len(done.stderr.splitlines()) == 1, done.stderr
+    assert done.returncode == 1 and hint in done.stderr and len(done.stderr.splitlines()) == 1, (
+        done.stderr)
 
 
 @pytest.mark.parametrize('name', ['node', 'demo'])
@@ -250,11 +294,13 @@ def test_the_programs_that_need_ros_say_so(name):
     done = subprocess.run([sys.executable, '-c', 'import sys; sys.modules["rclpy"] = None\n'
                            f'from fourbar_ros.optional import {name}; sys.exit({name}())'],
                           capture_output=True, text=True, cwd=ROOT, check=False)
-    assert done.returncode == 1 and done.stderr.startswith(f'fourbar_{name} requires ROS 2: source')
+    assert (done.returncode == 1
+            and done.stderr.startswith(f'fourbar_{name} requires ROS 2: source'))
     assert len(done.stderr.splitlines()) == 1, done.stderr
 
 
 def test_an_error_of_ours_is_not_taken_for_a_missing_package():
     from fourbar_ros.optional import MissingPackage
-    assert not MissingPackage.explains(ModuleNotFoundError("No module named 'fourbar_ros.typo'", name='fourbar_ros.typo'))
+    assert not MissingPackage.explains(ModuleNotFoundError("No module named 'fourbar_ros.typo'",
+                                                           name='fourbar_ros.typo'))
     assert MissingPackage.explains(ModuleNotFoundError('', name='mcap.opcode'))

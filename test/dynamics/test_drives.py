@@ -34,11 +34,13 @@ NOTHING = Body(0.0)
 
 def wheel(inertia=2.0, **options):
     """Return a linkage of which only the crank has mass: a flywheel, J constant."""
-    return FourBar(0.4, 1.2, 0.8, 1.0, bodies=Bodies(Body(0.0, inertia=inertia), NOTHING, NOTHING), **options)
+    return FourBar(0.4, 1.2, 0.8, 1.0, bodies=Bodies(Body(0.0, inertia=inertia), NOTHING, NOTHING),
+                   **options)
 
 
 def test_constant_torque_and_flywheel():
-    run = simulate(System(wheel(), 0.3, 1.0, drive=Drive(ConstantTorque(6.0), rotor=0.5, flywheel=0.5)), 2.0)
+    run = simulate(System(wheel(), 0.3, 1.0, drive=Drive(ConstantTorque(6.0), rotor=0.5,
+                                                         flywheel=0.5)), 2.0)
     assert run.status == REACHED
     assert run.position[-1] == pytest.approx(0.3 + 2.0 + 0.5 * 2.0 * 4.0, abs=1e-8)
     assert run.torque[-1] == 6.0 and run.acceleration[-1] == pytest.approx(2.0, rel=1e-14)
@@ -66,7 +68,11 @@ def test_a_dc_motor_with_inductance_and_gear():
 
 
 def test_a_speed_controller_saturates_and_does_not_wind_up():
-    """It accelerates at its limit, then settles with hardly any overshoot; no torque beyond the limit."""
+    """
+    It accelerates at its limit, then settles with hardly any overshoot.
+
+    No torque beyond the limit.
+    """
     controller = SpeedController(10.0, proportional=20.0, integral=40.0, limit=5.0)
     times = np.linspace(0.0, 10.0, 201)
     run = simulate(System(wheel(), 0.0, drive=Drive(controller)), 10.0, 1e-7, times=times)
@@ -94,7 +100,8 @@ def test_a_stiff_shaft_is_integrated_implicitly_and_a_soft_one_is_not():
 
 def test_a_controller_with_a_very_large_gain_holds_its_speed():
     """The crank of P5 at 150 rad/s: with a gain of 1e6 the speed is off by load over gain."""
-    bodies = Bodies(Body(0.36, 0.075, 0.0, 0.002727), Body(0.151104, 0.15, 0.0, 0.0045339259), Body(0.075552))
+    bodies = Bodies(Body(0.36, 0.075, 0.0, 0.002727), Body(0.151104, 0.15, 0.0, 0.0045339259),
+                    Body(0.075552))
     crank = SliderCrank(0.15, 0.30, bodies=bodies)
     drive = Drive(SpeedController(150.0, proportional=1e6))
     run = simulate(System(crank, 0.0, 150.0, drive=drive), 0.02, 1e-8)
@@ -128,7 +135,8 @@ def test_couples_do_work_over_turns():
     """J w^2 / 2 = couple times angle, also past half a turn of the link."""
     linkage = FourBar(1.0, 2.0, 1.0, 2.0, bodies=Bodies(*[Body(0.0, inertia=0.5)] * 3),
                       external=External(output=Applied(couple=3.0)))
-    run = simulate(System(linkage, 0.5), 3.0, 1e-9)     # a parallelogram: output turns as the crank
+    # a parallelogram: output turns as the crank
+    run = simulate(System(linkage, 0.5), 3.0, 1e-9)
     assert run.status == REACHED and run.position[-1] > 2.0 * pi
     assert run.position[-1] == pytest.approx(0.5 + 0.5 * 3.0 * 9.0, abs=1e-8)
 

@@ -62,7 +62,11 @@ def test_what_cannot_be_reached_is_not_called_a_success():
 
 
 def test_rigid_limit_of_the_flexible_slider_crank():
-    """P5, crank.f of the IVP Test Set: printed values of the elastic rod, 1e-4 from the rigid one."""
+    """
+    P5, crank.f of the IVP Test Set.
+
+    Printed values of the elastic rod, 1e-4 from the rigid one.
+    """
     motion = SliderCrank(0.15, 0.30).motion(15.0, 150.0)
     assert motion.beta == pytest.approx(-0.3311734987910881, abs=1e-4)
     assert motion.slide == pytest.approx(0.1697373326718410, abs=1e-4)
@@ -72,13 +76,18 @@ def test_rigid_limit_of_the_flexible_slider_crank():
 
 @pytest.mark.parametrize('stiffness', [1e3, 1e5, 1e7])
 def test_a_motor_through_an_elastic_shaft(stiffness):
-    """P6: three methods agree, whatever the stiffness; a stiff shaft nears the rigid one as 1/k."""
+    """
+    P6: three methods agree, whatever the stiffness.
+
+    A stiff shaft nears the rigid one as 1/k.
+    """
     drive = Drive(MotorLine(400.0, 26.0), rotor=0.5, shaft=Shaft(stiffness, 1e-3 * stiffness))
     runs = [simulate(System(paper_linkage(), 0.0, drive=drive), 0.5, 1e-6, method)
             for method in ('auto', 'LSODA')]
     assert all(run.status == REACHED for run in runs)
     assert abs(runs[0].position[-1] - runs[1].position[-1]) <= 2e-6
-    rigid = simulate(System(paper_linkage(), 0.0, drive=Drive(MotorLine(400.0, 26.0), rotor=0.5)), 0.5)
+    rigid = simulate(System(paper_linkage(), 0.0, drive=Drive(MotorLine(400.0, 26.0), rotor=0.5)),
+                     0.5)
     assert abs(runs[0].position[-1] - rigid.position[-1]) <= 500.0 / stiffness + 2e-6
 
 

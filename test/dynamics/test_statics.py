@@ -76,7 +76,8 @@ def test_two_equilibria_next_to_each_other_are_not_missed():
 def test_frequency_is_that_of_small_swings():
     place = equilibria(Equation(pendulum()))[0]
     assert place.position == pytest.approx(-pi / 2, rel=1e-15)
-    assert place.frequency == pytest.approx(sqrt(2.0 * 9.81 * 0.25 / 0.225) / (2.0 * pi), rel=1e-14)
+    assert place.frequency == pytest.approx(sqrt(2.0 * 9.81 * 0.25 / 0.225) / (2.0 * pi),
+                                            rel=1e-14)
     for mechanism in (paper_linkage(gravity=(0.0, -9.81)),):
         place = next(p for p in equilibria(Equation(mechanism)) if p.is_stable)
         swing = FreeMotion(System(mechanism, place.position + 1e-2))
@@ -88,7 +89,8 @@ def test_the_period_of_a_pendulum(amplitude):
     motion = FreeMotion(System(pendulum(), -pi / 2 + amplitude))
     frequency = mp.sqrt(2.0 * 9.81 * 0.25 / mp.mpf(0.225))
     exact = 4 * mp.ellipk(mp.sin(mp.mpf(amplitude) / 2)**2) / frequency
-    assert motion.period == pytest.approx(float(exact), rel=1e-12 / (pi - amplitude)**2)      # its condition
+    # its condition
+    assert motion.period == pytest.approx(float(exact), rel=1e-12 / (pi - amplitude)**2)
     assert motion.accuracy < 1e-9
     assert motion.position(0.0) == pytest.approx(-pi / 2 + amplitude, abs=1e-9)
     assert motion.position(motion.period / 2) == pytest.approx(-pi / 2 - amplitude, abs=1e-9)
@@ -106,7 +108,8 @@ def test_free_motion_is_what_integration_gives(name):
                       for bounds in mechanism.input_ranges for end in bounds))]
         if not stable:      # or at most next to a toggle, which the swing would reach
             continue
-        system = System(mechanism, stable[0].position, 0.05 * stable[0].frequency * mechanism.input_unit)
+        system = System(mechanism, stable[0].position,
+                        0.05 * stable[0].frequency * mechanism.input_unit)
         motion = FreeMotion(system)
         times = np.array([0.3, 1.0]) * motion.period
         run = simulate(system, times[-1], 1e-9, times=times)
@@ -118,7 +121,8 @@ def test_free_motion_is_what_integration_gives(name):
 
 def test_what_has_no_free_motion_is_refused():
     for system in (System(pendulum(), 0.0, drive=Drive(ConstantTorque(1.0))),
-                   System(FourBar(0.8, 1.2, 0.4, 1.0, bodies=Bodies(*[Body(1.0, 0.2)] * 3)), 1.0, 1.0)):
+                   System(FourBar(0.8, 1.2, 0.4, 1.0, bodies=Bodies(*[Body(1.0, 0.2)] * 3)), 1.0,
+                          1.0)):
         with pytest.raises(InvalidParameter, match='system'):
             FreeMotion(system)
 
@@ -130,7 +134,8 @@ def test_a_flywheel_gives_its_fluctuation_in_simulation(fluctuation):
     assert wheel.inertia > 0.0 and wheel.fluctuation == pytest.approx(fluctuation, rel=1e-9)
     drive = Drive(ConstantTorque(wheel.torque), flywheel=wheel.inertia)
     times = np.linspace(0.0, 0.75, 1501)
-    run = simulate(System(linkage, 0.0, float(wheel.rate[0]), drive=drive), 0.75, 1e-9, times=times)
+    run = simulate(System(linkage, 0.0, float(wheel.rate[0]), drive=drive), 0.75, 1e-9,
+                   times=times)
     measured = (np.max(run.rate) - np.min(run.rate)) / 25.0
     assert run.status == REACHED and measured == pytest.approx(fluctuation, rel=1e-4)
     assert 0.5 * (np.max(run.rate) + np.min(run.rate)) == pytest.approx(25.0, rel=1e-5)

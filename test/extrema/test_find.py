@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Extrema: published values, completeness against exact roots and scans, ends, change points, user quantities."""
 from dataclasses import replace
 from math import inf, isinf, pi
@@ -27,7 +29,8 @@ QUANTITIES = known(FourBar)
 
 
 def with_rods(lengths, **others):
-    return FourBar(*lengths, bodies=Bodies(*(round_rod(length, 7750.0, 0.01) for length in lengths[:3])), **others)
+    return FourBar(*lengths, bodies=Bodies(*(round_rod(length, 7750.0, 0.01)
+                                             for length in lengths[:3])), **others)
 
 
 def angle_between(a, b):
@@ -43,7 +46,7 @@ def the_largest(extrema, quantity):
     return max((e for e in extrema if e.quantity == quantity), key=lambda e: abs(e.value))
 
 
-# --- published values -------------------------------------------------------------------------------
+# --- published values ----------------------------------------------------------------------------
 
 @pytest.mark.parametrize('mode, quantity, kind, degrees, value', [
     (1, 'alpha4', 'maximum', 24.6475, 68.7731), (1, 'alpha4', 'minimum', 326.138, -87.9671),
@@ -60,7 +63,8 @@ def test_slides_example_7_7(mode, quantity, kind, degrees, value):
 
 @pytest.mark.parametrize('quantity, theta1, value', [
     ('shaking_force', 0.10962848, 2512.318373), ('shaking_moment', 0.21995444, 2048.609105),
-    ('driving_torque', 6.21476980, 720.4715562), ('f41', 0.11551325, 3862.925021), ('f21', 0.11396259, 3747.46146),
+    ('driving_torque', 6.21476980, 720.4715562), ('f41', 0.11551325, 3862.925021),
+    ('f21', 0.11396259, 3747.46146),
     ('f32', 0.13068520, 2788.891825), ('f43', 0.15042420, 2655.173464),
     ('omega4', 5.91384994, 23.95938172), ('alpha4', 0.14825570, 1062.775829)])
 def test_papers_linkage_as_found_by_eight_multibody_engines(quantity, theta1, value):
@@ -78,14 +82,14 @@ def test_papers_other_two_values():
     assert found['alpha4', 'minimum'].value == pytest.approx(-462.6986573, abs=1e-7)
 
 
-# --- complete and accurate: exact roots ----------------------------------------------------------------
+# --- complete and accurate: exact roots ----------------------------------------------------------
 
 def check_against_exact_roots(lengths):
     """
     Compare both modes with the exact extrema: number, place and value.
 
-    An error of eps in each length moves them by eps times their condition; that is the best that can be
-    asked, and the tolerance, with a factor 5 and the rounding of theta1 itself.
+    An error of eps in each length moves them by eps times their condition; that is the best that
+    can be asked, and the tolerance, with a factor 5 and the rounding of theta1 itself.
     """
     linkage = FourBar(*lengths)
     found = find_extrema(linkage, RATES)
@@ -98,9 +102,11 @@ def check_against_exact_roots(lengths):
             assert len(extrema) == len(roots), (lengths, quantity)
             for theta1, value in roots:
                 extremum = min(extrema, key=lambda e: angle_between(e.theta1, sense * theta1))
-                assert angle_between(extremum.theta1, sense * theta1) <= 5 * EPS * (extremum.condition + 2 * pi)
+                assert angle_between(extremum.theta1,
+                                     sense * theta1) <= 5 * EPS * (extremum.condition + 2 * pi)
                 value *= sense if order else 1
-                assert abs(extremum.value - value) <= 5 * EPS * (1 + extremum.value_condition) * abs(value)
+                assert abs(extremum.value
+                           - value) <= 5 * EPS * (1 + extremum.value_condition) * abs(value)
 
 
 def draw(family, number):
@@ -130,7 +136,8 @@ def test_rates_complete_and_accurate_150(family):
         check_against_exact_roots(lengths)
 
 
-@pytest.mark.parametrize('lengths', [(1.0, 2.0, 2.5, 3.5), (2.0, 4.0, 3.0, 5.0), (3.0, 2.0, 5.0, 4.0),
+@pytest.mark.parametrize('lengths', [(1.0, 2.0, 2.5, 3.5), (2.0, 4.0, 3.0, 5.0),
+                                     (3.0, 2.0, 5.0, 4.0),
                                      (5.0, 2.0, 4.0, 3.0)])
 @pytest.mark.parametrize('up', [False, True])
 def test_change_point_one_rounding_away(lengths, up):
@@ -141,8 +148,8 @@ def test_change_point_one_rounding_away(lengths, up):
         assert [len(of(found, quantity)) for quantity in RATES] == count_extrema(near)
 
 
-# Pairs of extrema that lie between two samples: found by a closer look (theta4''), or as neighbours of one of
-# theta4'' (theta4').
+# Pairs of extrema that lie between two samples: found by a closer look (theta4''), or as
+# neighbours of one of theta4'' (theta4').
 PAIRS = ((0.35082668713088083, 0.8833869937245226, 0.830033957902283, 0.9114534728718168),
          (0.9901282012759378, 0.20704846913484642, 0.5637244933385037, 0.5631644614516844),
          (0.4051177427743674, 0.9265869837965962, 0.7664512540213785, 0.4051175759722894),
@@ -166,7 +173,8 @@ def test_close_pairs_are_found(lengths):
     assert [int((many[quantity].side == 0).sum()) for quantity in RATES] == count_extrema(lengths)
 
 
-@pytest.mark.parametrize('lengths', [(0.5, 0.9, 0.7, 0.5), (0.5, 0.4, 0.8, 0.5), (1.0, 0.3, 0.8, 1.0)])
+@pytest.mark.parametrize('lengths', [(0.5, 0.9, 0.7, 0.5), (0.5, 0.4, 0.8, 0.5),
+                                     (1.0, 0.3, 0.8, 1.0)])
 def test_equal_crank_and_ground(lengths):
     found = find_extrema(FourBar(*lengths), RATES)
     assert [len(of(found, quantity)) for quantity in RATES] == count_extrema(lengths)
@@ -182,10 +190,14 @@ def test_unit_of_length_does_not_matter(unit):
         assert a.value == pytest.approx(b.value, rel=64 * EPS)
 
 
-# --- loads and other quantities: scans -------------------------------------------------------------------
+# --- loads and other quantities: scans -----------------------------------------------------------
 
 def check_against_scan(linkage, quantities, omega1, alpha1, points):
-    """Compare with the local extrema of a scan: each must be found, each found one be an extremum."""
+    """
+    Compare with the local extrema of a scan.
+
+    Each must be found, each found one be an extremum.
+    """
     found = find_extrema(linkage, quantities, omega1, alpha1)
     names = [q if isinstance(q, str) else q.name for q in quantities]
     functions = [QUANTITIES[q].of if isinstance(q, str) else q.of for q in quantities]
@@ -205,12 +217,14 @@ def check_against_scan(linkage, quantities, omega1, alpha1, points):
                 extrema = [e.theta1 for e in of(found, name) if e.kind == kind]
                 for top in tops:
                     number += 1
-                    assert min(angle_between(top, theta1) for theta1 in extrema) <= 1.5 * step, (linkage, name, top)
+                    assert min(angle_between(top, theta1)
+                               for theta1 in extrema) <= 1.5 * step, (linkage, name, top)
     for extremum in found:
         if extremum.place == 'interior' and extremum.kind != 'constant':
             d = 1e-6 / max(1.0, extremum.condition)
             function = functions[names.index(extremum.quantity)]
-            around = function(*linkage.step(extremum.theta1 + d * np.array((-1.0, 0.0, 1.0)), omega1, alpha1))
+            around = function(*linkage.step(extremum.theta1 + d * np.array((-1.0, 0.0, 1.0)),
+                                            omega1, alpha1))
             sense = 1 if extremum.kind == 'maximum' else -1
             drop = (sense * (around[1] - around[[0, 2]])).min()
             assert drop > -64 * EPS * abs(around[1]) * (1 + extremum.value_condition)
@@ -222,8 +236,10 @@ def random_linkage(rng, kind):
     while True:
         lengths = rng.uniform(0.1, 1.0, 4).tolist()
         try:
-            linkage = FourBar(*lengths, mode=int(rng.integers(1, 3)), gravity=tuple(rng.normal(0.0, 5.0, 2).tolist()),
-                              bodies=Bodies(*(Body(*rng.uniform((0.1, 0.0, -0.2, 0.01), (2.0, 1.0, 0.2, 0.2)).tolist())
+            linkage = FourBar(*lengths, mode=int(rng.integers(1, 3)),
+                              gravity=tuple(rng.normal(0.0, 5.0, 2).tolist()),
+                              bodies=Bodies(*(Body(*rng.uniform((0.1, 0.0, -0.2, 0.01),
+                                                                (2.0, 1.0, 0.2, 0.2)).tolist())
                                               for _ in range(3))))
         except InvalidParameter:
             continue
@@ -239,7 +255,8 @@ def test_all_quantities_against_a_scan(kind):
         linkage = random_linkage(rng, kind)
         quantities = [*QUANTITIES, point_speed(linkage, 'coupler', *rng.uniform(-0.5, 0.5, 2)),
                       point_acceleration(linkage, 'coupler', *rng.uniform(-0.5, 0.5, 2))]
-        number += check_against_scan(linkage, quantities, rng.normal(0.0, 10.0), rng.normal(0.0, 50.0), 20000)
+        number += check_against_scan(linkage, quantities, rng.normal(0.0, 10.0),
+                                     rng.normal(0.0, 50.0), 20000)
     assert number > 100
 
 
@@ -249,7 +266,8 @@ def test_all_quantities_against_a_scan(kind):
 def test_loads_of_500_linkages_against_a_scan(kind, seed):
     rng = np.random.default_rng(seed)
     for _ in range(50):
-        check_against_scan(random_linkage(rng, kind), [*QUANTITIES], rng.normal(0.0, 10.0), 0.0, 60000)
+        check_against_scan(random_linkage(rng, kind), [*QUANTITIES], rng.normal(0.0, 10.0), 0.0,
+                           60000)
 
 
 def test_input_acceleration_moves_the_extrema():
@@ -260,21 +278,24 @@ def test_input_acceleration_moves_the_extrema():
     assert all(angle_between(still[kind], moved[kind]) > 0.05 for kind in still)
 
 
-# --- ends of the input range, change points ----------------------------------------------------------------
+# --- ends of the input range, change points ------------------------------------------------------
 
-@pytest.mark.parametrize('lengths', [(4.0, 2.0, 3.0, 5.5), (1.2, 0.5, 0.8, 1.0), (3.0, 2.0, 4.0, 3.5),
+@pytest.mark.parametrize('lengths', [(4.0, 2.0, 3.0, 5.5), (1.2, 0.5, 0.8, 1.0),
+                                     (3.0, 2.0, 4.0, 3.5),
                                      (1.0, 0.8, 0.9, 2.2), (2.0, 0.6, 1.7, 2.1)])
 @pytest.mark.parametrize('mode', [1, 2])
 @pytest.mark.parametrize('omega1', [3.0, -3.0])
 def test_ends_of_a_rocker_input_are_unbounded_with_their_sign(lengths, mode, omega1):
     linkage = with_rods(lengths, mode=mode)
     found = find_extrema(linkage, (), omega1)
-    ends = [(bound, side) for bounds in linkage.input_ranges for bound, side in zip(bounds, (1, -1))]
+    ends = [(bound, side) for bounds in linkage.input_ranges
+            for bound, side in zip(bounds, (1, -1))]
     for quantity in QUANTITIES.values():
         limits = of(found, quantity.name, 'limit')
         assert len(limits) == len(ends)
         for bound, side in ends:
-            limit = min((e for e in limits if e.side == side), key=lambda e: angle_between(e.theta1, bound))
+            limit = min((e for e in limits if e.side == side),
+                        key=lambda e: angle_between(e.theta1, bound))
             assert angle_between(limit.theta1, bound) < 64 * EPS
             near = quantity.of(*linkage.step(bound + side * 1e-9, omega1))
             assert limit.value == (inf if near > 0.0 else -inf)
@@ -297,8 +318,9 @@ def rate_at_flat_position(lengths, at_pi, sign):
     return (q + e + sign * (q + f) * ratio**0.5) / (2 * q)
 
 
-@pytest.mark.parametrize('lengths, at_pi', [((2.0, 4.0, 3.0, 5.0), True), ((3.0, 2.0, 5.0, 4.0), True),
-                                            ((4.0, 2.0, 3.0, 5.0), False), ((1.0, 4.0, 2.0, 3.0), False)])
+@pytest.mark.parametrize('lengths, at_pi',
+                         [((2.0, 4.0, 3.0, 5.0), True), ((3.0, 2.0, 5.0, 4.0), True),
+                          ((4.0, 2.0, 3.0, 5.0), False), ((1.0, 4.0, 2.0, 3.0), False)])
 @pytest.mark.parametrize('mode', [1, 2])
 def test_change_point_has_one_sided_values(lengths, at_pi, mode):
     linkage = FourBar(*lengths, mode=mode)
@@ -312,7 +334,8 @@ def test_change_point_has_one_sided_values(lengths, at_pi, mode):
         assert extremum.value == pytest.approx(expected, rel=100 * EPS)
     assert all(e.value == 0.0 for e in of(found, 'alpha4', 'one-sided'))
     for extremum in (*of(found, 'omega4', 'one-sided'), *of(found, 'alpha4', 'one-sided')):
-        beside = getattr(linkage.motion(extremum.theta1 + extremum.side * 1e-3, 1.0), extremum.quantity)
+        beside = getattr(linkage.motion(extremum.theta1 + extremum.side * 1e-3, 1.0),
+                         extremum.quantity)
         assert extremum.kind == ('maximum' if extremum.value > beside else 'minimum')
     exact = count_extrema(lengths)
     assert [len(of(found, quantity)) for quantity in RATES] == exact
@@ -329,14 +352,17 @@ def test_parallelogram_is_said_to_be_constant():
     found = find_extrema(with_rods((1.0, 2.0, 1.0, 2.0)), RATES, 10.0)
     rate, = (e for e in found if e.quantity == 'omega4' and e.kind == 'constant')
     assert rate.value == pytest.approx(10.0, rel=8 * EPS)
-    assert (rate.theta1, rate.side) == (0.0, 1)      # theta1 in (0, pi): there mode 2 is the parallelogram
+    # theta1 in (0, pi): there mode 2 is the parallelogram
+    assert (rate.theta1, rate.side) == (0.0, 1)
     acceleration, = (e for e in found if e.quantity == 'alpha4' and e.kind == 'constant')
     assert acceleration.value == 0.0
     others = [e for e in found if e.quantity == 'omega4' and e.kind != 'constant']
-    assert sorted(round(e.value, 9) for e in others) == [-30.0, round(-10.0 / 3.0, 9)]   # antiparallelogram
+    # antiparallelogram
+    assert sorted(round(e.value, 9) for e in others) == [-30.0, round(-10.0 / 3.0, 9)]
 
 
-@pytest.mark.parametrize('lengths', [(1.0, 1.0, 1.0, 1.0), (1.0, 1.0, 2.0, 2.0), (3.0, 2.0, 2.0, 3.0),
+@pytest.mark.parametrize('lengths', [(1.0, 1.0, 1.0, 1.0), (1.0, 1.0, 2.0, 2.0),
+                                     (3.0, 2.0, 2.0, 3.0),
                                      (2.0, 2.0, 1.0, 1.0)])
 @pytest.mark.parametrize('mode', [1, 2])
 def test_kites_and_rhombus_have_finite_or_signed_values(lengths, mode):
@@ -352,30 +378,37 @@ def test_nothing_moves_nothing_varies():
 
 
 def test_balanced_linkage_has_a_constant_shaking_force():
-    """Berkof and Lowen's conditions: the common centre of gravity rests, the force is rounding noise."""
+    """
+    Berkof and Lowen's conditions.
+
+    The common centre of gravity rests, the force is rounding noise.
+    """
     a1, a2, a3, a4 = PAPER
     coupler = Body(2.0, 0.5, 0.1, 0.1)
     # the coupler as two masses at A and B, complex, each cancelled by a counterweight on its link
     at_b = coupler.mass * complex(coupler.cg_along, coupler.cg_across) / a2
     at_a = coupler.mass - at_b
     crank, output = -at_a * a1, -at_b * a3
-    bodies = Bodies(Body(1.0, crank.real, crank.imag, 0.1), coupler, Body(1.0, output.real, output.imag, 0.1))
+    bodies = Bodies(Body(1.0, crank.real, crank.imag, 0.1), coupler,
+                    Body(1.0, output.real, output.imag, 0.1))
     shaking, = find_extrema(FourBar(*PAPER, bodies=bodies), ('shaking_force',), 10.0)
     assert shaking.kind == 'constant' and shaking.value == 0.0
 
 
-# --- user quantities, wrong input ----------------------------------------------------------------------------
+# --- user quantities, wrong input ----------------------------------------------------------------
 
 def test_angles_can_be_asked_for():
     a1, a2, a3, a4 = PAPER
     low, high = find_extrema(FourBar(*PAPER), (Quantity('transmission_angle', 'rad', '', False),))
     for extremum, theta1, ground in ((low, 0.0, a4 - a1), (high, pi, a4 + a1)):
         assert angle_between(extremum.theta1, theta1) < 4 * EPS
-        assert extremum.value == pytest.approx(np.arccos((a2**2 + a3**2 - ground**2) / (2 * a2 * a3)), rel=16 * EPS)
+        assert extremum.value == pytest.approx(np.arccos((a2**2 + a3**2 - ground**2)
+                                                         / (2 * a2 * a3)), rel=16 * EPS)
     dead = find_extrema(FourBar(*PAPER), lambda motion, loads: motion.theta4)
     assert [e.kind for e in dead] == ['minimum', 'maximum']
     for extremum in dead:      # crank and coupler in line: the output link stands still
-        assert abs(FourBar(*PAPER).motion(extremum.theta1, 1.0).omega4) < 8 * EPS * extremum.condition
+        assert abs(FourBar(*PAPER).motion(extremum.theta1,
+                                          1.0).omega4) < 8 * EPS * extremum.condition
 
 
 def test_function_with_abs_has_its_kinks_as_minima():
@@ -389,11 +422,17 @@ def test_function_with_abs_has_its_kinks_as_minima():
         assert min(angle_between(extremum.theta1, e.theta1) for e in found) < 1e-9
 
 
-@pytest.mark.parametrize('lengths', [(1.2, 0.5, 0.8, 1.0), (4.0, 2.0, 3.0, 5.5), (0.8, 0.5, 1.2, 1.4)])
+@pytest.mark.parametrize('lengths', [(1.2, 0.5, 0.8, 1.0), (4.0, 2.0, 3.0, 5.5),
+                                     (0.8, 0.5, 1.2, 1.4)])
 def test_function_with_abs_of_a_rocker_has_an_extremum_between_its_unbounded_ends(lengths):
-    """Next to the toggles all derivatives are huge: they must not hide in the trial that abs has no complex step."""
+    """
+    Next to the toggles all derivatives are huge.
+
+    They must not hide in the trial that abs has no complex step.
+    """
     linkage = with_rods(lengths)
-    found = find_extrema(linkage, lambda motion, loads: abs(loads.f41 - 1.0) + motion.omega_beta, 2.0, 0.5)
+    found = find_extrema(linkage, lambda motion, loads: abs(loads.f41 - 1.0) + motion.omega_beta,
+                         2.0, 0.5)
     ends = [e for e in found if e.place == 'limit']
     assert ends and all(e.value == inf for e in ends)
     for low, high in linkage.input_ranges:
@@ -434,9 +473,10 @@ def test_wrong_input_is_refused():
             find_extrema(linkage, (), *rates)
 
 
-# --- condition numbers, sorting, many at once ----------------------------------------------------------------------
+# --- condition numbers, sorting, many at once ----------------------------------------------------
 
-@pytest.mark.parametrize('lengths, size', [(PAPER, 1e-7), ((4.0, 2.0, 3.0, 5.5), 1e-7), ((1.0, 2.0, 2.5, 3.49), 1e-7),
+@pytest.mark.parametrize('lengths, size', [(PAPER, 1e-7), ((4.0, 2.0, 3.0, 5.5), 1e-7),
+                                           ((1.0, 2.0, 2.5, 3.49), 1e-7),
                                            ((1.0, 2.0, 2.5, 3.5 - 1e-6), 1e-10)])
 @pytest.mark.parametrize('alpha1', [0.0, 20.0])
 def test_condition_numbers_bound_what_wrong_lengths_do_and_are_reached(lengths, size, alpha1):
@@ -446,7 +486,8 @@ def test_condition_numbers_bound_what_wrong_lengths_do_and_are_reached(lengths, 
     moved, changed = np.zeros(len(found)), np.zeros(len(found))
     for signs in np.ndindex(2, 2, 2, 2):
         near = replace(linkage, **{name: length * (1.0 + size * (2 * sign - 1))
-                                   for name, length, sign in zip(('a1', 'a2', 'a3', 'a4'), lengths, signs)})
+                                   for name, length, sign in zip(('a1', 'a2', 'a3', 'a4'), lengths,
+                                                                 signs)})
         others = [e for e in find_extrema(near, quantities, 10.0, alpha1) if e.place == 'interior']
         for i, (one, other) in enumerate(zip(found, others)):
             moved[i] = max(moved[i], angle_between(one.theta1, other.theta1) / size)
@@ -472,14 +513,17 @@ def test_sorted_by_quantity_and_angle_and_reproducible():
 def test_many_linkages_give_what_each_gives_alone():
     rng = np.random.default_rng(11)
     lengths = rng.uniform(0.1, 1.0, (4, 60))
-    lengths[3, :20] = (lengths[1, :20] + lengths[2, :20] - lengths[0, :20]) * (1.0 + 10.0**rng.uniform(-12.0, -2.0, 20))
-    lengths[:, 20:23] = np.transpose([(2.0, 4.0, 3.0, 5.0), (1.0, 2.0, 1.0, 2.0), (1.0, -2.0, 1.0, 1.0)])
+    lengths[3, :20] = (lengths[1, :20] + lengths[2, :20]
+                       - lengths[0, :20]) * (1.0 + 10.0**rng.uniform(-12.0, -2.0, 20))
+    lengths[:, 20:23] = np.transpose([(2.0, 4.0, 3.0, 5.0), (1.0, 2.0, 1.0, 2.0),
+                                      (1.0, -2.0, 1.0, 1.0)])
     modes, rates, seen = rng.integers(1, 3, 60), rng.normal(0.0, 3.0, 60), []
     many = find_extrema_many(*lengths, modes, rates, progress=seen.append)
     assert seen[-1] == 1.0
     for j in range(60):
         try:
-            alone = find_extrema(FourBar(*lengths[:, j].tolist(), mode=int(modes[j])), RATES, float(rates[j]))
+            alone = find_extrema(FourBar(*lengths[:, j].tolist(), mode=int(modes[j])), RATES,
+                                 float(rates[j]))
         except InvalidParameter:
             alone = []
         for name in RATES:
@@ -522,14 +566,21 @@ def test_many_are_as_accurate_as_one_at_unequal_links(size):
                 if e.place == 'limit':
                     assert angle_between(many[name].theta1[row], e.theta1) <= 4 * EPS * e.theta1
                 else:
-                    assert angle_between(many[name].theta1[row], e.theta1) <= 10 * EPS * (6 + e.condition)
-                    assert many[name].value[row] == pytest.approx(e.value, rel=10 * EPS * (1 + e.value_condition))
+                    assert angle_between(many[name].theta1[row],
+                                         e.theta1) <= 10 * EPS * (6 + e.condition)
+                    assert many[name].value[row] == pytest.approx(e.value, rel=10 * EPS
+                                                                  * (1 + e.value_condition))
 
 
 def test_many_are_seldom_searched_one_by_one(monkeypatch):
-    """Only at change points and where two values are equal but for their condition; ends at infinity are no such ties."""
+    """
+    Only at change points and where two values are equal but for their condition.
+
+    Ends at infinity are no such ties.
+    """
     alone = []
-    monkeypatch.setattr(many_module, 'find_extrema', lambda *arguments: alone.append(arguments) or [])
+    monkeypatch.setattr(many_module, 'find_extrema', lambda *arguments: alone.append(arguments)
+                        or [])
     find_extrema_many(*np.random.default_rng(3).uniform(0.1, 1.0, (4, 3000)))
     assert len(alone) < 10
 
@@ -537,7 +588,8 @@ def test_many_are_seldom_searched_one_by_one(monkeypatch):
 def test_many_in_arrays_of_two_dimensions():
     lengths = np.array(PAPER)[:, None, None] * np.ones((4, 2, 3))
     lengths[1, 1, 2] = 1.1
-    many, flat = find_extrema_many(*lengths, rate=[[1.0], [2.0]]), find_extrema_many(*lengths.reshape(4, 6), rate=[1.0] * 3 + [2.0] * 3)
+    many, flat = (find_extrema_many(*lengths, rate=[[1.0], [2.0]]),
+                  find_extrema_many(*lengths.reshape(4, 6), rate=[1.0] * 3 + [2.0] * 3))
     for name in RATES:
         assert all((one == other).all() for one, other in zip(many[name], flat[name]))
     assert set(many['omega4'].index) == set(range(6))

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Extrema of positions: continuous angles, slide and transmission angle, against dead points and limits in closed form."""
 from math import pi
 
@@ -67,7 +69,8 @@ def test_the_transmission_angle_is_extreme_in_line_with_the_ground_or_at_toggles
 def test_the_slide_turns_back_at_its_dead_points(offset, mode):
     mechanism = SliderCrank(0.3, 1.0, offset, mode=mode)
     found = find_extrema(mechanism, 'slide')
-    assert sorted(e.value for e in found) == pytest.approx(sorted(p.slide for p in mechanism.dead_points), rel=1e-14)
+    assert (sorted(e.value for e in found)
+            == pytest.approx(sorted(p.slide for p in mechanism.dead_points), rel=1e-14))
     assert {e.unit for e in found} == {'m'}
 
 

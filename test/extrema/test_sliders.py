@@ -1,4 +1,10 @@
-"""Extrema of slider-cranks and inverted slider-cranks, driven at crank or slide, against scans; limits, change points."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Extrema of slider-cranks and inverted slider-cranks, driven at crank or slide, against scans.
+
+Limits, change points.
+"""
 from dataclasses import replace
 from math import inf, isfinite, isnan, nan, pi
 
@@ -20,19 +26,23 @@ from fourbar_ros.mechanisms.quantities import (
 )
 
 EPS = 2.0**-52
-KINDS = [(SliderCrank, CRANK), (SliderCrank, SLIDE), (InvertedSlider, CRANK), (InvertedSlider, SLIDE)]
+KINDS = [(SliderCrank, CRANK), (SliderCrank, SLIDE), (InvertedSlider, CRANK),
+         (InvertedSlider, SLIDE)]
 
 
 def random_bodies(rng):
-    return Bodies(*(Body(*rng.uniform((0.1, 0.0, -0.2, 0.01), (2.0, 1.0, 0.2, 0.2)).tolist()) for _ in range(3)))
+    return Bodies(*(Body(*rng.uniform((0.1, 0.0, -0.2, 0.01), (2.0, 1.0, 0.2, 0.2)).tolist())
+                    for _ in range(3)))
 
 
 def random_mechanism(rng, kind, driven, least=1e-3):
     """Return a mechanism with random lengths, masses, gravity and mode, not too near a change point."""
     while True:
         try:
-            mechanism = kind(*rng.uniform(0.1, 1.0, 2).tolist(), float(rng.normal(0.0, 0.2)), mode=int(rng.integers(1, 3)),
-                             input=driven, gravity=tuple(rng.normal(0.0, 5.0, 2).tolist()), bodies=random_bodies(rng))
+            mechanism = kind(*rng.uniform(0.1, 1.0, 2).tolist(), float(rng.normal(0.0, 0.2)),
+                             mode=int(rng.integers(1, 3)),
+                             input=driven, gravity=tuple(rng.normal(0.0, 5.0, 2).tolist()),
+                             bodies=random_bodies(rng))
         except InvalidParameter:
             continue
         if mechanism.change_point_margin > least:
@@ -40,7 +50,8 @@ def random_mechanism(rng, kind, driven, least=1e-3):
 
 
 def everything(mechanism, rng):
-    return [*select((), mechanism), point_speed(mechanism, 'coupler', *rng.uniform(-0.5, 0.5, 2).tolist()),
+    return [*select((), mechanism),
+            point_speed(mechanism, 'coupler', *rng.uniform(-0.5, 0.5, 2).tolist()),
             point_acceleration(mechanism, 'coupler', *rng.uniform(-0.5, 0.5, 2).tolist())]
 
 
@@ -50,12 +61,14 @@ def test_near_change_points_against_a_scan_that_looks_there(kind, driven, gap):
     """The scan's steps shrink towards every place where the motion changes within sqrt(gap)."""
     rng = np.random.default_rng(9)
     for sign in (1.0, -1.0):
-        mechanism = kind(0.3, 0.3 + 0.1 + sign * gap, 0.1, mode=2, input=driven, bodies=random_bodies(rng))
+        mechanism = kind(0.3, 0.3 + 0.1 + sign * gap, 0.1, mode=2, input=driven,
+                         bodies=random_bodies(rng))
         quantities = [q for q in select((), mechanism) if not q.is_load]
         found = find_extrema(mechanism, quantities, 3.0)
         near = np.array([z.real for z in mechanism.singular_inputs])
         distances = np.concatenate([10.0**np.linspace(-9.0, 0.0, 6000)])
-        x = np.unique(np.concatenate([near[:, None] + s * distances for s in (-1.0, 1.0)], axis=None))
+        x = np.unique(np.concatenate([near[:, None] + s * distances for s in (-1.0, 1.0)],
+                                     axis=None))
         for low, high in mechanism.input_ranges:
             inside = x[(x > low) & (x < high)]
             state = mechanism.motion(inside, 3.0), None
@@ -65,27 +78,37 @@ def test_near_change_points_against_a_scan_that_looks_there(kind, driven, gap):
                 for side, kind_of in ((1, 'maximum'), (-1, 'minimum')):
                     rise = side * np.diff(values)
                     tops = np.nonzero((rise[:-1] > noise) & (rise[1:] < -noise))[0] + 1
-                    places = np.array([place(mechanism, e) for e in found if (e.quantity, e.kind) == (quantity.name, kind_of)])
+                    places = np.array([place(mechanism, e) for e in found if (e.quantity, e.kind)
+                                       == (quantity.name, kind_of)])
                     for i in tops:
                         width = inside[i + 1] - inside[i - 1]
-                        assert places.size and min(abs(mechanism.distance(inside[i], p)) for p in places) <= width, \
+                        assert places.size and min(abs(mechanism.distance(inside[i], p))
+                                                   for p in places) <= width, \
                             (mechanism, quantity.name, inside[i])
 
 
 def test_piston_of_a_centric_slider_crank():
-    """The largest speed of the piston lies where, in the textbooks, crank and rod are nearly square; both ways alike."""
+    """
+    The largest speed of the piston lies where, in the textbooks, crank and rod are nearly square.
+
+    Both ways alike.
+    """
     mechanism = SliderCrank(0.06, 0.2)
     found = find_extrema(mechanism, ('slide_velocity', 'slide_acceleration'), 314.0)
     speeds = [e for e in found if e.quantity == 'slide_velocity']
     assert [e.kind for e in speeds] == ['minimum', 'maximum'] and isnan(speeds[0].slide)
     assert speeds[0].value == pytest.approx(-speeds[1].value, rel=16 * EPS)
     assert speeds[0].theta1 + speeds[1].theta1 == pytest.approx(2.0 * pi, rel=4 * EPS)
-    outer = next(e for e in found if e.quantity == 'slide_acceleration' and e.kind == 'minimum' and e.is_global)
-    assert (outer.theta1, outer.value) == (0.0, pytest.approx(-0.06 * 314.0**2 * (1.0 + 0.06 / 0.2), rel=8 * EPS))
+    outer = next(e for e in found if e.quantity == 'slide_acceleration' and e.kind == 'minimum'
+                 and e.is_global)
+    assert (outer.theta1, outer.value) == (0.0, pytest.approx(-0.06 * 314.0**2
+                                                              * (1.0 + 0.06 / 0.2), rel=8 * EPS))
 
 
-@pytest.mark.parametrize('mechanism', [SliderCrank(0.1, 0.3, 0.05, input=SLIDE), SliderCrank(0.1, 0.3, 0.25),
-                                       SliderCrank(0.3, 0.1, 0.05), InvertedSlider(0.3, 0.35, 0.1, input=SLIDE),
+@pytest.mark.parametrize('mechanism', [SliderCrank(0.1, 0.3, 0.05, input=SLIDE),
+                                       SliderCrank(0.1, 0.3, 0.25),
+                                       SliderCrank(0.3, 0.1, 0.05),
+                                       InvertedSlider(0.3, 0.35, 0.1, input=SLIDE),
                                        InvertedSlider(0.3, 0.35, 0.1)])
 @pytest.mark.parametrize('mode', [1, 2])
 @pytest.mark.parametrize('rate', [2.0, -2.0])
@@ -98,7 +121,8 @@ def test_ends_of_the_range_are_unbounded_with_their_sign(mechanism, mode, rate):
         assert len(ends) == 2 * len(mechanism.input_ranges)
         for end in ends:
             at = place(mechanism, end)
-            low, high = min(mechanism.input_ranges, key=lambda r: min(abs(mechanism.distance(at, v)) for v in r))
+            low, high = min(mechanism.input_ranges,
+                            key=lambda r: min(abs(mechanism.distance(at, v)) for v in r))
             near = at + end.side * 1e-9 * (high - low)
             value = quantity.of(mechanism.motion(near, rate), None)
             if isfinite(end.value):
@@ -107,14 +131,17 @@ def test_ends_of_the_range_are_unbounded_with_their_sign(mechanism, mode, rate):
                 assert np.sign(value) == np.sign(end.value) and abs(value) > 1e3
 
 
-@pytest.mark.parametrize('mechanism', [SliderCrank(0.2, 0.2), InvertedSlider(0.2, 0.2), SliderCrank(2.0, 3.0, 1.0),
+@pytest.mark.parametrize('mechanism', [SliderCrank(0.2, 0.2), InvertedSlider(0.2, 0.2),
+                                       SliderCrank(2.0, 3.0, 1.0),
                                        SliderCrank(3.0, 2.0, 1.0), InvertedSlider(2.0, 3.0, -1.0)])
 def test_exact_change_points_have_one_sided_values(mechanism):
-    found = find_extrema(mechanism, [q for q in known(type(mechanism), CRANK).values() if not q.is_load], 2.0)
+    found = find_extrema(mechanism, [q for q in known(type(mechanism), CRANK).values()
+                                     if not q.is_load], 2.0)
     sided = [e for e in found if e.place == 'one-sided']
     assert sided and all(e.side in (-1, 1) and not isnan(e.value) for e in sided)
     for e in sided:
-        value = known(type(mechanism))[e.quantity].of(mechanism.motion(e.theta1 + e.side * 1e-6, 2.0), None)
+        value = known(type(mechanism))[e.quantity].of(mechanism.motion(e.theta1 + e.side * 1e-6,
+                                                                       2.0), None)
         assert value == pytest.approx(e.value, rel=1e-3, abs=1e-3)
 
 
@@ -152,7 +179,8 @@ def test_extrema_are_proved_complete(kind, driven, count):
     rng = np.random.default_rng(12)
     for _ in range(count):
         mechanism = random_mechanism(rng, kind, driven, least=0.02)
-        quantities = [q for q in everything(mechanism, rng) if q.name not in ('f41', 'f21', 'f32', 'f43', 'guide_couple')]
+        quantities = [q for q in everything(mechanism, rng)
+                      if q.name not in ('f41', 'f21', 'f32', 'f43', 'guide_couple')]
         proofs = {e.proof for e in find_extrema(mechanism, quantities, 3.0, 4.0, certify=True)}
         assert all(proof.startswith('interval bounds') for proof in proofs), (mechanism, proofs)
         assert all('at the ends' in proof for proof in proofs) != mechanism.turns_fully
@@ -171,8 +199,10 @@ def test_near_a_change_point_the_ends_of_an_inverted_slider_are_unbounded():
     rng = np.random.default_rng(1)
     for gap in (1e-3, 1e-5, 1e-7, 1e-9):
         for h in 10.0**rng.uniform(-3.5, -2.0, 20):
-            found = find_extrema(InvertedSlider(0.5 + h - gap * h, 0.5, h), ('slide_velocity', 'alpha4'), 2.0, -60.0)
-            assert not any(isnan(e.value) or e.place == 'limit' and isfinite(e.value) for e in found)
+            found = find_extrema(InvertedSlider(0.5 + h - gap * h, 0.5, h),
+                                 ('slide_velocity', 'alpha4'), 2.0, -60.0)
+            assert not any(isnan(e.value) or e.place == 'limit' and isfinite(e.value)
+                           for e in found)
 
 
 def test_what_floats_cannot_hold_is_refused():
@@ -183,10 +213,17 @@ def test_what_floats_cannot_hold_is_refused():
 
 
 @pytest.mark.parametrize('mechanism, rate, count', [
-    (SliderCrank(0.9, 2.1, 0.2, mode=1, input=SLIDE), 4.5e-4, 6), (SliderCrank(0.1, 0.3, 0.25), 1e-4, 3),
+    (SliderCrank(0.9, 2.1, 0.2, mode=1, input=SLIDE), 4.5e-4, 6),
+    (SliderCrank(0.1, 0.3, 0.25), 1e-4, 3),
     (FourBar(4.0, 3.0, 2.0, 8.0), 10.0**-4.4, 3), (FourBar(4.0, 3.0, 2.0, 8.0), 1e-5, 3)])
 def test_pairs_next_to_a_toggle_are_found(mechanism, rate, count):
-    """Where velocity and acceleration terms of a reaction cancel; the counts are proved by certify=True."""
-    bodies = Bodies(Body(1.0, 0.05, 0.0, 0.01), Body(1.0, 0.15, 0.0, 0.01), Body(1.0, 0.0, 0.0, 0.01))
-    found = find_extrema(replace(mechanism, bodies=bodies), ('f41',), rate, 1.3 if count == 6 else 1.0)
+    """
+    Where velocity and acceleration terms of a reaction cancel.
+
+    The counts are proved by certify=True.
+    """
+    bodies = Bodies(Body(1.0, 0.05, 0.0, 0.01), Body(1.0, 0.15, 0.0, 0.01),
+                    Body(1.0, 0.0, 0.0, 0.01))
+    found = find_extrema(replace(mechanism, bodies=bodies), ('f41',), rate, 1.3 if count == 6
+                         else 1.0)
     assert sum(e.place == 'interior' for e in found) == count

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Moving frames against the derivatives of explicit motions, taken with fifty digits."""
 from math import cos, inf, pi, sin
 
@@ -53,17 +55,21 @@ def test_velocity_and_acceleration_are_the_derivatives_of_the_place():
         origin, turn, inside = random_motion(rng)
         t = mp.mpf(float(rng.uniform(-2.0, 2.0)))
         _, v, a = derivatives(lambda s: origin(s) + mp.expj(turn(s)) * inside(s), t)
-        (_, v_a, a_a), (angle, omega, alpha) = derivatives(origin, t), (z.real for z in derivatives(turn, t))
+        (_, v_a, a_a), (angle, omega,
+                        alpha) = derivatives(origin, t), (z.real for z in derivatives(turn, t))
         r, v_rel, a_rel = (z * complex(mp.expj(turn(t))) for z in derivatives(inside, t))
-        terms = acceleration_terms(vector(a_a), omega, alpha, vector(r), vector(v_rel), vector(a_rel))
+        terms = acceleration_terms(vector(a_a), omega, alpha, vector(r), vector(v_rel),
+                                   vector(a_rel))
         size = sum(np.abs(term).max() for term in terms) + abs(v_a) + abs(omega * r) + abs(v_rel)
         velocity = relative_velocity(vector(v_a), omega, vector(r), vector(v_rel))
-        acceleration = relative_acceleration(vector(a_a), omega, alpha, vector(r), vector(v_rel), vector(a_rel))
+        acceleration = relative_acceleration(vector(a_a), omega, alpha, vector(r), vector(v_rel),
+                                             vector(a_rel))
         np.testing.assert_allclose(velocity, vector(v), rtol=0.0, atol=8 * EPS * size)
         np.testing.assert_allclose(acceleration, vector(a), rtol=0.0, atol=8 * EPS * size)
         # Eq. (11): from the point of the frame that is passed over
         below = relative_acceleration(vector(a_a), omega, alpha, vector(r))
-        np.testing.assert_allclose(coincident_acceleration(below, omega, vector(v_rel), vector(a_rel)),
+        np.testing.assert_allclose(coincident_acceleration(below, omega, vector(v_rel),
+                                                           vector(a_rel)),
                                    acceleration, rtol=0.0, atol=8 * EPS * size)
 
 
@@ -74,18 +80,27 @@ def test_coriolis_is_turned_in_the_sense_of_omega():
 
 
 def test_example_7_4():
-    """Rod at 45 deg, 50 rad/s ccw, slider 0.5 m out, moving out at 30 m/s: 3250 m/s^2 at 22.4 deg."""
+    """
+    Rod at 45 deg, 50 rad/s ccw, slider 0.5 m out, moving out at 30 m/s.
+
+    3250 m/s^2 at 22.4 deg.
+    """
     out = np.array([cos(pi / 4), sin(pi / 4)])
     terms = acceleration_terms((0.0, 0.0), 50.0, 0.0, 0.5 * out, 30.0 * out)
     assert np.hypot(*terms.normal) == pytest.approx(1250.0, rel=4 * EPS)
     assert np.hypot(*terms.coriolis) == pytest.approx(3000.0, rel=4 * EPS)
     total = relative_acceleration((0.0, 0.0), 50.0, 0.0, 0.5 * out, 30.0 * out)
     assert np.hypot(*total) == pytest.approx(3250.0, rel=4 * EPS)
-    assert 180.0 - np.degrees(np.arctan2(total[1], total[0])) == pytest.approx(22.38013505195957, rel=16 * EPS)
+    assert 180.0 - np.degrees(np.arctan2(total[1], total[0])) == pytest.approx(22.38013505195957,
+                                                                               rel=16 * EPS)
 
 
 def test_path_acceleration_is_that_of_a_curve():
-    """A parabola y = k x^2 run through at any speed: curvature 2k/(1 + 4 k^2 x^2)^(3/2), to the left."""
+    """
+    A parabola y = k x^2 run through at any speed.
+
+    Curvature 2k/(1 + 4 k^2 x^2)^(3/2), to the left.
+    """
     k = mp.mpf('0.7')
     for t in (mp.mpf('-0.8'), mp.mpf('0.3'), mp.mpf(2)):
         def place(s):
@@ -94,7 +109,8 @@ def test_path_acceleration_is_that_of_a_curve():
         z, v, a = derivatives(place, t)
         speed, growth = abs(v), (v.conjugate() * a).real / abs(v)
         curvature = float(2 * k / (1 + 4 * k**2 * mp.mpf(z.real)**2)**mp.mpf(1.5))
-        np.testing.assert_allclose(path_acceleration(vector(v) / speed, speed, growth, curvature), vector(a),
+        np.testing.assert_allclose(path_acceleration(vector(v) / speed, speed, growth, curvature),
+                                   vector(a),
                                    rtol=0.0, atol=16 * EPS * abs(a))
 
 
@@ -132,8 +148,10 @@ def test_rolling_contact_is_a_cycloid(ground):
     size = float(radius) * (omega**2 + abs(alpha))
     assert abs(v) <= 16 * EPS * abs(v_c)
     np.testing.assert_allclose(found.centre_velocity, vector(v_c), rtol=0.0, atol=16 * EPS * size)
-    np.testing.assert_allclose(found.centre_acceleration, vector(a_c), rtol=0.0, atol=16 * EPS * size)
-    np.testing.assert_allclose(found.contact_acceleration, vector(a), rtol=0.0, atol=32 * EPS * size)
+    np.testing.assert_allclose(found.centre_acceleration, vector(a_c), rtol=0.0,
+                               atol=16 * EPS * size)
+    np.testing.assert_allclose(found.contact_acceleration, vector(a), rtol=0.0,
+                               atol=32 * EPS * size)
     # Eq. (14): nothing along the contact surface
     assert abs((complex(*found.contact_acceleration) * normal.conjugate()).imag) <= 16 * EPS * size
 
@@ -147,7 +165,8 @@ def test_arrays_are_element_by_element():
         assert whole.shape == (*shape, 2)
         for i in np.ndindex(shape):
             np.testing.assert_array_equal(
-                whole[i], relative_acceleration(a_a[i], omega[i], alpha[i], r[i], v_rel[i], a_rel[i]))
+                whole[i], relative_acceleration(a_a[i], omega[i], alpha[i], r[i], v_rel[i],
+                                                a_rel[i]))
         contact = rolling_contact(omega, alpha, 0.3, r / np.hypot(r[..., 0], r[..., 1])[..., None])
         assert {field.shape for field in contact} == {(*shape, 2)}
     assert relative_velocity((0.0, 0.0), np.ones(4), (1.0, 2.0)).shape == (4, 2)

@@ -1,4 +1,10 @@
-"""Exact change points and their neighbours: one-sided values against limits in 300 digits, extrema next to the flat."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Exact change points and their neighbours.
+
+One-sided values against limits in 300 digits, extrema next to the flat.
+"""
 from fractions import Fraction
 from itertools import permutations
 from math import gcd, inf, isnan, pi
@@ -16,12 +22,14 @@ from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
 from fourbar_ros.extrema.four_bar_rates.exact_count import count_extrema
 
 EPS = 2.0**-52
-KINDS = [(FourBar, CRANK), (SliderCrank, CRANK), (SliderCrank, SLIDE), (InvertedSlider, CRANK), (InvertedSlider, SLIDE)]
-# Where limits are read off, in 300 digits: a pole grows by 1e5 from one to the other, a zero falls.
+KINDS = [(FourBar, CRANK), (SliderCrank, CRANK), (SliderCrank, SLIDE), (InvertedSlider, CRANK),
+         (InvertedSlider, SLIDE)]
+# Where limits are read off, in 300 digits: a pole grows by 1e5 from one to the other, a zero
+# falls.
 NEAR, NEARER, REFERENCE_DIGITS = mp.mpf(10)**-40, mp.mpf(10)**-45, 300
 
 
-# --- the reference --------------------------------------------------------------------------------------------
+# --- the reference -------------------------------------------------------------------------------
 
 def numbers(record):
     """Return the floats of a nested record as they are in the references."""
@@ -29,9 +37,12 @@ def numbers(record):
 
 
 def data_of(mechanism):
-    bodies = numbers((body, ('mass', 'cg_along', 'cg_across', 'inertia')) for body in mechanism.bodies)
-    applied = numbers((part, ('force_x', 'force_y', 'along', 'across', 'couple')) for part in mechanism.external)
-    return [[[mp.mpf(v) for v in row] for row in rows] for rows in (bodies, applied)] + [list(map(mp.mpf, mechanism.gravity))]
+    bodies = numbers((body, ('mass', 'cg_along', 'cg_across', 'inertia'))
+                     for body in mechanism.bodies)
+    applied = numbers((part, ('force_x', 'force_y', 'along', 'across', 'couple'))
+                      for part in mechanism.external)
+    return ([[[mp.mpf(v) for v in row] for row in rows] for rows in (bodies, applied)]
+            + [list(map(mp.mpf, mechanism.gravity))])
 
 
 def exact_values(mechanism, x, rates):
@@ -39,34 +50,51 @@ def exact_values(mechanism, x, rates):
     sign, lengths = int(mechanism.sign), [mp.mpf(length) for length in mechanism.lengths]
     if isinstance(mechanism, FourBar):
         values = dict(zip(reference.MOTION_FIELDS, reference.motion_of(lengths, sign, x, *rates)))
-        loads = dict(zip(reference.LOAD_NAMES, reference.loads_of(lengths, sign, x, *rates, *data_of(mechanism))))
+        loads = dict(zip(reference.LOAD_NAMES,
+                         reference.loads_of(lengths, sign, x, *rates, *data_of(mechanism))))
     else:
         kind = type(mechanism), mechanism.input
-        values = dict(zip(slider_reference.FIELDS[kind[0]], slider_reference.fields_of(kind, lengths, sign, (x, *rates))))
-        loads = dict(zip(slider_reference.LOADS, slider_reference.loads_of(kind, lengths, sign, (x, *rates), *data_of(mechanism))))
-        loads['driving_force' if mechanism.input == SLIDE else 'driving_torque'] = loads.pop('drive')
-    return values | {name: abs(v) if isinstance(v, mp.mpc) or name in ('f43',) else v for name, v in loads.items()}
+        values = dict(zip(slider_reference.FIELDS[kind[0]],
+                          slider_reference.fields_of(kind, lengths, sign, (x, *rates))))
+        loads = (dict(zip(slider_reference.LOADS,
+                          slider_reference.loads_of(kind, lengths, sign, (x, *rates),
+                                                    *data_of(mechanism)))))
+        loads['driving_force' if mechanism.input == SLIDE
+              else 'driving_torque'] = loads.pop('drive')
+    return values | {name: abs(v) if isinstance(v, mp.mpc) or name in ('f43',) else v
+                     for name, v in loads.items()}
 
 
 def exact_limits(mechanism, place, side, rates):
-    """Return {quantity: (limit, sense)}: +1 a maximum, -1 a minimum, 0 constant; towards a multiple of pi/2, or 0 m."""
+    """
+    Return {quantity: (limit, sense)}: +1 a maximum, -1 a minimum, 0 constant.
+
+    Towards a multiple of pi/2, or 0 m.
+    """
     with mp.workdps(REFERENCE_DIGITS):
         place = 0 if mechanism.input == SLIDE else round(place / (0.5 * pi)) * mp.pi / 2
         unit = mp.mpf(mechanism.input_unit)
-        near, nearer, farther = (exact_values(mechanism, place + side * t * unit, [mp.mpf(rate) for rate in rates])
+        near, nearer, farther = (exact_values(mechanism, place + side * t * unit,
+                                              [mp.mpf(rate) for rate in rates])
                                  for t in (NEAR, NEARER, 2 * NEAR))
         limits = {}
         for name, value in nearer.items():
             growth = abs(value / near[name]) if near[name] else mp.mpf(0)
             change = farther[name] - near[name]
-            sense = -int(mp.sign(change)) if abs(change) > mp.mpf(10)**-120 * (1 + abs(near[name])) else 0
+            sense = (-int(mp.sign(change)) if abs(change) > mp.mpf(10)**-120
+                     * (1 + abs(near[name])) else 0)
             is_nothing = growth < 1e-3 or abs(value) < mp.mpf(10)**-100
-            limits[name] = 0.0 if is_nothing else (inf if value > 0 else -inf) if growth > 1e3 else float(value), sense
+            limits[name] = (0.0 if is_nothing else (inf if value > 0 else -inf) if growth > 1e3
+                            else float(value), sense)
         return limits
 
 
 def check(mechanism, rates):
-    """Compare every one-sided value and its kind with the reference; kinds alternate. Return how many there are."""
+    """
+    Compare every one-sided value and its kind with the reference; kinds alternate.
+
+    Return how many there are.
+    """
     found = [e for e in find_extrema(mechanism, (), *rates, conditions=False)]
     assert not any(isnan(e.value) for e in found), mechanism
     limits, number = {}, 0
@@ -76,7 +104,8 @@ def check(mechanism, rates):
             if (place, e.side) not in limits:
                 limits[place, e.side] = exact_limits(mechanism, place, e.side, rates)
             value, sense = limits[place, e.side][e.quantity]
-            assert e.value == pytest.approx(value, rel=16 * EPS, abs=0.0), (mechanism, rates, e, value)
+            assert e.value == pytest.approx(value, rel=16 * EPS, abs=0.0), (mechanism, rates, e,
+                                                                            value)
             assert e.kind == ('minimum', 'constant', 'maximum')[sense + 1], (mechanism, rates, e)
             number += 1
     assert limits, mechanism
@@ -84,11 +113,13 @@ def check(mechanism, rates):
         check_that_kinds_alternate(mechanism, [e for e in found if e.quantity == quantity])
         for (place, side), values in limits.items():
             if values[quantity][1]:
-                assert any((e.side, e.place) == (side, 'one-sided') for e in found if e.quantity == quantity), (
+                assert any((e.side, e.place) == (side, 'one-sided') for e in found
+                           if e.quantity == quantity), (
                         mechanism, rates, quantity, place, side)
             else:
                 constant = [e for e in found if e.quantity == quantity and e.kind == 'constant']
-                assert any(e.value == pytest.approx(values[quantity][0], rel=16 * EPS) for e in constant), (mechanism, quantity)
+                assert any(e.value == pytest.approx(values[quantity][0], rel=16 * EPS)
+                           for e in constant), (mechanism, quantity)
     return number
 
 
@@ -104,7 +135,7 @@ def check_that_kinds_alternate(mechanism, found):
             assert one.kind != other.kind, (mechanism, one, other)
 
 
-# --- change points --------------------------------------------------------------------------------------------------
+# --- change points -------------------------------------------------------------------------------
 
 def whole_change_points(most):
     """Yield the lengths of all four-bars at a change point with different whole lengths without a common factor."""
@@ -115,12 +146,19 @@ def whole_change_points(most):
 
 
 def random_loads(rng):
-    """Return what makes the loads: sometimes gravity and external loads, sometimes an acceleration."""
-    bodies = Bodies(*(Body(*rng.uniform((0.1, 0.0, -0.2, 0.01), (2.0, 1.0, 0.2, 0.2)).tolist()) for _ in range(3)))
-    applied = External(*(Applied(*rng.normal(size=5).tolist()) for _ in range(2))) if rng.random() < 0.3 else External()
+    """
+    Return what makes the loads.
+
+    Sometimes gravity and external loads, sometimes an acceleration.
+    """
+    bodies = Bodies(*(Body(*rng.uniform((0.1, 0.0, -0.2, 0.01), (2.0, 1.0, 0.2, 0.2)).tolist())
+                      for _ in range(3)))
+    applied = (External(*(Applied(*rng.normal(size=5).tolist()) for _ in range(2))) if rng.random()
+               < 0.3 else External())
     gravity = tuple(rng.normal(0.0, 5.0, 2).tolist()) if rng.random() < 0.5 else (0.0, 0.0)
     rates = float(rng.normal(0.0, 3.0)), float(rng.normal(0.0, 3.0)) if rng.random() < 0.3 else 0.0
-    return dict(bodies=bodies, external=applied, gravity=gravity, mode=int(rng.integers(1, 3))), rates
+    return dict(bodies=bodies, external=applied, gravity=gravity,
+                mode=int(rng.integers(1, 3))), rates
 
 
 def tenths(rng):
@@ -139,9 +177,11 @@ def draw_decimal(rng, kind, driven):
             a = [tenths(rng), tenths(rng), tenths(rng), 0]
             special = rng.integers(40)
             if special < 4:
-                a = [(a[0], a[1], a[0], a[1]), (a[0], a[0], a[1], a[1]), (a[0], a[1], a[1], a[0]), (a[0],) * 4][special]
+                a = [(a[0], a[1], a[0], a[1]), (a[0], a[0], a[1], a[1]), (a[0], a[1], a[1], a[0]),
+                     (a[0],) * 4][special]
             else:
-                a[3] = (a[0] + a[1] - a[2], a[0] + a[2] - a[1], a[1] + a[2] - a[0])[rng.integers(3)]
+                a[3] = (a[0] + a[1] - a[2], a[0] + a[2] - a[1],
+                        a[1] + a[2] - a[0])[rng.integers(3)]
             lengths = [v / 10 for v in a]
             sums = [Fraction(0)] * 3
             exact = list(map(Fraction, lengths))
@@ -154,7 +194,8 @@ def draw_decimal(rng, kind, driven):
             one = tenths(rng)
             lengths = [one / 10, (one + e) / 10]
             if Fraction(lengths[1]) - Fraction(lengths[0]) == Fraction(e / 10):
-                return [*(lengths[::-1] if rng.random() < 0.5 else lengths), float(rng.choice((-1, 1))) * e / 10]
+                return [*(lengths[::-1] if rng.random() < 0.5 else lengths),
+                        float(rng.choice((-1, 1))) * e / 10]
 
 
 def build(kind, driven, lengths, others):
@@ -184,8 +225,10 @@ def check_whole(lengths, rng):
     check(linkage, rates)
     found = find_extrema(FourBar(*lengths, mode=others['mode']), ('omega4', 'alpha4'))
     for name, count in zip(('omega4', 'alpha4'), count_extrema(lengths)):
-        # not counted of (7, 8, 2, 1), a bifurcation too: theta4'' has a level point there that is no extremum
-        assert count is None or sum((e.quantity, e.place) == (name, 'interior') for e in found) == count, lengths
+        # not counted of (7, 8, 2, 1), a bifurcation too: theta4'' has a level point there that is
+        # no extremum
+        assert count is None or sum((e.quantity, e.place) == (name, 'interior')
+                                    for e in found) == count, lengths
 
 
 def test_whole_change_points():
@@ -204,10 +247,11 @@ def test_all_2088_whole_change_points(part):
         check_whole(lengths, rng)
 
 
-# --- next to the flat position ------------------------------------------------------------------------------------------
+# --- next to the flat position -------------------------------------------------------------------
 
 FAST = [(FourBar, CRANK, (2.0, 4.0, 3.0, 5.0), pi), (FourBar, CRANK, (4.0, 2.0, 3.0, 5.0), 0.0),
-        (FourBar, CRANK, (1.0, 1.001, 1.0, 1.001), 0.0), (SliderCrank, CRANK, (2.0, 3.0, 1.0), 1.5 * pi),
+        (FourBar, CRANK, (1.0, 1.001, 1.0, 1.001), 0.0),
+        (SliderCrank, CRANK, (2.0, 3.0, 1.0), 1.5 * pi),
         (SliderCrank, SLIDE, (3.0, 2.0, 1.0), 0.0), (InvertedSlider, CRANK, (0.2, 0.2, 0.0), 0.0)]
 
 
@@ -216,7 +260,8 @@ FAST = [(FourBar, CRANK, (2.0, 4.0, 3.0, 5.0), pi), (FourBar, CRANK, (4.0, 2.0, 
 def test_extrema_next_to_the_flat_are_found(kind, driven, lengths, place, rate):
     """The weight, little beside inertia at speed, makes poles so weak that extrema lie 1e-9 to 1e-3 from the flat."""
     rng = np.random.default_rng(3)
-    bodies = Bodies(*(Body(*rng.uniform((0.1, 0.2, 0.0, 0.01), (2.0, 1.0, 0.0, 0.2)).tolist()) for _ in range(3)))
+    bodies = Bodies(*(Body(*rng.uniform((0.1, 0.2, 0.0, 0.01), (2.0, 1.0, 0.0, 0.2)).tolist())
+                      for _ in range(3)))
     mechanism = build(kind, driven, lengths, dict(bodies=bodies, gravity=(3.0, -9.81), mode=2))
     names = ['shaking_moment', 'f41', 'f32', 'f43']
     found = find_extrema(mechanism, names, rate, conditions=False)
@@ -225,13 +270,17 @@ def test_extrema_next_to_the_flat_are_found(kind, driven, lengths, place, rate):
     for side in (1, -1):
         with mp.workdps(80):
             start = 0 if driven == SLIDE else round(place / (0.5 * pi)) * mp.pi / 2
-            rows = [exact_values(mechanism, start + side * mp.mpf(v) * unit, (mp.mpf(rate), mp.mpf(0))) for v in t.tolist()]
+            rows = [exact_values(mechanism, start + side * mp.mpf(v) * unit,
+                                 (mp.mpf(rate), mp.mpf(0))) for v in t.tolist()]
         for name in names:
             rise = [other[name] > one[name] for one, other in zip(rows, rows[1:])]
             turns = [(t[i], t[i + 2]) for i in range(len(rise) - 1) if rise[i] != rise[i + 1]]
-            near = [side * mechanism.distance(e.slide if driven == SLIDE else e.theta1, place) / unit
-                    for e in found if (e.quantity, e.place) == (name, 'interior') and e.kind != 'constant']
-            assert len([v for v in near if t[1] < v < t[-2]]) == len(turns), (name, side, near, turns)
+            near = [side * mechanism.distance(e.slide if driven == SLIDE else e.theta1,
+                                              place) / unit
+                    for e in found if (e.quantity, e.place) == (name, 'interior') and e.kind
+                    != 'constant']
+            assert len([v for v in near if t[1] < v < t[-2]]) == len(turns), (name, side, near,
+                                                                              turns)
             for low, high in turns:
                 assert sum(low <= v <= high for v in near) == 1
             number += len(turns)
@@ -239,7 +288,8 @@ def test_extrema_next_to_the_flat_are_found(kind, driven, lengths, place, rate):
 
 
 def with_rods(lengths, mode):
-    return FourBar(*lengths, mode=mode, bodies=Bodies(*(Body(1.0, 0.5 * a, 0.0, a * a / 12.0) for a in lengths[:3])))
+    return FourBar(*lengths, mode=mode,
+                   bodies=Bodies(*(Body(1.0, 0.5 * a, 0.0, a * a / 12.0) for a in lengths[:3])))
 
 
 @pytest.mark.parametrize('order', [(0, 1, 0, 1), (0, 0, 1, 1), (0, 1, 1, 0)])
@@ -256,10 +306,17 @@ def test_nearly_equal_links_have_as_few_extrema_as_others(order, gap):
 @pytest.mark.parametrize('ratio', [1.2, 1.02, 1.001])
 @pytest.mark.parametrize('mode', [1, 2])
 def test_in_the_parallel_mode_all_forces_of_a_parallelogram_without_weight_are_constant(ratio, mode):
-    """Crank and output link alike, the coupler only carried: every joint force turns with the crank."""
-    bodies = Bodies(Body(1.0, 0.5, 0.0, 0.1), Body(2.0, 0.5 * ratio, 0.0, 0.3), Body(1.0, 0.5, 0.0, 0.1))
-    found = find_extrema(FourBar(1.0, ratio, 1.0, ratio, mode=mode, bodies=bodies), (), 3.0, conditions=False)
-    for name, value in (('omega4', 3.0), ('alpha4', 0.0), ('omega_beta', 0.0), ('driving_torque', 0.0), ('f41', 13.5),
+    """
+    Crank and output link alike, the coupler only carried.
+
+    Every joint force turns with the crank.
+    """
+    bodies = Bodies(Body(1.0, 0.5, 0.0, 0.1), Body(2.0, 0.5 * ratio, 0.0, 0.3),
+                    Body(1.0, 0.5, 0.0, 0.1))
+    found = find_extrema(FourBar(1.0, ratio, 1.0, ratio, mode=mode, bodies=bodies), (), 3.0,
+                         conditions=False)
+    for name, value in (('omega4', 3.0), ('alpha4', 0.0), ('omega_beta', 0.0),
+                        ('driving_torque', 0.0), ('f41', 13.5),
                         ('f21', 9.0), ('f32', 9.0), ('f43', 13.5)):
         constant, = (e for e in found if (e.quantity, e.kind) == (name, 'constant'))
         assert constant.value == pytest.approx(value, rel=4 * EPS, abs=0.0)
@@ -286,12 +343,16 @@ def exact_values_of_motion(linkage, x, rate):
     return reference.motion_of(lengths, int(linkage.sign), x, rate, mp.mpf(0))[2]
 
 
-# --- near change points --------------------------------------------------------------------------------------------------
+# --- near change points --------------------------------------------------------------------------
 
 @pytest.mark.parametrize('gap', [1e-6, 1e-7, 1e-9, 1e-12, 1e-16])
 @pytest.mark.parametrize('count', [6, pytest.param(100, marks=pytest.mark.slow)])
 def test_rockers_next_to_a_change_point(gap, count):
-    """A sum of lengths too short by this: no NaN, infinite values at toggles, minima and maxima in turn."""
+    """
+    A sum of lengths too short by this.
+
+    No NaN, infinite values at toggles, minima and maxima in turn.
+    """
     rng = np.random.default_rng(17)
     while count:
         lengths = draw_decimal(rng, FourBar, CRANK)
@@ -305,17 +366,21 @@ def test_rockers_next_to_a_change_point(gap, count):
 
 
 def check_rocker(linkage):
-    for rates, names in (((3.0, 0.0), ('omega4', 'alpha4')), ((10.0, 3.0), ('omega4', 'alpha4', 'omega_beta', 'f41', 'driving_torque'))):
+    for rates, names in (((3.0, 0.0), ('omega4', 'alpha4')),
+                         ((10.0, 3.0), ('omega4', 'alpha4', 'omega_beta', 'f41',
+                                        'driving_torque'))):
         found = find_extrema(linkage, names, *rates, conditions=False)
         for name in names:
             part = [e for e in found if e.quantity == name]
             assert not any(isnan(e.value) for e in part), linkage
             limits = [e for e in part if e.place == 'limit']
-            assert len(limits) == 2 * len(linkage.input_ranges) and all(abs(e.value) == inf for e in limits), (linkage, limits)
+            assert (len(limits) == 2 * len(linkage.input_ranges)
+                    and all(abs(e.value) == inf for e in limits)), (linkage, limits)
             check_that_kinds_alternate(linkage, part)
 
 
-@pytest.mark.parametrize('lengths, mode, rates', [((1.0, 0.8, 2.6, 2.8), 1, (10.0, 3.0)), ((1.5, 1.4, 2.3, 2.2), 2, (10.0, 0.0)),
+@pytest.mark.parametrize('lengths, mode, rates', [((1.0, 0.8, 2.6, 2.8), 1, (10.0, 3.0)),
+                                                  ((1.5, 1.4, 2.3, 2.2), 2, (10.0, 0.0)),
                                                   ((0.2, 0.6, 0.9, 0.5), 2, (10.0, 0.0))])
 def test_decimal_lengths_that_are_one_rounding_off_a_change_point(lengths, mode, rates):
     linkage = with_rods(lengths, mode)
@@ -330,7 +395,7 @@ def test_lengths_that_no_scaling_may_round():
     assert [e.place for e in found] == ['one-sided', 'one-sided', 'interior']
 
 
-# --- the number type ---------------------------------------------------------------------------------------------------
+# --- the number type -----------------------------------------------------------------------------
 
 def test_series_divide_zero_by_zero():
     """Quotients, roots and angles of numbers that vanish, against their Taylor coefficients."""
@@ -339,7 +404,8 @@ def test_series_divide_zero_by_zero():
         ones = sine * sine + cosine * cosine
         assert (ones.order, ones.c) == (0, [1]) and cosine < -0.5
         quotient = (T - sine) / (T * T * T)
-        assert [float(quotient._at(i)) for i in range(4)] == pytest.approx([1 / 6, 0.0, -1 / 120, 0.0], abs=1e-18)
+        assert [float(quotient._at(i)) for i in range(4)] == pytest.approx([1 / 6, 0.0, -1 / 120,
+                                                                            0.0], abs=1e-18)
         root = (sine * sine).sqrt()
         assert root.order == 1 and not (root - sine).c
         pole = (cosine + 2.0) / (3.0 * T)

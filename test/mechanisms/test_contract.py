@@ -1,7 +1,11 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
-The contract of a mechanism, for every kind with every input in every mode: a new kind is tested by being one.
+The contract of a mechanism, for every kind with every input in every mode: a new kind is tested by
+being one.
 
-It needs an entry in :data:`support.references.REFERENCES`; everything else comes from the registry of kinds.
+It needs an entry in :data:`support.references.REFERENCES`; everything else comes from the registry
+of kinds.
 """
 
 import json
@@ -43,7 +47,7 @@ def test_every_kind_has_a_reference():
     assert {case.name for case in CASES} == set(KINDS)
 
 
-# --- accuracy --------------------------------------------------------------------------------------
+# --- accuracy ------------------------------------------------------------------------------------
 
 
 def worst(errors_of, case, family, seed, count):
@@ -136,7 +140,7 @@ def test_magnitudes_are_those_of_their_components(case):
             assert abs(getattr(loads, name) - size) <= 2 * EPS * size, name
 
 
-# --- links -----------------------------------------------------------------------------------------
+# --- links ---------------------------------------------------------------------------------------
 
 
 def links_of(case):
@@ -145,7 +149,11 @@ def links_of(case):
 
 @every_case
 def test_links_are_where_the_reference_has_them(case):
-    """First joint and direction of every link; away from toggles the condition is at most some hundred."""
+    """
+    First joint and direction of every link.
+
+    Away from toggles the condition is at most some hundred.
+    """
     for mechanism, given in contract.ordinary(case, 206, 20):
         motion = mechanism.motion(*given)
         exact = case.reference.links(
@@ -262,7 +270,7 @@ def test_differences_of_positions_are_rates(case):
             ), rate_name
 
 
-# --- balances --------------------------------------------------------------------------------------
+# --- balances ------------------------------------------------------------------------------------
 
 
 def needed(mechanism, motion):
@@ -312,7 +320,7 @@ def test_power_and_momentum_balance(case):
         assert drives[case.turns] == 0.0 != drives[not case.turns]
 
 
-# --- numbers of all kinds --------------------------------------------------------------------------
+# --- numbers of all kinds ------------------------------------------------------------------------
 
 
 @every_case
@@ -351,7 +359,11 @@ def test_some_fields_are_those_of_the_whole(case):
 @every_case
 @pytest.mark.parametrize('power', [-300, 200])
 def test_scaling_by_a_power_of_two_changes_no_bit(case, power):
-    """Lengths times a power of two, masses that keep the forces: every field is the same times a power of it."""
+    """
+    Lengths times a power of two, masses that keep the forces.
+
+    Every field is the same times a power of it.
+    """
     scale, exponents = 2.0**power, {}
     for mechanism, given in contract.ordinary(case, 213, 5):
         bodies = [
@@ -381,7 +393,7 @@ def test_scaling_by_a_power_of_two_changes_no_bit(case, power):
     } == dict.fromkeys(quantities, True)
 
 
-# --- what it says about itself ---------------------------------------------------------------------
+# --- what it says about itself -------------------------------------------------------------------
 
 
 @every_case
@@ -458,12 +470,16 @@ def test_wrong_arguments_are_refused_by_name(case):
             mechanism.motion(*given[:i], inf, *given[i + 1 :])
 
 
-# --- ranges ----------------------------------------------------------------------------------------
+# --- ranges --------------------------------------------------------------------------------------
 
 
 @every_case
 def test_ranges_are_where_it_closes(case):
-    """Inside of the ranges every array has numbers, outside NaN; single values raise OutOfRange there."""
+    """
+    Inside of the ranges every array has numbers, outside NaN.
+
+    Single values raise OutOfRange there.
+    """
     rng, seen = np.random.default_rng(218), 0
     for _ in range(20):
         lengths, _ = contract.draw(rng, case)
@@ -504,7 +520,11 @@ def test_ranges_are_where_it_closes(case):
 
 @every_case
 def test_limits_are_singular(case):
-    """Next to the ends of a range the mechanism is nearly in line: the sine falls as the root of the distance."""
+    """
+    Next to the ends of a range the mechanism is nearly in line.
+
+    The sine falls as the root of the distance.
+    """
     rng, ends = np.random.default_rng(219), 0
     for _ in range(40):
         lengths, _ = contract.draw(rng, case)
@@ -527,7 +547,7 @@ def test_limits_are_singular(case):
         assert ends > 40
 
 
-# --- extrema ---------------------------------------------------------------------------------------
+# --- extrema -------------------------------------------------------------------------------------
 
 
 def everything(mechanism, rng):
@@ -577,7 +597,7 @@ def test_extrema_of_many_against_a_scan(case, seed):
         )
 
 
-# --- scenes, messages, pictures --------------------------------------------------------------------
+# --- scenes, messages, pictures ------------------------------------------------------------------
 
 
 def parameters_of(mechanism, name):

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Some fields alone: the numbers of the whole, less work; short arrays; what a record does."""
 import numpy as np
 import pytest
@@ -10,11 +12,14 @@ from fourbar_ros.numerics.number_types import ARRAY
 from fourbar_ros.mechanisms.evaluation import ONE_BY_ONE
 
 MASSES = Bodies(Body(1.0, 0.1, 0.02, 0.1), Body(2.0, 0.3, -0.1, 0.3), Body(1.5, 0.05, 0.1, 0.7))
-ACTING = {'bodies': MASSES, 'gravity': (1.0, -9.81), 'external': External(Applied(3.0, -4.0, 0.1, 0.2, 0.5), Applied(couple=7.0))}
+ACTING = {'bodies': MASSES, 'gravity': (1.0, -9.81),
+          'external': External(Applied(3.0, -4.0, 0.1, 0.2, 0.5), Applied(couple=7.0))}
 KINDS = [FourBar(0.4, 1.2, 0.8, 1.0, **ACTING), FourBar(0.9, 0.4, 0.8, 1.0, mode=1, **ACTING),
-         *(kind(0.4, 1.2, -0.1, mode=mode, input=driven, **ACTING) for kind in (SliderCrank, InvertedSlider)
+         *(kind(0.4, 1.2, -0.1, mode=mode, input=driven, **ACTING)
+           for kind in (SliderCrank, InvertedSlider)
            for driven in ('crank', 'slide') for mode in (1, 2))]
-every_kind = pytest.mark.parametrize('mechanism', KINDS, ids=lambda m: f'{type(m).__name__}-{m.input}-{m.mode}')
+every_kind = pytest.mark.parametrize('mechanism', KINDS,
+                                     ids=lambda m: f'{type(m).__name__}-{m.input}-{m.mode}')
 SIZES = (1, 5, ONE_BY_ONE, 2 * ONE_BY_ONE, 1000, recorded.CHUNK + 1)
 
 
@@ -27,7 +32,8 @@ def by_formula(mechanism, *given):
     given = [np.asarray(v, float) for v in np.broadcast_arrays(*given)]
     with np.errstate(all='ignore'):
         motion = mechanism.make_motion(ARRAY)(*given)
-        return [np.broadcast_to(field, given[0].shape) for field in motion + mechanism.make_loads(ARRAY)(motion)]
+        return [np.broadcast_to(field, given[0].shape) for field in motion
+                + mechanism.make_loads(ARRAY)(motion)]
 
 
 @every_kind
@@ -37,7 +43,8 @@ def test_a_program_gives_the_bits_of_the_formula(mechanism):
     for size in (100, 1000):
         x, w, a = rng.uniform(-4.0, 4.0, size), rng.normal(size=size), rng.normal(size=size)
         for given in ((x, w, a), (x, 3.0, a), (x, w, 0.0), (x, 3.0, -2.0)):
-            for name, one, other in zip(names_of(mechanism), sum(mechanism.step(*given), ()), by_formula(mechanism, *given)):
+            for name, one, other in zip(names_of(mechanism), sum(mechanism.step(*given), ()),
+                                        by_formula(mechanism, *given)):
                 assert np.array_equal(one, other, equal_nan=True), name
 
 
@@ -57,19 +64,23 @@ def test_fields_alone_are_those_of_the_whole(mechanism, size):
     x, rng = np.linspace(0.3, 1.1, size), np.random.default_rng(602)
     whole = dict(zip(names_of(mechanism), sum(mechanism.step(x, 3.0, -2.0), ())))
     loose = 1e-12 * (ONE_BY_ONE >= size)
-    for names in (*((name,) for name in whole), tuple(whole)[::-1], tuple(rng.permutation(list(whole))[:9])):
+    for names in (*((name,) for name in whole), tuple(whole)[::-1],
+                  tuple(rng.permutation(list(whole))[:9])):
         found = mechanism.step(x, 3.0, -2.0, fields=names)
         assert type(found) is tuple and len(found) == len(names)
         for name, values in zip(names, found):
-            assert values.shape == (size,) and values.flags.owndata | (values.base is not None), name
+            assert values.shape == (size,) and values.flags.owndata | (values.base is not None), (
+                name)
             scale = np.nanmax(np.abs(whole[name]), initial=0.0)
-            np.testing.assert_allclose(values, whole[name], rtol=0.0, atol=loose * scale, err_msg=name)
+            np.testing.assert_allclose(values, whole[name], rtol=0.0, atol=loose * scale,
+                                       err_msg=name)
 
 
 @every_kind
 def test_fields_of_one_sample_are_floats(mechanism):
     motion, loads = mechanism.step(0.9, 3.0, -2.0)
-    assert mechanism.step(0.9, 3.0, -2.0, fields=['f41', 'condition']) == (loads.f41, motion.condition)
+    assert mechanism.step(0.9, 3.0, -2.0,
+                          fields=['f41', 'condition']) == (loads.f41, motion.condition)
     assert mechanism.motion(0.9, 3.0, -2.0, fields=('condition',)) == (motion.condition,)
     assert mechanism.motion(0.9, fields=()) == ()
 
@@ -121,13 +132,15 @@ def test_short_arrays_with_what_is_out_of_range_are_nan_there():
 
 
 def test_a_record_is_made_once_for_a_kind_and_less_is_done_for_less():
-    one, other = (FourBar(a1, 1.2, 0.8, 1.0, bodies=Bodies(*(round_rod(0.5, 7750.0, 0.01) for _ in range(3))))
+    one, other = (FourBar(a1, 1.2, 0.8, 1.0,
+                          bodies=Bodies(*(round_rod(0.5, 7750.0, 0.01) for _ in range(3))))
                   for a1 in (0.4, 0.5))
     (record, constants), (same, others) = (arrays.recorded(m, True) for m in (one, other))
     assert record is same and constants != others
     single = (False, True, True)
     whole = recorded.program(record, arrays.range_of(record), single, constants.zeros)
-    angle = recorded.program(record, (one.MOTION._fields.index('theta4'),), single, constants.zeros)
+    angle = recorded.program(record, (one.MOTION._fields.index('theta4'),), single,
+                             constants.zeros)
     assert len(angle.steps) < 0.25 * len(whole.steps)
     with pytest.raises(TypeError, match='where'):
         bool(recorded.Number(record, 0))
@@ -138,22 +151,29 @@ NONE = Body(0.0)
 
 
 @pytest.mark.parametrize('acting', [
-    {'bodies': SOME}, {'bodies': SOME, 'gravity': (0.0, -9.81)}, {'bodies': Bodies(MASSES.crank, NONE, NONE)},
+    {'bodies': SOME}, {'bodies': SOME, 'gravity': (0.0, -9.81)},
+    {'bodies': Bodies(MASSES.crank, NONE, NONE)},
     {'bodies': Bodies(NONE, Body(2.0), NONE)}, {'bodies': Bodies(NONE, NONE, Body(1.0, 0.1))},
-    {'bodies': Bodies(NONE, NONE, NONE)}, {'bodies': Bodies(NONE, NONE, NONE), 'external': External(Applied(couple=2.0))},
+    {'bodies': Bodies(NONE, NONE, NONE)}, {'bodies': Bodies(NONE, NONE, NONE),
+                                           'external': External(Applied(couple=2.0))},
     {'bodies': Bodies(NONE, NONE, NONE), 'external': External(output=Applied(1.0, 2.0))}])
-@pytest.mark.parametrize('mechanism', [FourBar(0.4, 1.2, 0.8, 1.0), FourBar(4.0, 3.0, 2.0, 8.0, mode=1), *(
-    kind(0.9, 0.4, -0.1, input=driven) for kind in (SliderCrank, InvertedSlider) for driven in ('crank', 'slide'))],
+@pytest.mark.parametrize('mechanism',
+                         [FourBar(0.4, 1.2, 0.8, 1.0), FourBar(4.0, 3.0, 2.0, 8.0, mode=1), *(
+    kind(0.9, 0.4, -0.1, input=driven) for kind in (SliderCrank, InvertedSlider)
+    for driven in ('crank', 'slide'))],
     ids=lambda m: f'{type(m).__name__}-{m.input}')
 def test_what_adds_zero_may_be_left_out(mechanism, acting):
     """The same numbers, and NaN where the formula has it, whichever masses and loads are zero."""
     mechanism, x = type(mechanism)(*mechanism.lengths, mechanism.mode, **(
-        {} if isinstance(mechanism, FourBar) else {'input': mechanism.input}), **acting), np.linspace(-3.0, 3.0, 101)
+        {} if isinstance(mechanism, FourBar) else {'input': mechanism.input}),
+                                   **acting), np.linspace(-3.0, 3.0, 101)
     for given in ((x, 3.0, -2.0), (x, np.cos(x), x), (x, 3.0, 0.0)):
-        for name, one, other in zip(names_of(mechanism), sum(mechanism.step(*given), ()), by_formula(mechanism, *given)):
+        for name, one, other in zip(names_of(mechanism), sum(mechanism.step(*given), ()),
+                                    by_formula(mechanism, *given)):
             assert np.array_equal(one, other, equal_nan=True), name
         for name, other in zip(names_of(mechanism), by_formula(mechanism, *given)):
-            assert np.array_equal(mechanism.step(*given, fields=(name,))[0], other, equal_nan=True), name
+            assert np.array_equal(mechanism.step(*given, fields=(name,))[0], other,
+                                  equal_nan=True), name
 
 
 @pytest.mark.parametrize('size', [8, 400])
@@ -167,6 +187,7 @@ def test_outside_of_the_stroke_nothing_but_the_input_is_known(kind, size):
         assert np.array_equal(values, whole, equal_nan=True), name
         if name in mechanism.input_coordinate:
             assert np.isfinite(values).all(), name
-        elif name not in ('slide_ratio', 'driving_torque', 'guide_couple'):     # one, zero, of a slider by its acceleration
+        # one, zero, of a slider by its acceleration
+        elif name not in ('slide_ratio', 'driving_torque', 'guide_couple'):
             assert np.array_equal(np.isfinite(values), inside), name
     assert np.array_equal(found[names.index('slide')], x)

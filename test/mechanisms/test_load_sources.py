@@ -1,9 +1,13 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
-Loads of one source at a time: each body alone, gravity on it alone, each external load alone, of any size.
+Loads of one source at a time: each body alone, gravity on it alone, each external load alone, of
+any size.
 
-With everything acting the condition is large, and what cancels within one source does not show. The
-condition counts all that is given: lengths, input with its rate and acceleration, masses, centres of
-gravity, inertias, gravity and external loads. What is zero whatever they are must come out as zero.
+With everything acting the condition is large, and what cancels within one source does not show.
+The condition counts all that is given: lengths, input with its rate and acceleration, masses,
+centres of gravity, inertias, gravity and external loads. What is zero whatever they are must come
+out as zero.
 """
 
 import mpmath as mp
@@ -24,7 +28,8 @@ SOURCES = ([(what, link) for what in ('body', 'point mass', 'inertia', 'weight')
            + [(what, link) for what in ('force', 'couple') for link in ('coupler', 'output')])
 BOUND = 5.0               # eps cond
 POWERS = (0.5, 2.0, 8.0)  # of ten, of the ratio of the longest to the shortest link
-NOTHING = mp.mpf(10)**-60  # a condition below this part of the largest: zero but for the reference's rounding
+# a condition below this part of the largest: zero but for the reference's rounding
+NOTHING = mp.mpf(10)**-60
 
 
 def lengths_of(rng, kind, power):
@@ -34,7 +39,8 @@ def lengths_of(rng, kind, power):
         if kind is FourBar:
             order = np.argsort(lengths)
             if rng.random() < 0.7:
-                lengths[order[2]] = lengths[order[3]] + rng.uniform(-1.0, 1.0) * lengths[order[:2]].sum()
+                lengths[order[2]] = (lengths[order[3]]
+                                     + rng.uniform(-1.0, 1.0) * lengths[order[:2]].sum())
             if lengths.min() > 0.0 and 2.0 * lengths.max() < lengths.sum():
                 return tuple(lengths.tolist())
         elif lengths[2] < lengths[0] + lengths[1]:
@@ -43,7 +49,11 @@ def lengths_of(rng, kind, power):
 
 
 def draw(rng, kind, power):
-    """Return lengths, mode and input of a mechanism that closes; a third without acceleration, a fifth at rest."""
+    """
+    Return lengths, mode and input of a mechanism that closes.
+
+    A third without acceleration, a fifth at rest.
+    """
     while True:
         lengths, mode = lengths_of(rng, kind, power), int(rng.integers(1, 3))
         mechanism = built(kind, lengths, mode, np.zeros(24).tolist())
@@ -62,11 +72,13 @@ def draw(rng, kind, power):
 def values_of(rng, what, link, lengths):
     """Return 24 numbers for :func:`pieces` of which only one source acts, of a size over many decades."""
     i, values = LINKS[link], [0.0] * 24
-    size = (max(map(abs, lengths)) if rng.random() < 0.5 else min(lengths[:2])) * 10.0**rng.uniform(-8.0, 1.0)
+    size = (max(map(abs, lengths)) if rng.random() < 0.5
+            else min(lengths[:2])) * 10.0**rng.uniform(-8.0, 1.0)
     if what in ('body', 'point mass', 'weight'):
         values[4 * i] = 10.0**rng.uniform(-3.0, 3.0)
     if what in ('body', 'weight'):
-        values[4 * i + 1:4 * i + 4] = [*(size * rng.normal(size=2)), values[4 * i] * size**2 * rng.uniform()]
+        values[4 * i + 1:4 * i + 4] = [*(size * rng.normal(size=2)),
+                                       values[4 * i] * size**2 * rng.uniform()]
     if what == 'weight':
         values[22:24] = rng.normal(0.0, 10.0, 2)
     if what == 'inertia':
@@ -82,7 +94,8 @@ def built(kind, lengths, mode, values):
     if kind is not FourBar:
         return slider_reference.build(kind, lengths, mode, values)
     bodies, applied, gravity = pieces(values)
-    return FourBar(*lengths, mode=mode, gravity=tuple(gravity), bodies=Bodies(*(Body(*b) for b in bodies)),
+    return FourBar(*lengths, mode=mode, gravity=tuple(gravity),
+                   bodies=Bodies(*(Body(*b) for b in bodies)),
                    external=External(*(Applied(*a) for a in applied)))
 
 
@@ -95,12 +108,14 @@ def truth_of(kind, lengths, mode, given, values):
         def exact(v):
             return reference.loads_of(v[3:7], sign, *v[:3], *pieces(v[7:]))
     else:
-        # the first value of condition() is an angle, counted modulo full turns: of a driven slide there is none
+        # the first value of condition() is an angle, counted modulo full turns: of a driven slide
+        # there is none
         names, angle = slider_reference.LOADS, [] if kind[1] == 'crank' else [0.0]
         k = len(angle)
 
         def exact(v):
-            return slider_reference.loads_of(kind, v[k + 3:k + 6], sign, v[k:k + 3], *pieces(v[k + 6:]))
+            return slider_reference.loads_of(kind, v[k + 3:k + 6], sign, v[k:k + 3],
+                                             *pieces(v[k + 6:]))
     return names, *condition(exact, [mp.mpf(v) for v in (*angle, *given, *lengths, *values)])
 
 
@@ -109,8 +124,10 @@ def errors(kind, lengths, mode, given, values):
     loads, found = built(kind, lengths, mode, values).loads(*given), {}
     names, truth, conditions = truth_of(kind, lengths, mode, given, values)
     for name, true, cond in zip(names, truth, conditions):
-        value = (mp.mpc(getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y')) if isinstance(true, mp.mpc) else
-                 mp.mpf(loads.driving_torque + loads.driving_force if name == 'drive' else getattr(loads, name)))
+        value = (mp.mpc(getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y'))
+                 if isinstance(true, mp.mpc) else
+                 mp.mpf(loads.driving_torque + loads.driving_force if name == 'drive'
+                        else getattr(loads, name)))
         if cond > NOTHING * max(conditions):
             found[name] = float(abs(value - true) / (EPS * cond))
         else:
@@ -123,7 +140,8 @@ def check(name, power, seed, count):
     for _ in range(count):
         lengths, mode, given = draw(rng, kind, power)
         for source in SOURCES:
-            for load, error in errors(kind, lengths, mode, given, values_of(rng, *source, lengths)).items():
+            for load, error in errors(kind, lengths, mode, given,
+                                      values_of(rng, *source, lengths)).items():
                 if not error <= BOUND:
                     bad[(*source, load)] = error
     assert bad == {}
@@ -144,21 +162,31 @@ def test_each_source_alone_in_full(name, power):
 
 @pytest.mark.parametrize('name', [name for name in KINDS if 'slide' not in name.split()])
 def test_a_point_mass_at_the_pin_of_a_crank_at_constant_speed_needs_no_torque(name):
-    """Its acceleration points at O1: the torque is zero, not what is left of it when it cancels."""
+    """
+    Its acceleration points at O1.
+
+    The torque is zero, not what is left of it when it cancels.
+    """
     rng = np.random.default_rng(503)
     for power in POWERS:
         for _ in range(20):
             lengths, mode, (position, rate, _) = draw(rng, KINDS[name], power)
-            loads = built(KINDS[name], lengths, mode, values_of(rng, 'point mass', 'coupler', lengths)).loads(position, rate)
+            loads = built(KINDS[name], lengths, mode,
+                          values_of(rng, 'point mass', 'coupler', lengths)).loads(position, rate)
             assert loads.driving_torque == 0.0 and loads.shaking_moment == 0.0
 
 
 def test_a_bag_recorded_with_other_sums_of_the_loads_recomputes_to_their_rounding():
-    """Recorded before moments were summed in parts that do not cancel: forces and moments differ by rounding."""
+    """
+    Recorded before moments were summed in parts that do not cancel.
+
+    Forces and moments differ by rounding.
+    """
     bag = str(DATA / 'paper')
     scene, _ = recompute.scene_of(bag)
     loads = scene.linkage.loads(np.linspace(0.0, 2.0 * np.pi, 721), 25.0)
     force = max(np.abs(loads.f41).max(), np.abs(loads.f43).max())
     for topic, field, messages, largest in recompute.recompute(bag):
         is_load = topic.endswith(('/loads', '/shaking_wrench')) or field == 'effort'
-        assert messages > 200 and largest <= (4.0 * EPS * force if is_load else 0.0), (topic, field)
+        assert messages > 200 and largest <= (4.0 * EPS * force if is_load
+                                              else 0.0), (topic, field)

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Points fixed to links: against derivatives with many digits, of all mechanisms and inputs."""
 from math import nan, pi, radians
 
@@ -46,12 +48,14 @@ def place_at(mechanism, given, link, point):
             kind = (type(mechanism), mechanism.input)
             at = slider_reference.exact(kind, mechanism.lengths, int(mechanism.sign), (now, 0, 0))
             x, other = at.angle[0], at.angle[1]
-            origin = mp.mpc(at.angle[2], mechanism.offset) if kind[0] is SliderCrank else mp.mpf(mechanism.a4)
+            origin = (mp.mpc(at.angle[2], mechanism.offset) if kind[0] is SliderCrank
+                      else mp.mpf(mechanism.a4))
             if kind[0] is SliderCrank and link == 'output':
                 other = mp.mpf(0)
         if link == 'crank':
             return mp.expj(x) * point
-        return (mechanism.a1 * mp.expj(x) if link == 'coupler' else origin) + mp.expj(other) * point
+        return ((mechanism.a1 * mp.expj(x) if link == 'coupler' else origin)
+                + mp.expj(other) * point)
 
     return place
 
@@ -65,13 +69,18 @@ def cases(count):
 
 @pytest.mark.parametrize('link', LINKS)
 def test_points_move_as_their_path_says(link):
-    """Value, first and second derivative of the exact place; 1e-12 of the sizes, away from toggles."""
+    """
+    Value, first and second derivative of the exact place.
+
+    1e-12 of the sizes, away from toggles.
+    """
     rng = np.random.default_rng(123)
     for mechanism, given in cases(12):
         along, across = rng.uniform(-1.0, 1.0, 2).tolist()
         with mp.workdps(60):
             place = place_at(mechanism, given, link, mp.mpc(along, across))
-            exact = [complex(place(0)), *(complex(mp.diff(place, 0, n, h=mp.mpf(10)**-15)) for n in (1, 2))]
+            exact = [complex(place(0)), *(complex(mp.diff(place, 0, n, h=mp.mpf(10)**-15))
+                                          for n in (1, 2))]
         motion = mechanism.motion(*given)
         found = point_motion(mechanism, motion, link, along, across)
         size = 1.0 + sum(abs(value) for name, value in motion._asdict().items()
@@ -82,7 +91,8 @@ def test_points_move_as_their_path_says(link):
 
 @pytest.mark.parametrize('name, mechanism, value', [
     ('4R', FourBar(0.4, 1.2, 0.8, 1.0), 0.7), ('slider-crank', SliderCrank(0.4, 1.2, 0.1), 0.7),
-    ('inverted', InvertedSlider(0.4, 1.2, 0.1), 0.7), ('cylinder', InvertedSlider(0.4, 1.2, 0.1, input='slide'), 1.1)])
+    ('inverted', InvertedSlider(0.4, 1.2, 0.1), 0.7),
+    ('cylinder', InvertedSlider(0.4, 1.2, 0.1, input='slide'), 1.1)])
 def test_the_joints_are_where_the_links_meet(name, mechanism, value):
     motion = mechanism.motion(value, 3.0, -2.0)
     at_a = point_motion(mechanism, motion, 'crank', mechanism.a1)
@@ -91,12 +101,14 @@ def test_the_joints_are_where_the_links_meet(name, mechanism, value):
         np.testing.assert_array_equal(one, other)
     if name == 'inverted' or name == 'cylinder':
         arm = (motion.slide, mechanism.offset)
-        np.testing.assert_allclose(point_motion(mechanism, motion, 'output', *arm).place, at_a.place, atol=4 * EPS)
+        np.testing.assert_allclose(point_motion(mechanism, motion, 'output', *arm).place,
+                                   at_a.place, atol=4 * EPS)
         return
     end = point_motion(mechanism, motion, 'coupler', mechanism.a2)
     other = point_motion(mechanism, motion, 'output', mechanism.a3 if name == '4R' else 0.0)
     for one, two in zip(end[:3], other[:3]):
-        np.testing.assert_allclose(one, two, rtol=0.0, atol=1e-14 * (1.0 + np.abs(at_a.acceleration).max()))
+        np.testing.assert_allclose(one, two, rtol=0.0,
+                                   atol=1e-14 * (1.0 + np.abs(at_a.acceleration).max()))
 
 
 def test_the_split_is_the_acceleration():
@@ -104,19 +116,22 @@ def test_the_split_is_the_acceleration():
     x = np.linspace(-pi, pi, 50).reshape(5, 10)
     point = point_motion(linkage, linkage.motion(x, 25.0), 'coupler', 0.5, 0.3)
     assert point.place.shape == (5, 10, 2) and point.curvature.shape == (5, 10)
-    np.testing.assert_allclose(np.hypot(point.tangential_acceleration, point.normal_acceleration), np.hypot(*np.moveaxis(point.acceleration, -1, 0)),
+    np.testing.assert_allclose(np.hypot(point.tangential_acceleration, point.normal_acceleration),
+                               np.hypot(*np.moveaxis(point.acceleration, -1, 0)),
                                rtol=8 * EPS)
     circle = point_motion(linkage, linkage.motion(x, 25.0), 'crank', 0.4)
     np.testing.assert_allclose(circle.curvature, 2.5, rtol=16 * EPS)
     np.testing.assert_allclose(circle.normal_acceleration, 25.0**2 * 0.4, rtol=8 * EPS)
     np.testing.assert_allclose(circle.tangential_acceleration, 0.0, atol=8 * EPS * 250.0)
-    assert (point_motion(linkage, linkage.motion(x, -25.0), 'crank', 0.4).curvature < 0.0).all()     # turns right
+    # turns right
+    assert (point_motion(linkage, linkage.motion(x, -25.0), 'crank', 0.4).curvature < 0.0).all()
 
 
 def test_a_point_at_rest_has_no_tangent():
     linkage = FourBar(0.4, 1.2, 0.8, 1.0)
     point = point_motion(linkage, linkage.motion(0.3, 25.0), 'crank', 0.0)
-    assert point.speed == 0.0 and np.isnan(point.tangential_acceleration) and np.isnan(point.curvature)
+    assert (point.speed == 0.0 and np.isnan(point.tangential_acceleration)
+            and np.isnan(point.curvature))
 
 
 def test_a_point_that_hardly_moves_has_no_curvature():
@@ -126,15 +141,21 @@ def test_a_point_that_hardly_moves_has_no_curvature():
 
 
 def test_images_of_links():
-    """The polygon's figure of a link is the link, scaled and turned: any two points of any link."""
+    """
+    The polygon's figure of a link is the link, scaled and turned.
+
+    Any two points of any link.
+    """
     for mechanism, given in cases(6):
         motion = mechanism.motion(*given)
         for link in LINKS:
             at = link_motion(mechanism, motion, link)
-            one, other = (point_motion(mechanism, motion, link, *p) for p in ((0.1, -0.2), (0.7, 0.5)))
+            one, other = (point_motion(mechanism, motion, link, *p)
+                          for p in ((0.1, -0.2), (0.7, 0.5)))
             line = complex(*(other.place - one.place))
             for image, difference in ((velocity_image(at.omega), other.velocity - one.velocity),
-                                      (acceleration_image(at.omega, at.alpha), other.acceleration - one.acceleration)):
+                                      (acceleration_image(at.omega, at.alpha), other.acceleration
+                                       - one.acceleration)):
                 scale, turn = image
                 drawn = scale * np.exp(1j * turn) * line
                 size = np.abs(one.acceleration).max() + np.abs(one.velocity).max() + scale
@@ -145,23 +166,31 @@ def test_the_turn_of_the_acceleration_image_is_that_of_the_slides():
     for omega, alpha in ((3.0, 2.0), (-3.0, -50.0), (1.0, 0.0)):
         assert acceleration_image(omega, alpha) == pytest.approx(
             ((omega**4 + alpha**2)**0.5, pi - np.arctan(alpha / omega**2)), rel=4 * EPS)
-    assert acceleration_image(0.0, 2.0) == (2.0, 0.5 * pi) and acceleration_image(0.0, -2.0) == (2.0, 1.5 * pi)
+    assert (acceleration_image(0.0, 2.0) == (2.0, 0.5 * pi) and acceleration_image(0.0, -2.0)
+            == (2.0, 1.5 * pi))
 
 
 def test_example_7_3():
-    """Points E and F of Uicker's 4R: 2614 and 1937 ft/s^2 (read off the drawing: 2580 and 1960)."""
+    """
+    Points E and F of Uicker's 4R.
+
+    2614 and 1937 ft/s^2 (read off the drawing: 2580 and 1960).
+    """
     inch, linkage = 0.0254, FourBar(4 * 0.0254, 18 * 0.0254, 11 * 0.0254, 10 * 0.0254)
     motion = linkage.motion(radians(120.0), 30.0 * pi)
     e = point_motion(linkage, motion, 'coupler', 10 * inch, -4 * inch)
     f = point_motion(linkage, motion, 'output', 7 * inch, -3 * inch)
-    assert (motion.omega_beta, motion.omega4, motion.alpha4) == pytest.approx((25.38, 49.50, -1819.0), rel=1e-3)
-    assert [np.hypot(*p.acceleration) / 0.3048 for p in (e, f)] == pytest.approx([2614.0, 1937.0], rel=1e-3)
+    assert (motion.omega_beta, motion.omega4,
+            motion.alpha4) == pytest.approx((25.38, 49.50, -1819.0), rel=1e-3)
+    assert [np.hypot(*p.acceleration) / 0.3048 for p in (e, f)] == pytest.approx([2614.0, 1937.0],
+                                                                                 rel=1e-3)
 
 
 def test_bad_points_are_refused():
     linkage = FourBar(0.4, 1.2, 0.8, 1.0)
     motion = linkage.motion(0.3)
-    with pytest.raises(InvalidParameter, match="^link = 'rocker': must be one of crank, coupler, output"):
+    with pytest.raises(InvalidParameter, match="^link = 'rocker': must be one of crank, coupler, "
+                                               'output'):
         point_motion(linkage, motion, 'rocker', 0.1)
     with pytest.raises(InvalidParameter, match='^across = nan'):
         point_motion(linkage, motion, 'crank', 0.1, nan)

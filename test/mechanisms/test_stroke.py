@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """A driven slide with a stroke: where it moves, what is extreme in it, what is refused."""
 import math
 
@@ -14,7 +16,8 @@ from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
 from fourbar_ros.pipeline.status import OK, OUT_OF_RANGE, RATES_UNKNOWN, evaluate
 from fourbar_ros.pipeline.stepper import Stepper
 
-CYLINDER = {'linkage.kind': 'inverted_slider', 'linkage.input': 'slide', 'linkage.a1': 1.2, 'linkage.a4': 1.6}
+CYLINDER = {'linkage.kind': 'inverted_slider', 'linkage.input': 'slide', 'linkage.a1': 1.2,
+            'linkage.a4': 1.6}
 EPS = 2.0**-52
 
 
@@ -33,17 +36,20 @@ def mechanisms(seed, count):
 def test_outside_of_the_stroke_there_is_no_pose():
     for free, mechanism in mechanisms(401, 20):
         low, high = mechanism.stroke
-        assert mechanism.input_ranges == ((low, high),) and mechanism.closing_ranges == free.input_ranges
+        assert (mechanism.input_ranges == ((low, high),) and mechanism.closing_ranges
+                == free.input_ranges)
         for position in (low, high, 0.5 * (low + high)):
             assert mechanism.motion(position, 1.0, 2.0) == free.motion(position, 1.0, 2.0)
             assert evaluate(mechanism, position, 1.0, 0.0, True)[0] == OK
             assert evaluate(mechanism, position, math.nan, 0.0, True)[0] == RATES_UNKNOWN
-        for position in (math.nextafter(low, -math.inf), math.nextafter(high, math.inf), low - 0.01, high + 0.01):
+        for position in (math.nextafter(low, -math.inf), math.nextafter(high, math.inf),
+                         low - 0.01, high + 0.01):
             with pytest.raises(OutOfRange):
                 mechanism.motion(position, 1.0)
             for rate in (1.0, math.nan):
                 assert evaluate(mechanism, position, rate, 0.0, True)[0] == OUT_OF_RANGE
-        x = np.array([low - 0.1 * (high - low), low, 0.5 * (low + high), high, high + 0.1 * (high - low)])
+        x = np.array([low - 0.1 * (high - low), low, 0.5 * (low + high), high,
+                      high + 0.1 * (high - low)])
         motion, loads = mechanism.step(x, 1.0, 2.0)
         for field in (motion.theta1, motion.omega1, loads.f41, loads.shaking_moment):
             assert np.isnan(field).tolist() == [True, False, False, False, True]
@@ -51,15 +57,21 @@ def test_outside_of_the_stroke_there_is_no_pose():
 
 
 def test_extrema_in_a_stroke_are_those_inside_and_its_ends():
-    """The interior ones of the same mechanism without a stroke, as far as inside; ends have finite values."""
+    """
+    The interior ones of the same mechanism without a stroke, as far as inside.
+
+    Ends have finite values.
+    """
     for free, mechanism in mechanisms(402, 8):
         low, high = mechanism.stroke
         names = [quantity.name for quantity in select((), mechanism)]
         found, all_ = (find_extrema(m, names, 0.7, 0.3) for m in (mechanism, free))
         for name in names:
             here = [e for e in found if e.quantity == name]
-            inside = [(e.slide, e.value, e.kind) for e in here if e.place == INTERIOR and e.kind != 'constant']
-            expected = [(e.slide, e.value, e.kind) for e in all_ if e.quantity == name and e.place == INTERIOR
+            inside = [(e.slide, e.value, e.kind) for e in here if e.place == INTERIOR and e.kind
+                      != 'constant']
+            expected = [(e.slide, e.value, e.kind) for e in all_ if e.quantity == name and e.place
+                        == INTERIOR
                         and e.kind != 'constant' and low < e.slide < high]
             assert [e[2] for e in inside] == [e[2] for e in expected], name
             for ours, theirs in zip(inside, expected):
@@ -70,7 +82,7 @@ def test_extrema_in_a_stroke_are_those_inside_and_its_ends():
             assert [(e.slide, e.side) for e in ends] == [(low, 1), (high, -1)]
             for e in ends:
                 motion, loads = mechanism.step(e.slide, 0.7, 0.3)
-                assert e.value == pytest.approx(next(q for q in select([name], mechanism)).of(motion, loads), rel=1e-12)
+                assert (e.value == pytest.approx(next(q for q in select([name], mechanism)).of(motion, loads), rel=1e-12))
 
 
 def test_global_extrema_in_a_stroke_bound_a_fine_grid():
@@ -82,17 +94,22 @@ def test_global_extrema_in_a_stroke_bound_a_fine_grid():
             found = [e for e in find_extrema(mechanism, (quantity,), 0.7) if e.is_global]
             low, high = min(e.value for e in found), max(e.value for e in found)
             margin = 1e-12 * np.abs(values).max()
-            assert low - margin <= values.min() <= low + 1e-3 * np.ptp(values) + margin, quantity.name
-            assert high - 1e-3 * np.ptp(values) - margin <= values.max() <= high + margin, quantity.name
+            assert low - margin <= values.min() <= low + 1e-3 * np.ptp(values) + margin, (
+                quantity.name)
+            assert high - 1e-3 * np.ptp(values) - margin <= values.max() <= high + margin, (
+                quantity.name)
 
 
-@pytest.mark.parametrize('stroke, limits', [((0.0, 1.5), [0.4, 1.5]), ((1.0, 9.0), [1.0, 2.8]), ((-9.0, 9.0), None)])
+@pytest.mark.parametrize('stroke, limits', [((0.0, 1.5), [0.4, 1.5]), ((1.0, 9.0), [1.0, 2.8]),
+                                            ((-9.0, 9.0), None)])
 def test_a_stroke_beyond_a_toggle_ends_there(stroke, limits):
     free = InvertedSlider(1.2, 1.6, input='slide')
     mechanism = InvertedSlider(1.2, 1.6, input='slide', stroke=stroke)
     expected = free.input_ranges if limits is None else (tuple(limits),)
-    assert mechanism.input_ranges == tuple(tuple(pytest.approx(end, rel=4 * EPS) for end in pair) for pair in expected)
-    ends = {e.slide: e.value for e in find_extrema(mechanism, ('omega1',), 1.0) if e.place == LIMIT}
+    assert mechanism.input_ranges == tuple(tuple(pytest.approx(end, rel=4 * EPS) for end in pair)
+                                           for pair in expected)
+    ends = {e.slide: e.value for e in find_extrema(mechanism, ('omega1',), 1.0)
+            if e.place == LIMIT}
     for slide, value in ends.items():
         is_toggle = slide not in stroke
         assert math.isinf(value) == is_toggle
@@ -117,9 +134,11 @@ def test_extrema_in_a_stroke_are_proved():
 @pytest.mark.parametrize('values, text', [
     ({'linkage.range': [1.5, 0.9]}, 'linkage.range = (1.5, 0.9): must be [shortest, longest]'),
     ({'linkage.range': [1.0]}, 'linkage.range = (1.0,): must be [shortest, longest]'),
-    ({'linkage.range': [3.0, 4.0]}, 'linkage.range = (3.0, 4.0): the links cannot close anywhere in it: they do in [-2.8'),
+    ({'linkage.range': [3.0, 4.0]}, 'linkage.range = (3.0, 4.0): the links cannot close anywhere '
+                                    'in it: they do in [-2.8'),
     ({'linkage.range': ['a', 'b']}, "linkage.range = 'a': must hold finite numbers"),
-    ({'linkage.range': [0.9, 1.5], 'linkage.input': 'crank'}, 'linkage.range = [0.9, 1.5]: only a driven slide has a stroke')])
+    ({'linkage.range': [0.9, 1.5], 'linkage.input': 'crank'},
+     'linkage.range = [0.9, 1.5]: only a driven slide has a stroke')])
 def test_a_stroke_that_cannot_be_is_refused(values, text):
     with pytest.raises(FourBarError) as caught:
         scene.from_values({**CYLINDER, **values})
@@ -132,7 +151,8 @@ def test_only_a_driven_slide_has_a_stroke():
 
 
 def test_clamped_inputs_stay_at_the_end_of_the_stroke():
-    its = scene.from_values({**CYLINDER, 'linkage.range': [0.9, 1.5], 'drive.out_of_range': 'clamp'})
+    its = scene.from_values({**CYLINDER, 'linkage.range': [0.9, 1.5],
+                             'drive.out_of_range': 'clamp'})
     place = its.layout.place['slide']
     for asked, expected in ((2.0, 1.5), (0.5, 0.9), (-1.0, 0.9)):
         status, values = Stepper(its).step(asked, 0.1, 0.0, False, False)

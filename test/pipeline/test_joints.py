@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Ratio, offset and sense of joints; positions that are not known."""
 import math
 import random
@@ -31,9 +33,11 @@ def test_positions_and_rates_go_through_ratio_and_offset_and_power_stays():
     for _ in range(50):
         given = random.uniform(-9, 9), random.uniform(-30, 30), random.uniform(-90, 90)
         (_, ours), (_, theirs) = joint_states(plain, given)[0], joint_states(turned, given)[0]
-        assert theirs['position'] == tuple(r * x + o for r, x, o in zip(ratios, ours['position'], offsets))
+        assert theirs['position'] == tuple(r * x + o for r, x, o in zip(ratios, ours['position'],
+                                                                        offsets))
         assert theirs['velocity'] == tuple(r * v for r, v in zip(ratios, ours['velocity']))
-        for a, b, c, d in zip(ours['effort'], ours['velocity'], theirs['effort'], theirs['velocity']):
+        for a, b, c, d in zip(ours['effort'], ours['velocity'], theirs['effort'],
+                              theirs['velocity']):
             assert a * b == pytest.approx(c * d, rel=4e-16, abs=0.0)
 
 
@@ -52,7 +56,8 @@ def test_what_goes_out_of_one_joint_comes_in_through_the_same_numbers():
 @pytest.mark.parametrize('shown', [{}, TURNED])
 def test_positions_that_are_not_known(policy, shown):
     scene = scenes.from_values({**ROCKER, **shown, 'joint_states.when_unknown': policy})
-    (_, good), (_, out), (_, rateless) = joint_states(scene, (0.2, 1.0, 0.0), (1.0, 1.0, 0.0), (0.1, math.nan, math.nan))
+    (_, good), (_, out), (_, rateless) = joint_states(scene, (0.2, 1.0, 0.0), (1.0, 1.0, 0.0),
+                                                      (0.1, math.nan, math.nan))
     if policy == 'hold':
         assert out['position'] == good['position']
     else:
@@ -71,7 +76,8 @@ def test_held_positions_survive_silence_and_nothing_is_held_before_the_first():
     assert position(stepper.silence()) == good and all(map(math.isfinite, good))
 
 
-@pytest.mark.parametrize('outputs, has', [(['joint_states'], False), (['joint_states', 'loads'], True)])
+@pytest.mark.parametrize('outputs, has',
+                         [(['joint_states'], False), (['joint_states', 'loads'], True)])
 def test_effort_is_absent_where_it_is_not_computed(outputs, has):
     for shown in ({}, TURNED):
         scene = scenes.from_values({**LOADS, **shown, 'outputs': outputs})
@@ -96,5 +102,6 @@ def test_what_cannot_be_is_refused(name, value, why):
 
 def test_a_prefix_stands_before_every_name():
     scene = scenes.from_values({**PAPER, 'joint_states.prefix': 'left_'})
-    assert scene.joint_names == ('left_crank', 'left_coupler', 'left_coupler_output', 'left_output')
+    assert scene.joint_names == ('left_crank', 'left_coupler', 'left_coupler_output',
+                                 'left_output')
     assert scenes.from_values(scene.values).joint_names == scene.joint_names

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The causal estimator of missing rates: exact where it must be, as noisy and late as it says."""
 import math
 
@@ -12,7 +14,8 @@ EPS = np.finfo(float).eps
 
 
 NS = 1_000_000_000
-EPOCHS = [0, 1_795_282_488_233_864_734, -3 * NS, 2**31 * NS]        # today, before 1970, the end of a Time message
+# today, before 1970, the end of a Time message
+EPOCHS = [0, 1_795_282_488_233_864_734, -3 * NS, 2**31 * NS]
 
 
 def stamps(seconds):
@@ -25,20 +28,26 @@ def feed(estimator, times, angles, rates=None):
     rates = [math.nan] * len(times) if rates is None else rates
     times = np.asarray(times)
     times = times if times.dtype == np.int64 else stamps(times)
-    return np.array([estimator.update(int(t), float(x), float(v)) for t, x, v in zip(times, angles, rates)])
+    return np.array([estimator.update(int(t), float(x), float(v))
+                     for t, x, v in zip(times, angles, rates)])
 
 
 @pytest.mark.parametrize('epoch', EPOCHS)
 @pytest.mark.parametrize('window', [3, 5, 9])
 def test_constant_acceleration_is_exact_on_any_spacing_and_through_the_wrap(window, epoch):
-    """Only the rounding of the angles is left, whatever the clock: stamps are differences of whole nanoseconds."""
+    """
+    Only the rounding of the angles is left, whatever the clock.
+
+    Stamps are differences of whole nanoseconds.
+    """
     rng = np.random.default_rng(1)
     times = epoch + np.cumsum(rng.integers(2_000_000, 10_000_000, 300))
     t = (times - times[0]) * 1e-9
     angles = 0.3 + 20.0 * t - 7.0 * t**2
     wrapped = (angles + np.pi) % (2.0 * np.pi) - np.pi
     found = feed(RateEstimator(window), times, wrapped)[window:]
-    error = 4.0 * EPS * 60.0                      # of an angle that has been up to 60 rad, wrapped, over steps of 2 ms
+    # of an angle that has been up to 60 rad, wrapped, over steps of 2 ms
+    error = 4.0 * EPS * 60.0
     assert np.abs(found[:, 0] - (20.0 - 14.0 * t)[window:]).max() < 2.5 * error / 0.002
     assert np.abs(found[:, 1] + 14.0).max() < 4.0 * error / 0.002**2
 
@@ -65,7 +74,8 @@ def test_the_first_samples_say_what_is_not_known_yet():
     first, second, third = feed(RateEstimator(), [0.0, 0.1, 0.2], [1.0, 1.1, 1.2])
     assert np.isnan(first).all()
     assert second[0] == pytest.approx(1.0) and np.isnan(second[1])
-    assert third[0] == pytest.approx(1.0) and third[1] == pytest.approx(0.0, abs=16 * EPS * 1.2 / 0.1**2)
+    assert (third[0] == pytest.approx(1.0) and third[1]
+            == pytest.approx(0.0, abs=16 * EPS * 1.2 / 0.1**2))
 
 
 def test_a_given_velocity_is_kept_and_only_the_acceleration_estimated():
@@ -83,7 +93,8 @@ def test_jump_gap_and_wrong_order():
     for k in range(10):
         update(k * 0.1, k * 0.1)
     assert update(0.9, 0.9) == pytest.approx((1.0, 0.0), abs=1e-9)       # the newest again
-    assert np.isnan(update(0.85, 99.0)).all() and estimator.late == 1    # older than the newest: unused
+    # older than the newest: unused
+    assert np.isnan(update(0.85, 99.0)).all() and estimator.late == 1
     assert update(0.95, 0.95) == pytest.approx((1.0, 0.0), abs=1e-9)
     assert np.isnan(update(1.0, 2.9)).all() and estimator.restarts == 1  # a jump, not a speed
     assert update(1.1, 3.0)[0] == pytest.approx(1.0)
@@ -102,33 +113,42 @@ def test_a_clock_set_back_by_any_step_costs_no_more_than_a_start(back):
     after = before[-1] - back + np.arange(1, 200) * 0.01
     found = feed(estimator, after, 3.0 * after)
     assert np.isnan(found[:, 0]).sum() <= 1 and np.isnan(found[:, 1]).sum() <= 2
-    assert estimator.restarts == (0 if back == 0.02 else 1)         # two samples back is only the newest again
+    # two samples back is only the newest again
+    assert estimator.restarts == (0 if back == 0.02 else 1)
     assert np.abs(found[2:] - [3.0, 0.0]).max() < 64 * EPS * 50.0 / 0.01**2
 
 
 def test_samples_overtaken_one_by_one_do_not_start_it_afresh():
-    """Two publishers on one topic, one of them behind: its samples have no rates, the others lose none."""
+    """
+    Two publishers on one topic, one of them behind.
+
+    Its samples have no rates, the others lose none.
+    """
     estimator = RateEstimator(window=5)
     t = np.arange(200) * 0.01
     times = np.column_stack((t, t - 0.015)).ravel()
     found = feed(estimator, times, 3.0 * times).reshape(-1, 2, 2)
-    assert np.isnan(found[2:, 1]).all() and np.abs(found[2:, 0] - [3.0, 0.0]).max() < 64 * EPS * 6.0 / 0.01**2
+    assert (np.isnan(found[2:, 1]).all() and np.abs(found[2:, 0] - [3.0, 0.0]).max()
+            < 64 * EPS * 6.0 / 0.01**2)
     assert estimator.restarts == 0 and estimator.late == 200
 
 
 @pytest.mark.parametrize('ratio', [0.5, -3.0, 10.0])
 def test_a_motor_that_wraps_drives_a_crank_behind_gears(ratio):
     """The turn that is taken off is one of the motor: tau/ratio of the crank."""
-    estimator = estimator_of(scene.from_values({**PAPER, 'drive.source': 'joint_state', 'drive.joint': 'motor',
-                                                'drive.joint_ratio': ratio, 'drive.joint_offset': 0.3}))
+    estimator = estimator_of(scene.from_values({**PAPER, 'drive.source': 'joint_state',
+                                                'drive.joint': 'motor',
+                                                'drive.joint_ratio': ratio,
+                                                'drive.joint_offset': 0.3}))
     t = np.arange(2000) * 0.002
     motor = (ratio * 4.0 * t + 0.3 + math.pi) % math.tau - math.pi
     found = feed(estimator, t, (motor - 0.3) / ratio)[3:]
-    assert np.abs(found - [4.0, 0.0]).max() < 16 * EPS * math.tau * max(1.0, 1.0 / abs(ratio)) / 0.002**2
+    assert (np.abs(found - [4.0, 0.0]).max() < 16 * EPS * math.tau * max(1.0, 1.0 / abs(ratio))
+            / 0.002**2)
     assert estimator.restarts == 0
 
 
-# --- noise ------------------------------------------------------------------------------------------
+# --- noise ---------------------------------------------------------------------------------------
 
 def encoder(angle, rng):
     """An encoder of 2000 counts."""
@@ -144,7 +164,8 @@ def gaussian(angle, rng):
 @pytest.mark.parametrize('window', [3, 5, 9])
 def test_noise_is_the_scatter_of_the_acceleration(window, disturb, spacing):
     rng = np.random.default_rng(3)
-    steps = np.full(6000, 2_000_000) if spacing == 'even' else rng.integers(1_000_000, 3_000_000, 6000)
+    steps = (np.full(6000, 2_000_000) if spacing == 'even'
+             else rng.integers(1_000_000, 3_000_000, 6000))
     times = EPOCHS[1] + np.cumsum(steps)
     t = (times - times[0]) * 1e-9
     angles = disturb(7.3 * t + 1.1 * t**2, rng)
@@ -164,9 +185,11 @@ def test_the_noise_of_velocities_and_of_their_acceleration():
     t = np.arange(4000) * 0.002
     for window, gain in ((3, 1 / math.sqrt(2.0)), (5, 1 / math.sqrt(10.0))):
         estimator = RateEstimator(window)
-        found = feed(estimator, times, t, 1.0 + 3.0 * t + rng.normal(0.0, 1e-3, t.size))[window:, 1]
+        found = feed(estimator, times, t,
+                     1.0 + 3.0 * t + rng.normal(0.0, 1e-3, t.size))[window:, 1]
         assert found.std() == pytest.approx(gain * 1e-3 / 0.002, rel=0.05)
-        assert estimator.noise == pytest.approx(gain * 1e-3 / 0.002, rel=0.3)          # of the newest 100
+        # of the newest 100
+        assert estimator.noise == pytest.approx(gain * 1e-3 / 0.002, rel=0.3)
         assert estimator.lag == pytest.approx((window - 1) * 0.001)
 
 
@@ -184,7 +207,8 @@ def test_noise_is_never_less_than_stamps_and_floats_can_say():
 
 def test_a_crank_driven_by_a_torque_is_told_from_noise():
     """
-    500 Hz, window 3, a torque that changes: the error of the torque is that of the jerk, not of the clock.
+    500 Hz, window 3, a torque that changes: the error of the torque is that of the jerk, not of
+    the clock.
 
     With an encoder of 2000 counts it is noise, and said to be.
     """
@@ -209,13 +233,17 @@ def test_noise_and_lag_are_as_documented(window, velocity_noise, acceleration_no
     rng = np.random.default_rng(2)
     h, noise = 0.01, 1e-5
     times = np.arange(20000) * h
-    found = feed(RateEstimator(window, jump=3.0), times, rng.normal(0.0, noise, times.size))[window:]
+    found = feed(RateEstimator(window, jump=3.0), times,
+                 rng.normal(0.0, noise, times.size))[window:]
     spread = found.std(axis=0) * np.array([h, h**2]) / noise
-    assert spread == pytest.approx([velocity_noise, acceleration_noise], rel=0.03)   # 1/sqrt(20000) = 0.7 %
+    # 1/sqrt(20000) = 0.7 %
+    assert spread == pytest.approx([velocity_noise, acceleration_noise], rel=0.03)
     jerk, t = 5.0, times[:200]
     found = feed(RateEstimator(window), t, jerk * t**3 / 6.0)[window:]
-    assert found[:, 0] - jerk * t[window:]**2 / 2.0 == pytest.approx(-jerk_share * jerk * h**2, rel=1e-3)
-    assert found[:, 1] - jerk * t[window:] == pytest.approx(-jerk * h * (window - 1) / 2.0, rel=1e-3)
+    assert found[:, 0] - jerk * t[window:]**2 / 2.0 == pytest.approx(-jerk_share * jerk * h**2,
+                                                                     rel=1e-3)
+    assert found[:, 1] - jerk * t[window:] == pytest.approx(-jerk * h * (window - 1) / 2.0,
+                                                            rel=1e-3)
 
 
 def test_a_slide_does_not_wrap():
@@ -223,7 +251,8 @@ def test_a_slide_does_not_wrap():
     times = np.arange(10) * 0.1
     found = feed(RateEstimator(jump=100.0, period=math.inf), times, 40.0 * times)
     assert found[3:, 0] == pytest.approx(40.0, rel=1e-12)
-    jump = feed(RateEstimator(jump=1.0, period=math.inf), [0.0, 0.1, 0.2], [0.0, 0.1, 0.1 + 2.0 * np.pi])
+    jump = feed(RateEstimator(jump=1.0, period=math.inf), [0.0, 0.1, 0.2],
+                [0.0, 0.1, 0.1 + 2.0 * np.pi])
     assert np.isnan(jump[2]).all()
 
 
@@ -232,7 +261,8 @@ def test_an_input_that_is_no_number_is_not_remembered(bad):
     estimator = RateEstimator()
     feed(estimator, [0.0, 0.1, 0.2], [0.0, 0.1, 0.2])
     assert np.isnan(estimator.update(NS // 4, bad)).all()
-    assert estimator.update(3 * NS // 10, 0.3) == pytest.approx((1.0, 0.0), abs=1e-12) and estimator.restarts == 0
+    assert (estimator.update(3 * NS // 10, 0.3) == pytest.approx((1.0, 0.0), abs=1e-12)
+            and estimator.restarts == 0)
 
 
 @pytest.mark.parametrize('period', [math.tau, math.inf])
@@ -242,8 +272,10 @@ def test_whatever_comes_it_goes_on(period):
     rng = np.random.default_rng(3)
     estimator = RateEstimator(period=period)
     times = np.append(rng.integers(-2**31, 2**31, 20) * NS, rng.integers(-9, 9, 20))
-    for time, (position, velocity) in zip(rng.choice(times, 20000).tolist(), rng.choice(edges, (20000, 2)).tolist()):
+    for time, (position, velocity) in zip(rng.choice(times, 20000).tolist(),
+                                          rng.choice(edges, (20000, 2)).tolist()):
         estimator.update(time, position, velocity)
         estimator.is_noise
     estimator.reset()
-    assert feed(estimator, [0.0, 0.1, 0.2], [0.0, 0.1, 0.2])[-1] == pytest.approx((1.0, 0.0), abs=1e-12)
+    assert feed(estimator, [0.0, 0.1, 0.2],
+                [0.0, 0.1, 0.2])[-1] == pytest.approx((1.0, 0.0), abs=1e-12)

@@ -1,4 +1,10 @@
-"""Forces from outside and on the drive: power balance of chains, what acts in a silence, what is not known."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Forces from outside and on the drive.
+
+Power balance of chains, what acts in a silence, what is not known.
+"""
 import math
 import random
 
@@ -12,10 +18,13 @@ from support.scenes import PAPER, RODS, ROCKER
 
 FROM_TOPIC = {'external.output.from_topic': True, 'external.coupler.from_topic': True}
 LOADED = {**PAPER, **RODS, 'gravity.y': -9.81, 'outputs': ['state', 'loads', 'drive_wrench']}
-SLIDER = {'linkage.kind': 'slider_crank', 'linkage.a1': 0.1, 'linkage.a2': 0.3, 'linkage.offset': 0.02,
+SLIDER = {'linkage.kind': 'slider_crank', 'linkage.a1': 0.1, 'linkage.a2': 0.3,
+          'linkage.offset': 0.02,
           'bodies.crank.mass': 1.0, 'bodies.crank.inertia': 0.01, 'bodies.coupler.mass': 2.0,
-          'bodies.coupler.inertia': 0.02, 'bodies.output.mass': 3.0, 'outputs': ['state', 'loads', 'drive_wrench']}
-CYLINDER = {'linkage.kind': 'inverted_slider', 'linkage.input': 'slide', 'linkage.a1': 0.5, 'linkage.a4': 1.0,
+          'bodies.coupler.inertia': 0.02, 'bodies.output.mass': 3.0,
+          'outputs': ['state', 'loads', 'drive_wrench']}
+CYLINDER = {'linkage.kind': 'inverted_slider', 'linkage.input': 'slide', 'linkage.a1': 0.5,
+            'linkage.a4': 1.0,
             'linkage.offset': 0.05, 'bodies.crank.mass': 1.0, 'bodies.crank.inertia': 0.1,
             'bodies.coupler.mass': 2.0, 'bodies.coupler.inertia': 0.02, 'bodies.output.mass': 3.0,
             'bodies.output.inertia': 0.3, 'outputs': ['state', 'loads', 'drive_wrench']}
@@ -42,7 +51,11 @@ def test_a_wrench_from_a_topic_is_that_of_the_scene_to_the_last_bit(link):
 
 
 def test_a_chain_of_linkages_is_driven_by_the_power_that_goes_into_all_links():
-    """The drive of the first gives the power of both: kinetic energies by differences, independent of the loads."""
+    """
+    The drive of the first gives the power of both.
+
+    Kinetic energies by differences, independent of the loads.
+    """
     first = scenes.from_values({**LOADED, 'external.output.from_topic': True})
     second = scenes.from_values({**LOADED, 'linkage.a1': 0.3, 'linkage.a2': 1.4})
     one, two = Stepper(first), Stepper(second)
@@ -54,13 +67,15 @@ def test_a_chain_of_linkages_is_driven_by_the_power_that_goes_into_all_links():
 
     def energy(t):
         angle, rate = theta + omega * t + 0.5 * alpha * t * t, omega + alpha * t
-        return sum(energy_of(scene.linkage, motion) for scene, motion in zip((first, second), chained(angle, rate, alpha)))
+        return sum(energy_of(scene.linkage, motion)
+                   for scene, motion in zip((first, second), chained(angle, rate, alpha)))
     power = (energy(1e-5) - energy(-1e-5)) / 2e-5
 
     motion, _ = chained(theta, omega, alpha)
     _, values = two.step(motion.theta4, motion.omega4, motion.alpha4, True, False)
     reaction = of(second, values, 'drive_wrench')
-    one.act('output', Wrench(reaction['wrench.force.x'], reaction['wrench.force.y'], reaction['wrench.torque.z']))
+    one.act('output', Wrench(reaction['wrench.force.x'], reaction['wrench.force.y'],
+                             reaction['wrench.torque.z']))
     _, values = one.step(theta, omega, alpha, True, False)
     assert of(first, values, 'loads')['driving_torque'] * omega == pytest.approx(power, rel=1e-7)
 
@@ -69,7 +84,8 @@ def energy_of(linkage, motion):
     """Return kinetic plus potential energy of a four-bar, from its motion alone."""
     a1, a4 = linkage.a1, linkage.a4
     joints = ((0.0, 0.0, 0.0, 0.0, motion.theta1, motion.omega1),
-              (a1 * math.cos(motion.theta1), a1 * math.sin(motion.theta1), -a1 * motion.omega1 * math.sin(motion.theta1),
+              (a1 * math.cos(motion.theta1), a1 * math.sin(motion.theta1),
+               -a1 * motion.omega1 * math.sin(motion.theta1),
                a1 * motion.omega1 * math.cos(motion.theta1), motion.beta, motion.omega_beta),
               (a4, 0.0, 0.0, 0.0, motion.theta4, motion.omega4))
     total = 0.0
@@ -78,11 +94,13 @@ def energy_of(linkage, motion):
         to_y = body.cg_along * math.sin(angle) + body.cg_across * math.cos(angle)
         speed2 = (vx - rate * to_y)**2 + (vy + rate * to_x)**2
         total += (0.5 * body.mass * speed2 + 0.5 * body.inertia * rate**2
-                  - body.mass * (linkage.gravity[0] * (x + to_x) + linkage.gravity[1] * (y + to_y)))
+                  - body.mass * (linkage.gravity[0] * (x + to_x)
+                                 + linkage.gravity[1] * (y + to_y)))
     return total
 
 
-@pytest.mark.parametrize('given, at', [({**SLIDER, 'linkage.input': 'slide'}, 0.3), (CYLINDER, 0.8)])
+@pytest.mark.parametrize('given, at', [({**SLIDER, 'linkage.input': 'slide'}, 0.3),
+                                       (CYLINDER, 0.8)])
 def test_the_wrench_on_a_sliding_drive_is_minus_its_force_along_the_slide(given, at):
     scene = scenes.from_values(given)
     status, values = Stepper(scene).step(at, 0.4, -2.0, True, False)
@@ -90,8 +108,10 @@ def test_the_wrench_on_a_sliding_drive_is_minus_its_force_along_the_slide(given,
     direction = of(scene, values, 'state').get('theta4', math.nan)
     direction = 0.0 if math.isnan(direction) else direction
     assert status == OK
-    assert wrench['wrench.force.x'] == pytest.approx(-loads['driving_force'] * math.cos(direction), rel=1e-14)
-    assert wrench['wrench.force.y'] == pytest.approx(-loads['driving_force'] * math.sin(direction), rel=1e-14, abs=1e-300)
+    assert wrench['wrench.force.x'] == pytest.approx(-loads['driving_force'] * math.cos(direction),
+                                                     rel=1e-14)
+    assert wrench['wrench.force.y'] == pytest.approx(-loads['driving_force'] * math.sin(direction),
+                                                     rel=1e-14, abs=1e-300)
     assert wrench['wrench.torque.z'] == 0.0 != loads['driving_force']
 
 
@@ -103,7 +123,8 @@ LAST = Wrench(1.0, 2.0, 3.0)
     ('unknown', None, UNKNOWN), ('unknown', LAST, UNKNOWN), ('hold', LAST, LAST),
     ('hold', None, Wrench(4.0, 0.0, -2.0)), ('constant', LAST, Wrench(4.0, 0.0, -2.0))])
 def test_what_acts_in_a_silence(policy, last, expected):
-    scene = scenes.from_values({**LOADED, **FROM_TOPIC, **CONSTANTS, 'external.when_silent': policy})
+    scene = scenes.from_values({**LOADED, **FROM_TOPIC, **CONSTANTS,
+                                'external.when_silent': policy})
     assert repr(in_silence(scene, 'output', last)) == repr(expected)
     stepper = Stepper(scene)
     status, values = stepper.step(0.3, 2.0, 1.0, True, False)
@@ -115,7 +136,8 @@ def test_what_acts_in_a_silence(policy, last, expected):
         assert math.isfinite(of(scene, values, 'state')['alpha4'])
     else:
         assert constant(scene, 'output') == Wrench(4.0, 0.0, -2.0)
-        assert values == Stepper(scenes.from_values({**LOADED, **CONSTANTS})).step(0.3, 2.0, 1.0, True, False)[1]
+        assert values == Stepper(scenes.from_values({**LOADED, **CONSTANTS})).step(0.3, 2.0, 1.0,
+                                                                                   True, False)[1]
 
 
 @pytest.mark.parametrize('number', [math.nan, math.inf, -math.inf])

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """No number is cropped, whatever the width: rows are wrapped or stacked instead."""
 import io
 import random
@@ -21,7 +23,8 @@ VERBS = {
     'bag diff': ['bag', 'diff', '{bag}', '{other}'],
     'bag scene': ['bag', 'scene', '{bag}'],
 }
-RUN = 'import sys; from fourbar_ros.cli import main, scene; scene.step_cost = lambda scene: 1e-5; sys.exit(main.main({}))'
+RUN = ('import sys; from fourbar_ros.cli import main, scene; scene.step_cost = lambda scene: '
+       '1e-5; sys.exit(main.main({}))')
 
 
 @pytest.fixture(scope='module')
@@ -29,7 +32,8 @@ def files(tmp_path_factory):
     """Two bags: what differs between them has digits."""
     folder = tmp_path_factory.mktemp('bags')
     values = {**PAPER, **RODS, 'outputs': ['state', 'loads', 'joint_states']}
-    return {name: str(bags.run(folder, name, values, [(0.1 * k + e, 25.0, 0.0) for k in range(5)], paced=True))
+    return {name: str(bags.run(folder, name, values, [(0.1 * k + e, 25.0, 0.0) for k in range(5)],
+                               paced=True))
             for name, e in (('bag', 0.0), ('other', 1e-9))}
 
 
@@ -43,7 +47,8 @@ def test_numbers_are_whole_in_every_width(name, files):
     for width in (80, 60):
         text, code = shown(command, width)
         assert code == wide.returncode and '…' not in text
-        if not name.startswith('bag'):                # prose of these is left to the terminal to wrap
+        # prose of these is left to the terminal to wrap
+        if not name.startswith('bag'):
             assert max(map(len, text.splitlines())) <= width
         assert numbers(text) == numbers(wide.stdout), width
 
@@ -59,8 +64,10 @@ def printed(table, width):
 def test_random_tables_keep_every_word(seed):
     rng = random.Random(seed)
     heads = ['', *(f'head{i}' + '>' * rng.randint(0, 1) for i in range(rng.randint(1, 6)))]
-    rows = [[' '.join(f'{rng.uniform(-1e3, 1e3):.{rng.randint(0, 9)}f}' for _ in range(rng.randint(0, 3)))
-             if not head.endswith('>') else f'{rng.gauss(0.0, 1e6):.12g}' for head in heads] for _ in range(6)]
+    rows = [[' '.join(f'{rng.uniform(-1e3, 1e3):.{rng.randint(0, 9)}f}'
+                      for _ in range(rng.randint(0, 3)))
+             if not head.endswith('>') else f'{rng.gauss(0.0, 1e6):.12g}' for head in heads]
+            for _ in range(6)]
     words = sorted(word for row in rows for cell in row for word in cell.split())
     for width in (200, 80, 60, 40, 30):
         table = plain_table('', heads)
@@ -69,7 +76,8 @@ def test_random_tables_keep_every_word(seed):
             if rng.random() < 0.3:
                 table.add_section()
         lines = printed(table, width)
-        assert sorted(word for line in lines for word in line.split() if not word.startswith('head')) == words
+        assert sorted(word for line in lines for word in line.split()
+                      if not word.startswith('head')) == words
         assert max(map(len, lines)) <= width and not any(line.endswith(' ') for line in lines)
 
 

@@ -1,4 +1,10 @@
-"""Both documents recomputed: each verdict is earned, and Table 3 is what was said to have made it."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Both documents recomputed.
+
+Each verdict is earned, and Table 3 is what was said to have made it.
+"""
 import subprocess
 import sys
 from html.parser import HTMLParser
@@ -48,12 +54,13 @@ def rows(sections, title):
     return section.rows
 
 
-# --- verdicts --------------------------------------------------------------------------------------
+# --- verdicts ------------------------------------------------------------------------------------
 
 def test_nothing_differs_without_a_reason(sections):
     found = count(sections)
     assert DIFFERS not in found
-    assert found[AGREES] > 100 and sum(found.values()) > 170 and set(found) == set(VERDICTS) - {DIFFERS}
+    assert (found[AGREES] > 100 and sum(found.values()) > 170 and set(found) == set(VERDICTS)
+            - {DIFFERS})
     for section in sections:
         for row in section.rows:
             assert row.reason or row.verdict in (AGREES, DRAWN, ROUNDED), row
@@ -73,10 +80,12 @@ def test_the_copy_is_not_taken_for_the_authors(sections):
     assert {row.what for row in garbled} == {'mode 1, omega4', 'mode 2, omega4', 'mode 2, alpha4'}
     for row in garbled:
         assert abs(row.difference) <= 2e-9 * abs(row.ours) and 'the copy has' in row.reason
-    assert [row.what for row in rows(sections, 'Example 7.6 -') if row.verdict == GARBLED] == ['dv2/dt on the last page']
+    assert [row.what for row in rows(sections, 'Example 7.6 -') if row.verdict
+            == GARBLED] == ['dv2/dt on the last page']
 
 
-@pytest.mark.parametrize('text, expected', [('-23.95938176', True), ('-23.95938170', True), ('-23.95938171', False),
+@pytest.mark.parametrize('text, expected', [('-23.95938176', True), ('-23.95938170', True),
+                                            ('-23.95938171', False),
                                             ('-23.9593817', False), ('-13.95938176', False)])
 def test_a_reading_takes_each_character_from_its_place(text, expected):
     assert is_reading(text, [' 22.05028176', '-23.93938170', ' 23 05038176']) == expected
@@ -86,14 +95,16 @@ def test_table_3_is_a_wrong_computation_and_its_percentage_agrees(sections):
     found = rows(sections, 'Table 3')
     assert [row.verdict for row in found[:8]] == [WRONG] * 8
     percent, = (row for row in found if row.unit == '%')
-    assert percent.verdict == AGREES and percent.ours == pytest.approx(100.0 * 0.1839 / 5.7299, rel=1e-12)
+    assert (percent.verdict == AGREES and percent.ours == pytest.approx(100.0 * 0.1839 / 5.7299,
+                                                                        rel=1e-12))
     literal, = (row for row in found if 'r34 of Fig. 2' in row.what)
     assert literal.ours == pytest.approx(806.1692, abs=1e-4)
     assert 'inference' in ' '.join(row.reason for row in found)
 
 
 def test_what_is_assumed_and_what_is_not_compared_is_listed(sections):
-    for title, what in (('Example 7.2 -', 'crank angle'), ('Example 7.3 -', 'ground AD'), ('Example 7.5 -', 'crank angle')):
+    for title, what in (('Example 7.2 -', 'crank angle'), ('Example 7.3 -', 'ground AD'),
+                        ('Example 7.5 -', 'crank angle')):
         assert verdicts(sections, title)[what] == ASSUMED
     missing = ' '.join(verdicts(sections, 'Not compared'))
     for name in ('(1)-(5)', '(12)', '(13)-(15)', '7.1', 'Figures 1 and 2'):
@@ -101,7 +112,11 @@ def test_what_is_assumed_and_what_is_not_compared_is_listed(sections):
 
 
 def test_the_moment_with_the_arm_of_fig_2_from_eq_9():
-    """The same maximum on a fine grid of the solved Eq. (9), with r34 from the places of the points."""
+    """
+    The same maximum on a fine grid of the solved Eq.
+
+    (9), with r34 from the places of the points.
+    """
     theta1 = np.radians(np.linspace(350.0, 365.0, 20001))
     motion = published.THIN.motion(theta1, published.PAPER_SPEED)
     unknowns = published.solve_eq_9(published.THIN, motion)
@@ -113,21 +128,26 @@ def test_the_moment_with_the_arm_of_fig_2_from_eq_9():
 
 def test_everything_asked_for_is_there(sections):
     titles = ' '.join(section.title for section in sections)
-    for name in ('7.2', '7.3', '7.4', '7.5', '7.6', '7.7', '(16)-(37)', '(9)-(11)', '(1)-(8)', '(9) and (10)', 'Table 1', 'Table 2', 'Table 3',
+    for name in ('7.2', '7.3', '7.4', '7.5', '7.6', '7.7', '(16)-(37)', '(9)-(11)', '(1)-(8)',
+                 '(9) and (10)', 'Table 1', 'Table 2', 'Table 3',
                  'Figure 3', 'Figure 4'):
         assert name in titles
-    assert [row.what for row in rows(sections, '(16)-(37)')] == [f'Eq. ({n})' for n in range(16, 38)]
+    assert [row.what for row in rows(sections, '(16)-(37)')] == [f'Eq. ({n})'
+                                                                 for n in range(16, 38)]
 
 
 def test_the_misprinted_equations_are_these(sections):
     assert [row.what for row in rows(sections, '(16)-(37)') if row.verdict == MISPRINT] == [
         'Eq. (25)', 'Eq. (31)', 'Eq. (33)']
-    assert [row.what for row in rows(sections, '(1)-(8)') if row.verdict == MISPRINT] == ['second derivative of v']
+    assert [row.what for row in rows(sections, '(1)-(8)') if row.verdict
+            == MISPRINT] == ['second derivative of v']
 
 
 @pytest.mark.parametrize('value, text, expected', [
-    (2.6810151, '2.6810', True), (2.68105, '2.6810', True), (2.68112, '2.6810', False), (2.68094, '2.6810', False),
-    (-51.656958, '-51.6569', True), (-51.65701, '-51.6569', False), (188.49, '188.5', True), (49.5015, '49.6', False),
+    (2.6810151, '2.6810', True), (2.68105, '2.6810', True), (2.68112, '2.6810', False),
+    (2.68094, '2.6810', False),
+    (-51.656958, '-51.6569', True), (-51.65701, '-51.6569', False), (188.49, '188.5', True),
+    (49.5015, '49.6', False),
     (-0.4840322, '-0.4840', True), (7402.2, '7403', False), (2.0, '-2', False)])
 def test_agreement_is_to_the_last_printed_digit(value, text, expected):
     assert agrees(value, text) == expected
@@ -148,13 +168,15 @@ def test_a_wrong_number_is_seen(tmp_path):
             ('(16)-(37)', 'Eq. (16)', {'terms': wrong_sign}),
             ('(16)-(37)', 'Eq. (25)', {'correct': 'w3/w2*1.001'})):
         entry, = (entry for entry in document if title in entry['title'])
-        changed = dict(entry, rows=[dict(row, **change) for row in entry['rows'] if row['what'] == what])
+        changed = dict(entry, rows=[dict(row, **change) for row in entry['rows'] if row['what']
+                                    == what])
         file = tmp_path / 'wrong.yaml'
         file.write_text(yaml.safe_dump([changed]))
-        assert {row.verdict for section in reproduce(file) for row in section.rows} == {DIFFERS}, what
+        assert {row.verdict for section in reproduce(file)
+                for row in section.rows} == {DIFFERS}, what
 
 
-# --- our side, against an independent solution -----------------------------------------------------
+# --- our side, against an independent solution ---------------------------------------------------
 
 def close(values, expected):
     for name, value in expected.items():
@@ -163,16 +185,23 @@ def close(values, expected):
 
 def test_examples_to_1e_12_of_an_independent_solution():
     foot, kinds = published.FOOT, slider_reference.KINDS
-    m = slider_reference.exact(kinds[0], published.EXAMPLE_7_2.lengths, 1, (*published.GIVEN_7_2, 0.0))
-    close(published.example_7_2(), {'omega3': m.rate[1], 'alpha3': m.acceleration[1], 'a_c': -m.acceleration[2] / foot,
+    m = slider_reference.exact(kinds[0], published.EXAMPLE_7_2.lengths, 1,
+                               (*published.GIVEN_7_2, 0.0))
+    close(published.example_7_2(), {'omega3': m.rate[1], 'alpha3': m.acceleration[1],
+                                    'a_c': -m.acceleration[2] / foot,
                                     'v_c': m.rate[2] / foot})
-    m = slider_reference.exact(kinds[2], published.EXAMPLE_7_5.lengths, 1, (*published.GIVEN_7_5, 0.0))
-    close(published.example_7_5(), {'omega4': m.rate[1], 'alpha4': m.acceleration[1], 'v_rel': -m.rate[2] / foot})
-    p, speed = pose(published.EXAMPLE_7_3.lengths, 1, published.GIVEN_7_3[0]), published.GIVEN_7_3[1]
-    close(published.example_7_3(), {'omega3': p.db * speed, 'omega4': p.dy * speed, 'alpha3': p.ddb * speed**2,
+    m = slider_reference.exact(kinds[2], published.EXAMPLE_7_5.lengths, 1,
+                               (*published.GIVEN_7_5, 0.0))
+    close(published.example_7_5(), {'omega4': m.rate[1], 'alpha4': m.acceleration[1],
+                                    'v_rel': -m.rate[2] / foot})
+    p, speed = pose(published.EXAMPLE_7_3.lengths, 1,
+                    published.GIVEN_7_3[0]), published.GIVEN_7_3[1]
+    close(published.example_7_3(), {'omega3': p.db * speed, 'omega4': p.dy * speed,
+                                    'alpha3': p.ddb * speed**2,
                                     'alpha4': -p.ddy * speed**2})
     p = pose(published.EXAMPLE_7_6.lengths, 1, radians(60.0))
-    close(published.example_7_6(), {'omega4': 10 * p.dy, 'alpha4': 100 * (p.dy + p.ddy), 'omega_beta': 10 * p.db,
+    close(published.example_7_6(), {'omega4': 10 * p.dy, 'alpha4': 100 * (p.dy + p.ddy),
+                                    'omega_beta': 10 * p.db,
                                     'alpha_beta': 100 * (p.db + p.ddb)})
 
 
@@ -188,26 +217,32 @@ def test_eq_9_with_accelerations_is_the_closed_form():
     motion, loads = published.PAPER.step(theta1, published.PAPER_SPEED)
     unknowns = published.solve_eq_9(published.PAPER, motion)
     largest = np.abs(unknowns).max()
-    names = ('f41_x', 'f41_y', 'f21_x', 'f21_y', 'f32_x', 'f32_y', 'f43_x', 'f43_y', 'driving_torque')
+    names = ('f41_x', 'f41_y', 'f21_x', 'f21_y', 'f32_x', 'f32_y', 'f43_x', 'f43_y',
+             'driving_torque')
     for column, name in zip(unknowns.T, names):
-        np.testing.assert_allclose(column, getattr(loads, name), rtol=0.0, atol=1e3 * EPS * largest)
+        np.testing.assert_allclose(column, getattr(loads, name), rtol=0.0,
+                                   atol=1e3 * EPS * largest)
 
 
 def test_table_3_is_momentum():
     """The printed force is |sum m v| of the centres of gravity, straight from their velocities."""
     theta1, force, moment, _ = published.wrong_curves()
     m = published.THIN.motion(theta1, published.PAPER_SPEED)
-    crank, coupler, output = (m.cos_x + 1j * m.sin_x, m.cos_b + 1j * m.sin_b, m.cos_y + 1j * m.sin_y)
-    velocities = (5j * crank, 10j * crank + 0.6j * m.omega_beta * coupler, 0.4j * m.omega4 * output)
+    crank, coupler, output = (m.cos_x + 1j * m.sin_x, m.cos_b + 1j * m.sin_b,
+                              m.cos_y + 1j * m.sin_y)
+    velocities = (5j * crank, 10j * crank + 0.6j * m.omega_beta * coupler,
+                  0.4j * m.omega4 * output)
     momentum = sum(body.mass * v for body, v in zip(published.RODS, velocities))
     np.testing.assert_allclose(force, np.abs(momentum), rtol=1e-11)
     values = published.paper_table_3()
-    assert [f'{values[name]:.4f}' for name in ('wrong_force', 'wrong_force_at', 'wrong_moment', 'wrong_moment_at')] == [
+    assert [f'{values[name]:.4f}' for name in ('wrong_force', 'wrong_force_at', 'wrong_moment',
+                                               'wrong_moment_at')] == [
         '56.9764', '5.7299', '154.9566', '5.7352']
-    assert (values['force'], values['moment']) == pytest.approx((2512.318373, 2048.519240), rel=1e-9)
+    assert (values['force'], values['moment']) == pytest.approx((2512.318373, 2048.519240),
+                                                                rel=1e-9)
 
 
-# --- what is written -------------------------------------------------------------------------------
+# --- what is written -----------------------------------------------------------------------------
 
 class Page(HTMLParser):
     """Counts tags and keeps what would be loaded from elsewhere."""
@@ -233,7 +268,8 @@ def test_the_page_holds_all_and_loads_nothing(sections):
     assert found.count['figure'] == found.count['svg'] == 7
     assert text == page(sections, '2026-01-31')      # the same bytes every time
     assert f'fourbar_ros {__version__}, 2026-01-31' in text and 'θ<sub>1</sub>' in text
-    assert found.count['dt'] == len(VERDICTS) and found.count['li'] >= len(sections)       # legend, contents
+    # legend, contents
+    assert found.count['dt'] == len(VERDICTS) and found.count['li'] >= len(sections)
     for i in range(len(sections)):
         assert f'href="#s{i}"' in text and f'id="s{i}"' in text
     for section in sections:
@@ -241,8 +277,10 @@ def test_the_page_holds_all_and_loads_nothing(sections):
             assert row.printed in text
 
 
-@pytest.mark.parametrize('name, row, panel', [('example_7_2', 'v_b', 1), ('example_7_2', 'a_b', 2), ('example_7_3', 'a_b', 2),
-                                              ('example_7_5', 'v_a', 1), ('example_7_5', 'coriolis', 2)])
+@pytest.mark.parametrize('name, row, panel', [('example_7_2', 'v_b', 1), ('example_7_2', 'a_b', 2),
+                                              ('example_7_3', 'a_b', 2),
+                                              ('example_7_5', 'v_a', 1),
+                                              ('example_7_5', 'coriolis', 2)])
 def test_figures_have_the_units_and_letters_of_their_tables(name, row, panel):
     pytest.importorskip('matplotlib')
     from fourbar_ros.reproduction import figures
@@ -256,7 +294,8 @@ def test_figures_have_the_units_and_letters_of_their_tables(name, row, panel):
 
 
 def test_what_cannot_be_written_is_said_before_the_tables(tmp_path):
-    done = subprocess.run([sys.executable, '-m', 'fourbar_ros', 'reproduce', '--html', str(tmp_path / 'no' / 'x.html')],
+    done = subprocess.run([sys.executable, '-m', 'fourbar_ros', 'reproduce', '--html',
+                           str(tmp_path / 'no' / 'x.html')],
                           capture_output=True, text=True, cwd=ROOT, check=False)
     assert (done.returncode, done.stdout) == (1, '') and len(done.stderr.splitlines()) == 1
 
@@ -264,8 +303,10 @@ def test_what_cannot_be_written_is_said_before_the_tables(tmp_path):
 def test_the_tables_number_their_reasons(sections, capsys):
     print_tables(sections)
     text = capsys.readouterr().out
-    assert 'misprint' in text and '(1) ' in text and text.splitlines()[-1].startswith(f'{count(sections)[AGREES]} agrees, ')
-    assert footnotes(sections[0]) == {reason: i for i, reason in enumerate(footnotes(sections[0]), 1)}
+    assert ('misprint' in text and '(1) ' in text
+            and text.splitlines()[-1].startswith(f'{count(sections)[AGREES]} agrees, '))
+    assert footnotes(sections[0]) == {reason: i for i, reason in enumerate(footnotes(sections[0]),
+                                                                           1)}
 
 
 def test_the_command(tmp_path):
@@ -275,13 +316,16 @@ def test_the_command(tmp_path):
                           capture_output=True, text=True, cwd=ROOT, check=False)
     assert done.returncode == 0, done.stderr
     assert 'DIFFERS' not in done.stdout and out.read_text().startswith('<!doctype html>')
-    done = subprocess.run([sys.executable, '-m', 'fourbar_ros', 'reproduce', '--html', str(tmp_path / 'no' / 'x.html')],
+    done = subprocess.run([sys.executable, '-m', 'fourbar_ros', 'reproduce', '--html',
+                           str(tmp_path / 'no' / 'x.html')],
                           capture_output=True, text=True, cwd=ROOT, check=False)
-    assert done.returncode == 1 and done.stderr.startswith('fourbar: ') and 'No such file' in done.stderr
+    assert (done.returncode == 1 and done.stderr.startswith('fourbar: ')
+            and 'No such file' in done.stderr)
 
 
 def test_the_tables_need_no_matplotlib():
     done = subprocess.run([sys.executable, '-c', 'import sys; sys.modules["matplotlib"] = None\n'
-                           'from fourbar_ros.reproduction.reproduce import reproduce; import fourbar_ros.report.drawing; reproduce()'],
+                           'from fourbar_ros.reproduction.reproduce import reproduce; import '
+                           'fourbar_ros.report.drawing; reproduce()'],
                           capture_output=True, text=True, cwd=ROOT, check=False)
     assert done.returncode == 0, done.stderr

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Fixtures of the ROS tests: a client, and nodes that must end well."""
 import pytest
 
@@ -14,7 +16,11 @@ def client():
 
 @pytest.fixture
 def run_node(tmp_path):
-    """Return the function that starts a NodeProcess; all are stopped afterwards and must exit with 0."""
+    """
+    Return the function that starts a NodeProcess.
+
+    All are stopped afterwards and must exit with 0.
+    """
     started = []
 
     def run(parameters, **kwargs):

@@ -1,4 +1,10 @@
-"""The search for extrema as an action: feedback, the answer of the service, cancel, refusals, an end in time."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The search for extrema as an action.
+
+Feedback, the answer of the service, cancel, refusals, an end in time.
+"""
 import time
 
 import pytest
@@ -7,7 +13,8 @@ from rclpy.action import ActionClient
 
 from support.scenes import PAPER, RODS
 
-# Absent only where fourbar_msgs has not been built since it has the action; the node says so and runs without.
+# Absent only where fourbar_msgs has not been built since it has the action; the node says so and
+# runs without.
 FindExtrema = pytest.importorskip('fourbar_msgs.action').FindExtrema
 
 LOADED = {**PAPER, **RODS, 'drive.source': 'motion'}
@@ -60,20 +67,24 @@ def test_it_finds_what_the_service_finds_and_says_how_far_it_is(run_node, client
     assert status == GoalStatus.STATUS_SUCCEEDED and result.result == result.RESULT_OK
     answer = client.call('find_extrema', **asked)
     assert len(answer.extrema) > 10 and repr(result.extrema) == repr(answer.extrema)
-    heard = [(f.feedback.quantity, f.feedback.mode, f.feedback.done, f.feedback.total) for f in its.feedback]
-    assert heard[-6:] == [(name, mode, 2 * i + mode - 1, 6) for i, name in enumerate(asked['quantities']) for mode in (1, 2)]
+    heard = [(f.feedback.quantity, f.feedback.mode, f.feedback.done, f.feedback.total)
+             for f in its.feedback]
+    assert heard[-6:] == [(name, mode, 2 * i + mode - 1, 6)
+                          for i, name in enumerate(asked['quantities']) for mode in (1, 2)]
     counts = [f.feedback.found for f in its.feedback]
     assert counts[-6:] == sorted(counts[-6:]) and counts[-1] < len(answer.extrema)
 
 
 @pytest.mark.parametrize('asked, result', [
     ({'quantities': ['nonsense'], 'velocity': 1.0}, 'RESULT_UNKNOWN_QUANTITY'),
-    ({'velocity': 0.0}, 'RESULT_INVALID_REQUEST'), ({'velocity': 1.0, 'mode': 9}, 'RESULT_INVALID_REQUEST')])
+    ({'velocity': 0.0}, 'RESULT_INVALID_REQUEST'), ({'velocity': 1.0, 'mode': 9},
+                                                    'RESULT_INVALID_REQUEST')])
 def test_what_cannot_be_is_aborted_with_the_reason(run_node, client, goals, asked, result):
     run_node(LOADED)
     its = goals()
     status, answer = its.result(its.send(**asked))
-    assert status == GoalStatus.STATUS_ABORTED and answer.result == getattr(answer, result) and answer.message
+    assert (status == GoalStatus.STATUS_ABORTED and answer.result == getattr(answer, result)
+            and answer.message)
 
 
 def test_a_certified_search_is_canceled_and_the_next_goal_is_answered(run_node, client, goals):

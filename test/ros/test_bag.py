@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """A bag of a real run: read back by independent readers, recomputed without a difference."""
 import json
 import math
@@ -26,11 +28,13 @@ from support.scenes import PAPER, RODS
 @pytest.fixture
 def bag(run_node, client, tmp_path):
     """Return (directory of a bag, messages heard while it was written)."""
-    node = run_node({**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 200.0, 'outputs': ALL_OUTPUTS,
+    node = run_node({**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 200.0,
+                     'outputs': ALL_OUTPUTS,
                      'recording.directory': str(tmp_path / 'deep/bags')})
     client.listen()
     client.until(lambda: all(client.received.values()), 'the stream')
-    client.call('stop_recording')                  # says that there is none: both sides know each other now
+    # says that there is none: both sides know each other now
+    client.call('stop_recording')
     answer = client.call('start_recording', name='run')
     assert answer.success and answer.path == str(tmp_path / 'deep/bags/run')
     count = len(client.received['state'])
@@ -44,7 +48,8 @@ def bag(run_node, client, tmp_path):
 def plain(message, skip=('__msgtype__',)):
     """Return a message of any library as nested plain values, NaN as text so that it equals itself."""
     if hasattr(message, 'get_fields_and_field_types'):
-        return {name: plain(getattr(message, name)) for name in message.get_fields_and_field_types()}
+        return {name: plain(getattr(message, name))
+                for name in message.get_fields_and_field_types()}
     if type(message) is SimpleNamespace:
         return {name: plain(value) for name, value in vars(message).items()}
     if hasattr(message, '__dataclass_fields__'):
@@ -65,8 +70,10 @@ def test_rosbags_reads_the_directory_and_every_value_is_what_was_heard(bag):
     for source in (path, path / 'run_0.mcap'):
         with AnyReader([source], default_typestore=None) as reader:
             topics = {connection.topic: connection for connection in reader.connections}
-            assert set(topics) == {'/fourbar/driven', '/fourbar/scene', '/joint_states', '/fourbar/state', '/fourbar/output',
-                                   '/fourbar/loads', '/fourbar/shaking_wrench', '/fourbar/drive_wrench'}
+            assert set(topics) == {'/fourbar/driven', '/fourbar/scene', '/joint_states',
+                                   '/fourbar/state', '/fourbar/output',
+                                   '/fourbar/loads', '/fourbar/shaking_wrench',
+                                   '/fourbar/drive_wrench'}
             for connection, _, data in reader.messages():
                 name = connection.topic.rsplit('/', 1)[-1]
                 message = reader.deserialize(data, connection.msgtype)
@@ -86,7 +93,8 @@ def test_the_file_is_what_the_mcap_library_and_rosbag2_expect(bag):
         reader = make_reader(file, validate_crcs=True)
         summary = reader.get_summary()
         assert reader.get_header().profile == 'ros2'
-        counts = {summary.channels[i].topic: n for i, n in summary.statistics.channel_message_counts.items()}
+        counts = {summary.channels[i].topic: n
+                  for i, n in summary.statistics.channel_message_counts.items()}
         times, sequences = [], {}
         for _, channel, message in reader.iter_messages(log_time_order=False):
             times.append(message.log_time)
@@ -98,8 +106,10 @@ def test_the_file_is_what_the_mcap_library_and_rosbag2_expect(bag):
     for channel in summary.channels.values():
         qos, = yaml.safe_load(channel.metadata['offered_qos_profiles'])
         durability = 'transient_local' if channel.topic == '/fourbar/scene' else 'volatile'
-        assert (qos['history'], qos['reliability'], qos['durability']) == ('keep_last', 'reliable', durability)
-        assert channel.metadata['topic_type_hash'].startswith('RIHS01_') and channel.message_encoding == 'cdr'
+        assert (qos['history'], qos['reliability'], qos['durability']) == ('keep_last', 'reliable',
+                                                                           durability)
+        assert (channel.metadata['topic_type_hash'].startswith('RIHS01_')
+                and channel.message_encoding == 'cdr')
     about = yaml.safe_load((path / 'metadata.yaml').read_text())['rosbag2_bagfile_information']
     assert (about['version'], about['storage_identifier']) == (9, 'mcap')
     assert about['message_count'] == 1 + sum(counts.values()) == summary.statistics.message_count
@@ -116,16 +126,24 @@ def test_schemas_and_hashes_are_those_an_independent_parser_computes(bag):
         summary = make_reader(file).get_summary()
     for schema in summary.schemas.values():
         assert schema.encoding == 'ros2msg'
-        store.register({k: v for k, v in get_types_from_msg(schema.data.decode(), schema.name).items()
+        store.register({k: v for k, v in get_types_from_msg(schema.data.decode(),
+                                                            schema.name).items()
                         if k not in store.types})
     for channel in summary.channels.values():
-        assert store.hash_rihs01(summary.schemas[channel.schema_id].name) == channel.metadata['topic_type_hash']
+        assert (store.hash_rihs01(summary.schemas[channel.schema_id].name)
+                == channel.metadata['topic_type_hash'])
 
 
-@pytest.mark.parametrize('package', ['fourbar_msgs', 'geometry_msgs', 'sensor_msgs', 'diagnostic_msgs', 'rcl_interfaces'])
+@pytest.mark.parametrize('package', ['fourbar_msgs', 'geometry_msgs', 'sensor_msgs',
+                                     'diagnostic_msgs', 'rcl_interfaces'])
 def test_definitions_of_installed_messages_hash_as_an_independent_parser_computes(package):
-    """Whatever a .msg file holds: constants, bounds, defaults, nested types of its own and of other packages."""
-    names = [f'{package}/msg/{file.stem}' for file in Path(get_package_share_directory(package)).glob('msg/*.msg')]
+    """
+    Whatever a .msg file holds.
+
+    Constants, bounds, defaults, nested types of its own and of other packages.
+    """
+    names = [f'{package}/msg/{file.stem}'
+             for file in Path(get_package_share_directory(package)).glob('msg/*.msg')]
     assert names
     for name in names:
         store = get_typestore(Stores.EMPTY)
@@ -136,18 +154,21 @@ def test_definitions_of_installed_messages_hash_as_an_independent_parser_compute
 def test_recompute_finds_no_difference_and_does_find_a_false_scene(bag, tmp_path):
     path, _ = bag
     found = recompute(path)
-    assert {d.topic for d in found} == {'/joint_states', '/fourbar/state', '/fourbar/output', '/fourbar/loads', '/fourbar/driven',
+    assert {d.topic for d in found} == {'/joint_states', '/fourbar/state', '/fourbar/output',
+                                        '/fourbar/loads', '/fourbar/driven',
                                         '/fourbar/shaking_wrench', '/fourbar/drive_wrench'}
     assert len(found) > 40 and all(d.messages >= 100 for d in found)
     assert max(d.largest for d in found) == 0.0
     file = path / 'run_0.mcap'
-    with open(file, 'rb') as old, open(tmp_path / 'false.mcap', 'wb') as new:       # the same, of another linkage
+    # the same, of another linkage
+    with open(file, 'rb') as old, open(tmp_path / 'false.mcap', 'wb') as new:
         reader, writer = make_reader(old), Writer(new)
         writer.start('ros2', 'test')
         ids = {}
         for schema, channel, message in reader.iter_messages(log_time_order=False):
             if channel.topic not in ids:
-                ids[channel.topic] = writer.register_channel(channel.topic, 'cdr', writer.register_schema(
+                ids[channel.topic] = writer.register_channel(channel.topic, 'cdr',
+                                                             writer.register_schema(
                     schema.name, schema.encoding, schema.data), channel.metadata)
             data = message.data.replace(b'"linkage.a1": 0.4,', b'"linkage.a1": 0.5,')
             writer.add_message(ids[channel.topic], message.log_time, data, message.publish_time)
@@ -194,7 +215,8 @@ def recorder_of(client):
 
     def heard(message):
         for status in message.status:
-            found.append((int.from_bytes(status.level, 'big') if isinstance(status.level, bytes) else status.level,
+            found.append((int.from_bytes(status.level, 'big') if isinstance(status.level, bytes)
+                          else status.level,
                           status.message, {pair.key: pair.value for pair in status.values}))
     subscription = client.node.create_subscription(DiagnosticArray, '/diagnostics', heard, 10)
     client.until(lambda: found, 'diagnostics')
@@ -205,7 +227,8 @@ def recorder_of(client):
 def test_a_name_that_is_taken_does_not_stop_the_node_it_records_under_the_next_free_one(run_node, client, tmp_path):
     for name in ('run', 'run_2'):
         (tmp_path / 'bags' / name).mkdir(parents=True)
-    node = run_node({**PAPER, 'outputs': ['state'], 'recording.start': True, 'recording.name': 'run',
+    node = run_node({**PAPER, 'outputs': ['state'], 'recording.start': True,
+                     'recording.name': 'run',
                      'recording.directory': str(tmp_path / 'bags')})
     client.listen(['state'])
     client.until(lambda: len(client.received['state']) > 20, 'the stream')
@@ -229,7 +252,8 @@ def test_where_nothing_can_be_recorded_the_node_streams_and_says_so(run_node, cl
     assert node.stop(signal.SIGINT) == 0
 
 
-def test_a_tilde_is_the_home_and_a_file_that_is_removed_ends_the_recording(run_node, client, tmp_path, monkeypatch):
+def test_a_tilde_is_the_home_and_a_file_that_is_removed_ends_the_recording(run_node, client,
+                                                                           tmp_path, monkeypatch):
     monkeypatch.setenv('HOME', str(tmp_path / 'home'))
     run_node({**PAPER, 'outputs': ['state'], 'recording.start': True, 'recording.name': 'run',
               'recording.directory': '~/bags'})

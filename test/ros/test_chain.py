@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Loads go back along a chain of nodes, come from topics, fall silent, and compute again from the bag."""
 import math
 import time
@@ -16,7 +18,8 @@ from fourbar_ros import Applied, External
 from fourbar_ros.ros.clients.client import name_on
 from support.scenes import PAPER, RODS, SLIDES_7_6
 
-LOADED = {**PAPER, **RODS, 'outputs': ['state', 'loads'], 'drive.source': 'motion', 'drive.timeout': 0.0}
+LOADED = {**PAPER, **RODS, 'outputs': ['state', 'loads'], 'drive.source': 'motion',
+          'drive.timeout': 0.0}
 
 
 def motion(position, velocity=2.0, stamp=1):
@@ -28,7 +31,8 @@ def motion(position, velocity=2.0, stamp=1):
 def wrench(force_x=0.0, force_y=0.0, couple=0.0, frame=''):
     message = WrenchStamped()
     message.header.frame_id = frame
-    message.wrench.force.x, message.wrench.force.y, message.wrench.torque.z = force_x, force_y, couple
+    message.wrench.force.x, message.wrench.force.y, message.wrench.torque.z = (force_x, force_y,
+                                                                               couple)
     return message
 
 
@@ -45,14 +49,20 @@ class Loaded:
         client.node.create_subscription(
             WrenchStamped, name_on('fourbar', APPLIED[link]), self.applied.append,
             QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL))
-        self._wrenches = client.node.create_publisher(WrenchStamped, name_on('fourbar', WRENCHES[link]), 10)
+        self._wrenches = client.node.create_publisher(WrenchStamped,
+                                                      name_on('fourbar', WRENCHES[link]), 10)
         client.listen(['state', 'loads'])
         self._drive = client.publisher()
         client.handshake(lambda: self._drive.publish(motion(0.1)))
-        client.until(lambda: self._wrenches.get_subscription_count() and self.applied, 'the wrench topics')
+        client.until(lambda: self._wrenches.get_subscription_count() and self.applied,
+                     'the wrench topics')
 
     def load(self, *numbers, frame=''):
-        """Send a wrench until it acts; an earlier one that was sent twice must not be taken for it."""
+        """
+        Send a wrench until it acts.
+
+        An earlier one that was sent twice must not be taken for it.
+        """
         given = wrench(*numbers).wrench
         while True:
             self._wrenches.publish(wrench(*numbers, frame=frame))
@@ -63,11 +73,16 @@ class Loaded:
                     return
 
     def answer(self, position):
-        """Return (state, loads) of an input: those with its stamp, so that no late answer is taken for them."""
+        """
+        Return (state, loads) of an input.
+
+        Those with its stamp, so that no late answer is taken for them.
+        """
         self.stamp += 1
         inboxes = self.client.received['state'], self.client.received['loads']
         self._drive.publish(motion(position, stamp=self.stamp))
-        self.client.until(lambda: all(inbox and inbox[-1].header.stamp.sec == self.stamp for inbox in inboxes),
+        self.client.until(lambda: all(inbox and inbox[-1].header.stamp.sec == self.stamp
+                                      for inbox in inboxes),
                           'an answer')
         return tuple(inbox[-1] for inbox in inboxes)
 
@@ -75,19 +90,22 @@ class Loaded:
         """Return the driving torque of the core under a wrench, in the place of the scene."""
         given = getattr(self.scene.linkage.external, self.link)
         applied = Applied(*numbers[:2], given.along, given.across, numbers[2])
-        return self.scene.linkage.with_external(External(**{self.link: applied})).loads(position, 2.0, 3.0).driving_torque
+        return (self.scene.linkage.with_external(External(**{self.link: applied})).loads(position, 2.0, 3.0).driving_torque)
 
 
 @pytest.mark.parametrize('link', ['coupler', 'output'])
 def test_a_wrench_from_a_topic_acts_from_the_next_step_on(run_node, client, link):
-    node = Loaded(run_node, client, link, **{f'external.{link}.along': 0.4, 'external.timeout': 0.0})
+    node = Loaded(run_node, client, link, **{f'external.{link}.along': 0.4,
+                                             'external.timeout': 0.0})
     state, loads = node.answer(0.3)
     assert state.status == loads.status == LinkageState.STATUS_LOADS_UNKNOWN
     assert math.isfinite(state.alpha4) and math.isnan(loads.driving_torque)
-    for numbers, frame in (((5.0, -3.0, 0.5), ''), ((-1.0, 0.0, 0.0), 'fourbar'), ((0.0, 0.0, 7.0), 'other')):
+    for numbers, frame in (((5.0, -3.0, 0.5), ''), ((-1.0, 0.0, 0.0), 'fourbar'),
+                           ((0.0, 0.0, 7.0), 'other')):
         node.load(*numbers, frame=frame)
         state, loads = node.answer(0.3)
-        assert state.status == LinkageState.STATUS_OK and loads.driving_torque == node.under(0.3, *numbers)
+        assert (state.status == LinkageState.STATUS_OK and loads.driving_torque
+                == node.under(0.3, *numbers))
     applied = node.applied[-1]
     assert (applied.header.frame_id, applied.wrench.torque.z) == ('fourbar', 7.0)
     node.load(math.nan)
@@ -111,7 +129,8 @@ def test_a_silence(run_node, client, policy):
                   external__output__couple=2.5)
     node.load(5.0, 1.0, -1.0)
     client.until(lambda: 'no wrench for' in node.node.said, 'the silence')
-    client.until(lambda: node.applied[-1].header.stamp.sec > 0, 'what acts now')      # ours had no stamp
+    # ours had no stamp
+    client.until(lambda: node.applied[-1].header.stamp.sec > 0, 'what acts now')
     state, loads = node.answer(0.3)
     if policy == 'unknown':
         assert state.status == LinkageState.STATUS_LOADS_UNKNOWN and math.isnan(loads.f41)
@@ -122,9 +141,11 @@ def test_a_silence(run_node, client, policy):
 
 def test_loads_go_back_along_a_chain_and_both_bags_compute_again(run_node, client, tmp_path):
     chained = {'drive.source': 'motion', 'drive.timeout': 0.0, 'recording.start': True}
-    first = {**PAPER, **RODS, **chained, 'outputs': ['output', 'loads', 'state'], 'external.output.from_topic': True,
+    first = {**PAPER, **RODS, **chained, 'outputs': ['output', 'loads', 'state'],
+             'external.output.from_topic': True,
              'external.timeout': 0.0, 'recording.name': 'one'}
-    second = {**SLIDES_7_6, **RODS, **chained, 'outputs': ['loads', 'drive_wrench', 'state'], 'frame_id': 'next',
+    second = {**SLIDES_7_6, **RODS, **chained, 'outputs': ['loads', 'drive_wrench', 'state'],
+              'frame_id': 'next',
               'recording.name': 'two'}
     nodes = [run_node(first, name='one', remaps=['~/external/output:=/two/drive_wrench']),
              run_node(second, name='two', remaps=['~/input:=/one/output'])]
@@ -133,7 +154,8 @@ def test_loads_go_back_along_a_chain_and_both_bags_compute_again(run_node, clien
 
     def settled(position):
         """Send a pose until the torque is what it was: the wrench of a step acts in the next."""
-        torques = [m.driving_torque for m in client.received['loads'] if m.header.stamp.sec == position[1]]
+        torques = [m.driving_torque for m in client.received['loads'] if m.header.stamp.sec
+                   == position[1]]
         return len(torques) > 2 and torques[-1] == torques[-2]
 
     for stamp, angle in ((1, 0.3), (2, 1.4), (3, -2.0)):
@@ -143,10 +165,12 @@ def test_loads_go_back_along_a_chain_and_both_bags_compute_again(run_node, clien
             return settled((angle, stamp))
         client.until(send, 'the same torque twice')
         between = scene.from_values(PAPER).linkage.motion(angle, 2.0, 3.0)
-        torque = scene.from_values(second).linkage.loads(between.theta4, between.omega4, between.alpha4).driving_torque
+        torque = scene.from_values(second).linkage.loads(between.theta4, between.omega4,
+                                                         between.alpha4).driving_torque
         alone = scene.from_values(first).linkage
-        together = alone.with_external(External(output=Applied(couple=-torque))).loads(angle, 2.0, 3.0).driving_torque
-        assert client.received['loads'][-1].driving_torque == together != alone.loads(angle, 2.0, 3.0).driving_torque
+        together = (alone.with_external(External(output=Applied(couple=-torque))).loads(angle, 2.0, 3.0).driving_torque)
+        assert (client.received['loads'][-1].driving_torque == together
+                != alone.loads(angle, 2.0, 3.0).driving_torque)
     for node in nodes:
         assert node.stop() == 0
     for name in ('one', 'two'):
@@ -157,11 +181,14 @@ def test_loads_go_back_along_a_chain_and_both_bags_compute_again(run_node, clien
 
 
 @pytest.mark.parametrize('policy', ['unknown', 'hold', 'constant'])
-def test_a_bag_with_wrenches_silences_and_changes_computes_again(run_node, client, tmp_path, policy):
+def test_a_bag_with_wrenches_silences_and_changes_computes_again(run_node, client, tmp_path,
+                                                                 policy):
     from ros.test_inputs import set_parameters
-    node = Loaded(run_node, client, external__timeout=0.0, external__when_silent=policy, external__output__couple=2.5)
+    node = Loaded(run_node, client, external__timeout=0.0, external__when_silent=policy,
+                  external__output__couple=2.5)
     node.load(5.0, 1.0, -1.0)
-    assert client.call('start_recording', name='run').success          # while something acts from before
+    # while something acts from before
+    assert client.call('start_recording', name='run').success
     torques = [node.answer(0.3)[1].driving_torque]
     node.load(-2.0, 0.0, 0.3)
     torques.append(node.answer(0.3)[1].driving_torque)
@@ -176,7 +203,8 @@ def test_a_bag_with_wrenches_silences_and_changes_computes_again(run_node, clien
     node.load(1.0, 1.0, 1.0)
     torques.append(node.answer(0.3)[1].driving_torque)
     assert node.node.stop() == 0
-    assert len(set(map(repr, torques))) == {'unknown': 5, 'hold': 4, 'constant': 6}[policy], torques
+    assert len(set(map(repr, torques))) == {'unknown': 5, 'hold': 4,
+                                            'constant': 6}[policy], torques
     found = compare(tmp_path / 'bags/run')
     assert found.inputs == 6 and max(d.largest for d in found.differences) == 0.0
     torque, = [d for d in found.differences if d.field == 'driving_torque']

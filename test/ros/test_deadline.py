@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Deadlines by overrides of the quality of service: kept or missed, offered or not."""
 from diagnostic_msgs.msg import DiagnosticArray
 from fourbar_msgs.msg import LinkageState, Motion
@@ -17,7 +19,8 @@ def test_a_late_input_is_counted_and_a_publisher_without_the_deadline_is_named(r
     client.node.create_subscription(DiagnosticArray, '/diagnostics', heard.append, 10)
     client.listen(['state'])
     client.publisher()                                   # offers none
-    client.until(lambda: 'incompatible' in node.said.lower() or 'DEADLINE' in node.said, 'the warning')
+    client.until(lambda: 'incompatible' in node.said.lower() or 'DEADLINE' in node.said,
+                 'the warning')
     offered = QoSProfile(depth=10, deadline=Duration(nanoseconds=SECOND // 5))
     publisher = client.node.create_publisher(Motion, '/fourbar/input', offered)
     client.handshake(lambda: publisher.publish(Motion(position=0.1)))

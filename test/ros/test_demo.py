@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """What ``make run`` shows in a narrow terminal."""
 import sys
 
@@ -9,7 +11,8 @@ from support.terminals import NUMBER, shown
     (60, 'paper', ['13.5134368', '-23.9593817', '2512.31837', '-2048.6091', '0.1096285']),
     (80, 'slides_7_6', ['84.568895', '7.178078', '125.510873', '84.5689', '7.1781', '125.5109'])])
 def test_numbers_of_the_demonstration_are_whole(width, scene, expected, tmp_path):
-    text, code = shown([sys.executable, '-m', 'fourbar_ros.ros.clients.demo', f'config/{scene}.yaml', '--seconds', '1',
+    text, code = shown([sys.executable, '-m', 'fourbar_ros.ros.clients.demo',
+                        f'config/{scene}.yaml', '--seconds', '1',
                         '--directory', str(tmp_path)], width)
     assert code == 0 and '…' not in text, text
     assert set(expected) <= set(NUMBER.findall(text)), text

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """What a scene does not name is not created, not computed, not imported."""
 import json
 import subprocess
@@ -61,7 +63,8 @@ def test_a_kinematics_only_scene_has_no_loads_and_no_heavy_imports():
     assert set(found['calls']) == {'motion'}
     assert found['imported'] == []
     assert '/fourbar/state' in found['topics'] and '/fourbar/output' in found['topics']
-    assert not {'/fourbar/loads', '/fourbar/shaking_wrench', '/joint_states'} & set(found['topics'])
+    assert not {'/fourbar/loads', '/fourbar/shaking_wrench',
+                '/joint_states'} & set(found['topics'])
 
 
 def test_outputs_that_nobody_hears_are_not_computed():

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Input streams as they are in the field: rates missing, late, repeated, silent, out of range."""
 import json
 import math
@@ -45,14 +47,16 @@ def answers(client, send, messages):
     client.received['state'].clear()
     for message in messages:
         send(message)
-    client.until(lambda: len(client.received['state']) >= len(messages), f'{len(messages)} answers')
+    client.until(lambda: len(client.received['state']) >= len(messages),
+                 f'{len(messages)} answers')
     return client.received['state']
 
 
 def test_missing_rates_are_estimated_and_belong_to_the_input(drive, client):
     send, message = drive({'drive.window': 3})
     times = [0.0, 0.01, 0.021, 0.03, 0.04, 0.049]
-    states = answers(client, send, [message(t, (3.0 + 4.0 * t - t * t + math.pi) % math.tau - math.pi) for t in times])
+    states = answers(client, send, [message(t, (3.0 + 4.0 * t - t * t + math.pi) % math.tau
+                                            - math.pi) for t in times])
     assert [s.status for s in states[:2]] == [LinkageState.STATUS_RATES_UNKNOWN] * 2
     assert math.isfinite(states[0].theta4) and math.isnan(states[0].omega4)
     assert math.isfinite(states[1].omega4) and math.isnan(states[1].alpha4)
@@ -62,7 +66,8 @@ def test_missing_rates_are_estimated_and_belong_to_the_input(drive, client):
         # stamps of 1e9 s held as doubles are good to 2.4e-7 s: over steps of 10 ms
         assert state.omega1 == pytest.approx(4.0 - 2.0 * t, abs=4.0 * 3 * 2.4e-7 / 0.009)
         expected = linkage.motion(state.theta1, state.omega1, state.alpha1)
-        assert (state.theta4, state.omega4, state.alpha4) == (expected.theta4, expected.omega4, expected.alpha4)
+        assert (state.theta4, state.omega4, state.alpha4) == (expected.theta4, expected.omega4,
+                                                              expected.alpha4)
 
 
 def test_a_jump_makes_no_spike_and_an_old_sample_no_estimate(drive, client):
@@ -71,14 +76,16 @@ def test_a_jump_makes_no_spike_and_an_old_sample_no_estimate(drive, client):
                      + [message(0.06, 2.5), message(0.07, 2.51), message(0.08, 2.52)]
                      + [message(0.05, 0.05), message(0.08, 2.52)])
     jump, after, again, late, repeated = states[6:]
-    assert jump.status == after.status == LinkageState.STATUS_RATES_UNKNOWN and math.isnan(jump.omega1)
+    assert (jump.status == after.status == LinkageState.STATUS_RATES_UNKNOWN
+            and math.isnan(jump.omega1))
     assert again.omega1 == pytest.approx(1.0, rel=1e-3)
     assert late.status == LinkageState.STATUS_RATES_UNKNOWN and late.theta1 == 0.05
     assert (repeated.omega1, repeated.alpha1) == (again.omega1, again.alpha1)
 
 
 def test_silence_is_said_once_and_the_next_message_works(run_node, client):
-    node = run_node({**PAPER, 'drive.source': 'motion', 'drive.timeout': 1.0, 'outputs': ['state', 'output']})
+    node = run_node({**PAPER, 'drive.source': 'motion', 'drive.timeout': 1.0,
+                     'outputs': ['state', 'output']})
     client.listen(['state', 'output'])
     publisher = client.publisher()
     client.handshake(lambda: publisher.publish(Motion(position=0.1)))
@@ -96,9 +103,11 @@ def test_silence_is_said_once_and_the_next_message_works(run_node, client):
 @pytest.mark.parametrize('policy', ['none', 'hold', 'clamp'])
 def test_out_of_range_does_what_the_scene_says(drive, client, policy):
     send, _ = drive({**ROCKER, 'drive.out_of_range': policy}, source='motion')
-    good, out, back = answers(client, send, [Motion(position=0.2, velocity=1.0), Motion(position=1.0, velocity=1.0),
+    good, out, back = answers(client, send, [Motion(position=0.2, velocity=1.0),
+                                             Motion(position=1.0, velocity=1.0),
                                              Motion(position=-0.1, velocity=1.0)])
-    assert (good.status, out.status, back.status) == (LinkageState.STATUS_OK, LinkageState.STATUS_OUT_OF_RANGE,
+    assert (good.status, out.status, back.status) == (LinkageState.STATUS_OK,
+                                                      LinkageState.STATUS_OUT_OF_RANGE,
                                                       LinkageState.STATUS_OK)
     linkage = scene.from_values(ROCKER).linkage
     assert back.theta4 == linkage.motion(-0.1, 1.0).theta4
@@ -119,16 +128,18 @@ def test_unstamped_inputs_are_stamped_on_arrival(drive, client):
     assert before <= state.header.stamp.sec * NANOSECONDS + state.header.stamp.nanosec <= after
 
 
-# --- changes while it runs --------------------------------------------------------------------------
+# --- changes while it runs -----------------------------------------------------------------------
 
 def set_parameters(client, values, atomically=False):
     from rcl_interfaces.srv import SetParameters, SetParametersAtomically
     from rclpy.parameter import Parameter
     kind = SetParametersAtomically if atomically else SetParameters
-    caller = client.node.create_client(kind, '/fourbar/set_parameters' + ('_atomically' if atomically else ''))
+    caller = client.node.create_client(kind, '/fourbar/set_parameters'
+                                       + ('_atomically' if atomically else ''))
     client.until(caller.service_is_ready, 'the parameter service')
     future = caller.call_async(kind.Request(
-        parameters=[Parameter(name, value=value).to_parameter_msg() for name, value in values.items()]))
+        parameters=[Parameter(name, value=value).to_parameter_msg()
+                    for name, value in values.items()]))
     client.until(future.done, 'the answer')
     client.node.destroy_client(caller)
     return [future.result().result] if atomically else future.result().results
@@ -138,14 +149,17 @@ def test_parameters_change_between_two_steps_or_are_refused_with_the_reason(driv
     send, _ = drive({}, source='motion')
     assert set_parameters(client, {'linkage.a1': 0.5})[0].successful
     state, = answers(client, send, [Motion(position=0.2)])
-    assert state.theta4 == scene.from_values({**PAPER, 'linkage.a1': 0.5}).linkage.motion(0.2).theta4
-    for bad, reason in (({'linkage.a1': -1.0}, 'must be positive'), ({'linkage.a4': 9.0}, 'cannot close'),
+    assert (state.theta4
+            == scene.from_values({**PAPER, 'linkage.a1': 0.5}).linkage.motion(0.2).theta4)
+    for bad, reason in (({'linkage.a1': -1.0}, 'must be positive'),
+                        ({'linkage.a4': 9.0}, 'cannot close'),
                         ({'outputs': ['loads']}, 'bodies.crank.mass'), ({'linkage.mode': 3}, ''),
                         ({'drive.source': 'timer'}, 'read-only')):
         result, = set_parameters(client, bad)
         assert not result.successful and reason in result.reason
     # one by one these would not close on the way; together they are good
-    new = {'linkage.a1': 8.0, 'linkage.a2': 14.0, 'linkage.a3': 9.0, 'linkage.a4': 17.0, 'linkage.mode': 1}
+    new = {'linkage.a1': 8.0, 'linkage.a2': 14.0, 'linkage.a3': 9.0, 'linkage.a4': 17.0,
+           'linkage.mode': 1}
     assert not set_parameters(client, {'linkage.a4': 17.0})[0].successful
     assert set_parameters(client, new, atomically=True)[0].successful
     state, = answers(client, send, [Motion(position=0.2)])
@@ -168,14 +182,17 @@ def test_the_timer_goes_on_from_its_angle_at_a_new_speed(run_node, client):
     run_node({**PAPER, 'drive.speed': 2.0, 'drive.rate': 100.0, 'outputs': ['state']})
     client.listen(['state'])
     client.until(lambda: len(client.received['state']) > 20, 'the stream')
-    assert set_parameters(client, {'drive.speed': -3.0, 'drive.rate': 200.0}, atomically=True)[0].successful
+    assert set_parameters(client, {'drive.speed': -3.0, 'drive.rate': 200.0},
+                          atomically=True)[0].successful
     client.until(lambda: client.received['state'][-1].omega1 == -3.0, 'the new speed')
     count = len(client.received['state'])
     client.until(lambda: len(client.received['state']) > count + 20, 'the stream')
     states = client.received['state']
     for a, b in zip(states, states[1:]):
-        step = (b.header.stamp.sec - a.header.stamp.sec) + 1e-9 * (b.header.stamp.nanosec - a.header.stamp.nanosec)
-        assert b.theta1 - a.theta1 == pytest.approx(b.omega1 * step, abs=3.0 * 2e-9)     # two stamps to 1 ns
+        step = ((b.header.stamp.sec - a.header.stamp.sec)
+                + 1e-9 * (b.header.stamp.nanosec - a.header.stamp.nanosec))
+        # two stamps to 1 ns
+        assert b.theta1 - a.theta1 == pytest.approx(b.omega1 * step, abs=3.0 * 2e-9)
     assert step == pytest.approx(0.005, abs=2e-9)
 
 
@@ -202,17 +219,22 @@ def test_diagnostics_say_how_it_runs(run_node, client):
     from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
     heard = []
     client.node.create_subscription(DiagnosticArray, '/diagnostics', heard.append, 10)
-    run_node({**ROCKER, 'drive.speed': 0.1, 'drive.start': 0.5, 'drive.rate': 50.0, 'outputs': ['state']})
+    run_node({**ROCKER, 'drive.speed': 0.1, 'drive.start': 0.5, 'drive.rate': 50.0,
+              'outputs': ['state']})
     client.listen(['state'])
     client.until(lambda: client.received['state'], 'the stream')
 
     def newest():
         return heard[-1].status[0] if heard else DiagnosticStatus()
-    client.until(lambda: 'out of range' in newest().message, 'the warning')      # the limit is at 0.5368 rad
+    # the limit is at 0.5368 rad
+    client.until(lambda: 'out of range' in newest().message, 'the warning')
 
     def told():
         return {pair.key: pair.value for pair in newest().values}
-    client.until(lambda: float(told()['rate [Hz]']) == pytest.approx(50.0, rel=0.2), 'a second that is not disturbed')
+    client.until(lambda: float(told()['rate [Hz]']) == pytest.approx(50.0, rel=0.2),
+                 'a second that is not disturbed')
     values = told()
     assert newest().level == DiagnosticStatus.WARN
-    assert values['recording'] == 'off' and float(values['change-point margin']) == pytest.approx(3.0 / 17.0, abs=5e-7)        # six digits
+    # six digits
+    assert (values['recording'] == 'off' and float(values['change-point margin'])
+            == pytest.approx(3.0 / 17.0, abs=5e-7))

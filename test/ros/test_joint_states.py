@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """joint_states and the input joint over the wire: what is not known, ratio and offset, prefix."""
 import math
 
@@ -27,9 +29,11 @@ def test_positions_out_of_range(run_node, client, policy):
     client.listen(['state', 'joint_states'])
     publisher = client.publisher()
     client.handshake(lambda: publisher.publish(Motion(position=0.1)))
-    inputs = [Motion(position=0.2, velocity=1.0), Motion(position=1.0), Motion(position=math.nan), Motion(position=0.3)]
+    inputs = [Motion(position=0.2, velocity=1.0), Motion(position=1.0), Motion(position=math.nan),
+              Motion(position=0.3)]
     _, joints = exchange(client, publisher, inputs, lambda: (
-        client.received['joint_states'] and client.received['joint_states'][-1].position[0] == 0.3))
+        client.received['joint_states'] and client.received['joint_states'][-1].position[0]
+        == 0.3))
     if policy == 'skip':
         assert [m.position[0] for m in joints] == [0.2, 0.3]
     else:
@@ -37,13 +41,15 @@ def test_positions_out_of_range(run_node, client, policy):
         for message in joints[1:3]:
             if policy == 'hold':
                 assert message.position == joints[0].position
-            assert math.isnan(message.velocity[3]) and (policy == 'hold') == math.isfinite(message.position[3])
+            assert (math.isnan(message.velocity[3]) and (policy == 'hold')
+                    == math.isfinite(message.position[3]))
     assert all(len(m.effort) == 0 for m in joints)               # no masses
 
 
 @pytest.mark.parametrize('policy', ['skip', 'hold', 'send_nan'])
 def test_positions_after_a_silence(run_node, client, policy):
-    run_node({**PAPER, 'drive.source': 'motion', 'drive.timeout': 0.5, 'outputs': ['state', 'joint_states'],
+    run_node({**PAPER, 'drive.source': 'motion', 'drive.timeout': 0.5,
+              'outputs': ['state', 'joint_states'],
               'joint_states.when_unknown': policy})
     client.listen(['state', 'joint_states'])
     publisher = client.publisher()
@@ -56,7 +62,8 @@ def test_positions_after_a_silence(run_node, client, policy):
     if policy == 'skip':
         assert not sent
     else:
-        client.until(lambda: any(math.isnan(m.velocity[3]) for m in client.received['joint_states']), 'the silence')
+        client.until(lambda: any(math.isnan(m.velocity[3])
+                                 for m in client.received['joint_states']), 'the silence')
         last = [m for m in client.received['joint_states'] if math.isnan(m.velocity[3])][-1]
         if policy == 'hold':
             assert last.position[0] == 0.1 and math.isfinite(last.position[3])
@@ -66,31 +73,39 @@ def test_positions_after_a_silence(run_node, client, policy):
 
 def test_a_geared_joint_comes_in_and_goes_out_by_the_same_formula(run_node, client):
     gear = {'drive.joint_ratio': -3.0, 'drive.joint_offset': 0.25,
-            'joint_states.ratios': [-3.0, 1.0, 1.0, 2.0], 'joint_states.offsets': [0.25, 0.0, 0.0, -0.5],
+            'joint_states.ratios': [-3.0, 1.0, 1.0, 2.0],
+            'joint_states.offsets': [0.25, 0.0, 0.0, -0.5],
             'joint_states.prefix': 'left_'}
     given = {**PAPER, **RODS, **gear, 'drive.source': 'joint_state', 'drive.joint': 'motor',
              'outputs': ['state', 'joint_states', 'loads']}
     run_node(given)
     client.listen(['state', 'joint_states', 'loads'])
     publisher = client.publisher('joint_state')
-    client.handshake(lambda: publisher.publish(JointState(name=['motor'], position=[0.0], velocity=[0.0])))
+    client.handshake(lambda: publisher.publish(JointState(name=['motor'], position=[0.0],
+                                                          velocity=[0.0])))
     sent = [JointState(name=['motor'], position=[0.01 * k], velocity=[6.0]) for k in range(1, 4)]
-    states, joints = exchange(client, publisher, sent, lambda: len(client.received['joint_states']) >= 3
+    states, joints = exchange(client, publisher, sent, lambda: len(client.received['joint_states'])
+                              >= 3
                               and len(client.received['loads']) >= 3)
     for message, state, joint, loads in zip(sent, states, joints, client.received['loads']):
         assert (state.theta1, state.omega1) == ((message.position[0] - 0.25) / -3.0, -2.0)
         assert joint.position[0] == pytest.approx(message.position[0], abs=4 * 2.0**-54)
         assert joint.velocity[0] == 6.0
-        assert joint.position[3] == 2.0 * state.theta4 - 0.5 and joint.velocity[3] == 2.0 * state.omega4
+        assert (joint.position[3] == 2.0 * state.theta4 - 0.5 and joint.velocity[3]
+                == 2.0 * state.omega4)
         assert joint.effort[0] == loads.driving_torque / -3.0
-        assert list(joint.name) == ['left_crank', 'left_coupler', 'left_coupler_output', 'left_output']
+        assert list(joint.name) == ['left_crank', 'left_coupler', 'left_coupler_output',
+                                    'left_output']
     assert scene.from_values(given).linkage.motion(states[-1].theta1).theta4 == states[-1].theta4
 
 
 @pytest.mark.parametrize('policy', ['skip', 'hold', 'send_nan'])
-def test_a_bag_that_begins_while_positions_are_held_computes_again(run_node, client, tmp_path, policy):
-    node = run_node({**ROCKER, **RODS, 'drive.source': 'motion', 'outputs': ALL_OUTPUTS, 'recording.directory': 'runs',
-                     'joint_states.when_unknown': policy, 'joint_states.ratios': [1.0, 1.0, -1.5, 1.0],
+def test_a_bag_that_begins_while_positions_are_held_computes_again(run_node, client, tmp_path,
+                                                                   policy):
+    node = run_node({**ROCKER, **RODS, 'drive.source': 'motion', 'outputs': ALL_OUTPUTS,
+                     'recording.directory': 'runs',
+                     'joint_states.when_unknown': policy,
+                     'joint_states.ratios': [1.0, 1.0, -1.5, 1.0],
                      'drive.out_of_range': 'none' if policy == 'skip' else 'hold'})
     client.listen(['state', 'joint_states'])
     publisher = client.publisher()
@@ -100,7 +115,8 @@ def test_a_bag_that_begins_while_positions_are_held_computes_again(run_node, cli
     client.until(lambda: len(client.received['state']) >= 2, 'a held answer')
     answer = client.call('start_recording', name='held')
     assert answer.path == str(tmp_path / 'runs/held')
-    assert 'exists' in client.call('start_recording', name='held').message or 'already' in client.call(
+    assert 'exists' in client.call('start_recording',
+                                   name='held').message or 'already' in client.call(
         'start_recording', name='held').message
     for k, position in enumerate([1.0, 1.1, 0.3, 1.0, 0.1, math.nan, 0.2]):
         publisher.publish(Motion(position=position, velocity=float(k)))
@@ -109,15 +125,18 @@ def test_a_bag_that_begins_while_positions_are_held_computes_again(run_node, cli
     assert node.stop() == 0
     found = compare(tmp_path / 'runs/held')
     assert found.inputs == 7 and not found.unmatched
-    assert {d.field for d in found.differences if d.topic == '/joint_states'} >= {'position', 'velocity', 'effort'}
-    assert max(d.largest for d in found.differences) == 0.0, [d for d in found.differences if d.largest]
+    assert {d.field for d in found.differences
+            if d.topic == '/joint_states'} >= {'position', 'velocity', 'effort'}
+    assert max(d.largest for d in found.differences) == 0.0, [d for d in found.differences
+                                                              if d.largest]
 
 
 def test_evaluate_refuses_a_mode_with_nothing_that_looks_like_numbers(run_node, client):
     run_node({**PAPER, **RODS, 'drive.source': 'motion'})
     for mode in (3, 7, 255):
         answer = client.call('evaluate', position=0.1, mode=mode)
-        assert answer.result == answer.RESULT_INVALID_REQUEST and f'mode = {mode}' in answer.message
+        assert (answer.result == answer.RESULT_INVALID_REQUEST
+                and f'mode = {mode}' in answer.message)
         assert answer.state.status == answer.loads.status == LinkageState.STATUS_INVALID_INPUT
         numbers = [getattr(part, name) for part in (answer.state, answer.loads)
                    for name, kind in part.get_fields_and_field_types().items() if kind == 'double']

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The launch file with real launch and launch_ros, where they are: they are no wheels."""
 import signal
 import subprocess
@@ -24,12 +26,18 @@ sys.exit(service.run())
 
 @pytest.fixture
 def launched(tmp_path):
-    """Return the function that launches with arguments, in a folder of its own; all are stopped afterwards."""
+    """
+    Return the function that launches with arguments, in a folder of its own.
+
+    All are stopped afterwards.
+    """
     running = []
 
     def start(*arguments):
-        running.append(subprocess.Popen([sys.executable, '-c', LAUNCH, str(FILE), *arguments], cwd=tmp_path,
-                                        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True))
+        running.append(subprocess.Popen([sys.executable, '-c', LAUNCH, str(FILE), *arguments],
+                                        cwd=tmp_path,
+                                        stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                        text=True))
         return running[-1]
     yield start
     for process in running:
@@ -41,8 +49,10 @@ def launched(tmp_path):
 
 def test_every_argument_reaches_the_node(launched, client):
     from rcl_interfaces.srv import GetParameters
-    launched('scene:=cylinder', 'namespace:=left', 'name:=arm', 'use_sim_time:=true', 'log_level:=warn')
-    client.until(lambda: ('arm', '/left') in client.node.get_node_names_and_namespaces(), 'the node')
+    launched('scene:=cylinder', 'namespace:=left', 'name:=arm', 'use_sim_time:=true',
+             'log_level:=warn')
+    client.until(lambda: ('arm', '/left') in client.node.get_node_names_and_namespaces(),
+                 'the node')
     caller = client.node.create_client(GetParameters, '/left/arm/get_parameters')
     client.until(caller.service_is_ready, 'its parameters')
     answer = None
@@ -57,8 +67,9 @@ def test_every_argument_reaches_the_node(launched, client):
 
 
 def test_a_file_is_found_before_a_name(launched, client, tmp_path):
-    (tmp_path / 'paper').write_text('/**: {ros__parameters: {linkage.a1: 0.4, linkage.a2: 1.2, linkage.a3: 0.8, '
-                                    'linkage.a4: 1.2, frame_id: mine, drive.source: motion}}')
+    (tmp_path / 'paper').write_text('/**: {ros__parameters: {linkage.a1: 0.4, linkage.a2: 1.2, '
+                                    'linkage.a3: 0.8, linkage.a4: 1.2, frame_id: mine, '
+                                    'drive.source: motion}}')
     launched('scene:=paper')
     answer = client.call('evaluate', position=0.3)
     assert answer.state.header.frame_id == 'mine'

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The node over the wire: every topic, every service, against the core to the last bit."""
 import math
 import random
@@ -37,7 +39,8 @@ def test_every_topic_carries_the_values_of_the_core_to_the_last_bit(run_node, cl
     run_node(DRIVEN)
     client.listen()
     random.seed(1)
-    inputs = [motion(random.uniform(-20, 20), random.uniform(-50, 50), random.uniform(-900, 900), k)
+    inputs = [motion(random.uniform(-20, 20), random.uniform(-50, 50), random.uniform(-900, 900),
+                     k)
               for k in range(60)]
     received = send_all(client, client.publisher(), inputs)
     linkage, layout = scene.from_values(DRIVEN).linkage, scene.from_values(DRIVEN).layout
@@ -45,18 +48,24 @@ def test_every_topic_carries_the_values_of_the_core_to_the_last_bit(run_node, cl
         assert len(messages) == len(inputs)
         for sent, message in zip(inputs, messages):
             motion_and_loads = linkage.step(sent.position, sent.velocity, sent.acceleration)
-            values = (*sum(motion_and_loads, ()), 0.0, 0.0, -motion_and_loads[1].driving_torque)      # drive_wrench
-            assert repr(fields_of(layout, name, message)) == repr(layout.expected(name, values))     # NaN is NaN here
+            # drive_wrench
+            values = (*sum(motion_and_loads, ()), 0.0, 0.0, -motion_and_loads[1].driving_torque)
+            # NaN is NaN here
+            assert repr(fields_of(layout, name, message)) == repr(layout.expected(name, values))
             assert message.header.stamp == sent.header.stamp
             assert message.header.frame_id == 'machine'
             if hasattr(message, 'status'):
-                assert getattr(message, 'change_point_margin', linkage.change_point_margin) == linkage.change_point_margin
-                assert (message.status, message.mode) == (LinkageState.STATUS_OK, LinkageState.MODE_OPEN)
-    assert list(received['joint_states'][0].name) == ['crank', 'coupler', 'coupler_output', 'output']
+                assert getattr(message, 'change_point_margin',
+                               linkage.change_point_margin) == linkage.change_point_margin
+                assert (message.status, message.mode) == (LinkageState.STATUS_OK,
+                                                          LinkageState.MODE_OPEN)
+    assert list(received['joint_states'][0].name) == ['crank', 'coupler', 'coupler_output',
+                                                      'output']
 
 
 def test_a_named_joint_of_a_joint_state_drives_it(run_node, client):
-    run_node({**PAPER, 'drive.source': 'joint_state', 'drive.joint': 'motor', 'outputs': ['state']})
+    run_node({**PAPER, 'drive.source': 'joint_state', 'drive.joint': 'motor',
+              'outputs': ['state']})
     client.listen(['state'])
     publisher = client.publisher('joint_state')
 
@@ -68,7 +77,8 @@ def test_a_named_joint_of_a_joint_state_drives_it(run_node, client):
     publisher.publish(joints(0.7, 3.0))
     client.until(lambda: client.received['state'], 'an answer')
     state, = client.received['state']
-    expected = scene.from_values(PAPER).linkage.motion(0.7, 3.0, state.alpha1)     # which is estimated
+    # which is estimated
+    expected = scene.from_values(PAPER).linkage.motion(0.7, 3.0, state.alpha1)
     assert (state.theta1, state.theta4, state.omega4, state.alpha4) == (
         0.7, expected.theta4, expected.omega4, expected.alpha4)
     assert state.alpha1 > 0.0
@@ -85,13 +95,15 @@ def test_the_output_of_one_node_drives_the_next(run_node, client):
     client.until(lambda: client.received['state'], 'an answer')
     state, = client.received['state']
     between = scene.from_values(PAPER).linkage.motion(0.4, 2.0, 5.0)
-    after = scene.from_values(SLIDES_7_6).linkage.motion(between.theta4, between.omega4, between.alpha4)
+    after = scene.from_values(SLIDES_7_6).linkage.motion(between.theta4, between.omega4,
+                                                         between.alpha4)
     assert (state.theta4, state.omega4, state.alpha4) == (after.theta4, after.omega4, after.alpha4)
     assert state.header.stamp.sec == 77
 
 
 def test_the_timer_turns_the_crank_at_constant_speed_on_its_grid(run_node, client):
-    run_node({**PAPER, 'drive.speed': 25.0, 'drive.start': 0.3, 'drive.rate': 250.0, 'outputs': ['state']})
+    run_node({**PAPER, 'drive.speed': 25.0, 'drive.start': 0.3, 'drive.rate': 250.0,
+              'outputs': ['state']})
     client.listen(['state', 'driven'])
     client.until(lambda: all(len(m) >= 200 for m in client.received.values()), '200 samples')
     states = client.received['state']
@@ -102,7 +114,8 @@ def test_the_timer_turns_the_crank_at_constant_speed_on_its_grid(run_node, clien
         assert state.theta4 == linkage.motion(state.theta1, 25.0).theta4
         elapsed = (state.header.stamp.sec - first.header.stamp.sec) + 1e-9 * (
             state.header.stamp.nanosec - first.header.stamp.nanosec)
-        assert elapsed * 250.0 == pytest.approx(round(elapsed * 250.0), abs=250.0 * 2e-9)    # two roundings to 1 ns
+        # two roundings to 1 ns
+        assert elapsed * 250.0 == pytest.approx(round(elapsed * 250.0), abs=250.0 * 2e-9)
         assert state.theta1 - first.theta1 == pytest.approx(25.0 * elapsed, abs=25.0 * 2e-9)
     assert {m.position for m in client.received['driven']} & {s.theta1 for s in states}
 
@@ -127,17 +140,19 @@ def test_input_out_of_range_is_reported_and_the_next_good_message_works(run_node
     client.listen(['state', 'output', 'joint_states'])
     received = send_all(client, client.publisher(), [motion(1.0, 1.0), motion(0.2, 1.0)])
     out, good = received['state']
-    assert out.status == LinkageState.STATUS_OUT_OF_RANGE and out.theta1 == 1.0 and math.isnan(out.theta4)
+    assert (out.status == LinkageState.STATUS_OUT_OF_RANGE and out.theta1 == 1.0
+            and math.isnan(out.theta4))
     assert math.isnan(received['output'][0].position)
     assert good.status == LinkageState.STATUS_OK
 
 
 def test_status_numbers_are_those_of_the_message():
-    for name in ('OK', 'OUT_OF_RANGE', 'INVALID_INPUT', 'TOGGLE', 'RATES_UNKNOWN', 'INPUT_TIMEOUT', 'LOADS_UNKNOWN'):
+    for name in ('OK', 'OUT_OF_RANGE', 'INVALID_INPUT', 'TOGGLE', 'RATES_UNKNOWN', 'INPUT_TIMEOUT',
+                 'LOADS_UNKNOWN'):
         assert getattr(codes, name) == getattr(LinkageState, f'STATUS_{name}')
 
 
-# --- services ---------------------------------------------------------------------------------------
+# --- services ------------------------------------------------------------------------------------
 
 def test_find_extrema_answers_what_the_core_finds_in_both_modes(run_node, client):
     run_node({**PAPER, **RODS, 'drive.speed': 25.0, 'outputs': ['state']})
@@ -148,7 +163,8 @@ def test_find_extrema_answers_what_the_core_finds_in_both_modes(run_node, client
     found = {(e.quantity, e.mode, e.theta1, e.value, e.is_global) for e in answer.extrema}
     assert found == {(e.quantity, e.mode, e.theta1, e.value, e.is_global) for e in expected}
     assert len(answer.extrema) == len(expected) > 60
-    force = max((e for e in answer.extrema if e.quantity == 'shaking_force' and e.mode == 2), key=lambda e: e.value)
+    force = max((e for e in answer.extrema if e.quantity == 'shaking_force' and e.mode == 2),
+                key=lambda e: e.value)
     assert force.value == pytest.approx(2512.318373, abs=5e-7)
     assert force.theta1 == pytest.approx(0.10962848, abs=5e-9)
 
@@ -162,7 +178,8 @@ def test_a_certified_request_does_not_hold_up_the_stream(run_node, client):
     answer = client.call('find_extrema', quantities=['omega4', 'alpha4'], mode=3, certify=True)
     assert answer.result == answer.RESULT_OK
     assert all(extremum.proof == 'exact count' for extremum in answer.extrema)
-    stamps = [s.header.stamp.sec * 10**9 + s.header.stamp.nanosec for s in client.received['state']]
+    stamps = [s.header.stamp.sec * 10**9 + s.header.stamp.nanosec
+              for s in client.received['state']]
     steps = {round((b - a) / 5e6) for a, b in zip(stamps, stamps[1:])}
     assert steps <= {1}                                          # every sample of the 200 Hz grid
 
@@ -183,8 +200,10 @@ def test_find_extrema_refuses_with_a_reason(run_node, client):
     answer = client.call('find_extrema', velocity=math.nan)
     assert answer.result == answer.RESULT_INVALID_REQUEST and 'velocity' in answer.message
     answer = client.call('find_extrema', velocity=1.0, acceleration=math.inf)
-    assert answer.result == answer.RESULT_INVALID_REQUEST and answer.message.startswith('acceleration = inf')
-    once, twice = (repr(client.call('find_extrema', velocity=1.0, quantities=['omega4'] * n).extrema)
+    assert (answer.result == answer.RESULT_INVALID_REQUEST
+            and answer.message.startswith('acceleration = inf'))
+    once, twice = (repr(client.call('find_extrema', velocity=1.0,
+                                    quantities=['omega4'] * n).extrema)
                    for n in (1, 2))
     assert 'omega4' in once and twice == once
     answer = client.call('find_extrema', quantities=['f41'], velocity=1.0)
@@ -192,7 +211,8 @@ def test_find_extrema_refuses_with_a_reason(run_node, client):
     answer = client.call('find_extrema', mode=7, velocity=1.0)
     assert answer.result == answer.RESULT_INVALID_REQUEST and 'mode = 7' in answer.message
     answer = client.call('find_extrema', velocity=2.0)                       # and it still answers
-    assert answer.result == answer.RESULT_OK and {e.quantity for e in answer.extrema} >= {'omega4', 'alpha4'}
+    assert (answer.result == answer.RESULT_OK and {e.quantity for e in answer.extrema}
+            >= {'omega4', 'alpha4'})
     assert not any(e.unit == 'N' for e in answer.extrema)
 
 
@@ -204,7 +224,8 @@ def test_evaluate_answers_the_values_of_the_core(run_node, client):
         assert (answer.result, answer.has_loads) == (answer.RESULT_OK, True)
         values = sum(linkage.in_mode(mode or 2).step(0.7, 25.0, -3.0), ())
         for name in ('state', 'loads'):
-            assert repr(fields_of(layout, name, getattr(answer, name))) == repr(layout.expected(name, values))
+            assert repr(fields_of(layout, name,
+                                  getattr(answer, name))) == repr(layout.expected(name, values))
         assert answer.state.mode == (mode or 2) and answer.state.header.frame_id == 'machine'
     bad = client.call('evaluate', position=math.nan)
     assert bad.result == bad.RESULT_INVALID_REQUEST and 'finite' in bad.message
@@ -221,11 +242,13 @@ def test_evaluate_says_the_range_when_out_of_it(run_node, client):
     assert not answer.has_loads and math.isnan(answer.loads.f41)
 
 
-# --- ends -------------------------------------------------------------------------------------------
+# --- ends ----------------------------------------------------------------------------------------
 
-@pytest.mark.parametrize('numbers', [[signal.SIGINT], [signal.SIGTERM], [signal.SIGINT, signal.SIGINT]])
+@pytest.mark.parametrize('numbers', [[signal.SIGINT], [signal.SIGTERM],
+                                     [signal.SIGINT, signal.SIGINT]])
 def test_signals_end_it_with_code_0_and_a_closed_bag(run_node, client, tmp_path, numbers):
-    node = run_node({**PAPER, **RODS, 'outputs': ALL_OUTPUTS, 'recording.start': True, 'recording.name': 'run'})
+    node = run_node({**PAPER, **RODS, 'outputs': ALL_OUTPUTS, 'recording.start': True,
+                     'recording.name': 'run'})
     client.listen(['state'])
     client.until(lambda: len(client.received['state']) > 20, 'a stream')
     for number in numbers:
@@ -251,7 +274,8 @@ BAD_SCENES = [
 ]
 
 
-@pytest.mark.parametrize('change, reason', BAD_SCENES, ids=[reason[:24] for _, reason in BAD_SCENES])
+@pytest.mark.parametrize('change, reason', BAD_SCENES,
+                         ids=[reason[:24] for _, reason in BAD_SCENES])
 def test_a_bad_scene_is_refused_at_start_in_one_line(run_node, change, reason):
     node = run_node({**PAPER, **change})
     assert node.wait() == 2
@@ -261,6 +285,7 @@ def test_a_bad_scene_is_refused_at_start_in_one_line(run_node, change, reason):
 
 
 def test_whole_numbers_are_good_for_doubles(run_node, client):
-    run_node({**{name: int(value) for name, value in SLIDES_7_7.items()}, 'drive.source': 'motion'})
+    run_node({**{name: int(value) for name, value in SLIDES_7_7.items()},
+              'drive.source': 'motion'})
     answer = client.call('evaluate', position=0.5)
     assert answer.state.theta4 == scene.from_values(SLIDES_7_7).linkage.motion(0.5).theta4

@@ -1,4 +1,10 @@
-"""Messages as packed bytes: those that ROS makes, for every output of every mechanism, in every status."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Messages as packed bytes.
+
+Those that ROS makes, for every output of every mechanism, in every status.
+"""
 import itertools
 import math
 import zlib
@@ -43,10 +49,12 @@ def message_of(topic, its):
 def steps_of(its):
     """Yield (status, values) of good and bad inputs, then what no mechanism would give."""
     stepper = Stepper(its)
-    for given in ((0.31, 2.0, -3.0), (0.31, math.nan, math.nan), (math.inf, 0.0, 0.0), (99.0, 1e300, 1.0)):
+    for given in ((0.31, 2.0, -3.0), (0.31, math.nan, math.nan), (math.inf, 0.0, 0.0),
+                  (99.0, 1e300, 1.0)):
         yield stepper.step(*given, True, True)
     count = len(its.layout.place)
-    for status, hard in itertools.product(range(len(STATUS_NAMES)), (math.nan, math.inf, -0.0, 5e-324)):
+    for status, hard in itertools.product(range(len(STATUS_NAMES)),
+                                          (math.nan, math.inf, -0.0, 5e-324)):
         yield status, tuple(hard if k % 2 else -k * math.pi for k in range(count))
 
 
@@ -63,15 +71,21 @@ def test_packed_bytes_are_what_ros_serialises(name):
             data = pack(stamp, status, its.linkage.mode, values)
             assert type(data) is bytes
             same_but_for_padding(topic.type, data, serialize_message(filled))
-            assert repr(deserialize_message(data, type(filled))) == repr(filled)       # NaN is NaN here
+            # NaN is NaN here
+            assert repr(deserialize_message(data, type(filled))) == repr(filled)
 
 
 def same_but_for_padding(type_name, data, expected):
-    """Padding holds whatever the memory held: not even two messages that ROS serialises agree in it."""
+    """
+    Padding holds whatever the memory held.
+
+    Not even two messages that ROS serialises agree in it.
+    """
     layout = Layout(Definition(type_name, definition(type_name)), expected)
     assert layout.matches(data)
     for leaf in layout.leaves:
-        size = int(leaf.format[-1]) if leaf.format[-1] in '48' else int(leaf.format[1:]) if leaf.format[0] == 'S' else 1
+        size = (int(leaf.format[-1]) if leaf.format[-1] in '48' else int(leaf.format[1:])
+                if leaf.format[0] == 'S' else 1)
         end = leaf.offset + size * (leaf.shape[0] if leaf.shape else 1)
         assert data[leaf.offset:end] == expected[leaf.offset:end], leaf.name
 
@@ -79,7 +93,8 @@ def same_but_for_padding(type_name, data, expected):
 @pytest.mark.parametrize('frame', FRAMES)
 def test_any_frame_and_joint_names(frame):
     """Texts move the numbers; no text is taken for one."""
-    its = scene_of('four-bar')._replace(frame_id=frame, joint_names=tuple(frame + str(k) for k in range(4)))
+    its = scene_of('four-bar')._replace(frame_id=frame,
+                                        joint_names=tuple(frame + str(k) for k in range(4)))
     for topic in topics_of(its):
         message = message_of(topic, its)
         pack, is_packed = packed.writer(topic.name, message, its.layout)
@@ -97,7 +112,11 @@ def swapped():
 
 
 def sealed():
-    """Return a middleware whose bytes are not only numbers: a checksum follows, and reading insists on it."""
+    """
+    Return a middleware whose bytes are not only numbers.
+
+    A checksum follows, and reading insists on it.
+    """
     def read(data, kind):
         if zlib.crc32(data[:-4]) != int.from_bytes(data[-4:], 'little'):
             raise ValueError('checksum')
@@ -115,7 +134,8 @@ def compressed():
             lambda data, kind: deserialize_message(zlib.decompress(data), kind))
 
 
-@pytest.mark.parametrize('middleware', [swapped, sealed, compressed], ids=lambda made: made.__name__)
+@pytest.mark.parametrize('middleware', [swapped, sealed, compressed],
+                         ids=lambda made: made.__name__)
 def test_where_bytes_do_not_read_back_ros_serialises_every_message(middleware, monkeypatch):
     write, read = middleware()
     monkeypatch.setattr(packed, 'serialize_message', write)
@@ -126,4 +146,5 @@ def test_where_bytes_do_not_read_back_ros_serialises_every_message(middleware, m
     assert not is_packed
     status, values = Stepper(its).step(0.7, 25.0, 1.0, True, True)
     assert repr(read(put((7, 8), status, 2, values), LinkageState)) == repr(message)
-    assert message.theta4 == its.linkage.motion(0.7, 25.0, 1.0).theta4 and message.header.stamp.nanosec == 8
+    assert (message.theta4 == its.linkage.motion(0.7, 25.0, 1.0).theta4
+            and message.header.stamp.nanosec == 8)

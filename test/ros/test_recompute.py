@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Bags of a real node: split while they are written, the driven joint computed again from what the node received."""
 import math
 
@@ -13,11 +15,14 @@ from support.harness import ALL_OUTPUTS
 from support.scenes import PAPER, RODS
 
 
-@pytest.mark.parametrize('split', [{'recording.split_duration': 0.3}, {'recording.split_size': 0.03}, {'recording.keep': 2.0}],
+@pytest.mark.parametrize('split', [{'recording.split_duration': 0.3},
+                                   {'recording.split_size': 0.03}, {'recording.keep': 2.0}],
                          ids=['duration', 'size', 'keep'])
 def test_a_node_splits_its_bag_by_its_parameters(run_node, client, tmp_path, split):
-    node = run_node({**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 200.0, 'outputs': ALL_OUTPUTS,
-                     'recording.directory': str(tmp_path / 'bags'), 'recording.name': 'run', 'recording.start': True, **split})
+    node = run_node({**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 200.0,
+                     'outputs': ALL_OUTPUTS,
+                     'recording.directory': str(tmp_path / 'bags'), 'recording.name': 'run',
+                     'recording.start': True, **split})
     last = 14 if 'recording.keep' in split else 3
     client.until(lambda: (tmp_path / f'bags/run/run_{last}.mcap').exists(), 'the parts')
     assert node.stop() == 0
@@ -36,7 +41,8 @@ def test_a_node_splits_its_bag_by_its_parameters(run_node, client, tmp_path, spl
 @pytest.mark.parametrize('given', ['everything', 'velocity', 'position'])
 def test_the_driven_joint_is_computed_again_from_what_came_in(run_node, client, tmp_path, given):
     node = run_node({**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ['state', 'loads'],
-                     'recording.directory': str(tmp_path), 'recording.name': 'whole', 'recording.start': True})
+                     'recording.directory': str(tmp_path), 'recording.name': 'whole',
+                     'recording.start': True})
     client.listen(['state'])
     publisher, sent = client.publisher(), []
 
@@ -70,4 +76,5 @@ def test_the_driven_joint_is_computed_again_from_what_came_in(run_node, client, 
     assert whole.inputs >= 30 and 'estimated' not in whole.driven
     assert late.inputs == 30 and ('estimated' in late.driven) == (given != 'everything')
     changed = [d for d in late.differences if d.topic == '/fourbar/driven']
-    assert {d.field for d in changed} >= {'position', 'velocity', 'acceleration', 'header.stamp', 'header.frame_id'}
+    assert {d.field for d in changed} >= {'position', 'velocity', 'acceleration', 'header.stamp',
+                                          'header.frame_id'}

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """A bag on the wire again, a live node driven by a bag, recording from the command line."""
 import os
 import re
@@ -24,12 +26,14 @@ STEPS = 300
 @pytest.fixture(scope='module')
 def bag(tmp_path_factory):
     """Return a bag of steps 2 ms apart, in its log times too."""
-    return bags.run(tmp_path_factory.mktemp('replay'), 'run', FULL, [(0.05 * k, 25.0, 0.1) for k in range(STEPS)],
+    return bags.run(tmp_path_factory.mktemp('replay'), 'run', FULL,
+                    [(0.05 * k, 25.0, 0.1) for k in range(STEPS)],
                     step_ns=2 * 10**6, paced=True)
 
 
 def fourbar(*arguments):
-    return subprocess.Popen([sys.executable, '-m', 'fourbar_ros', *map(str, arguments)], env=os.environ, text=True,
+    return subprocess.Popen([sys.executable, '-m', 'fourbar_ros', *map(str, arguments)],
+                            env=os.environ, text=True,
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
 
 
@@ -53,15 +57,18 @@ def test_replay_sends_every_message_again_as_it_was(client, bag):
     process.send_signal(signal.SIGINT)
     code, said = finished(process, client)
     assert code == 0 and 'messages published' in said
-    assert late and late[0].data == next(records(bag, ['/fourbar/scene'])).message.data          # latched again
+    # latched again
+    assert late and late[0].data == next(records(bag, ['/fourbar/scene'])).message.data
     for name, topic in (('state', '/fourbar/state'), ('joint_states', '/joint_states')):
         recorded = [r.message for r in records(bag, [topic])]
         heard = client.received[name]
-        first = stamps(heard).index(stamps(recorded)[0], 1)       # from the second round on nothing is missed
+        # from the second round on nothing is missed
+        first = stamps(heard).index(stamps(recorded)[0], 1)
         assert stamps(heard[first:first + STEPS]) == stamps(recorded)
         for ours, theirs in zip(heard[first:first + STEPS], recorded):
             if name == 'state':
-                assert (ours.theta4, ours.omega4, ours.alpha4) == (theirs.theta4, theirs.omega4, theirs.alpha4)
+                assert (ours.theta4, ours.omega4, ours.alpha4) == (theirs.theta4, theirs.omega4,
+                                                                   theirs.alpha4)
             else:
                 assert list(ours.position) == theirs.position and list(ours.name) == theirs.name
 
@@ -69,7 +76,8 @@ def test_replay_sends_every_message_again_as_it_was(client, bag):
 def test_the_clock_of_the_bag_is_published_at_its_rate(client, bag):
     clocks = []
     client.node.create_subscription(Clock, '/clock', clocks.append, 1000)
-    process = fourbar('replay', bag, '--clock', '200', '--rate', '0.5', '--topics', '/joint_states', '--start', '0.1',
+    process = fourbar('replay', bag, '--clock', '200', '--rate', '0.5', '--topics',
+                      '/joint_states', '--start', '0.1',
                       '--delay', '5')
     client.until(lambda: client.node.count_publishers('/clock'), 'the clock')
     code, _ = finished(process, client)
@@ -79,51 +87,64 @@ def test_the_clock_of_the_bag_is_published_at_its_rate(client, bag):
     assert times == sorted(times) and first + 10**8 <= times[0] < first + 11 * 10**7
     assert last - 10**7 <= times[-1] <= last
     step, period = (times[-1] - times[0]) / (len(times) - 1), 10**9 / 200 * 0.5     # of the bag
-    assert period <= step < 4 * period                    # never faster; slower as far as the machine is busy
+    # never faster; slower as far as the machine is busy
+    assert period <= step < 4 * period
 
 
-def test_a_live_node_driven_by_the_bag_answers_exactly_what_was_recorded(run_node, client, bag, tmp_path):
+def test_a_live_node_driven_by_the_bag_answers_exactly_what_was_recorded(run_node, client, bag,
+                                                                         tmp_path):
     run_node(FULL)
     code, said = finished(fourbar('replay', bag, '--inputs-only'), client)
     assert code == 0, said
     lines = [line.split() for line in said.splitlines() if line.startswith('/')]
-    assert len(lines) == len(ALL_OUTPUTS) and all(line[1:4] == [str(STEPS), '0', '0'] for line in lines), said
+    assert (len(lines) == len(ALL_OUTPUTS) and all(line[1:4] == [str(STEPS), '0', '0']
+                                                   for line in lines)), said
 
 
 def test_the_scene_of_a_bag_runs_a_node(client, bag, tmp_path):
     code, text = finished(fourbar('bag', 'scene', bag), client)
     assert code == 0
     (tmp_path / 'again.yaml').write_text(text)
-    node = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node.start', '--ros-args', '--params-file',
-                             str(tmp_path / 'again.yaml'), '-r', '__node:=again'], env=os.environ, cwd=tmp_path)
+    node = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node.start', '--ros-args',
+                             '--params-file',
+                             str(tmp_path / 'again.yaml'), '-r', '__node:=again'], env=os.environ,
+                            cwd=tmp_path)
     try:
-        client.until(lambda: node.poll() is not None or 'again' in client.node.get_node_names(), 'the node')
+        client.until(lambda: node.poll() is not None or 'again' in client.node.get_node_names(),
+                     'the node')
     finally:
         node.send_signal(signal.SIGTERM)
         assert node.wait(PATIENCE) == 0
 
 
-def test_points_are_compared_too_and_changes_of_the_scene_are_said_and_taken_over(run_node, client, tmp_path):
+def test_points_are_compared_too_and_changes_of_the_scene_are_said_and_taken_over(run_node, client,
+                                                                                  tmp_path):
     values = {**FULL, **TIP, 'outputs': [*ALL_OUTPUTS, 'points']}
     changes = {100: {'linkage.a1': 0.35}, 200: {'linkage.mode': 1, 'gravity.y': -9.81}}
-    path = bags.run(tmp_path, 'changed', values, [(0.05 * k, 25.0, 0.1) for k in range(STEPS)], changes,
+    path = bags.run(tmp_path, 'changed', values, [(0.05 * k, 25.0, 0.1) for k in range(STEPS)],
+                    changes,
                     step_ns=2 * 10**6, paced=True)
     node = run_node(values)
     code, said = finished(fourbar('replay', path, '--inputs-only'), client)
     assert code == 0, said
-    lines = {line.split()[0]: line.split()[1:4] for line in said.splitlines() if line.startswith('/')}
-    assert lines.pop('/fourbar/points/tip') == [str(STEPS), '0', '0'] and len(lines) == len(ALL_OUTPUTS), said
+    lines = {line.split()[0]: line.split()[1:4] for line in said.splitlines()
+             if line.startswith('/')}
+    assert (lines.pop('/fourbar/points/tip') == [str(STEPS), '0', '0'] and len(lines)
+            == len(ALL_OUTPUTS)), said
     assert all(line == [str(STEPS), '0', '0'] for line in lines.values()), said
     for change in ('linkage.a1 0.35', 'linkage.mode 1, gravity.y -9.81'):
-        assert re.search(rf'scene of the bag changed after 0\.\d+ s: {change}: applied', said), said
+        assert re.search(rf'scene of the bag changed after 0\.\d+ s: {change}: applied',
+                         said), said
     assert node.stop() == 0
     run_node(values, name='again')
-    code, said = finished(fourbar('replay', path, '--inputs-only', '--start', '0.5', '--node', '/again'), client)
+    code, said = finished(fourbar('replay', path, '--inputs-only', '--start', '0.5', '--node',
+                                  '/again'), client)
     assert code == 0, said
     lines = [line.split() for line in said.splitlines() if line.startswith('/')]
     first = next(Bag(path).raw()).time
     left = sum(raw.time >= first + 5 * 10**8 for raw in Bag(path).raw(['/fourbar/driven']))
-    assert 0 < left < 100 and all(line[1:4] == [str(left), '0', '0'] for line in lines) and len(lines) == len(ALL_OUTPUTS) + 1, said
+    assert (0 < left < 100 and all(line[1:4] == [str(left), '0', '0'] for line in lines)
+            and len(lines) == len(ALL_OUTPUTS) + 1), said
 
 
 def test_readers_that_are_waited_for_hear_the_first_message(client, bag):
@@ -138,11 +159,14 @@ def test_readers_that_are_waited_for_hear_the_first_message(client, bag):
 def test_a_bag_of_rosbag2_drives_a_live_node_from_its_topics(run_node, client, bag, tmp_path):
     """No word of the scene in its metadata; each step noted in the reverse order."""
     told = [topic['topic_metadata'] for topic in Bag(bag).metadata()['topics_with_message_count']]
-    writer = BagWriter(tmp_path, 'rosbag2', [bags.channel(topic['name'], topic['type']) for topic in told], {})
+    writer = BagWriter(tmp_path, 'rosbag2', [bags.channel(topic['name'], topic['type'])
+                                             for topic in told], {})
     numbers = {topic['name']: i for i, topic in enumerate(told)}
     raws = list(Bag(bag).raw())
-    steps = [raws[1 + k * (len(raws) // STEPS):1 + (k + 1) * (len(raws) // STEPS)] for k in range(STEPS)]
-    for raw in raws[:1] + [raw for step in steps for raw in (step if step is steps[0] else step[::-1])]:
+    steps = [raws[1 + k * (len(raws) // STEPS):1 + (k + 1) * (len(raws) // STEPS)]
+             for k in range(STEPS)]
+    for raw in raws[:1] + [raw for step in steps
+                           for raw in (step if step is steps[0] else step[::-1])]:
         writer.clock.now = lambda raw=raw: raw.time
         writer.write(numbers[raw.topic], raw.data)
     path = writer.close()
@@ -156,13 +180,16 @@ def test_a_bag_of_rosbag2_drives_a_live_node_from_its_topics(run_node, client, b
 
 def test_a_live_node_of_another_linkage_is_found_out(run_node, client, bag):
     run_node({**FULL, 'linkage.a2': 1.2000001}, name='other')
-    code, said = finished(fourbar('replay', bag, '--inputs-only', '--node', '/other', '--rate', '2'), client)
+    code, said = finished(fourbar('replay', bag, '--inputs-only', '--node', '/other', '--rate',
+                                  '2'), client)
     assert code == 3, said
-    assert all(float(line.split()[3]) > 0.0 for line in said.splitlines() if line.startswith('/')), said
+    assert all(float(line.split()[3]) > 0.0 for line in said.splitlines()
+               if line.startswith('/')), said
 
 
 def test_a_node_that_is_not_there_is_one_line(client, bag):
-    commands = (['replay', bag, '--inputs-only', '--node', '/nobody'], ['record', 'start', '--node', '/nobody'])
+    commands = (['replay', bag, '--inputs-only', '--node', '/nobody'],
+                ['record', 'start', '--node', '/nobody'])
     for process in [fourbar(*command) for command in commands]:
         code, said = finished(process, client)
         assert code == 1 and said.startswith('fourbar: ') and said.count('\n') == 1, said
@@ -171,24 +198,29 @@ def test_a_node_that_is_not_there_is_one_line(client, bag):
 def test_messages_of_another_definition_are_left_out_and_said(client, tmp_path):
     good = bags.channel('/good', 'std_msgs/msg/String')
     other = good._replace(topic='/other', hash='RIHS01_' + '0' * 64)
-    writer = BagWriter(tmp_path, 'run', [good, other, good._replace(topic='/unknown', type='no_msgs/msg/Such')], {})
+    writer = BagWriter(tmp_path, 'run',
+                       [good, other, good._replace(topic='/unknown', type='no_msgs/msg/Such')], {})
     for number in (0, 1, 2, 0):
         writer.write(number, bags.encode('std_msgs/msg/String', data='text'))
     code, said = finished(fourbar('replay', writer.close(), '--delay', '0'), client)
     assert code == 0 and '2 messages published' in said, said
-    assert '/other: left out' in said and 'another definition' in said and 'no_msgs/msg/Such is not installed' in said
+    assert ('/other: left out' in said and 'another definition' in said
+            and 'no_msgs/msg/Such is not installed' in said)
 
 
 def test_a_bag_being_written_is_replayed_to_its_end(run_node, client, tmp_path):
-    node = run_node({**PAPER, 'outputs': ['state'], 'recording.directory': str(tmp_path), 'recording.start': True,
+    node = run_node({**PAPER, 'outputs': ['state'], 'recording.directory': str(tmp_path),
+                     'recording.start': True,
                      'recording.name': 'run'})
     client.listen(['state'])
     client.until(lambda: client.received['state'], 'the stream')
-    process = fourbar('replay', tmp_path / 'run', '--follow', '--rate', '1', '--topics', '/fourbar/state',
+    process = fourbar('replay', tmp_path / 'run', '--follow', '--rate', '1', '--topics',
+                      '/fourbar/state',
                       '--ros-args', '-r', '/fourbar/state:=/again/state')
     client.listen(['state'], node='again')
     count = len(client.received['state'])
-    client.until(lambda: client.node.count_publishers('/again/state') and len(client.received['state']) > count + 100,
+    client.until(lambda: client.node.count_publishers('/again/state')
+                 and len(client.received['state']) > count + 100,
                  'the replay')
     assert node.stop() == 0
     code, said = finished(process, client)

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Every field of every recorded message type, through the recorder and out by four readers."""
 import hashlib
 import json
@@ -24,7 +26,8 @@ from ros.test_bag import plain
 
 TOPICS = [*INPUTS.values(), DRIVEN, SCENE, *OUTPUTS.values()]
 # What Foxglove and Lichtblick read bags with.
-NPM = ('@mcap/core@2.2.2', '@mcap/support@1.1.0', '@foxglove/rosmsg@5.0.5', '@foxglove/rosmsg2-serialization@3.1.0')
+NPM = ('@mcap/core@2.2.2', '@mcap/support@1.1.0', '@foxglove/rosmsg@5.0.5',
+       '@foxglove/rosmsg2-serialization@3.1.0')
 
 
 def fill(message, numbers, nan_at):
@@ -52,7 +55,8 @@ def value_of(kind, numbers, nan_at):
 def bag(tmp_path_factory):
     """Return (path of a bag with every type, {topic: [message, ...]} as sent)."""
     names = [f'/test/{topic.name}' for topic in TOPICS]
-    writer = BagWriter(tmp_path_factory.mktemp('round'), 'trip', [channel(t, n) for t, n in zip(TOPICS, names)], {})
+    writer = BagWriter(tmp_path_factory.mktemp('round'), 'trip',
+                       [channel(t, n) for t, n in zip(TOPICS, names)], {})
     sent, numbers = {name: [] for name in names}, count(1)
     for nan_at in (0, 3, 1):
         for i, topic in enumerate(TOPICS):
@@ -71,7 +75,7 @@ def test_ours_mcap_and_rosbags_read_every_field_as_it_was_sent(bag):
     for record in records(path):
         ours[record.topic].append(plain(record.message))
     with open(path / 'trip_0.mcap', 'rb') as file:
-        for item in make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages():
+        for item in (make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages()):
             theirs[item.channel.topic].append(plain(item.decoded_message))
     with AnyReader([path]) as reader:
         for connection, _, data in reader.messages():
@@ -84,12 +88,17 @@ def test_ours_mcap_and_rosbags_read_every_field_as_it_was_sent(bag):
 def flat(value):
     if isinstance(value, dict):
         return [leaf for child in value.values() for leaf in flat(child)]
-    return [leaf for child in value for leaf in flat(child)] if isinstance(value, list) else [value]
+    return ([leaf for child in value for leaf in flat(child)] if isinstance(value, list)
+            else [value])
 
 
 @pytest.fixture(scope='session')
 def foxglove():
-    """Return the folder of an npm project with Foxglove's readers, kept between runs; skip without."""
+    """
+    Return the folder of an npm project with Foxglove's readers, kept between runs.
+
+    Skip without.
+    """
     if not shutil.which('npm') or not shutil.which('node'):
         pytest.skip('node and npm are not installed')
     script = (SUPPORT / 'foxglove.mjs').read_text()
@@ -98,7 +107,8 @@ def foxglove():
     folder.mkdir(exist_ok=True)
     if not (folder / 'done').exists():
         (folder / 'package.json').write_text('{"private": true, "type": "module"}')
-        done = subprocess.run(['npm', 'install', '--no-audit', '--no-fund', '--loglevel=error', *NPM], cwd=folder,
+        done = subprocess.run(['npm', 'install', '--no-audit', '--no-fund', '--loglevel=error',
+                               *NPM], cwd=folder,
                               capture_output=True, text=True, check=False)
         if done.returncode:
             pytest.skip(f'npm cannot install: {" ".join(done.stderr.split())[:200]}')
@@ -109,7 +119,8 @@ def foxglove():
 
 def test_what_foxglove_reads_with_reads_every_field_as_it_was_sent(bag, foxglove):
     path, sent = bag
-    done = subprocess.run(['node', 'foxglove.mjs', path / 'trip_0.mcap'], cwd=foxglove, capture_output=True,
+    done = subprocess.run(['node', 'foxglove.mjs', path / 'trip_0.mcap'], cwd=foxglove,
+                          capture_output=True,
                           text=True, check=False)
     assert done.returncode == 0, done.stderr
     found = {topic: [] for topic in sent}

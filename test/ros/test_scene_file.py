@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Scene files are read as rcl itself reads them: scalars, sections, wildcards."""
 import pytest
 import rclpy
@@ -14,9 +16,11 @@ def asked(file, name='fourbar', namespace=''):
     """Return what a node reads from a parameter file."""
     rclpy.init(args=['--ros-args', '--params-file', str(file)])
     try:
-        node = Node(name, namespace=namespace, automatically_declare_parameters_from_overrides=True,
+        node = Node(name, namespace=namespace,
+                    automatically_declare_parameters_from_overrides=True,
                     start_parameter_services=False)
-        values = {key: parameter.value for key, parameter in node.get_parameters_by_prefix('').items()
+        values = {key: parameter.value
+                  for key, parameter in node.get_parameters_by_prefix('').items()
                   if key not in ('use_sim_time', 'start_type_description_service')}
         node.destroy_node()
         return values
@@ -26,18 +30,21 @@ def asked(file, name='fourbar', namespace=''):
 
 def test_scalars(tmp_path):
     file = tmp_path / 'scene.yaml'
-    file.write_text('/**:\n  ros__parameters:\n' + ''.join(f'    x{i}: {text}\n' for i, text in enumerate(SCALARS)))
+    file.write_text('/**:\n  ros__parameters:\n' + ''.join(f'    x{i}: {text}\n'
+                                                           for i, text in enumerate(SCALARS)))
     ros, ours = asked(file), read_values(file)
     for i, text in enumerate(SCALARS):
         assert repr(ros[f'x{i}']) == repr(ours[f'x{i}']), text
 
 
-@pytest.mark.parametrize('key', ['/**', '/*', 'fourbar', '/fourbar', 'other', '/**/fourbar', '/cell/fourbar', '/*/fourbar',
+@pytest.mark.parametrize('key', ['/**', '/*', 'fourbar', '/fourbar', 'other', '/**/fourbar',
+                                 '/cell/fourbar', '/*/fourbar',
                                  '/cell/*', '/cell/**'])
 @pytest.mark.parametrize('namespace', ['', '/cell', '/hall/cell'])
 def test_sections(key, namespace, tmp_path):
     file = tmp_path / 'scene.yaml'
-    file.write_text(f'"{key}":\n  ros__parameters:\n    x: 1\nnobody:\n  ros__parameters:\n    x: 2\n')
+    file.write_text(f'"{key}":\n  ros__parameters:\n    x: 1\nnobody:\n  ros__parameters:\n    x: '
+                    '2\n')
     try:
         ours = read_values(file, f'{namespace}/fourbar')
     except SceneError:

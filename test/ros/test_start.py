@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The start of the node: what is asked for is done, or refused in one line."""
 import json
 import subprocess
@@ -14,8 +16,10 @@ from ros.test_inputs import set_parameters
 
 def start(tmp_path, *arguments):
     """Run the node until it refuses; return (exit code, the line of its own)."""
-    done = subprocess.run([sys.executable, '-m', 'fourbar_ros.ros.node.start', *arguments], cwd=tmp_path, text=True,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=2 * PATIENCE, check=False)
+    done = subprocess.run([sys.executable, '-m', 'fourbar_ros.ros.node.start', *arguments],
+                          cwd=tmp_path, text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=2 * PATIENCE,
+                          check=False)
     assert 'Traceback' not in done.stdout
     line, = (line for line in done.stdout.splitlines() if line.startswith('fourbar_node:'))
     return done.returncode, line
@@ -52,13 +56,15 @@ REFUSED = [
 
 @pytest.mark.parametrize('given, why', some(REFUSED, 4))
 def test_bad_parameters_are_refused_in_one_line(tmp_path, paper, given, why):
-    code, line = start(tmp_path, '--ros-args', '--params-file', paper, '-p', 'outputs:=[state]', '-p', given)
+    code, line = start(tmp_path, '--ros-args', '--params-file', paper, '-p', 'outputs:=[state]',
+                       '-p', given)
     assert code == 2 and why in line
 
 
 @pytest.mark.parametrize('arguments, why', some([
     (['--ros-args', '--params-fle', 'x'], '--params-fle'), (['--ros-args', '-r', 'a:b'], 'remap'),
-    (['--ros-args', '-r', '__node:=a/b'], 'remap'), (['--ros-args', '--log-level', 'foo'], 'log level'),
+    (['--ros-args', '-r', '__node:=a/b'], 'remap'), (['--ros-args', '--log-level', 'foo'],
+                                                     'log level'),
     (['scene.yaml'], 'scene.yaml')], 2))
 def test_arguments_that_nobody_understands_are_refused_in_one_line(tmp_path, arguments, why):
     code, line = start(tmp_path, *arguments)
@@ -78,26 +84,31 @@ def test_a_number_with_a_point_wins_over_a_whole_one_in_a_file(run_node, client,
     client.until(lambda: client.received['state'], 'a state')
     assert client.received['state'][0].omega1 == 3.5
     if source == 'parameter':                    # with two files rcl itself takes the last
-        client.until(lambda: 'drive.speed = 3.5' in node.said and 'would keep 25' in node.said, 'the line in the log')
+        client.until(lambda: 'drive.speed = 3.5' in node.said and 'would keep 25' in node.said,
+                     'the line in the log')
 
 
 def test_the_quality_of_service_can_be_overridden(run_node, client):
-    given = {'/fourbar/state.publisher.reliability': 'best_effort', '/fourbar/state.publisher.depth': 3,
+    given = {'/fourbar/state.publisher.reliability': 'best_effort',
+             '/fourbar/state.publisher.depth': 3,
              '/fourbar/loads.publisher.depth': 5,                  # an output that may come later
              '/fourbar/input.subscription.reliability': 'reliable',
              '/moved.publisher.durability': 'transient_local'}
     run_node({**PAPER, 'drive.source': 'motion', 'outputs': ['state', 'output'],
-              **{f'qos_overrides.{name}': value for name, value in given.items()}}, remaps=['~/output:=/moved'])
+              **{f'qos_overrides.{name}': value for name, value in given.items()}},
+             remaps=['~/output:=/moved'])
 
     def publishers(topic):
         return client.node.get_publishers_info_by_topic(topic)
     client.until(lambda: publishers('/fourbar/state') and publishers('/moved')
                  and client.node.get_subscriptions_info_by_topic('/fourbar/input'), 'its topics')
     state, moved = publishers('/fourbar/state')[0].qos_profile, publishers('/moved')[0].qos_profile
-    assert state.reliability == ReliabilityPolicy.BEST_EFFORT and moved.reliability == ReliabilityPolicy.RELIABLE
+    assert (state.reliability == ReliabilityPolicy.BEST_EFFORT and moved.reliability
+            == ReliabilityPolicy.RELIABLE)
     assert moved.durability == DurabilityPolicy.TRANSIENT_LOCAL
     listener = client.node.get_subscriptions_info_by_topic('/fourbar/input')[0].qos_profile
     assert listener.reliability == ReliabilityPolicy.RELIABLE
     refused, = set_parameters(client, {'qos_overrides./fourbar/state.publisher.depth': 30})
     assert not refused.successful and 'at start' in refused.reason
-    assert client.call('evaluate', position=0.5).state.theta4 == scene.from_values(PAPER).linkage.motion(0.5).theta4
+    assert (client.call('evaluate', position=0.5).state.theta4
+            == scene.from_values(PAPER).linkage.motion(0.5).theta4)

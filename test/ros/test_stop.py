@@ -1,4 +1,10 @@
-"""Whatever signals come, and whenever: exit code 0, a whole bag, soon; nothing waits for a search or a disk."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Whatever signals come, and whenever: exit code 0, a whole bag, soon.
+
+Nothing waits for a search or a disk.
+"""
 import random
 import re
 import signal
@@ -21,7 +27,8 @@ from support.scenes import PAPER, RODS
 
 RECORDING = {**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 200.0, 'outputs': ALL_OUTPUTS,
              'recording.start': True, 'recording.name': 'run'}
-LAUNCH = 5.0         # [s] ros2 launch waits so long after Ctrl-C before it sends SIGTERM, and then SIGKILL
+# [s] ros2 launch waits so long after Ctrl-C before it sends SIGTERM, and then SIGKILL
+LAUNCH = 5.0
 FLOODS, MANY_FLOODS = 2, 25
 
 
@@ -45,7 +52,8 @@ def test_a_certified_search_is_abandoned_and_the_bag_closed(run_node, client, tm
     """All quantities in both modes: some ten seconds of proofs, and nobody waits for them."""
     node = run_node(RECORDING)
     client.listen(['state'])
-    client.call('find_extrema', quantities=['?'])                       # so that the next request arrives
+    # so that the next request arrives
+    client.call('find_extrema', quantities=['?'])
     service = SERVICES['find_extrema']
     asked = client.service('find_extrema').call_async(
         resolve(service.type).Request(mode=3, certify=True))
@@ -105,13 +113,18 @@ os.fsync = slow
 
 
 def test_a_slow_disk_at_the_end_of_a_bag_holds_up_no_input(run_node, client):
-    """What is sent after the request to stop is answered before that: in order of events, not by the clock."""
+    """
+    What is sent after the request to stop is answered before that.
+
+    In order of events, not by the clock.
+    """
     node = run_node({**PAPER, 'drive.source': 'motion', 'outputs': ['state']}, first=SLOW_DISK)
     client.listen(['state'])
     publisher = client.publisher()
     client.handshake(lambda: publisher.publish(Motion(position=0.1)))
     assert client.call('start_recording', name='slow').success
-    client.call('stop_recording')                                         # the two have seen each other
+    # the two have seen each other
+    client.call('stop_recording')
     assert client.call('start_recording', name='slower').success
     stopping = client.service('stop_recording').call_async(
         resolve(SERVICES['stop_recording'].type).Request())
@@ -127,7 +140,8 @@ def test_a_slow_disk_at_the_end_of_a_bag_holds_up_no_input(run_node, client):
     assert f'recorded {path}' in node.said
 
 
-@pytest.mark.parametrize('name, remap', [('fourbar', ''), ('mine', ''), ('fourbar', '__ns:=/cell')])
+@pytest.mark.parametrize('name, remap',
+                         [('fourbar', ''), ('mine', ''), ('fourbar', '__ns:=/cell')])
 def test_every_node_is_there_once_and_has_all_its_services(run_node, client, name, remap):
     run_node({**PAPER, 'outputs': ['state']}, name=name, remaps=[remap] if remap else [])
     namespace = remap[6:] or '/'
@@ -135,7 +149,8 @@ def test_every_node_is_there_once_and_has_all_its_services(run_node, client, nam
 
     def services():
         here = client.node.get_node_names_and_namespaces()
-        return dict(client.node.get_service_names_and_types_by_node(name, namespace)) if (name, namespace) in here else {}
+        return (dict(client.node.get_service_names_and_types_by_node(name, namespace))
+                if (name, namespace) in here else {})
     expected = {service.service.replace('~', full) for service in SERVICES.values()}
     client.until(lambda: expected <= services().keys(), 'its services')
     names = [n for n in client.node.get_node_names_and_namespaces() if n != ('tester', '/')]
@@ -143,7 +158,11 @@ def test_every_node_is_there_once_and_has_all_its_services(run_node, client, nam
 
 
 def test_a_flag_takes_signals_from_within_signals():
-    """Every tenth of a millisecond, also while the handler runs: an Event would wait for its own lock."""
+    """
+    Every tenth of a millisecond, also while the handler runs.
+
+    An Event would wait for its own lock.
+    """
     stop, before = Stop().catch(), signal.getsignal(signal.SIGALRM)
     signal.signal(signal.SIGALRM, lambda *_: [signal.raise_signal(number) for number in SIGNALS])
     signal.setitimer(signal.ITIMER_REAL, 1e-4, 1e-4)

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Scene files and the parameter table."""
 import json
 import math
@@ -33,7 +35,8 @@ def test_a_dump_of_all_values_is_the_same_scene():
 
 def test_json_of_a_scene_is_strict_and_gives_the_same_scene():
     first = scene.from_values({**PAPER, 'outputs': ['state']})
-    values = json.loads(first.as_json, parse_constant=lambda name: pytest.fail(f'{name} is no JSON'))
+    values = json.loads(first.as_json,
+                        parse_constant=lambda name: pytest.fail(f'{name} is no JSON'))
     assert scene.from_values(values).linkage == first.linkage and 'bodies.crank.mass' not in values
 
 
@@ -48,7 +51,8 @@ def test_bodies_one_by_one():
 
 
 def test_external_loads_and_gravity_reach_the_linkage():
-    linkage = scene.from_values({**PAPER, **RODS, 'external.output.couple': -50.0, 'external.coupler.force_y': 7.0,
+    linkage = scene.from_values({**PAPER, **RODS, 'external.output.couple': -50.0,
+                                 'external.coupler.force_y': 7.0,
                                  'external.coupler.along': 0.6, 'gravity.y': -9.81}).linkage
     assert (linkage.external.output.couple, linkage.external.coupler.force_y) == (-50.0, 7.0)
     assert (linkage.external.coupler.along, linkage.gravity) == (0.6, (0.0, -9.81))
@@ -56,8 +60,10 @@ def test_external_loads_and_gravity_reach_the_linkage():
     motion, loads = linkage.step(1.0, 0.0)
     ahead = linkage.motion(1.0, 1.0)
     work = sum(body.mass * -9.81 * body.cg_along * cosine * rate for body, cosine, rate in zip(
-        linkage.bodies, (ahead.cos_x, ahead.cos_b, ahead.cos_y), (1.0, ahead.omega_beta, ahead.omega4)))
-    work += (linkage.bodies.coupler.mass * -9.81 + 7.0) * 0.4 * ahead.cos_x      # the coupler moves with A
+        linkage.bodies, (ahead.cos_x, ahead.cos_b, ahead.cos_y),
+        (1.0, ahead.omega_beta, ahead.omega4)))
+    # the coupler moves with A
+    work += (linkage.bodies.coupler.mass * -9.81 + 7.0) * 0.4 * ahead.cos_x
     work += 7.0 * 0.6 * ahead.cos_b * ahead.omega_beta - 50.0 * ahead.omega4
     assert loads.driving_torque == pytest.approx(-work, rel=1e-13)
 
@@ -66,7 +72,8 @@ def test_external_loads_and_gravity_reach_the_linkage():
     ({'linkage.a1': True}, 'linkage.a1'), ({'linkage.mode': 1.0}, 'linkage.mode'),
     ({'linkage.a1': math.inf}, 'linkage.a1'), ({'outputs': 'state'}, 'outputs'),
     ({'outputs': ['state', 'state']}, 'outputs'), ({'frame_id': ''}, 'frame_id'),
-    ({'joint_names': ['a', 'b', 'c']}, 'joint_names'), ({'bodies.rods.density': 7000.0}, 'bodies.rods.radius'),
+    ({'joint_names': ['a', 'b', 'c']}, 'joint_names'), ({'bodies.rods.density': 7000.0},
+                                                        'bodies.rods.radius'),
     ({'bodies.crank.mass': -1.0}, 'bodies.crank.mass'), ({'gravity.y': math.nan}, 'gravity.y'),
     ({'recording.start': 'yes'}, 'recording.start'), ({'drive.rate': 1e9}, 'drive.rate'),
 ])
@@ -81,7 +88,8 @@ def test_a_missing_length_is_refused_by_name():
         scene.from_values({name: value for name, value in PAPER.items() if name != 'linkage.a3'})
 
 
-@pytest.mark.parametrize('text, reason', [('a: [1', 'not YAML'), ('[1, 2]', 'not a scene'), ('', 'not a scene'),
+@pytest.mark.parametrize('text, reason', [('a: [1', 'not YAML'), ('[1, 2]', 'not a scene'),
+                                          ('', 'not a scene'),
                                           ('linkage: {a1: 1.0}', 'not a scene')])
 def test_a_file_that_is_no_scene_is_refused_with_its_name(tmp_path, text, reason):
     file = tmp_path / 'scene.yaml'
@@ -109,19 +117,25 @@ def test_scene_check_explains_and_refuses(tmp_path, capsys):
 def test_scene_check_lists_what_was_given_in_units_of_what_is_driven(tmp_path, capsys):
     from fourbar_ros.cli.main import main
     file = tmp_path / 'scene.yaml'
-    file.write_text((CONFIG / 'cylinder.yaml').read_text().replace('source: motion ', 'source: timer '))
+    file.write_text((CONFIG / 'cylinder.yaml').read_text().replace('source: motion ',
+                                                                   'source: timer '))
     assert main(['scene', 'check', str(file)]) == 0
     said = capsys.readouterr().out
-    assert 'inverted slider-crank, Grashof crank-rocker, driven at its slide, mode 2' in ' '.join(said.split())
+    assert ('inverted slider-crank, Grashof crank-rocker, driven at its slide, mode 2' in ' '.join(said.split()))
     assert 'drive.start = 0 m is outside [1, 1.8] m' in said
-    rows = dict(line.split(maxsplit=1) for line in said.splitlines() if line.startswith(('linkage.', 'drive.speed')))
-    assert rows['linkage.a1'].split() == ['1.2', 'm'] and rows['drive.speed'].split() == ['0.2', 'm/s']
+    rows = dict(line.split(maxsplit=1) for line in said.splitlines()
+                if line.startswith(('linkage.', 'drive.speed')))
+    assert (rows['linkage.a1'].split() == ['1.2', 'm'] and rows['drive.speed'].split()
+            == ['0.2', 'm/s'])
 
 
 @pytest.mark.parametrize('values, said', [
-    ({'bodies.rods.density': 7000.0}, 'bodies.rods.radius: must be given: rods have density and radius'),
-    ({'bodies.crank.mass': 1.0}, 'bodies.crank.inertia: must be given: loads need mass and inertia of the crank'),
-    ({'outputs': ['loads']}, 'bodies.crank.mass: must be given (or bodies.rods): output loads needs masses'),
+    ({'bodies.rods.density': 7000.0}, 'bodies.rods.radius: must be given: rods have density and '
+                                      'radius'),
+    ({'bodies.crank.mass': 1.0}, 'bodies.crank.inertia: must be given: loads need mass and '
+                                 'inertia of the crank'),
+    ({'outputs': ['loads']}, 'bodies.crank.mass: must be given (or bodies.rods): output loads '
+                             'needs masses'),
     ({'linkage.mode': 'x'}, "linkage.mode = 'x': must be an integer")])
 def test_what_is_missing_is_named_without_a_value(values, said):
     with pytest.raises(InvalidParameter) as caught:
@@ -132,7 +146,8 @@ def test_what_is_missing_is_named_without_a_value(values, said):
 @pytest.mark.parametrize('values', [{'linkage.a1': 1e300}, {'bodies.rods.radius': 1e160}])
 def test_numbers_that_overflow_are_refused(values):
     with pytest.raises(InvalidParameter, match='too far apart'):
-        scene.from_values({'linkage.kind': 'slider_crank', 'linkage.a1': 0.1, 'linkage.a2': 0.3, **RODS,
+        scene.from_values({'linkage.kind': 'slider_crank', 'linkage.a1': 0.1, 'linkage.a2': 0.3,
+                           **RODS,
                            'bodies.output.mass': 1.0, **values})
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """What tests and benches share: references in many digits, scenes, bags, a harness for nodes."""
 from pathlib import Path
 

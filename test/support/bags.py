@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Bags without ROS: messages made by rosbags, a codec that shares no line with ours."""
 import json
 
@@ -27,7 +29,8 @@ def text_of(type_name):
 
 def channel(topic, type_name, depth=10, latched=False):
     """Return the Channel of a topic."""
-    return Channel(topic, type_name, text_of(type_name), STORE.hash_rihs01(type_name), depth, latched)
+    return Channel(topic, type_name, text_of(type_name), STORE.hash_rihs01(type_name), depth,
+                   latched)
 
 
 MOTION = channel('/fourbar/driven', 'fourbar_msgs/msg/Motion')
@@ -41,7 +44,8 @@ def stamp(nanoseconds, frame='fourbar'):
 
 def motion(number):
     """Return a serialised Motion that carries a number."""
-    return encode('fourbar_msgs/msg/Motion', header=stamp(number), position=float(number), velocity=0.5,
+    return encode('fourbar_msgs/msg/Motion', header=stamp(number), position=float(number),
+                  velocity=0.5,
                   acceleration=-0.25)
 
 
@@ -85,10 +89,15 @@ def output_message(name, when, status, values, scene):
 
 
 def copy(bag, directory, name, change):
-    """Write a bag again, the data of every message as ``change(raw)`` returns them; return the new bag's path."""
+    """
+    Write a bag again, the data of every message as ``change(raw)`` returns them.
+
+    Return the new bag's path.
+    """
     metadata = Bag(bag).metadata()
     topics = [told['topic_metadata'] for told in metadata['topics_with_message_count']]
-    writer = BagWriter(directory, name, [channel(t['name'], t['type']) for t in topics], metadata['custom_data'], sync_period=0.0)
+    writer = BagWriter(directory, name, [channel(t['name'], t['type']) for t in topics],
+                       metadata['custom_data'], sync_period=0.0)
     numbers = {topic['name']: i for i, topic in enumerate(topics)}
     for raw in Bag(bag).raw():
         writer.write(numbers[raw.topic], bytes(change(raw)))
@@ -109,8 +118,8 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
     """
     Record a run as the node does and return the closed bag's path.
 
-    ``cranks``: (theta1, omega1, alpha1) of every step; ``changes``: {step: parameters} set before it;
-    Stamps begin at step_ns: 0 stands for an unstamped message. ``paced``: log times
+    ``cranks``: (theta1, omega1, alpha1) of every step; ``changes``: {step: parameters} set before
+    it; Stamps begin at step_ns: 0 stands for an unstamped message. ``paced``: log times
     step_ns apart, whatever the clock says.
     """
     scene = scenes.from_values(values)
@@ -132,7 +141,9 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
             scene = scenes.from_values({**scene.values, **changes[k]})
             stepper = say_scene()
         status, found = stepper.step(*crank, scene.needs_loads, 'points' in scene.outputs)
-        writer.write(number['driven'], output_message('driven', (k + 1) * step_ns, 0, scene.linkage.unknown(*crank), scene))
+        writer.write(number['driven'], output_message('driven', (k + 1) * step_ns, 0,
+                                                      scene.linkage.unknown(*crank), scene))
         for output in scene.topics:
-            writer.write(number[output], output_message(output, (k + 1) * step_ns, status, found, scene))
+            writer.write(number[output], output_message(output, (k + 1) * step_ns, status, found,
+                                                        scene))
     return writer.close()

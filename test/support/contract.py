@@ -1,4 +1,10 @@
-"""Mechanisms of every kind, input and mode for the tests of the contract: drawn at random and from hard families."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Mechanisms of every kind, input and mode for the tests of the contract.
+
+Drawn at random and from hard families.
+"""
 
 from typing import Any, NamedTuple
 
@@ -207,8 +213,8 @@ def values_and_conditions(function, case, given, others):
     """
     Return ({name: exact value}, {name: condition}) of function(given, others) -> {name: value}.
 
-    :func:`reference.condition` counts its first value modulo a turn, so a zero stands before an input that
-    is a length.
+    :func:`reference.condition` counts its first value modulo a turn, so a zero stands before an
+    input that is a length.
     """
     skip = 0 if case.turns else 1
     names = []
@@ -223,7 +229,11 @@ def values_and_conditions(function, case, given, others):
 
 
 def error_in_conditions(name, value, truth, cond):
-    """Return |value - truth| in eps cond; of an angle modulo a turn, where a condition below 1 counts as 1."""
+    """
+    Return |value - truth| in eps cond.
+
+    Of an angle modulo a turn, where a condition below 1 counts as 1.
+    """
     error = abs(value - truth)
     if name.startswith(ANGLES):
         error, cond = abs(mp.arg(mp.expj(value - truth))), max(cond, 1)

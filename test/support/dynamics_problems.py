@@ -17,8 +17,8 @@ P4_POSITION = '26.5492929885905007592319343928785'
 
 def sundials_slider_crank():
     """P2: LLNL/sundials, examples/idas/serial/idasSlCrank_dns.c, after Haug 6.1.8."""
-    # its generalized forces, F on x and -F sin p on the angle p of the rod, are those of 2 F on the
-    # slider and -F on the crank pin, as x = cos p + a cos q
+    # its generalized forces, F on x and -F sin p on the angle p of the rod, are those of 2 F on
+    # the slider and -F on the crank pin, as x = cos p + a cos q
     slider_crank = SliderCrank(
         0.5, 1.0, bodies=Bodies(Body(0.0, inertia=1.0), Body(0.0, inertia=2.0), Body(1.0)),
         external=External(Applied(force_x=-1.0), Applied(force_x=2.0)))
@@ -47,7 +47,8 @@ def one_window_exact(time):
 
 def near_lock_up(crank=1.98):
     """P4: Haug 4.9.2, a slider-crank near lock-up, free at 10 rad/s; energy 1000 J."""
-    slider_crank = SliderCrank(crank, 2.0, bodies=Bodies(Body(0.0, inertia=20.0), Body(0.0), Body(20.0)))
+    slider_crank = SliderCrank(crank, 2.0, bodies=Bodies(Body(0.0, inertia=20.0), Body(0.0),
+                                                         Body(20.0)))
     return System(slider_crank, 0.0, 10.0)
 
 

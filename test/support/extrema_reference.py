@@ -1,9 +1,13 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
-Exact extrema of theta4' and theta4'' at constant input rate, by another road than the package takes.
+Exact extrema of theta4' and theta4'' at constant input rate, by another road than the package
+takes.
 
-In q = |A O4|^2 they are roots of polynomials of degree 6 and 11 with rational coefficients. Here their real
-roots are isolated by Descartes' rule with bisection (the package counts with Sturm's theorem), in integers,
-and refined by bisection; theta1 follows in mpmath, its sign from the equation that was squared.
+In q = |A O4|^2 they are roots of polynomials of degree 6 and 11 with rational coefficients. Here
+their real roots are isolated by Descartes' rule with bisection (the package counts with Sturm's
+theorem), in integers, and refined by bisection; theta1 follows in mpmath, its sign from the
+equation that was squared.
 """
 from itertools import zip_longest
 
@@ -53,7 +57,8 @@ class Polynomial:
 
 def exact_roots(lengths, order):
     """
-    Return (theta1, value) of all extrema inside the input range, mode 2, input rate 1 rad/s, in mpmath.
+    Return (theta1, value) of all extrema inside the input range, mode 2, input rate 1 rad/s, in
+    mpmath.
 
     ``order``: 0 for theta4', 1 for theta4''; theta1 in (-pi, pi]. For a1 != a4 and simple roots.
     """
@@ -72,7 +77,8 @@ def exact_roots(lengths, order):
         W = S * 4 - q * dS
         P, factor = W * W * T * T * T * T * T * (4 * e**2) - S * M * M, W * M * -e
     found = []
-    for root in isolated_roots(P, max((a1 - a4)**2, (a2 - a3)**2), min((a1 + a4)**2, (a2 + a3)**2)):
+    for root in isolated_roots(P, max((a1 - a4)**2, (a2 - a3)**2),
+                               min((a1 + a4)**2, (a2 + a3)**2)):
         with mpmath.workprec(2 * BITS):
             q = mpmath.ldexp(root, -BITS)
             x = 2 * mpmath.atan2(mpmath.sqrt(q - (a1 - a4)**2), mpmath.sqrt((a1 + a4)**2 - q))
@@ -101,7 +107,11 @@ def isolated_roots(P, low, high):
 
 
 def descartes(P, a, b, bits):
-    """Return the sign changes of the coefficients of (1+t)^n P((a + b t)/(1 + t)): roots between, or more."""
+    """
+    Return the sign changes of the coefficients of (1+t)^n P((a + b t)/(1 + t)).
+
+    Roots between, or more.
+    """
     c = [v << (bits * i) for i, v in enumerate(reversed(P.c))][::-1]
     shifted(c, a)
     c = [v * (b - a)**i for i, v in enumerate(c)][::-1]
@@ -118,7 +128,11 @@ def shifted(c, a):
 
 
 def bisected(P, a, b, bits):
-    """Return the one root between a and b, of 2^bits, with BITS bits. The ends may be roots themselves."""
+    """
+    Return the one root between a and b, of 2^bits, with BITS bits.
+
+    The ends may be roots themselves.
+    """
     a, b = a << (BITS - bits), b << (BITS - bits)
     sign = P.at(a + 1, BITS) > 0
     while b - a > 1:
@@ -131,12 +145,20 @@ def bisected(P, a, b, bits):
 
 
 def families():
-    """Return the 19 families of linkages: name -> function of a random generator to four lengths."""
+    """
+    Return the 19 families of linkages.
+
+    Name -> function of a random generator to four lengths.
+    """
     def uniform(rng):
         return rng.uniform(0.1, 1.0, 4)
 
     def shortest_plus_longest(rng, gap):
-        """Lengths from short to long; the gap of Grashof's sum, relative to the longest, if any."""
+        """
+        Lengths from short to long.
+
+        The gap of Grashof's sum, relative to the longest, if any.
+        """
         a = np.sort(uniform(rng))
         if gap is not None:
             a[3] = (a[1] + a[2] - a[0]) / (1.0 + gap * rng.choice((-1.0, 1.0)))
@@ -181,7 +203,9 @@ def families():
 
     return {'crank': crank(), 'Grashof': grashof(True), 'non-Grashof': grashof(False),
             'a1 near a4 1e-6': near_isosceles(1e-6), 'a1 near a4 1e-12': near_isosceles(1e-12),
-            **{f'crank gap {gap:.0e}': crank(gap) for gap in (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)},
+            **{f'crank gap {gap:.0e}': crank(gap) for gap in (1e-2, 1e-4, 1e-6, 1e-8, 1e-10,
+                                                              1e-12)},
             **{f'gap {gap:.0e}': any_gap(gap) for gap in (1e-4, 1e-8)},
-            **{f'near parallelogram {size:.0e}': near_parallelogram(size) for size in (1e-3, 1e-6, 1e-9)},
+            **{f'near parallelogram {size:.0e}': near_parallelogram(size)
+               for size in (1e-3, 1e-6, 1e-9)},
             **{f'ratios {size:.0e}': ratios(size) for size in (1e-2, 1e-4, 1e-6)}}

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """A slow disk and a clock that is set, for processes that are started under a small library of our own."""
 import mmap
 import struct
@@ -82,14 +84,16 @@ class Faults:
     def __init__(self, folder):
         source, library, self._file = folder / 'faults.c', folder / 'faults.so', folder / 'faults'
         source.write_text(SOURCE)
-        subprocess.run(['cc', '-shared', '-fPIC', '-O1', '-o', library, source, '-ldl'], check=True)
+        subprocess.run(['cc', '-shared', '-fPIC', '-O1', '-o', library, source, '-ldl'],
+                       check=True)
         self._file.write_bytes(bytes(24))
         self.environment = {'LD_PRELOAD': str(library), 'FAULTS': str(self._file)}
 
     def set(self, clock=0.0, fsync=0.0, write=0.0):
         """Set the step of the system clock and what fsync and write take longer [s]."""
         with self._file.open('r+b') as file, mmap.mmap(file.fileno(), 24) as shared:
-            shared[:] = struct.pack('<3q', *(round(1e9 * value) for value in (clock, fsync, write)))
+            shared[:] = struct.pack('<3q', *(round(1e9 * value)
+                                             for value in (clock, fsync, write)))
 
     def start(self, start):
         """Return what a function gives that starts a process under these faults."""

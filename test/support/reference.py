@@ -1,9 +1,12 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Reference for the tests: many digits and another formulation.
 
-Positions from coordinates (intersection of two circles on the diagonal A-O4), rates and accelerations
-from the differentiated loop, loads from the free bodies: nothing here is shared with the package. The
-working precision leaves fifty digits after the cancellations of the worst case of the tests.
+Positions from coordinates (intersection of two circles on the diagonal A-O4), rates and
+accelerations from the differentiated loop, loads from the free bodies: nothing here is shared with
+the package. The working precision leaves fifty digits after the cancellations of the worst case of
+the tests.
 """
 from functools import lru_cache
 from typing import NamedTuple
@@ -29,7 +32,11 @@ class Pose(NamedTuple):
 
 
 class FreeBody(NamedTuple):
-    """What moves one link: the sum of its joint forces, their moment about its CG; its CG and end."""
+    """
+    What moves one link: the sum of its joint forces, their moment about its CG.
+
+    Its CG and end.
+    """
 
     force: mp.mpc
     moment: mp.mpf
@@ -69,12 +76,14 @@ def free_bodies(lengths, place, x, omega, alpha, bodies, applied, gravity):
     """
     Return three :class:`FreeBody`: crank, coupler, output link.
 
-    ``bodies``: three of (mass, along, across, inertia); ``applied``: two of (force_x, force_y, along,
-    across, couple) on coupler and output link; ``gravity``: (x, y). All of it numbers for mpmath.
+    ``bodies``: three of (mass, along, across, inertia); ``applied``: two of (force_x, force_y,
+    along, across, couple) on coupler and output link; ``gravity``: (x, y). All of it numbers for
+    mpmath.
     """
     angles = (x, place.b, place.y)
     rates = (omega, place.db * omega, place.dy * omega)
-    second = (alpha, place.db * alpha + place.ddb * omega**2, place.dy * alpha + place.ddy * omega**2)
+    second = (alpha, place.db * alpha + place.ddb * omega**2,
+              place.dy * alpha + place.ddy * omega**2)
     of_a, links = 0, []
     for i, (mass, along, across, inertia) in enumerate(bodies):
         force_x, force_y, at_along, at_across, couple = applied[i - 1] if i else (0,) * 5
@@ -102,14 +111,19 @@ def nine_by_nine(links):
             matrix[3 * i, column] = matrix[3 * i + 1, column + 1] = sign
             matrix[3 * i + 2, column] = -sign * arm.imag
             matrix[3 * i + 2, column + 1] = sign * arm.real
-        right[3 * i], right[3 * i + 1], right[3 * i + 2] = link.force.real, link.force.imag, link.moment
+        right[3 * i], right[3 * i + 1], right[3 * i + 2] = (link.force.real, link.force.imag,
+                                                            link.moment)
     matrix[2, 8] = 1
     f = mp.lu_solve(matrix, right)
     return tuple(mp.mpc(f[2 * i], f[2 * i + 1]) for i in range(4)) + (f[8],)
 
 
 def reactions(links):
-    """Return the same as :func:`nine_by_nine` twenty times faster: F32 by Cramer, then the rest."""
+    """
+    Return the same as :func:`nine_by_nine` twenty times faster.
+
+    F32 by Cramer, then the rest.
+    """
     crank, coupler, output = links
     p, q = coupler.end, output.end
     about_a = coupler.moment + cross(coupler.centre, coupler.force)     # = p x F32
@@ -122,11 +136,12 @@ def reactions(links):
 
 def condition(function, values):
     """
-    Return f and its first-order condition: |f| + the sum of |v df/dv| over the values, per output of f.
+    Return f and its first-order condition: |f| + the sum of |v df/dv| over the values, per output
+    of f.
 
-    Times eps it is what an exact f would move by if each value and the result were rounded once. The
-    first value is theta1, of which only the part beyond full turns counts. For a force (mpc) the modulus
-    is taken, so that it is the condition of the vector.
+    Times eps it is what an exact f would move by if each value and the result were rounded once.
+    The first value is theta1, of which only the part beyond full turns counts. For a force (mpc)
+    the modulus is taken, so that it is the condition of the vector.
     """
     base = function(values)
     total = [mp.mpf(0)] * len(base)
@@ -139,22 +154,29 @@ def condition(function, values):
     return base, [t / RELATIVE_STEP + abs(f) for t, f in zip(total, base)]
 
 
-MOTION_FIELDS = ('theta4', 'beta', 'omega4', 'omega_beta', 'omega2', 'omega3', 'alpha4', 'alpha_beta',
+MOTION_FIELDS = ('theta4', 'beta', 'omega4', 'omega_beta', 'omega2', 'omega3', 'alpha4',
+                 'alpha_beta',
                  'alpha2', 'alpha3')
 
 
 def motion_of(lengths, sign, x, omega, alpha):
-    """Return the values of :data:`MOTION_FIELDS`; rates and accelerations that are differences from them."""
+    """
+    Return the values of :data:`MOTION_FIELDS`.
+
+    Rates and accelerations that are differences from them.
+    """
     p = pose(lengths, sign, x)
 
     def second(slope, curvature):
         return slope * alpha + curvature * omega**2
 
     return (p.y, p.b, p.dy * omega, p.db * omega, (p.db - 1) * omega, (p.dy - p.db) * omega,
-            second(p.dy, p.ddy), second(p.db, p.ddb), second(p.db - 1, p.ddb), second(p.dy - p.db, p.ddy - p.ddb))
+            second(p.dy, p.ddy), second(p.db, p.ddb), second(p.db - 1, p.ddb),
+            second(p.dy - p.db, p.ddy - p.ddb))
 
 
-_remembered_pose = lru_cache(maxsize=8)(pose)     # most of what loads depend on leaves the pose alone
+# most of what loads depend on leaves the pose alone
+_remembered_pose = lru_cache(maxsize=8)(pose)
 LOAD_NAMES = ('f41', 'f21', 'f32', 'f43', 'driving_torque', 'shaking_force', 'shaking_moment')
 
 

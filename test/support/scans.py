@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Extrema against dense scans, for any mechanism."""
 import numpy as np
 from support.reference import EPS
@@ -27,7 +29,11 @@ def tops_of_a_scan(mechanism, quantities, rate, acceleration, points):
 
 
 def check_against_scan(mechanism, quantities, rate, acceleration, points):
-    """Each local extremum of a scan must be found, each found one be one; return how many the scan has."""
+    """
+    Each local extremum of a scan must be found, each found one be one.
+
+    Return how many the scan has.
+    """
     found, number = find_extrema(mechanism, quantities, rate, acceleration), 0
     for name, kind, top, step in tops_of_a_scan(mechanism, quantities, rate, acceleration, points):
         number += 1

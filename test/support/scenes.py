@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Scenes of the seeds, as parameters."""
 RODS = {'bodies.rods.density': 7750.0, 'bodies.rods.radius': 0.01}
 PAPER = {'linkage.a1': 0.4, 'linkage.a2': 1.2, 'linkage.a3': 0.8, 'linkage.a4': 1.0}

@@ -1,8 +1,11 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Reference for the two sliders: many digits and another formulation.
 
-Positions from coordinates, rates and accelerations from the differentiated loop as two equations with
-two unknowns, loads from nine equations with nine unknowns: nothing here is shared with the package.
+Positions from coordinates, rates and accelerations from the differentiated loop as two equations
+with two unknowns, loads from nine equations with nine unknowns: nothing here is shared with the
+package.
 """
 from typing import NamedTuple
 
@@ -14,12 +17,16 @@ from fourbar_ros import Applied, Bodies, Body, External
 from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
 from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
 
-KINDS = ((SliderCrank, 'crank'), (SliderCrank, 'slide'), (InvertedSlider, 'crank'), (InvertedSlider, 'slide'))
-FIELDS = {SliderCrank: ('theta1', 'beta', 'slide', 'theta2', 'omega1', 'omega_beta', 'slide_velocity', 'omega2',
+KINDS = ((SliderCrank, 'crank'), (SliderCrank, 'slide'), (InvertedSlider, 'crank'),
+         (InvertedSlider, 'slide'))
+FIELDS = {SliderCrank: ('theta1', 'beta', 'slide', 'theta2', 'omega1', 'omega_beta',
+                        'slide_velocity', 'omega2',
                         'alpha1', 'alpha_beta', 'slide_acceleration', 'alpha2'),
-          InvertedSlider: ('theta1', 'theta4', 'slide', 'theta2', 'omega1', 'omega4', 'slide_velocity', 'omega2',
+          InvertedSlider: ('theta1', 'theta4', 'slide', 'theta2', 'omega1', 'omega4',
+                           'slide_velocity', 'omega2',
                            'alpha1', 'alpha4', 'slide_acceleration', 'alpha2')}
-LOADS = ('f41', 'f21', 'f32', 'f43', 'guide_force', 'guide_couple', 'drive', 'shaking_force', 'shaking_moment')
+LOADS = ('f41', 'f21', 'f32', 'f43', 'guide_force', 'guide_couple', 'drive', 'shaking_force',
+         'shaking_moment')
 
 
 class Exact(NamedTuple):
@@ -85,32 +92,37 @@ def inverted_slider(lengths, is_crank, sign, given):
     turn /= abs(turn)
     if is_crank:        # 1j crank o = 1j line w + turn u
         w, u = solve(1j * line, turn, 1j * crank * v)
-        wa, ua = solve(1j * line, turn, 1j * crank * a - crank * v**2 + line * w**2 - 2j * w * u * turn)
+        wa, ua = solve(1j * line, turn, 1j * crank * a - crank * v**2 + line * w**2
+                       - 2j * w * u * turn)
         return Exact((x, mp.arg(turn), slide), (v, w, u), (a, wa, ua))
     o, w = solve(1j * crank, -1j * line, v * turn)
-    oa, wa = solve(1j * crank, -1j * line, a * turn + crank * o**2 - line * w**2 + 2j * w * v * turn)
+    oa, wa = solve(1j * crank, -1j * line, a * turn + crank * o**2 - line * w**2
+                   + 2j * w * v * turn)
     return Exact((x, mp.arg(turn), slide), (o, w, v), (oa, wa, a))
 
 
 def exact(kind, lengths, sign, given):
     """Return the Exact of a kind (type, input), or None where it cannot close or is at a toggle."""
     function = slider_crank if kind[0] is SliderCrank else inverted_slider
-    return function([mp.mpf(v) for v in lengths], kind[1] == 'crank', sign, [mp.mpf(v) for v in given])
+    return function([mp.mpf(v) for v in lengths], kind[1] == 'crank', sign,
+                    [mp.mpf(v) for v in given])
 
 
 def fields_of(kind, lengths, sign, given):
     """Return the values of FIELDS, theta2 wrapped."""
     e = exact(kind, lengths, sign, given)
     theta2 = mp.arg(mp.expj(e.angle[1] - e.angle[0]))
-    return (*e.angle, theta2, *e.rate, e.rate[1] - e.rate[0], *e.acceleration, e.acceleration[1] - e.acceleration[0])
+    return (*e.angle, theta2, *e.rate, e.rate[1] - e.rate[0], *e.acceleration,
+            e.acceleration[1] - e.acceleration[0])
 
 
 def loads_of(kind, lengths, sign, given, bodies, applied, gravity):
     """
-    Return the values of LOADS, forces as mpc: Newton-Euler of three free bodies, solved as one system.
+    Return the values of LOADS, forces as mpc: Newton-Euler of three free bodies, solved as one
+    system.
 
-    Rows: for each link two of force and one of moment about its first joint. Unknown: F41, F21, two
-    numbers for F32, two for F43 (one force of a guide is a number and a couple), the drive.
+    Rows: for each link two of force and one of moment about its first joint. Unknown: F41, F21,
+    two numbers for F32, two for F43 (one force of a guide is a number and a couple), the drive.
     """
     is_slider_crank, is_crank = kind[0] is SliderCrank, kind[1] == 'crank'
     e = exact(kind, lengths, sign, given)
@@ -119,19 +131,22 @@ def loads_of(kind, lengths, sign, given, bodies, applied, gravity):
     spins = [mp.mpc(-w**2, a) for w, a in zip(e.rate[:2], e.acceleration[:2])]
     if is_slider_crank:
         arm = lengths[1] * turn
-        frames = ((0, spins[0], mp.expj(e.angle[0])), (of_a, spins[1], turn), (mp.mpc(e.acceleration[2]), 0, mp.mpc(1)))
+        frames = ((0, spins[0], mp.expj(e.angle[0])), (of_a, spins[1], turn),
+                  (mp.mpc(e.acceleration[2]), 0, mp.mpc(1)))
         spin3, axis, origin3 = 0, mp.mpc(1), mp.mpc(e.angle[2], lengths[2])
     else:
         arm = crank_end - lengths[1]      # O4 to A
         frames = ((0, spins[0], mp.expj(e.angle[0])), (of_a, spins[1], turn), (0, spins[1], turn))
         spin3, axis, origin3 = e.acceleration[1], turn, mp.mpc(lengths[1])
     right, forces = [], []
-    for i, ((mass, along, across, inertia), (origin_a, spin, frame)) in enumerate(zip(bodies, frames)):
+    for i, ((mass, along, across, inertia), (origin_a, spin,
+                                             frame)) in enumerate(zip(bodies, frames)):
         force_x, force_y, at_along, at_across, couple = applied[i - 1] if i else (0,) * 5
         centre, push = frame * mp.mpc(along, across), mp.mpc(force_x, force_y)
         needed = mass * (origin_a + spin * centre - mp.mpc(*gravity))
         alpha = (e.acceleration[0], e.acceleration[1], spin3)[i]
-        right += [(needed - push).real, (needed - push).imag, inertia * alpha - couple + cross(centre, needed)
+        right += [(needed - push).real, (needed - push).imag, inertia * alpha - couple
+                  + cross(centre, needed)
                   - cross(frame * mp.mpc(at_along, at_across), push)]
         forces.append(needed - push)
     m = mp.zeros(9, 9)
@@ -142,12 +157,14 @@ def loads_of(kind, lengths, sign, given, bodies, applied, gravity):
     if is_slider_crank:
         m[3, 4] = m[4, 5] = 1
         m[5, 4], m[5, 5] = -arm.imag, arm.real
-        m[6, 4] = m[7, 5] = -1                                       # slider: F23 + guide (6) and couple (7)
+        # slider: F23 + guide (6) and couple (7)
+        m[6, 4] = m[7, 5] = -1
         m[6, 6], m[7, 6], m[8, 7] = normal.real, normal.imag, 1
         if not is_crank:
             m[6, 8], m[7, 8] = axis.real, axis.imag
     else:
-        m[3, 4], m[4, 4], m[5, 5] = normal.real, normal.imag, 1      # block: guide (4) and couple (5) at A
+        # block: guide (4) and couple (5) at A
+        m[3, 4], m[4, 4], m[5, 5] = normal.real, normal.imag, 1
         m[6, 4], m[7, 4], m[8, 5], m[8, 4] = -normal.real, -normal.imag, -1, -cross(arm, normal)
         m[6, 6] = m[7, 7] = 1                                        # bar: F43
         if not is_crank:
@@ -171,7 +188,8 @@ def loads_of(kind, lengths, sign, given, bodies, applied, gravity):
 
 def pieces(values):
     """Split a flat list after lengths and input: three bodies, two applied, gravity."""
-    return ([values[4 * i:4 * i + 4] for i in range(3)], [values[12 + 5 * i:17 + 5 * i] for i in range(2)], values[22:24])
+    return ([values[4 * i:4 * i + 4] for i in range(3)],
+            [values[12 + 5 * i:17 + 5 * i] for i in range(2)], values[22:24])
 
 
 def random_masses(rng, reach, speed):
@@ -179,7 +197,8 @@ def random_masses(rng, reach, speed):
     force = reach * speed**2
     values = []
     for _ in range(3):
-        values += [rng.uniform(0.1, 10.0), *(rng.uniform(-1.0, 1.0, 2) * reach), rng.uniform(0.0, 1.0) * reach**2]
+        values += [rng.uniform(0.1, 10.0), *(rng.uniform(-1.0, 1.0, 2) * reach),
+                   rng.uniform(0.0, 1.0) * reach**2]
     for _ in range(2):
         values += [*(rng.uniform(-5.0, 5.0, 2) * force), *(rng.uniform(-1.0, 1.0, 2) * reach),
                    rng.uniform(-5.0, 5.0) * force * reach]
@@ -195,9 +214,10 @@ def build(kind, lengths, mode, masses=None):
                    external=External(*(Applied(*a) for a in applied)), gravity=tuple(gravity))
 
 
-# --- what the tests of both sliders share ----------------------------------------------------------
+# --- what the tests of both sliders share --------------------------------------------------------
 
-FAMILIES = ('random', 'zero offset', 'near the limit of the offset', 'near a toggle', 'near a change point',
+FAMILIES = ('random', 'zero offset', 'near the limit of the offset', 'near a toggle',
+            'near a change point',
             'equal lengths', 'link ratios 1e8', 'near zero')
 
 
@@ -218,9 +238,11 @@ def draw(rng, kind, family):
         elif family == 'near a change point':
             offset = (one - other) * (1.0 + small(rng, -16, -2))
         elif family == 'equal lengths':
-            other, offset = one * (1.0 + small(rng, -16, -2)), rng.choice((0.0, small(rng, -16, -2)))
+            other, offset = (one * (1.0 + small(rng, -16, -2)),
+                             rng.choice((0.0, small(rng, -16, -2))))
         elif family == 'link ratios 1e8':
-            one, other, offset = 10.0**rng.uniform(-4, 4, 2).tolist()[0], 10.0**rng.uniform(-4, 4), small(rng, -4, 4)
+            one, other, offset = (10.0**rng.uniform(-4, 4, 2).tolist()[0],
+                                  10.0**rng.uniform(-4, 4), small(rng, -4, 4))
         if abs(offset) >= one + other:
             continue
         lengths, mode = (float(one), float(other), float(offset)), int(rng.integers(1, 3))
@@ -232,7 +254,8 @@ def draw(rng, kind, family):
             share = share if rng.random() < 0.5 else 1.0 - share
         value = low + (high - low) * share
         if family in ('near a change point', 'equal lengths') and rng.random() < 0.7:
-            value = small(rng, -14, 0) + (rng.integers(-2, 3) * np.pi / 2.0 if kind[1] == 'crank' else 0.0)
+            value = (small(rng, -14, 0) + (rng.integers(-2, 3) * np.pi / 2.0 if kind[1] == 'crank'
+                                           else 0.0))
         elif family == 'near zero':
             value = small(rng, -30, -1)
         given = (float(value), float(rng.normal()), float(rng.normal()))

@@ -9,8 +9,8 @@ def taylor(derivative, start, until, steps, order=40, digits=40):
     """
     Return the state at ``until`` to this many digits, as far as steps and order reach.
 
-    ``derivative(states)`` takes and returns lists of power series in time; ``start()`` returns the state
-    at the beginning in the precision in which it is called.
+    ``derivative(states)`` takes and returns lists of power series in time; ``start()`` returns the
+    state at the beginning in the precision in which it is called.
     """
     before = ctx.prec, ctx.cap
     ctx.dps = digits

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Commands in a terminal of a given width, as a user sees them."""
 import fcntl
 import os
@@ -18,8 +20,10 @@ def shown(arguments, width, **environment):
     """Return (standard output, exit code) of a command in a terminal of so many columns."""
     master, slave = pty.openpty()
     fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack('HHHH', 50, width, 0, 0))
-    given = {name: value for name, value in os.environ.items() if name not in ('COLUMNS', 'NO_COLOR')}
-    process = subprocess.Popen(arguments, stdin=slave, stdout=slave, stderr=subprocess.DEVNULL, cwd=ROOT,
+    given = {name: value for name, value in os.environ.items()
+             if name not in ('COLUMNS', 'NO_COLOR')}
+    process = subprocess.Popen(arguments, stdin=slave, stdout=slave, stderr=subprocess.DEVNULL,
+                               cwd=ROOT,
                                env={**given, 'TERM': 'xterm', **environment})
     os.close(slave)
     text = b''

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """``fourbar bag``: inspect, repair, check and convert recorded runs; one module an action."""
 from __future__ import annotations
 
@@ -33,7 +35,8 @@ SIGTERM, with no partial output left; 3 done, but
 
 def add(verbs):
     """Add the verb and its actions."""
-    bag = add_verb(verbs, 'bag', 'info, recover, recompute, export, plot, diff, scene: work with recorded runs',
+    bag = add_verb(verbs, 'bag', 'info, recover, recompute, export, plot, diff, scene: work with '
+                                 'recorded runs',
                    DESCRIPTION, EPILOG)
     actions = bag.add_subparsers(dest='action', required=True, metavar='ACTION')
     for action in ACTIONS:

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """``fourbar bag diff``: compare two bags message by message."""
 from __future__ import annotations
 
@@ -7,7 +9,8 @@ from fourbar_ros.cli.common import BAD, BAG_HELP, add_json, add_tolerance, add_t
 def add(actions):
     """Add the action."""
     diff = actions.add_parser('diff', help='compare two bags message by message',
-                              description='Compare two bags: messages with the same stamp, field by field.')
+                              description='Compare two bags: messages with the same stamp, field '
+                                          'by field.')
     diff.add_argument('first', metavar='FIRST', help=BAG_HELP)
     diff.add_argument('second', metavar='SECOND', help=BAG_HELP)
     add_tolerance(diff)
@@ -22,7 +25,8 @@ def _diff(arguments):
         found = diff(arguments.first, arguments.second, arguments.topics, step)
     if arguments.json:
         from fourbar_ros.bag import as_json
-        print(as_json.line(as_json.of_diff(arguments.first, arguments.second, found, arguments.tolerance)))
+        print(as_json.line(as_json.of_diff(arguments.first, arguments.second, found,
+                                           arguments.tolerance)))
     else:
         from fourbar_ros.report.terminal import make_console
         make_console().print(_table(found, arguments.tolerance))
@@ -31,11 +35,13 @@ def _diff(arguments):
 
 def _table(found, tolerance):
     from fourbar_ros.report.terminal import plain_table
-    table = plain_table('', ('topic', 'in both>', 'only first>', 'only second>', 'field', 'largest difference>'))
+    table = plain_table('', ('topic', 'in both>', 'only first>', 'only second>', 'field',
+                             'largest difference>'))
     for topic in found:
         worst = [difference for difference in topic.differences if difference.largest > tolerance]
         counts = [str(count) for count in (topic.messages, topic.only_first, topic.only_second)]
-        table.add_row(topic.topic, *counts, worst[0].field if worst else '', f'{worst[0].largest:g}' if worst else '0')
+        table.add_row(topic.topic, *counts, worst[0].field if worst else '',
+                      f'{worst[0].largest:g}' if worst else '0')
         for difference in worst[1:]:
             table.add_row('', '', '', '', difference.field, f'{difference.largest:g}')
     return table

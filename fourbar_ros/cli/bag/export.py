@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """``fourbar bag export``: write the numbers in a bag as tables."""
 from __future__ import annotations
 
@@ -7,12 +9,14 @@ from fourbar_ros.cli.common import BAG_HELP, add_topics, reading
 def add(actions):
     """Add the action."""
     export = actions.add_parser('export', help='write the numbers in a bag as tables',
-                                description='Write the numbers in a bag as tables: CSV, NumPy (.npz) or Parquet.')
+                                description='Write the numbers in a bag as tables: CSV, NumPy '
+                                            '(.npz) or Parquet.')
     export.add_argument('bag', metavar='BAG', help=BAG_HELP)
     export.add_argument('-o', '--out', metavar='PATH', required=True,
                         help='new folder for the tables, or new .npz file')
     export.add_argument('--format', choices=('csv', 'npz', 'parquet'),
-                        help='default: npz if PATH ends in .npz, else csv; parquet requires pyarrow')
+                        help='default: npz if PATH ends in .npz, else csv; parquet requires '
+                             'pyarrow')
     add_topics(export, 'export only these topics')
     export.set_defaults(run=_export)
 

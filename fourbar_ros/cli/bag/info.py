@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """``fourbar bag info``: what a bag contains and whether it is sound."""
 from __future__ import annotations
 
@@ -16,7 +18,8 @@ def add(actions):
     add_bags(info)
     add_json(info)
     info.add_argument('--check', action='store_true',
-                      help='read every message: verify checksums, and sequence numbers to find missing messages')
+                      help='read every message: verify checksums, and sequence numbers to find '
+                           'missing messages')
     info.set_defaults(run=_info)
 
 
@@ -24,7 +27,8 @@ def _info(arguments):
     from fourbar_ros.bag import as_json
     from fourbar_ros.bag.info import info
     return run(arguments, partial(info, check=arguments.check), 'reading', Report(
-        to_json=as_json.of_info, to_text=lambda bag, found: print_info(found, arguments.check), columns=COLUMNS,
+        to_json=as_json.of_info, to_text=lambda bag, found: print_info(found, arguments.check),
+        columns=COLUMNS,
         to_row=_row, is_good=lambda found: found.is_sound))
 
 
@@ -34,7 +38,8 @@ def _seconds(found):
 
 def _row(found):
     return (found.state, f'{_seconds(found):.3f}', f'{found.size / 1e6:.3f}', str(found.parts),
-            str(sum(topic.messages for topic in found.topics)), str(found.missing), found.damage or found.ended)
+            str(sum(topic.messages for topic in found.topics)), str(found.missing),
+            found.damage or found.ended)
 
 
 def print_info(found, was_checked):
@@ -44,7 +49,8 @@ def print_info(found, was_checked):
     console.print(_about(found, was_checked))
     console.print(_topics(found))
     if found.state == 'cut':
-        console.print('the bag was cut off by a crash or a full disk: fourbar bag recover makes it whole')
+        console.print('the bag was cut off by a crash or a full disk: fourbar bag recover makes '
+                      'it whole')
     elif found.damage:
         console.print('fourbar bag recover makes a whole bag of the undamaged messages')
 
@@ -58,13 +64,15 @@ def _about(found, was_checked):
     table.show_header = False
     extent = 'read up to the damage' if found.damage else 'every message read'
     table.add_row('state', found.state + (f', {extent}' if was_checked else ''))
-    table.add_row('size', f'{found.size / 1e6:.3f} MB' + (f' in {found.parts} parts' if found.parts > 1 else ''))
+    table.add_row('size', f'{found.size / 1e6:.3f} MB'
+                  + (f' in {found.parts} parts' if found.parts > 1 else ''))
     if found.start is not None:
         start = datetime.fromtimestamp(found.start * 1e-9).astimezone()
         table.add_row('start', start.isoformat(' ', 'milliseconds'))
     table.add_row('duration', f'{_seconds(found):.3f} s')
     for label, text in (('made by', software_of(found.about)), ('node', found.about.get('node')),
-                        ('ended', found.ended), ('dropped', found.dropped and f'{found.dropped} messages'),
+                        ('ended', found.ended),
+                        ('dropped', found.dropped and f'{found.dropped} messages'),
                         ('recovered without', found.lost), ('damage', found.damage)):
         if text:
             table.add_row(label, text)
@@ -73,7 +81,8 @@ def _about(found, was_checked):
 
 def _topics(found):
     from fourbar_ros.report.terminal import plain_table
-    table, seconds = plain_table('', ('topic', 'type', 'messages>', 'Hz>', 'missing>')), _seconds(found)
+    table, seconds = plain_table('', ('topic', 'type', 'messages>', 'Hz>',
+                                      'missing>')), _seconds(found)
     for topic in found.topics:
         rate = f'{(topic.messages - 1) / seconds:.2f}' if seconds and topic.messages > 1 else ''
         table.add_row(topic.topic, topic.type, str(topic.messages), rate,

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """An action on one bag, reported in full, or on several, reported in a table or as lines of JSON."""
 from __future__ import annotations
 
@@ -19,7 +21,8 @@ class Report(NamedTuple):
 
 def add_bags(parser):
     """Add the arguments for several bags."""
-    parser.add_argument('bags', metavar='BAG', nargs='+', help='folder of a bag, .mcap file, or folder of bags')
+    parser.add_argument('bags', metavar='BAG', nargs='+',
+                        help='folder of a bag, .mcap file, or folder of bags')
     parser.add_argument('--jobs', type=int, default=0, metavar='N',
                         help='number of bags to process in parallel; default: one per processor')
 
@@ -49,7 +52,8 @@ def _print_json(bags, results, report):
     from fourbar_ros.bag import as_json
     for bag, result in zip(bags, results):
         is_error = isinstance(result, Exception)
-        print(as_json.line(as_json.of_error(bag, result) if is_error else report.to_json(bag, result)))
+        print(as_json.line(as_json.of_error(bag, result) if is_error
+                           else report.to_json(bag, result)))
 
 
 def _print_table(bags, results, report):

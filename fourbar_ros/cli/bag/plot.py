@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """``fourbar bag plot``: plot fields over time."""
 from __future__ import annotations
 
@@ -7,11 +9,12 @@ from fourbar_ros.cli.common import BAG_HELP, PICTURE_HELP, reading
 def add(actions):
     """Add the action."""
     plot = actions.add_parser('plot', help='plot fields over time',
-                              description='Plot fields over time; fields of the same unit share an axis. Requires '
-                                          'matplotlib.')
+                              description='Plot fields over time; fields of the same unit share '
+                                          'an axis. Requires matplotlib.')
     plot.add_argument('bag', metavar='BAG', help=BAG_HELP)
     plot.add_argument('fields', metavar='TOPIC.FIELD', nargs='+',
-                      help='e.g. state.theta4, /joint_states.position[crank] or joint_states.position[0]')
+                      help='e.g. state.theta4, /joint_states.position[crank] or '
+                           'joint_states.position[0]')
     plot.add_argument('-o', '--out', metavar='FILE', required=True, help=PICTURE_HELP)
     plot.set_defaults(run=_plot)
 

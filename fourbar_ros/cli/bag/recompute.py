@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """``fourbar bag recompute``: recompute every recorded output and compare."""
 from __future__ import annotations
 
@@ -13,8 +15,9 @@ def add(actions):
     """Add the action."""
     recompute = actions.add_parser(
         'recompute', help='recompute every recorded output and compare',
-        description='Recompute every recorded output from the driven motion and the scene, both of which are in '
-                    'the bag, and compare. Bags of this version of the software differ by exactly 0.')
+        description='Recompute every recorded output from the driven motion and the scene, both '
+                    'of which are in the bag, and compare. Bags of this version of the software '
+                    'differ by exactly 0.')
     add_bags(recompute)
     add_json(recompute)
     add_tolerance(recompute)
@@ -45,7 +48,8 @@ def print_recomputed(found, tolerance):
           f'{found.largest:g}' + ('; the bag is cut' if found.cut else ''))
     print(f'driven motion: {found.driven}')
     for count, text in ((found.silent, 'outputs report that the input had stopped'),
-                        (found.uncertain, 'outputs not compared: the bag does not show what they depend on')):
+                        (found.uncertain, 'outputs not compared: the bag does not show what they '
+                                          'depend on')):
         if count:
             print(f'{count} {text}')
     for problem in found.problems(tolerance):
@@ -59,7 +63,8 @@ def _differences(found, tolerance):
         of_topic = [difference for difference in found.differences if difference.topic == topic]
         shown = [difference for difference in of_topic if difference.largest > tolerance]
         for difference in shown:
-            table.add_row(topic, difference.field, str(difference.messages), f'{difference.largest:g}')
+            table.add_row(topic, difference.field, str(difference.messages),
+                          f'{difference.largest:g}')
         if not shown:
             table.add_row(topic, f'all {len(of_topic)}', str(of_topic[0].messages),
                           f'{max(difference.largest for difference in of_topic):g}')

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """``fourbar bag recover``: make a whole bag of a cut or damaged one."""
 from __future__ import annotations
 
@@ -9,10 +11,12 @@ PLACES = 50     # damaged places that are printed one by one
 def add(actions):
     """Add the action."""
     recover = actions.add_parser('recover', help='make a whole bag of a cut or damaged one',
-                                 description='Make a whole bag of a cut or damaged one. Every intact record is '
-                                             'copied, verified by its checksum; the old bag is only read.')
+                                 description='Make a whole bag of a cut or damaged one. Every '
+                                             'intact record is copied, verified by its checksum; '
+                                             'the old bag is only read.')
     recover.add_argument('bag', metavar='BAG', help=BAG_HELP)
-    recover.add_argument('-o', '--out', metavar='DIR', help='folder of the new bag; default NAME_recovered')
+    recover.add_argument('-o', '--out', metavar='DIR', help='folder of the new bag; default '
+                                                            'NAME_recovered')
     recover.set_defaults(run=_recover)
 
 

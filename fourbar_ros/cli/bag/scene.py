@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """``fourbar bag scene``: print the scene of a bag as a parameter file."""
 from __future__ import annotations
 
@@ -8,8 +10,8 @@ def add(actions):
     """Add the action."""
     scene = actions.add_parser(
         'scene', help='print the scene of a bag as a parameter file',
-        description='Print the scene of a bag as a parameter file, for a node that the bag shall drive '
-                    '(drive.source: motion): see fourbar replay --inputs-only.')
+        description='Print the scene of a bag as a parameter file, for a node that the bag shall '
+                    'drive (drive.source: motion): see fourbar replay --inputs-only.')
     scene.add_argument('bag', metavar='BAG', help=BAG_HELP)
     scene.add_argument('--drive', choices=('motion', 'timer'), default='motion',
                        help='drive.source in the parameter file (default motion)')

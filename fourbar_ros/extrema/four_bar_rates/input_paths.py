@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Sample points of the input angle that resolve any 4R linkage: uniform in the elliptic parameter u.
 
@@ -5,7 +7,8 @@ With x = theta1 and du = dx / (a2 a3 sin mu), tan(x/2) is a Jacobi function of u
 
     (d tan(x/2) / du)^2 = (s1b + s1 tan^2(x/2)) (s2 + s2b tan^2(x/2)) / 16,
 
-s1 = (a2+a3)^2 - (a1+a4)^2, s1b = (a2+a3)^2 - (a1-a4)^2, s2 = (a1-a4)^2 - (a2-a3)^2 and s2b = (a1+a4)^2
+s1 = (a2+a3)^2 - (a1+a4)^2, s1b = (a2+a3)^2 - (a1-a4)^2, s2 = (a1-a4)^2 - (a2-a3)^2 and s2b =
+(a1+a4)^2
 - (a2-a3)^2, products of the bilinear factors. All quantities of the linkage are smooth in u at one
 scale: near a change point, where they change within sqrt(gap) in x, equal steps in u need only
 log(1/gap) points; at a toggle, u passes from one assembly mode into the other without a root.
@@ -37,11 +40,12 @@ HalfTurn = Callable[[Values, Values], tuple[Values, Values]]
 def half_turn(s1: Values, s2: Values, k: Values, crosses_out: bool, crosses_in: bool
               ) -> tuple[Values, Values, HalfTurn]:
     """
-    Return K, one unit of it in u, and theta1/2 as a function: numerator and denominator of its tangent.
+    Return K, one unit of it in u, and theta1/2 as a function: numerator and denominator of its
+    tangent.
 
-    Its arguments are the sine and cosine of pi t/2, t from 0 at the lower end of theta1 in [0, pi] to 1
-    at the upper end, uniform in u. K is the length of that in units of u in which quantities have
-    features no narrower than about one.
+    Its arguments are the sine and cosine of pi t/2, t from 0 at the lower end of theta1 in [0, pi]
+    to 1 at the upper end, uniform in u. K is the length of that in units of u in which quantities
+    have features no narrower than about one.
 
     Parameters
     ----------
@@ -81,7 +85,8 @@ def half_turn(s1: Values, s2: Values, k: Values, crosses_out: bool, crosses_in: 
 
 def phases(count: int, low_is_toggle: bool, high_is_toggle: bool) -> tuple[Array, Array, float]:
     """
-    Return the arguments of the function of :func:`half_turn` for equal steps of u: sines, cosines; the step of t.
+    Return the arguments of the function of :func:`half_turn` for equal steps of u: sines, cosines;
+    the step of t.
 
     They include a toggle, and leave half a step where the motion goes on symmetrically.
     """
@@ -108,7 +113,8 @@ def input_paths(linkage: FourBar, points: int) -> list[InputPath]:
     period, _, half = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
     count = int(max(points // 2, POINTS_PER_FEATURE * period))
     before, after = closer_points(low, count), closer_points(high, count)
-    phase = 0.5 * pi * np.concatenate((before[::-1], (np.arange(count) + 0.5) / count, 1.0 - after))
+    phase = 0.5 * pi * np.concatenate((before[::-1], (np.arange(count) + 0.5) / count,
+                                       1.0 - after))
     x = 2.0 * np.arctan2(*half(np.sin(phase), np.cos(phase)))
 
     # Nearer to a toggle than this, x has no digits left for the distance.
@@ -120,8 +126,10 @@ def input_paths(linkage: FourBar, points: int) -> list[InputPath]:
         return [InputPath(-x[::-1], _mirror(high), _mirror(low), last, x.size - 1 - first),
                 InputPath(x, low, high, first, x.size - 1 - last)]
     if low:
-        return [InputPath(np.concatenate((x, -x[::-1])), low, _mirror(low), first, 2 * x.size - 1 - first)]
-    return [InputPath(np.concatenate((-x[::-1], x)), high and _mirror(high), high, last, 2 * x.size - 1 - last)]
+        return [InputPath(np.concatenate((x, -x[::-1])), low, _mirror(low), first,
+                          2 * x.size - 1 - first)]
+    return [InputPath(np.concatenate((-x[::-1], x)), high and _mirror(high), high, last,
+                      2 * x.size - 1 - last)]
 
 
 def _mirror(end: End) -> End:

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """How the output's rate and acceleration of a four-bar change with its lengths, in closed form."""
 from __future__ import annotations
 
@@ -8,12 +10,13 @@ def rate_changes(lengths, motion, third):
     """
     Return how theta4', theta4'' and theta4''' change with lengths: sum |d/da_i| a_i of each.
 
-    The loop a1 e^ix + a2 e^ib = a4 + a3 e^iy, varied at constant x = theta1 and projected on the coupler, gives
+    The loop a1 e^ix + a2 e^ib = a4 + a3 e^iy, varied at constant x = theta1 and projected on the
+    coupler, gives
 
         a3 sin(mu) dy = -cos(x-b) da1 - da2 + cos(mu) da3 + cos(b) da4,      mu = y - b.
 
-    With da_i = a_i for one i, and differentiated three times with respect to x, that is what is wanted. All four
-    together change nothing.
+    With da_i = a_i for one i, and differentiated three times with respect to x, that is what is
+    wanted. All four together change nothing.
 
     Parameters
     ----------
@@ -25,7 +28,8 @@ def rate_changes(lengths, motion, third):
 
     """
     a1, a2, a3, a4 = lengths
-    y2, y1, b1, cos_x, sin_x, cos_b, sin_b, _, _, cos_mu, sin_mu = motion[11], *motion[16:18], *motion[19:]
+    y2, y1, b1, cos_x, sin_x, cos_b, sin_b, _, _, cos_mu, sin_mu = (motion[11], *motion[16:18],
+                                                                    *motion[19:])
     v = 1.0 / sin_mu
     cot, k = cos_mu * v, a1 / a2 * (a4 / a3)
     # mu', mu'', mu''' from the cosine law, cos(mu) = constant + k cos(x); those of x - b by mu

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The picture of a 4R linkage and its velocity and acceleration polygons."""
 from __future__ import annotations
 
@@ -12,8 +14,10 @@ def diagram(linkage: Any, motion: Any) -> Diagram:
     joints = {'O_1': ORIGIN, 'A': point_motion(linkage, motion, 'crank', linkage.a1).place,
               'B': point_motion(linkage, motion, 'output', linkage.a3).place,
               'O_4': point_motion(linkage, motion, 'output', 0.0).place}
-    bars = tuple(Bar(joints[one], joints[other]) for one, other in (('O_1', 'A'), ('A', 'B'), ('O_4', 'B')))
-    return Diagram(joints, ('O_1', 'O_4'), bars, (), {'f41': 'O_1', 'f21': 'A', 'f32': 'B', 'f43': 'O_4'},
+    bars = tuple(Bar(joints[one], joints[other])
+                 for one, other in (('O_1', 'A'), ('A', 'B'), ('O_4', 'B')))
+    return Diagram(joints, ('O_1', 'O_4'), bars, (), {'f41': 'O_1', 'f21': 'A', 'f32': 'B',
+                                                      'f43': 'O_4'},
                    {'theta1': 'O_1', 'theta4': 'O_4'})
 
 
@@ -26,7 +30,8 @@ def velocity_polygon(linkage: Any, motion: Any) -> list[Arrow]:
 
 def acceleration_polygon(linkage: Any, motion: Any) -> list[Arrow]:
     """Return the arrows of A_B = A_A + A_B/A, each in its normal and tangential part [m/s^2]."""
-    crank, coupler, output = (link_motion(linkage, motion, link) for link in ('crank', 'coupler', 'output'))
+    crank, coupler, output = (link_motion(linkage, motion, link)
+                              for link in ('crank', 'coupler', 'output'))
     a_a = point_motion(linkage, motion, 'crank', linkage.a1).acceleration
     a_b = point_motion(linkage, motion, 'coupler', linkage.a2).acceleration
     return [total(a_a, 'A_A'), *around(ORIGIN, crank, linkage.a1 * crank.direction, 'A'),

@@ -1,4 +1,10 @@
-"""The planar 4R linkage: lengths, assembly mode, masses; what it is, how far it moves, how it moves."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The planar 4R linkage: lengths, assembly mode, masses.
+
+What it is, how far it moves, how it moves.
+"""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -28,8 +34,8 @@ from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
 from fourbar_ros.numerics.number_types import Function, NumberType
 
 # Signs of (a4 - a1 + a3 - a2, a4 - a1 - a3 + a2, a2 + a3 - a4 - a1) for the eight basic planar 4R
-# linkages: McCarthy and Soh, Geometric Design of Linkages, whose first two are exchanged here. Of a
-# non-Grashof linkage the name says through which of 0 and pi theta1 and theta4 swing.
+# linkages: McCarthy and Soh, Geometric Design of Linkages, whose first two are exchanged here. Of
+# a non-Grashof linkage the name says through which of 0 and pi theta1 and theta4 swing.
 _CLASSES = {
     (1, 1, 1): 'Grashof crank-rocker',
     (-1, -1, 1): 'Grashof double-crank',
@@ -57,12 +63,17 @@ def _squares_of_half(one, other, a3, a4):
 
 
 def _ranges(a1, a2, a3, a4):
-    """Return the ranges of the angle at which a1 leaves the ground link; see FourBar.closing_ranges."""
+    """
+    Return the ranges of the angle at which a1 leaves the ground link.
+
+    See FourBar.closing_ranges.
+    """
     a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
     s1 = difference_of_squares(a2, a3, a1, a4)
     s2 = difference_of_squares(a1, -a4, a2, -a3)
     far = 2.0 * atan2(sqrt(difference_of_squares(a2, a3, a1, -a4)), sqrt(-s1)) if s1 < 0.0 else pi
-    near = 2.0 * atan2(sqrt(-s2), sqrt(difference_of_squares(a1, a4, a2, -a3))) if s2 < 0.0 else 0.0
+    near = (2.0 * atan2(sqrt(-s2), sqrt(difference_of_squares(a1, a4, a2, -a3))) if s2 < 0.0
+            else 0.0)
     if s1 >= 0.0:
         return ((-pi, pi),) if s2 >= 0.0 else ((near, 2.0 * pi - near),)
     return ((-far, far),) if s2 >= 0.0 else ((-far, -near), (near, far))
@@ -73,8 +84,8 @@ class FourBar(Mechanism):
     """
     Planar four-bar linkage O1-A-B-O4 with four revolute joints.
 
-    O1 = (0, 0), O4 = (a4, 0). Angles are counter-clockwise, theta1 and theta4 absolute at the ground
-    pivots (theta4 is the direction from O4 to B), beta the absolute direction from A to B.
+    O1 = (0, 0), O4 = (a4, 0). Angles are counter-clockwise, theta1 and theta4 absolute at the
+    ground pivots (theta4 is the direction from O4 to B), beta the absolute direction from A to B.
 
     Parameters
     ----------
@@ -82,8 +93,8 @@ class FourBar(Mechanism):
         Lengths of input link, coupler, output link and ground [m], positive; the longest must be
         shorter than the other three together.
     mode : int
-        Assembly mode: 2 (open) has sin(theta4 - beta) > 0, 1 (crossed) < 0. It is part of the linkage,
-        never guessed from an earlier pose.
+        Assembly mode: 2 (open) has sin(theta4 - beta) > 0, 1 (crossed) < 0. It is part of the
+        linkage, never guessed from an earlier pose.
     bodies : Bodies, optional
         Masses; without them there are no loads.
     gravity : tuple of 2 floats
@@ -110,15 +121,18 @@ class FourBar(Mechanism):
     TITLE = 'four-bar'
     TEXT = 'four revolute joints'
     LENGTHS = (Length('a1', 'length of the crank O1-A'), Length('a2', 'length of the coupler A-B'),
-               Length('a3', 'length of the output link O4-B'), Length('a4', 'length of the ground link O1-O4'))
-    LINKS = (Link('crank', 'crank', 'O1', 'a1', is_loadable=False), Link('coupler', 'coupler', 'A', 'a2'),
+               Length('a3', 'length of the output link O4-B'),
+               Length('a4', 'length of the ground link O1-O4'))
+    LINKS = (Link('crank', 'crank', 'O1', 'a1', is_loadable=False),
+             Link('coupler', 'coupler', 'A', 'a2'),
              Link('output', 'output link', 'O4', 'a3'))
     MODES = {CROSSED: '1 (crossed)', OPEN: '2 (open)'}
     MARGIN_SIGNS = ((-1, -1, 1, 1), (-1, 1, -1, 1), (-1, 1, 1, -1))
     input = CRANK
     INPUTS, OUTPUTS = {CRANK: THETA1}, {CRANK: (Output(THETA4, 'velocity_ratio'),)}
     JOINTS = (Joint('O1', THETA1), Joint('A', THETA2), Joint('B', THETA3), Joint('O4', THETA4))
-    PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'output link to coupler', THETA4: 'output link',
+    PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'output link to coupler',
+             THETA4: 'output link',
              BETA: 'coupler'}
     DRAWN = (THETA1, BETA, THETA4)
     MOTION, LOADS = Motion, Loads
@@ -129,8 +143,8 @@ class FourBar(Mechanism):
         longest = max(lengths)
         if fsum(lengths + (-longest, -longest)) <= 0.0:
             raise InvalidParameter(f'a{lengths.index(longest) + 1}', longest,
-                                   'the links cannot close: it must be shorter than the other three '
-                                   f'together ({fsum(lengths + (-longest,))!r})')
+                                   'the links cannot close: it must be shorter than the other '
+                                   f'three together ({fsum(lengths + (-longest,))!r})')
 
     # --- what it is -----------------------------------------------------------------------------
 
@@ -142,7 +156,11 @@ class FourBar(Mechanism):
 
     @cached_property
     def classification(self):
-        """Return the Grashof type by name; 'change point' where the sums of two links are equal."""
+        """
+        Return the Grashof type by name.
+
+        'change point' where the sums of two links are equal.
+        """
         if 0.0 in self.margins:
             return 'change point'
         return _CLASSES[tuple(1 if margin > 0.0 else -1 for margin in self.margins)]
@@ -158,15 +176,16 @@ class FourBar(Mechanism):
         Return the ranges of theta1 in which the linkage can be assembled [rad].
 
         Tuple of (low, high): one range (-pi, pi) when the crank turns fully, one through 0 or one
-        through pi (high > pi), or two. At an end that is no full turn, coupler and output link are in
-        line (toggle).
+        through pi (high > pi), or two. At an end that is no full turn, coupler and output link are
+        in line (toggle).
         """
         return _ranges(*self.lengths)
 
     @property
     def singular_inputs(self):
         """
-        Return the complex theta1 where coupler and output link are in line, or A is as far as that from O4, q = 0.
+        Return the complex theta1 where coupler and output link are in line, or A is as far as that
+        from O4, q = 0.
 
         A list of toggles (real), flat positions of change points (real) and others, as
         :attr:`.SliderCrank.singular_inputs`; accurate to about 1e-8 next to change points.
@@ -176,7 +195,8 @@ class FourBar(Mechanism):
         s1, s2 = difference_of_squares(a2, a3, a1, a4), difference_of_squares(a1, -a4, a2, -a3)
         far, near = sqrt(abs(s1)) / root, sqrt(abs(s2)) / root
         far = complex(pi, 2.0 * asinh(far)) if s1 >= 0.0 else complex(2.0 * acos(min(far, 1.0)))
-        near = complex(0.0, 2.0 * asinh(near)) if s2 >= 0.0 else complex(2.0 * asin(min(near, 1.0)))
+        near = (complex(0.0, 2.0 * asinh(near)) if s2 >= 0.0
+                else complex(2.0 * asin(min(near, 1.0))))
         return [far, -far, near, -near, complex(0.0, 2.0 * asinh(abs(a1 - a4) / root))]
 
     @cached_property
@@ -187,7 +207,8 @@ class FourBar(Mechanism):
         At an end that is no full turn, crank and coupler are in line: a dead point of the output.
         """
         ranges = []
-        for low, high in _ranges(self.a3, self.a2, self.a1, self.a4):     # seen from O4, of pi - theta4
+        # seen from O4, of pi - theta4
+        for low, high in _ranges(self.a3, self.a2, self.a1, self.a4):
             low, high = pi - high, pi - low
             turn = 2.0 * pi if low >= pi else 0.0
             ranges.append((low - turn, high - turn))
@@ -203,8 +224,8 @@ class FourBar(Mechanism):
         """
         Return where theta4 turns back in this mode: its rate is zero at any speed of the crank.
 
-        Tuple of up to two :class:`DeadPoint`, in the order of theta1. Between theirs lie the theta4 of
-        a crank-rocker.
+        Tuple of up to two :class:`DeadPoint`, in the order of theta1. Between theirs lie the
+        theta4 of a crank-rocker.
         """
         points = []
         for stretched, r in ((True, (self.a1, self.a2)), (False, (self.a1, -self.a2))):
@@ -227,16 +248,19 @@ class FourBar(Mechanism):
 
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return the function (fields of MOTION) -> fields of LOADS for constants of a number type."""
-        return make_loads(numbers, *constants.lengths, constants.bodies, constants.gravity, constants.external)
+        return make_loads(numbers, *constants.lengths, constants.bodies, constants.gravity,
+                          constants.external)
 
     def link_motion(self, motion, link):
         """Return the LinkMotion of a link by name."""
         if link == 'output':
-            return LinkMotion(self.a4, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_y, motion.sin_y, motion.omega4, motion.alpha4)
+            return LinkMotion(self.a4, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_y, motion.sin_y,
+                              motion.omega4, motion.alpha4)
         crank = crank_motion(motion)
         if link == 'crank':
             return crank
-        return LinkMotion(*point_of(crank, self.a1), motion.cos_b, motion.sin_b, motion.omega_beta, motion.alpha_beta)
+        return LinkMotion(*point_of(crank, self.a1), motion.cos_b, motion.sin_b, motion.omega_beta,
+                          motion.alpha_beta)
 
     def transmission_sine(self, motion):
         """Return a number that is zero where the dyad is in line, at most one: sin(mu)."""

@@ -1,9 +1,11 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 The bilinear factors of the six input-output equations, exact to the last bit.
 
-Every coefficient of Eqs. (16)-(21) of the slides is a product of two sums +-a1 +-a2 +-a3 +-a4. Near a
-change point one of these sums cancels; computed with ``math.fsum`` it keeps all its digits, and with
-it everything that is built of products and of sums without cancellation.
+Every coefficient of Eqs. (16)-(21) of the slides is a product of two sums +-a1 +-a2 +-a3 +-a4.
+Near a change point one of these sums cancels; computed with ``math.fsum`` it keeps all its digits,
+and with it everything that is built of products and of sums without cancellation.
 """
 from __future__ import annotations
 
@@ -14,7 +16,11 @@ from fourbar_ros.numerics.number_types import Function
 
 
 class Factors(NamedTuple):
-    """The eight sums in the slides' letters [m]. The paper's letters A1..D2 name others of them."""
+    """
+    The eight sums in the slides' letters [m].
+
+    The paper's letters A1..D2 name others of them.
+    """
 
     A1: Any
     A2: Any
@@ -27,7 +33,11 @@ class Factors(NamedTuple):
 
 
 def bilinear_factors(a1: Any, a2: Any, a3: Any, a4: Any, exact_sum: Function = fsum) -> Factors:
-    """Return the :class:`Factors` of four lengths [m]; one that is zero is exactly so: a change point."""
+    """
+    Return the :class:`Factors` of four lengths [m].
+
+    One that is zero is exactly so: a change point.
+    """
     return Factors(A1=exact_sum((a1, -a2, -a3, a4)), A2=exact_sum((a1, a2, -a3, a4)),
                    B1=exact_sum((a1, -a2, a3, a4)), B2=exact_sum((a1, a2, a3, a4)),
                    C1=exact_sum((a1, -a2, a3, -a4)), C2=exact_sum((a1, a2, a3, -a4)),
@@ -39,10 +49,11 @@ def half_angle_coefficients(a1: Any, a2: Any, a3: Any, a4: Any,
     """
     Return A, B, C, D, M of the half-angle quadratic of one angle of a loop.
 
-    In |a4 - a1 e^{ix} + a3 e^{iy}| = a2 the half-angle t = tan(y/2) solves p t^2 - 2 m t + r = 0 with
-    p = A sh^2 + C ch^2, r = B sh^2 + D ch^2, m = M sh ch, where sh, ch = sin, cos(x/2): Eq. (16) of
-    the slides, homogeneous in tan(x/2). Its discriminant is m^2 - p r = (2 a2 a3 sin mu)^2. Negative
-    or exchanged lengths turn the same equation into those of the other pairs of angles.
+    In |a4 - a1 e^{ix} + a3 e^{iy}| = a2 the half-angle t = tan(y/2) solves p t^2 - 2 m t + r = 0
+    with p = A sh^2 + C ch^2, r = B sh^2 + D ch^2, m = M sh ch, where sh, ch = sin, cos(x/2): Eq.
+    (16) of the slides, homogeneous in tan(x/2). Its discriminant is m^2 - p r = (2 a2 a3 sin
+    mu)^2. Negative or exchanged lengths turn the same equation into those of the other pairs of
+    angles.
 
     Returns
     -------

@@ -1,21 +1,24 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 The six input-output equations of the 4R linkage, each between two of its four joint angles.
 
-Slides, Eqs. (16)-(37), as corrected (test_io_equations.py has every erratum): theta1 and theta4 absolute
-at the ground pivots, theta2 and theta3 relative, theta1 + theta2 + theta3 = theta4 + pi, v = tan(theta/2).
+Slides, Eqs. (16)-(37), as corrected (test_io_equations.py has every erratum): theta1 and theta4
+absolute at the ground pivots, theta2 and theta3 relative, theta1 + theta2 + theta3 = theta4 + pi,
+v = tan(theta/2).
 Each equation is
 
     both vi^2 vj^2 + first vi^2 + second vj^2 + mixed vi vj + constant = 0
 
-with products of two bilinear factors for coefficients. Functions of v are the textbook's; functions of
-angles use the same polynomial homogeneous in sin and cos(theta/2), where v infinite (theta = pi) is an
-ordinary point.
+with products of two bilinear factors for coefficients. Functions of v are the textbook's;
+functions of angles use the same polynomial homogeneous in sin and cos(theta/2), where v infinite
+(theta = pi) is an ordinary point.
 
 >>> import math
 >>> equation = io_equation((8.0, 14.0, 9.0, 17.0), 1, 4)
 >>> crossed, open_ = equation.solve(math.radians(60.0))
->>> round(math.degrees(open_), 4), round(10.0 * float(equation.ratio(math.radians(60.0), open_)), 4)
-(84.5689, 7.1781)
+>>> round(math.degrees(open_), 4), round(10.0 * float(equation.ratio(math.radians(60.0), open_)),
+4) (84.5689, 7.1781)
 """
 from __future__ import annotations
 
@@ -28,8 +31,9 @@ from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.four_bar.half_angle import bilinear_factors
 from fourbar_ros.numerics.given import array, number
 
-# For each pair the factors of v_i^2 v_j^2, v_i^2, v_j^2, 1; the lengths in the coefficient of v_i v_j,
-# and that coefficient over their product: Eqs. (17), (18), (16), (19), (20), (21) of the slides.
+# For each pair the factors of v_i^2 v_j^2, v_i^2, v_j^2, 1; the lengths in the coefficient of v_i
+# v_j, and that coefficient over their product: Eqs. (17), (18), (16), (19), (20), (21) of the
+# slides.
 _TERMS = {
     (1, 2): (('A1', 'B1'), ('A2', 'B2'), ('C1', 'D2'), ('C2', 'D1'), (2, 4), 8.0),
     (1, 3): (('A2', 'B1'), ('A1', 'B2'), ('C1', 'D1'), ('C2', 'D2'), (), 0.0),
@@ -39,8 +43,8 @@ _TERMS = {
     (3, 4): (('A2', 'C1'), ('B1', 'D1'), ('A1', 'C2'), ('B2', 'D2'), (2, 4), -8.0),
 }
 PAIRS = tuple(_TERMS)
-# The joint across the loop: its angle changes sign from one solution to the other. For a positive one
-# the root of the discriminant counts positive, but for these (i, j).
+# The joint across the loop: its angle changes sign from one solution to the other. For a positive
+# one the root of the discriminant counts positive, but for these (i, j).
 _OPPOSITE = {1: 3, 2: 4, 3: 1, 4: 2}
 _NEGATIVE_ROOT = {(1, 2), (4, 1), (4, 2)}
 
@@ -65,7 +69,11 @@ class IOEquation(NamedTuple):
                 + self.mixed * vi * vj + self.constant)
 
     def velocity(self, vi, vj, dvi, dvj):
-        """Return half the time derivative of :meth:`position`, Eqs. (22)-(27) as an equation [m^2/s]."""
+        """
+        Return half the time derivative of :meth:`position`, Eqs.
+
+        (22)-(27) as an equation [m^2/s].
+        """
         by_i, by_j = self._slopes(vi, vj)
         return by_i * dvi + by_j * dvj
 
@@ -82,9 +90,11 @@ class IOEquation(NamedTuple):
 
     def denavit_hartenberg(self):
         """
-        Return the same equation in the paper's chain, Eqs. (1)-(6): v1 becomes -1/v1, v4 becomes -v4.
+        Return the same equation in the paper's chain, Eqs. (1)-(6): v1 becomes -1/v1, v4 becomes
+        -v4.
 
-        There all angles are relative and add up to zero: theta1_DH = theta1 + pi, theta4_DH = -theta4.
+        There all angles are relative and add up to zero: theta1_DH = theta1 + pi, theta4_DH =
+        -theta4.
         """
         both, first, second, mixed, constant = self[2:7]
         if self.i == 1:
@@ -99,14 +109,19 @@ class IOEquation(NamedTuple):
 
     def residual(self, ti, tj):
         """
-        Return :meth:`position` times cos^2(theta_i/2) cos^2(theta_j/2): finite for all angles [m^2].
+        Return :meth:`position` times cos^2(theta_i/2) cos^2(theta_j/2): finite for all angles
+        [m^2].
 
         Angles [rad], float or array_like, are broadcast.
         """
         return self._form(_powers(ti)[0], _powers(tj)[0])
 
     def ratio(self, ti, tj):
-        """Return d theta_j / d theta_i at a pose, Eqs. (22)-(27); infinite where theta_j stalls at a limit."""
+        """
+        Return d theta_j / d theta_i at a pose, Eqs.
+
+        (22)-(27); infinite where theta_j stalls at a limit.
+        """
         (i0, i1, _), (j0, j1, _) = _powers(ti), _powers(tj)
         with np.errstate(divide='ignore', invalid='ignore'):
             return -self._form(i1, j0) / self._form(i0, j1)
@@ -117,7 +132,8 @@ class IOEquation(NamedTuple):
         with np.errstate(divide='ignore', invalid='ignore'):
             by_j = self._form(i0, j1)
             ratio = -self._form(i1, j0) / by_j
-            return -(self._form(i2, j0) + ratio * (2.0 * self._form(i1, j1) + ratio * self._form(i0, j2))) / by_j
+            return -(self._form(i2, j0)
+                     + ratio * (2.0 * self._form(i1, j1) + ratio * self._form(i0, j2))) / by_j
 
     def solve(self, ti):
         """
@@ -135,8 +151,10 @@ class IOEquation(NamedTuple):
         Returns
         -------
         two ndarrays of the shape of ti
-            theta_j in [-pi, pi] for a positive and for a negative angle of the joint opposite to i.
-            That is theta3 for i = 1, so that the first is mode 1 (crossed), the second mode 2 (open).
+            theta_j in [-pi, pi] for a positive and for a negative angle of the joint opposite to
+            i.
+            That is theta3 for i = 1, so that the first is mode 1 (crossed), the second mode 2
+            (open).
 
         """
         (square, rest, product), _, _ = _powers(ti)
@@ -153,7 +171,8 @@ class IOEquation(NamedTuple):
     def _form(self, one, other):
         """Return the bilinear form of (sin^2, cos^2, sin cos) of two half-angles or derivatives of them."""
         return ((self.both * one[0] + self.second * one[1]) * other[0]
-                + (self.first * one[0] + self.constant * one[1]) * other[1] + self.mixed * one[2] * other[2])
+                + (self.first * one[0] + self.constant * one[1]) * other[1]
+                + self.mixed * one[2] * other[2])
 
 
 def io_equation(lengths, i, j):
@@ -174,11 +193,13 @@ def io_equation(lengths, i, j):
 
     """
     if (min(i, j), max(i, j)) not in _TERMS:
-        raise InvalidParameter('pair', (i, j), f'must be two different of the joints 1 to 4: {PAIRS}')
+        raise InvalidParameter('pair', (i, j), 'must be two different of the joints 1 to 4: '
+                                               f'{PAIRS}')
     *products, mixed_lengths, factor = _TERMS[min(i, j), max(i, j)]
     lengths = four_lengths(lengths)
     factors = bilinear_factors(*lengths)
-    both, first, second, constant = (getattr(factors, one) * getattr(factors, other) for one, other in products)
+    both, first, second, constant = (getattr(factors, one) * getattr(factors, other)
+                                     for one, other in products)
     mixed = factor * math.prod(lengths[n - 1] for n in mixed_lengths)
     if i > j:
         first, second = second, first
@@ -190,7 +211,8 @@ def four_lengths(lengths):
     try:
         a1, a2, a3, a4 = lengths
     except (TypeError, ValueError):
-        raise InvalidParameter('lengths', lengths, 'must be four numbers: a1, a2, a3, a4') from None
+        raise InvalidParameter('lengths', lengths,
+                               'must be four numbers: a1, a2, a3, a4') from None
     return tuple(number(f'a{i}', length) for i, length in enumerate((a1, a2, a3, a4), 1))
 
 
@@ -221,5 +243,6 @@ def _double_angle(p, r, m, root):
     """Return the angle whose half has the tangent (m + root)/p = r/(m - root), and m^2 - root^2 = p r."""
     adds = m * root > 0.0
     numerator, denominator = np.where(adds, m + root, r), np.where(adds, p, m - root)
-    return np.arctan2(2.0 * numerator * denominator, (denominator - numerator) * (denominator + numerator))
+    return np.arctan2(2.0 * numerator * denominator,
+                      (denominator - numerator) * (denominator + numerator))
 

@@ -1,17 +1,19 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Position, velocity and acceleration of the 4R linkage, stable in the last bits.
 
 Notation of this module: x = theta1, y = theta4, b = beta (all absolute), mu = y - b, q = |A O4|^2,
 primes are derivatives with respect to x. Loop: a1 e^{ix} + a2 e^{ib} = a4 + a3 e^{iy}.
 
-Positions. Every angle z of y, y - x and b - x comes from its own homogeneous half-angle quadratic (slides,
-Eqs. (16), (17) and their rotations)
+Positions. Every angle z of y, y - x and b - x comes from its own homogeneous half-angle quadratic
+(slides, Eqs. (16), (17) and their rotations)
 
     (M1)  p t^2 - 2 m t + r = 0,   t = tan(z/2) = r / (m + root) = (m - root) / p
 
-with p, r, m of :func:`.half_angle_coefficients`. t is kept as a pair g, h, so that no angle is special (t =
-tan(pi/2) is just h = 0), and of its two forms the one without cancellation is taken: "side" is +1 for
-t = g/h, g = r, h = m + root, and -1 for t = h/g, g = p, h = m - root. Then
+with p, r, m of :func:`.half_angle_coefficients`. t is kept as a pair g, h, so that no angle is
+special (t = tan(pi/2) is just h = 0), and of its two forms the one without cancellation is taken:
+"side" is +1 for t = g/h, g = r, h = m + root, and -1 for t = h/g, g = p, h = m - root. Then
 
     (M2)  sin z = 2 g h / (g^2 + h^2),   cos z = side (h^2 - g^2) / (g^2 + h^2)
 
@@ -23,8 +25,8 @@ The quadratics share one discriminant root^2 = (2 a2 a3 sin mu)^2 = u w,
     s1 = (a2 + a3)^2 - (a1 + a4)^2     c1 = (a2 + a3)^2 - (a1 - a4)^2
     s2 = (a1 - a4)^2 - (a2 - a3)^2     c2 = (a1 + a4)^2 - (a2 - a3)^2
 
-whose coefficients are products of two bilinear factors each: they keep their digits near toggles and
-change points, where coordinates lose them.
+whose coefficients are products of two bilinear factors each: they keep their digits near toggles
+and change points, where coordinates lose them.
 
 Rates. The relative rates at the four joints are as the areas of the triangles of the other three
 joints, so each is a product, without a difference of rates:
@@ -34,8 +36,8 @@ joints, so each is a product, without a difference of rates:
     (M6)  y' = a1 sin(x - b) / (a3 sin mu)
     (M7)  b' = a1 sin(x - y) / (a2 sin mu)
 
-Accelerations. mu is a function of q alone, and y and b are the direction of the diagonal A-O4 plus or
-minus an angle of the triangle A-B-O4. With e = a1^2 - a4^2, f = a2^2 - a3^2:
+Accelerations. mu is a function of q alone, and y and b are the direction of the diagonal A-O4 plus
+or minus an angle of the triangle A-B-O4. With e = a1^2 - a4^2, f = a2^2 - a3^2:
 
     (M8)   q = (a1 - a4)^2 + 4 a1 a4 sin^2(x/2)
     (M9)   turn = a1 a4 sin x rho,   rho = y' + b' - 1 = (e + f mu')/q
@@ -43,16 +45,16 @@ minus an angle of the triangle A-B-O4. With e = a1^2 - a4^2, f = a2^2 - a3^2:
     (M11)  y'' = ((f + q) mu''/2 - turn) / q
     (M12)  b'' = ((f - q) mu''/2 - turn) / q
 
-where the second form of rho is for large q, so for all where a1 = a4. Every difference in these is one
-that the data make: the error stays within a few eps times the condition at any link ratio.
+where the second form of rho is for large q, so for all where a1 = a4. Every difference in these is
+one that the data make: the error stays within a few eps times the condition at any link ratio.
 
     (M13)  condition = (a1 |cos(x - b)| + a2 + a3 |cos mu| + a4 |cos b|) / (a3 |sin mu|)
 
-Change points. Where a sum of lengths is zero (parallelogram, kite, ...), so is s1 or s2 exactly; u or
-w is then one term, which the divisions cancel: no other path is needed. At the flat position both modes
-meet; each mode keeps its sign of sin mu on either side of it, so that its rates jump there, and the
-values returned at theta1 = 0 itself are the limits for theta1 -> 0 from above (y'' = b'' = 0). At
-theta1 = pi there is no such case: no float is pi, each is on one side.
+Change points. Where a sum of lengths is zero (parallelogram, kite, ...), so is s1 or s2 exactly; u
+or w is then one term, which the divisions cancel: no other path is needed. At the flat position
+both modes meet; each mode keeps its sign of sin mu on either side of it, so that its rates jump
+there, and the values returned at theta1 = 0 itself are the limits for theta1 -> 0 from above (y''
+= b'' = 0). At theta1 = pi there is no such case: no float is pi, each is on one side.
 """
 from __future__ import annotations
 
@@ -66,7 +68,8 @@ from fourbar_ros.numerics.number_types import Function, NumberType
 
 class Motion(NamedTuple):
     """
-    Pose, rates and accelerations for one input; each field a float, or an array of the input's shape.
+    Pose, rates and accelerations for one input; each field a float, or an array of the input's
+    shape.
 
     Angles in [rad], rates in [rad/s], accelerations in [rad/s^2]; angles other than theta1 lie in
     [-pi, pi]. theta2 and theta3 are relative (coupler to crank, output link to coupler): theta1 +
@@ -92,7 +95,8 @@ class Motion(NamedTuple):
     velocity_ratio: float        # d theta4 / d theta1
     coupler_ratio: float         # d beta / d theta1
     condition: float             # relative error of the lengths -> error of theta4 [rad]
-    cos_x: float                 # directions of crank, coupler, output link and of mu = theta4 - beta
+    # directions of crank, coupler, output link and of mu = theta4 - beta
+    cos_x: float
     sin_x: float
     cos_b: float
     sin_b: float
@@ -104,7 +108,8 @@ class Motion(NamedTuple):
 
 class _Shape(NamedTuple):
     """
-    Constants of the equations, named as there; lengths in a power of two that makes the largest about one.
+    Constants of the equations, named as there; lengths in a power of two that makes the largest
+    about one.
 
     Numbers of the type that lengths are.
     """
@@ -162,7 +167,8 @@ def make_motion(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any, sign: Any) ->
     sin, cos, sqrt, atan2, fabs, where = n.sin, n.cos, n.sqrt, n.atan2, n.fabs, n.where
     unit, infinitesimal, straight = n.power_of_two(a1, a2, a3, a4), n.infinitesimal, sign * pi
     a1, a2, a3, a4 = a1 / unit, a2 / unit, a3 / unit, a4 / unit
-    (s1, c1, s2, c2, if_adds, if_not, m_y, m_yx, m_bx, e, f, y_near, y_far, b_near, b_far) = _shape(n, a1, a2, a3, a4)
+    (s1, c1, s2, c2, if_adds, if_not, m_y, m_yx, m_bx, e, f, y_near, y_far, b_near,
+     b_far) = _shape(n, a1, a2, a3, a4)
     a14, four_a14, q_least, e_size = a1 * a4, 4.0 * a1 * a4, (a1 - a4)**2, fabs(e)
     s1_a14, s2_a14 = 2.0 * a1 * a4 * s1, 2.0 * a1 * a4 * s2
     per_theta2, per_theta3, per_y, per_b = -a4 / a2, a1 * a4 / (a2 * a3), -a1 / a3, -a1 / a2
@@ -176,7 +182,8 @@ def make_motion(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any, sign: Any) ->
         u, w = s1 * ss + c1 * cc, c2 * ss + s2 * cc                                     # (M3)
         uw = u * w
         root = sign * sqrt(uw)     # not real where the linkage cannot close
-        # 1/(4 a2 a3) with the roundings of u and w; the root makes cos_mu NaN where nothing is real
+        # 1/(4 a2 a3) with the roundings of u and w; the root makes cos_mu NaN where nothing is
+        # real
         per = 1.0 / (u + w + 0.0 * root)
         cos_mu, sin_mu = (u - w) * per, (root + root) * per
         mu = atan2(sin_mu, cos_mu)
@@ -196,20 +203,26 @@ def make_motion(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any, sign: Any) ->
         cos_b, sin_b = cos_x * cos_bx - sin_x * sin_bx, sin_x * cos_bx + cos_x * sin_bx
 
         per = 1.0 / sin_mu
-        d_theta2, d_theta3 = per_theta2 * sin_y * per, per_theta3 * sin_x * per         # (M4), (M5)
-        velocity_ratio, coupler_ratio = per_y * sin_bx * per, per_b * sin_yx * per      # (M6), (M7)
-        condition = (by_a1 * fabs(cos_bx) + by_a2 + sign * fabs(cos_mu) + by_a4 * fabs(cos_b)) * per
+        # (M4), (M5)
+        d_theta2, d_theta3 = per_theta2 * sin_y * per, per_theta3 * sin_x * per
+        # (M6), (M7)
+        velocity_ratio, coupler_ratio = per_y * sin_bx * per, per_b * sin_yx * per
+        condition = (by_a1 * fabs(cos_bx) + by_a2 + sign * fabs(cos_mu)
+                     + by_a4 * fabs(cos_b)) * per
 
         q = q_least + four_a14 * ss                                                     # (M8)
         per = 1.0 / q
-        turn = a14 * sin_x * where(q.real > e_size, (e + f * d_theta3) * per, velocity_ratio + d_theta2)
+        turn = a14 * sin_x * where(q.real > e_size, (e + f * d_theta3) * per,
+                                   velocity_ratio + d_theta2)
         dd_mu = (s2_a14 * cc * u - s1_a14 * ss * w) / (uw * root)                       # (M10)
         dd_y = ((y_near * cc + y_far * ss) * dd_mu - turn) * per                        # (M11)
         dd_b = ((b_near * cc + b_far * ss) * dd_mu - turn) * per                        # (M12)
 
         square = omega1 * omega1
-        theta2, omega2, alpha2 = atan2(sin_bx, cos_bx), d_theta2 * omega1, d_theta2 * alpha1 + dd_b * square
-        theta3, omega3, alpha3 = mu - straight, d_theta3 * omega1, d_theta3 * alpha1 + dd_mu * square
+        theta2, omega2, alpha2 = (atan2(sin_bx, cos_bx), d_theta2 * omega1,
+                                  d_theta2 * alpha1 + dd_b * square)
+        theta3, omega3, alpha3 = (mu - straight, d_theta3 * omega1,
+                                  d_theta3 * alpha1 + dd_mu * square)
         theta4, omega4, alpha4 = (atan2(sin_y, cos_y), velocity_ratio * omega1,
                                   velocity_ratio * alpha1 + dd_y * square)
         beta, omega_beta, alpha_beta = (atan2(sin_b, cos_b), coupler_ratio * omega1,

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The picture of an inverted slider-crank or cylinder, and its velocity and acceleration polygons."""
 from __future__ import annotations
 
@@ -13,7 +15,11 @@ BEYOND = 0.14      # length of the bar beyond its block, over the size of the me
 
 
 def diagram(mechanism: Any, motion: Any) -> Diagram:
-    """Return the :class:`Diagram` of one pose: a bar with its block, or a cylinder with its rod."""
+    """
+    Return the :class:`Diagram` of one pose.
+
+    A bar with its block, or a cylinder with its rod.
+    """
     a = point_motion(mechanism, motion, 'crank', mechanism.a1).place
     o4 = point_motion(mechanism, motion, 'output', 0.0).place
     bar = link_motion(mechanism, motion, 'output').direction
@@ -32,7 +38,11 @@ def diagram(mechanism: Any, motion: Any) -> Diagram:
 
 
 def _tube(mechanism: Any) -> float:
-    """Return the length of the tube of a cylinder: its rod is in at the shortest, or half the longest."""
+    """
+    Return the length of the tube of a cylinder.
+
+    Its rod is in at the shortest, or half the longest.
+    """
     low, high = sorted(map(abs, mechanism.input_ranges[-1]))
     return max(0.9 * low, 0.45 * high)
 

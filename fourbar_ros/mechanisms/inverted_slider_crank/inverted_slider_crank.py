@@ -1,4 +1,10 @@
-"""The inverted slider-crank RPR with offset: rocking block, oscillating cylinder; what it is, how far it moves, how it moves."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The inverted slider-crank RPR with offset: rocking block, oscillating cylinder.
+
+What it is, how far it moves, how it moves.
+"""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -51,8 +57,8 @@ class InvertedSlider(Mechanism):
     """
     Inverted slider-crank: a block pinned to the crank at A slides on a bar that turns about O4.
 
-    With a driven slide it is the oscillating cylinder (of every excavator): block = piston with its rod,
-    bar = tube, crank = boom.
+    With a driven slide it is the oscillating cylinder (of every excavator): block = piston with
+    its rod, bar = tube, crank = boom.
 
     Parameters
     ----------
@@ -61,21 +67,25 @@ class InvertedSlider(Mechanism):
     offset : float
         Of the line of A from O4, to the left of the bar [m], shorter than a1 + a4.
     mode : int
-        Assembly mode. Crank input: 2 has slide > 0 (bar points from O4 towards A), 1 has slide < 0.
+        Assembly mode. Crank input: 2 has slide > 0 (bar points from O4 towards A), 1 has slide <
+        0.
         Slide input: 2 has sin(theta1) > 0 (A to the left of O1-O4), 1 < 0.
     input : str
         'crank' or 'slide': what theta1 or slide is given for.
     bodies : Bodies, optional
-        Crank from O1, block (``coupler``) from A along the bar, bar (``output``) from O4 along itself.
+        Crank from O1, block (``coupler``) from A along the bar, bar (``output``) from O4 along
+        itself.
     gravity : tuple of 2 floats
         Field of gravity (x, y) [m/s^2].
     external : External
         Forces and couples on block (``coupler``) and bar (``output``).
     stroke : tuple of 2 floats, optional
-        Shortest and longest slide [m] of a driven slide, as a cylinder has; not given: all where the links close.
+        Shortest and longest slide [m] of a driven slide, as a cylinder has; not given: all where
+        the links close.
 
-    Guide force: of the bar on the block, + to the left of the bar; guide couple: of the bar on the block
-    about A. The driving force pushes the block along the bar as ``slide`` grows, and the bar back.
+    Guide force: of the bar on the block, + to the left of the bar; guide couple: of the bar on the
+    block about A. The driving force pushes the block along the bar as ``slide`` grows, and the bar
+    back.
 
     Raises
     ------
@@ -96,8 +106,10 @@ class InvertedSlider(Mechanism):
 
     TITLE = 'inverted slider-crank'
     TEXT = 'a block on a bar that turns about O4, e.g. an oscillating cylinder'
-    LENGTHS = (Length('a1', 'length of the crank O1-A'), Length('a4', 'length of the ground link O1-O4'),
-               Length('offset', 'distance of the path of A on the bar from O4, positive to the left of the bar', signed=True))
+    LENGTHS = (Length('a1', 'length of the crank O1-A'),
+               Length('a4', 'length of the ground link O1-O4'),
+               Length('offset', 'distance of the path of A on the bar from O4, positive to the '
+                                'left of the bar', signed=True))
     LINKS = (Link('crank', 'crank', 'O1', 'a1', is_loadable=False), Link('coupler', 'block', 'A'),
              Link('output', 'bar', 'O4'))
     MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
@@ -112,8 +124,9 @@ class InvertedSlider(Mechanism):
     def __post_init__(self):
         self._check()
         if not closes(*self.lengths):
-            raise InvalidParameter('offset', self.offset, 'the links cannot close: it must be shorter than '
-                                   f'crank and ground together ({self.a1 + self.a4!r})')
+            raise InvalidParameter('offset', self.offset, 'the links cannot close: it must be '
+                                   'shorter than crank and ground together '
+                                   f'({self.a1 + self.a4!r})')
         self._check_stroke()
 
     @cached_property
@@ -133,10 +146,12 @@ class InvertedSlider(Mechanism):
     @cached_property
     def closing_ranges(self):
         """
-        Return the ranges of the input in which the links close, from low to high: theta1 [rad] or slide [m].
+        Return the ranges of the input in which the links close, from low to high: theta1 [rad] or
+        slide [m].
 
-        For a crank that turns fully (-pi, pi), else one range through pi. At an end that is no full turn
-        A is at the foot of O4 (crank input), or crank and ground in line (slide input): a toggle.
+        For a crank that turns fully (-pi, pi), else one range through pi. At an end that is no
+        full turn A is at the foot of O4 (crank input), or crank and ground in line (slide input):
+        a toggle.
         """
         if self.input == SLIDE:
             return slide_ranges(self.a4, self.a1, self.offset)
@@ -149,9 +164,11 @@ class InvertedSlider(Mechanism):
     @property
     def singular_inputs(self):
         """
-        Return the complex inputs where the dyad is singular, as :attr:`.SliderCrank.singular_inputs`.
+        Return the complex inputs where the dyad is singular, as
+        :attr:`.SliderCrank.singular_inputs`.
 
-        For a driven crank where A is at the foot of O4, l = 0, and where it is as far as that from O4, q = 0.
+        For a driven crank where A is at the foot of O4, l = 0, and where it is as far as that from
+        O4, q = 0.
         """
         if self.input == SLIDE:
             return singular_slides(self.a4, self.a1, self.offset)
@@ -165,14 +182,19 @@ class InvertedSlider(Mechanism):
 
     @property
     def dead_points(self):
-        """Return where the bar of a driven crank turns back in this mode: up to two InvertedDeadPoint."""
+        """
+        Return where the bar of a driven crank turns back in this mode.
+
+        Up to two InvertedDeadPoint.
+        """
         points, (a1, a4, h) = [], scaled(self.lengths)
         for side in (1.0, -1.0):                       # A = +-i a1 e^{iy}
             rise = h - side * a1        # a4 sin y
             run = difference_of_squares(a4, 0.0, h, -side * a1)
             if run > 0.0 and self.input == CRANK:
                 cosine, sine = -self.sign * sqrt(run), rise
-                points.append(InvertedDeadPoint(atan2(side * cosine, -side * sine), atan2(sine, cosine)))
+                points.append(InvertedDeadPoint(atan2(side * cosine, -side * sine),
+                                                atan2(sine, cosine)))
         return tuple(sorted(points))
 
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
@@ -188,11 +210,13 @@ class InvertedSlider(Mechanism):
     def link_motion(self, motion, link):
         """Return the LinkMotion of a link by name."""
         if link == 'output':
-            return LinkMotion(self.a4, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_y, motion.sin_y, motion.omega4, motion.alpha4)
+            return LinkMotion(self.a4, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_y, motion.sin_y,
+                              motion.omega4, motion.alpha4)
         crank = crank_motion(motion)
         if link == 'crank':
             return crank
-        return LinkMotion(*point_of(crank, self.a1), motion.cos_y, motion.sin_y, motion.omega4, motion.alpha4)
+        return LinkMotion(*point_of(crank, self.a1), motion.cos_y, motion.sin_y, motion.omega4,
+                          motion.alpha4)
 
     def transmission_sine(self, motion):
         """Return a number that is zero where the dyad is in line, at most one."""

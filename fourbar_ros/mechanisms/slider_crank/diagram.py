@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The picture of a slider-crank and its velocity and acceleration polygons."""
 from __future__ import annotations
 

@@ -1,9 +1,11 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Position, velocity and acceleration of the slider-crank RRRP with offset, stable in the last bits.
 
-O1 = (0, 0); crank O1-A of length a1, coupler A-B of length a2; B slides along y = offset, the guide,
-parallel to x. Loop (slides, before Eq. (7)): a1 e^{ix} + a2 e^{ib} = s + i e with x = theta1, b = beta,
-s = slide, e = offset; primes are derivatives with respect to the input.
+O1 = (0, 0); crank O1-A of length a1, coupler A-B of length a2; B slides along y = offset, the
+guide, parallel to x. Loop (slides, before Eq. (7)): a1 e^{ix} + a2 e^{ib} = s + i e with x =
+theta1, b = beta, s = slide, e = offset; primes are derivatives with respect to the input.
 
 Crank input. B is where a circle meets the guide; with n = e - a1 sin x:
 
@@ -16,21 +18,23 @@ Crank input. B is where a circle meets the guide; with n = e - a1 sin x:
     (M7)  s'' = a1 cos x theta2' - n b''
     (M8)  condition = (a1 |cos theta2| + a2 + |e sin b|) a2 / |root|
 
-where all is expanded about sin x = 0, 1 or -1, whichever is nearest: sin x = start + d, and near +-1 d =
+where all is expanded about sin x = 0, 1 or -1, whichever is nearest: sin x = start + d, and near
++-1 d =
 -+(1 - |sin x|) = -+cos^2 x / (1 + |sin x|), so that limits and change points keep their digits:
 
     (M9)  u = u(start) + a1 d,   w = w(start) - a1 d,   gap = gap(start) + 2 a1 e d
           b'' root^3 / a1 = gap(start) sin x + a1 e (1 + d^2 about 0, d^2 about +-1)
 
-s' and s'' are as small as s and e where crank and coupler are nearly equal. A long crank (a1 > 2 a2) with
-its pin A near the level of the guide, |n| < a2/2, is treated by n alone,
+s' and s'' are as small as s and e where crank and coupler are nearly equal. A long crank (a1 > 2
+a2) with its pin A near the level of the guide, |n| < a2/2, is treated by n alone,
 
     (M10)  u w = (a2 - n)(a2 + n),   b'' = a1 (u w sin x + a1 n cos^2 x) / root^3
 
-because n is there rounded by up to eps a1, which is much beside a2, and all must be rounded by the same.
+because n is there rounded by up to eps a1, which is much beside a2, and all must be rounded by the
+same.
 
-Slider input: the triangle of :mod:`fourbar_ros.mechanisms.slide_dyad`, (T1) to (T8). Every difference in these
-is one that the data make.
+Slider input: the triangle of :mod:`fourbar_ros.mechanisms.slide_dyad`, (T1) to (T8). Every
+difference in these is one that the data make.
 """
 from __future__ import annotations
 
@@ -43,10 +47,11 @@ from fourbar_ros.numerics.number_types import Function, NumberType
 
 class SliderCrankMotion(NamedTuple):
     """
-    Pose, rates and accelerations for one input; each field a float, or an array of the input's shape.
+    Pose, rates and accelerations for one input; each field a float, or an array of the input's
+    shape.
 
-    Angles [rad], in [-pi, pi] but for a theta1 that is the input; theta2 is relative (coupler to crank),
-    theta3 = -beta (slider to coupler): theta1 + theta2 + theta3 = 0.
+    Angles [rad], in [-pi, pi] but for a theta1 that is the input; theta2 is relative (coupler to
+    crank), theta3 = -beta (slider to coupler): theta1 + theta2 + theta3 = 0.
     """
 
     theta1: float
@@ -64,11 +69,13 @@ class SliderCrankMotion(NamedTuple):
     beta: float                    # absolute coupler angle
     omega_beta: float
     alpha_beta: float
-    transmission_angle: float      # [rad] in [0, pi]: of coupler and normal of the guide (slider input: crank)
+    # [rad] in [0, pi]: of coupler and normal of the guide (slider input: crank)
+    transmission_angle: float
     crank_ratio: float             # d theta1, d beta, d slide over d input
     coupler_ratio: float
     slide_ratio: float
-    condition: float               # relative error of the lengths -> error of slide [m] (of theta1 [rad])
+    # relative error of the lengths -> error of slide [m] (of theta1 [rad])
+    condition: float
     cos_x: float                   # directions of crank and coupler, and of theta2
     sin_x: float
     cos_b: float
@@ -92,8 +99,10 @@ def _starts(n: NumberType, a1: Any, a2: Any, e: Any) -> tuple[_Start, _Start, _S
         return difference_of_squares(a, b, c, d, n.exact_sum)
 
     return (_Start(a2 - e, a2 + e, squares(a2, 0.0, a1, 0.0) - e * e, 0.0),
-            _Start(n.exact_sum((a2, -e, a1)), n.exact_sum((a2, e, -a1)), squares(a2, 0.0, e, -a1), 1.0),
-            _Start(n.exact_sum((a2, -e, -a1)), n.exact_sum((a2, e, a1)), squares(a2, 0.0, e, a1), -1.0))
+            _Start(n.exact_sum((a2, -e, a1)), n.exact_sum((a2, e, -a1)), squares(a2, 0.0, e, -a1),
+                   1.0),
+            _Start(n.exact_sum((a2, -e, -a1)), n.exact_sum((a2, e, a1)), squares(a2, 0.0, e, a1),
+                   -1.0))
 
 
 def make_crank_motion(n: NumberType, a1: Any, a2: Any, e: Any, sign: Any) -> Function:
@@ -110,21 +119,26 @@ def make_crank_motion(n: NumberType, a1: Any, a2: Any, e: Any, sign: Any) -> Fun
         size = fabs(sin_x)
         low = cos_x * cos_x / (1.0 + size)     # 1 - |sin x|
         is_about_0 = size.real < 0.5
-        u, w, gap, start = where(is_about_0, about_0, where(sin_x.real > 0.0, about_1, about_minus_1))
-        d, curve = where(is_about_0, (sin_x, a1_e * (1.0 + sin_x * sin_x)), (-start * low, a1_e * low * low))
+        u, w, gap, start = where(is_about_0, about_0,
+                                 where(sin_x.real > 0.0, about_1, about_minus_1))
+        d, curve = where(is_about_0, (sin_x, a1_e * (1.0 + sin_x * sin_x)),
+                         (-start * low, a1_e * low * low))
         at_x, step, nn = a1 * cos_x, a1 * d, e - a1 * sin_x
         over, under = a2 - nn, a2 + nn
-        u, w, by_sine, sine, curve = where((nn * nn).real < level_square,               # (M9), (M10)
+        # (M9), (M10)
+        u, w, by_sine, sine, curve = where((nn * nn).real < level_square,
                                            (over, under, over * under, sin_x, at_x * nn * cos_x),
                                            (u + step, w - step, gap, start + d, curve))
         uw = u * w                                                                      # (M1)
         root = sign * sqrt(uw)     # a2 cos b
         cos_b, sin_b = root * per_a2, nn * per_a2 + 0.0 * root     # NaN too where nothing is real
         cos_2, sin_2 = cos_b * cos_x + sin_b * sin_x, sin_b * cos_x - cos_b * sin_x
-        over, under = where((root * cos_x).real > 0.0, (at_x + root, 1.0), (gap + two_a1_e * d, root - at_x))
+        over, under = where((root * cos_x).real > 0.0, (at_x + root, 1.0),
+                            (gap + two_a1_e * d, root - at_x))
         s = over / under                                                                # (M2)
         per = 1.0 / root
-        coupler_ratio, d_theta2 = -at_x * per, -s * per                                 # (M3), (M4)
+        # (M3), (M4)
+        coupler_ratio, d_theta2 = -at_x * per, -s * per
         d_s = a1 * (e * cos_x - s * sin_x) * per                                        # (M5)
         bend = by_sine * sine + curve
         dd_b = a1 * bend * per * per * per                                              # (M6)
@@ -132,10 +146,13 @@ def make_crank_motion(n: NumberType, a1: Any, a2: Any, e: Any, sign: Any) -> Fun
         condition = unit * ((a1 * fabs(cos_2) + a2 + fabs(e * sin_b)) * a2 * fabs(per))     # (M8)
 
         square = omega1 * omega1
-        beta, omega_beta, alpha_beta = atan2(sin_b, cos_b), coupler_ratio * omega1, coupler_ratio * alpha1 + dd_b * square
-        theta2, omega2, alpha2 = atan2(sin_2, cos_2), d_theta2 * omega1, d_theta2 * alpha1 + dd_b * square
+        beta, omega_beta, alpha_beta = (atan2(sin_b, cos_b), coupler_ratio * omega1,
+                                        coupler_ratio * alpha1 + dd_b * square)
+        theta2, omega2, alpha2 = (atan2(sin_2, cos_2), d_theta2 * omega1,
+                                  d_theta2 * alpha1 + dd_b * square)
         theta3, omega3, alpha3 = -beta, -omega_beta, -alpha_beta
-        slide, slide_velocity, slide_acceleration = unit * s, unit * (d_s * omega1), unit * (d_s * alpha1 + dd_s * square)
+        slide, slide_velocity, slide_acceleration = (unit * s, unit * (d_s * omega1),
+                                                     unit * (d_s * alpha1 + dd_s * square))
         crank_ratio, slide_ratio, transmission_angle = 1.0, unit * d_s, atan2(fabs(cos_b), sin_b)
         return (theta1, omega1, alpha1, theta2, omega2, alpha2, theta3, omega3, alpha3,
                 slide, slide_velocity, slide_acceleration, beta, omega_beta, alpha_beta,
@@ -157,7 +174,8 @@ def make_slider_motion(n: NumberType, a1: Any, a2: Any, e: Any, sign: Any) -> Fu
         v, a = slide_velocity * per_unit, slide_acceleration * per_unit
         square = v * v
         theta1, omega1, alpha1 = atan2(sin_x, cos_x), d_x * v, d_x * a + dd_x * square
-        theta2, omega2, alpha2 = atan2(sin_2, cos_2), d_theta2 * v, d_theta2 * a + dd_theta2 * square
+        theta2, omega2, alpha2 = (atan2(sin_2, cos_2), d_theta2 * v,
+                                  d_theta2 * a + dd_theta2 * square)
         beta, omega_beta, alpha_beta = atan2(sin_b, cos_b), d_b * v, d_b * a + dd_b * square
         theta3, omega3, alpha3 = -beta, -omega_beta, -alpha_beta
         crank_ratio, coupler_ratio, slide_ratio = d_x * per_unit, d_b * per_unit, 1.0

@@ -1,4 +1,10 @@
-"""The slider-crank RRRP with offset, driven by its crank or by its slider: what it is, how far it moves, how it moves."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The slider-crank RRRP with offset, driven by its crank or by its slider.
+
+What it is, how far it moves, how it moves.
+"""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -41,7 +47,11 @@ from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two
 
 
 class SliderDeadPoint(NamedTuple):
-    """Crank and coupler in line, one behind the other (stretched) or folded: the slider turns back."""
+    """
+    Crank and coupler in line, one behind the other (stretched) or folded.
+
+    The slider turns back.
+    """
 
     theta1: float     # [rad]
     slide: float      # [m]
@@ -60,8 +70,8 @@ class SliderCrank(Mechanism):
     offset : float
         Of the guide from O1, to the left of x [m], shorter than a1 + a2.
     mode : int
-        Assembly mode. Crank input: 2 has cos(beta) > 0 (slider ahead of A), 1 has cos(beta) < 0. Slider
-        input: 2 has sin(theta2) > 0 (from O1 over A to B one turns left), 1 < 0.
+        Assembly mode. Crank input: 2 has cos(beta) > 0 (slider ahead of A), 1 has cos(beta) < 0.
+        Slider input: 2 has sin(theta2) > 0 (from O1 over A to B one turns left), 1 < 0.
     input : str
         'crank' or 'slide': what theta1 or slide is given for.
     bodies : Bodies, optional
@@ -71,9 +81,11 @@ class SliderCrank(Mechanism):
     external : External
         Forces and couples on coupler and slider (``output``), as gas forces.
     stroke : tuple of 2 floats, optional
-        Shortest and longest slide [m] of a driven slide, as a cylinder has; not given: all where the links close.
+        Shortest and longest slide [m] of a driven slide, as a cylinder has; not given: all where
+        the links close.
 
-    Guide force: of the ground on the slider, + along y; guide couple: of the ground on the slider about B.
+    Guide force: of the ground on the slider, + along y; guide couple: of the ground on the slider
+    about B.
 
     Raises
     ------
@@ -96,21 +108,24 @@ class SliderCrank(Mechanism):
     TEXT = 'a slider on a guide parallel to x'
     LENGTHS = (Length('a1', 'length of the crank O1-A'), Length('a2', 'length of the coupler A-B'),
                Length('offset', 'y of the guide', signed=True))
-    LINKS = (Link('crank', 'crank', 'O1', 'a1', is_loadable=False), Link('coupler', 'coupler', 'A', 'a2'),
+    LINKS = (Link('crank', 'crank', 'O1', 'a1', is_loadable=False),
+             Link('coupler', 'coupler', 'A', 'a2'),
              Link('output', 'slider', 'B', turns=False))
     MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
     INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
     OUTPUTS = {CRANK: (Output(TRAVEL, 'slide_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
     JOINTS = (Joint('O1', THETA1), Joint('A', THETA2), Joint('B', THETA3), Joint('guide', TRAVEL))
-    PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'slider to coupler', BETA: 'coupler', TRAVEL: 'slider'}
+    PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'slider to coupler',
+             BETA: 'coupler', TRAVEL: 'slider'}
     DRAWN = (THETA1, BETA, TRAVEL)
     MOTION, LOADS = SliderCrankMotion, SliderLoads
 
     def __post_init__(self):
         self._check()
         if not closes(*self.lengths):
-            raise InvalidParameter('offset', self.offset, 'the links cannot close: it must be shorter than '
-                                   f'crank and coupler together ({self.a1 + self.a2!r})')
+            raise InvalidParameter('offset', self.offset, 'the links cannot close: it must be '
+                                   'shorter than crank and coupler together '
+                                   f'({self.a1 + self.a2!r})')
         self._check_stroke()
 
     @cached_property
@@ -130,10 +145,11 @@ class SliderCrank(Mechanism):
     @cached_property
     def closing_ranges(self):
         """
-        Return the ranges of the input in which the links close, from low to high: theta1 [rad] or slide [m].
+        Return the ranges of the input in which the links close, from low to high: theta1 [rad] or
+        slide [m].
 
-        For a crank that turns fully (-pi, pi). At an end that is no full turn the coupler is square to
-        the guide (crank input), or in line with the crank (slider input): a toggle.
+        For a crank that turns fully (-pi, pi). At an end that is no full turn the coupler is
+        square to the guide (crank input), or in line with the crank (slider input): a toggle.
         """
         if self.input == SLIDE:
             return slide_ranges(*self.lengths)
@@ -148,10 +164,12 @@ class SliderCrank(Mechanism):
     @property
     def singular_inputs(self):
         """
-        Return the complex inputs, as far as real part and size of the other go, where crank and dyad are singular.
+        Return the complex inputs, as far as real part and size of the other go, where crank and
+        dyad are singular.
 
-        A list of toggles (real), flat positions of change points (real) and others: where sin x = (e +- a2)/a1,
-        or, for a driven slide, of :func:`~fourbar_ros.mechanisms.slide_dyad.singular_slides`.
+        A list of toggles (real), flat positions of change points (real) and others: where sin x =
+        (e +- a2)/a1, or, for a driven slide, of
+        :func:`~fourbar_ros.mechanisms.slide_dyad.singular_slides`.
         """
         a1, a2, e = self.lengths
         if self.input == SLIDE:
@@ -161,7 +179,8 @@ class SliderCrank(Mechanism):
             side = 1.0 if e + r > 0.0 else -1.0
             excess = fsum((side * e, side * r, -a1)) / a1          # |sin x| - 1
             if excess >= 0.0:
-                found.append(complex(side * 0.5 * pi, log1p(excess + sqrt(excess * (2.0 + excess)))))
+                found.append(complex(side * 0.5 * pi,
+                                     log1p(excess + sqrt(excess * (2.0 + excess)))))
             else:
                 angle = side * (0.5 * pi - 2.0 * asin(sqrt(-0.5 * excess)))
                 found += [complex(angle), complex(pi - angle)]
@@ -169,14 +188,21 @@ class SliderCrank(Mechanism):
 
     @property
     def dead_points(self):
-        """Return where the slider of a driven crank turns back in this mode: up to two SliderDeadPoint."""
+        """
+        Return where the slider of a driven crank turns back in this mode.
+
+        Up to two SliderDeadPoint.
+        """
         points, unit = [], power_of_two(*self.lengths)
         a1, a2, e = (length / unit for length in self.lengths)
         for stretched, r, k in zip((True, False), (a1 + a2, a1 - a2), reach(a1, a2, e)[::-1]):
             if k > 0.0 and self.input == CRANK:
-                ahead = self.sign * sqrt(k) if stretched else -self.sign * sqrt(k)     # of A, along x
-                behind = -1.0 if r < 0.0 else 1.0                                      # B as seen from O1
-                points.append(SliderDeadPoint(atan2(behind * e, ahead), unit * behind * ahead, stretched))
+                # of A, along x
+                ahead = self.sign * sqrt(k) if stretched else -self.sign * sqrt(k)
+                # B as seen from O1
+                behind = -1.0 if r < 0.0 else 1.0
+                points.append(SliderDeadPoint(atan2(behind * e, ahead), unit * behind * ahead,
+                                              stretched))
         return tuple(sorted(points))
 
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
@@ -192,12 +218,14 @@ class SliderCrank(Mechanism):
     def link_motion(self, motion, link):
         """Return the LinkMotion of a link by name."""
         if link == 'output':
-            return LinkMotion(motion.slide, self.offset, motion.slide_velocity, 0.0, motion.slide_acceleration, 0.0,
+            return LinkMotion(motion.slide, self.offset, motion.slide_velocity, 0.0,
+                              motion.slide_acceleration, 0.0,
                               1.0, 0.0, 0.0, 0.0)
         crank = crank_motion(motion)
         if link == 'crank':
             return crank
-        return LinkMotion(*point_of(crank, self.a1), motion.cos_b, motion.sin_b, motion.omega_beta, motion.alpha_beta)
+        return LinkMotion(*point_of(crank, self.a1), motion.cos_b, motion.sin_b, motion.omega_beta,
+                          motion.alpha_beta)
 
     def transmission_sine(self, motion):
         """Return a number that is zero where the dyad is in line, at most one."""

@@ -1,4 +1,10 @@
-"""The other side of a running node: find it, listen to it, drive it, ask its services, with patience."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The other side of a running node.
+
+Find it, listen to it, drive it, ask its services, with patience.
+"""
 from __future__ import annotations
 
 import time
@@ -16,7 +22,8 @@ from fourbar_ros.ros.messages import resolve
 from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, SERVICES, Service, Topic
 
 NODE = '/fourbar'           # default name of the node
-PATIENCE = 10.0             # [s] to find the node and to get an answer; discovery alone takes up to 4 s
+# [s] to find the node and to get an answer; discovery alone takes up to 4 s
+PATIENCE = 10.0
 POLL = 0.02                 # [s] between two looks at a condition
 
 
@@ -55,8 +62,13 @@ class Client:
         while (left := end - time.monotonic()) > 0.0:
             self.executor.spin_once(timeout_sec=left)
 
-    def until(self, condition: Callable[[], bool], what: str, patience: float | None = None) -> None:
-        """Handle incoming messages until the condition holds; raises NoAnswer, which names ``what``."""
+    def until(self, condition: Callable[[], bool], what: str,
+              patience: float | None = None) -> None:
+        """
+        Handle incoming messages until the condition holds.
+
+        Raises NoAnswer, which names ``what``.
+        """
         patience = self.patience if patience is None else patience
         end = time.monotonic() + patience
         while not condition():
@@ -77,7 +89,8 @@ class Client:
     def call(self, service_name: str, /, node: str = NODE, **request):
         """Return the response of a service of a node."""
         service = self.service(service_name, node)
-        return self.result_of(service.call_async(service.srv_type.Request(**request)), service.service_name)
+        return self.result_of(service.call_async(service.srv_type.Request(**request)),
+                              service.service_name)
 
     def service(self, service_name: str, node: str = NODE) -> rclpy.client.Client:
         """Return the rclpy client of a service, once its server is found."""
@@ -104,7 +117,11 @@ class Client:
 
 @contextmanager
 def opened(make: Callable[[Node], Client], name: str) -> Iterator[Client]:
-    """Initialise ROS, give the client that ``make`` returns for a new node of this name; close all of it."""
+    """
+    Initialise ROS, give the client that ``make`` returns for a new node of this name.
+
+    Close all of it.
+    """
     rclpy.init()
     try:
         client = make(rclpy.create_node(name))

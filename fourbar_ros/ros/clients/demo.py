@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Run a scene on a real node: live table, extrema by service, a bag, and its recomputation."""
 from __future__ import annotations
 
@@ -27,11 +29,14 @@ from fourbar_ros.ros.messages import to_stamp
 PATIENCE = 20.0        # [s] for the node to start, be found and answer
 SWING = 0.95           # share of a limited input range that the demonstration swings through
 REFRESH = 8            # live tables per second
-KINDS = {Extremum.KIND_MINIMUM: 'minimum', Extremum.KIND_MAXIMUM: 'maximum', Extremum.KIND_CONSTANT: 'constant'}
+KINDS = {Extremum.KIND_MINIMUM: 'minimum', Extremum.KIND_MAXIMUM: 'maximum',
+         Extremum.KIND_CONSTANT: 'constant'}
 SHORT = {'minimum': 'min', 'maximum': 'max', 'constant': 'const'}
 ANGLES = ('theta1', 'theta4', 'transmission_angle')
-RATES = {'slide': 'm', 'omega4': 'rad/s', 'alpha4': 'rad/s^2', 'slide_velocity': 'm/s', 'slide_acceleration': 'm/s^2'}
-LOADS = {'f41': 'N', 'f21': 'N', 'f32': 'N', 'f43': 'N', 'driving_torque': 'N m', 'driving_force': 'N',
+RATES = {'slide': 'm', 'omega4': 'rad/s', 'alpha4': 'rad/s^2', 'slide_velocity': 'm/s',
+         'slide_acceleration': 'm/s^2'}
+LOADS = {'f41': 'N', 'f21': 'N', 'f32': 'N', 'f43': 'N', 'driving_torque': 'N m',
+         'driving_force': 'N',
          'guide_force': 'N', 'shaking_force': 'N', 'shaking_moment': 'N m'}
 
 
@@ -54,13 +59,18 @@ class Driver(Client):
         self.received[name] = self.received.get(name, 0) + 1
 
     def given(self, seconds):
-        """Return input, rate and acceleration: constant speed, or a swing if the input cannot turn fully."""
+        """
+        Return input, rate and acceleration.
+
+        Constant speed, or a swing if the input cannot turn fully.
+        """
         drive, linkage = self.scene.drive, self.scene.linkage
         if linkage.turns_fully:
             return drive.start + drive.speed * seconds, drive.speed, 0.0
         low, high = linkage.input_ranges[-1]
         middle, reach = 0.5 * (low + high), SWING * 0.5 * (high - low)
-        rate = drive.speed / reach                      # the scene's speed is reached in the middle
+        # the scene's speed is reached in the middle
+        rate = drive.speed / reach
         sine, cosine = reach * sin(rate * seconds), reach * cos(rate * seconds)
         return middle + sine, rate * cosine, -rate * rate * sine
 
@@ -86,7 +96,8 @@ def live_table(client, seconds):
     rows = []
     if state:
         table.add_row('status', STATUS_NAMES[state.status], '')
-        rows = [(name, remainder(degrees(getattr(state, name)), 360.0), '.3f', 'deg') for name in ANGLES]
+        rows = [(name, remainder(degrees(getattr(state, name)), 360.0), '.3f', 'deg')
+                for name in ANGLES]
         rows += [(name, getattr(state, name), '.5g', unit) for name, unit in RATES.items()]
     if loads:
         rows += [(name, getattr(loads, name), '.3f', unit) for name, unit in LOADS.items()]
@@ -113,7 +124,8 @@ def watch(client, node, seconds, console):
             client.spin(0.01 if client.input else 1.0 / REFRESH)
             live.update(live_table(client, time.monotonic() - first))
     if not console.is_terminal:
-        console.print()                                  # rich ends the last table only on a terminal
+        # rich ends the last table only on a terminal
+        console.print()
 
 
 def published_for(path):
@@ -129,8 +141,8 @@ def compare_extrema(client, published, console):
     if answer.result != answer.RESULT_OK:
         console.print(f'find_extrema: {answer.message}')
         return
-    table = plain_table(f'global extrema at {speed:g} {rate_unit(linkage)}, mode {mode_name(linkage)}, '
-                        f'from {NODE}/find_extrema',
+    table = plain_table(f'global extrema at {speed:g} {rate_unit(linkage)}, mode '
+                        f'{mode_name(linkage)}, from {NODE}/find_extrema',
                         ('quantity', '', 'value>', 'unit', f'{linkage.input_coordinate.position}>',
                          *(('published>', 'at>') if published else ())))
     notes = []
@@ -139,7 +151,8 @@ def compare_extrema(client, published, console):
             continue
         kind = KINDS[extremum.kind]
         place = extremum.theta1 if isnan(extremum.slide) else extremum.slide
-        row = [extremum.quantity, SHORT[kind], f'{extremum.value:.9g}', extremum.unit, f'{place:.7f}']
+        row = [extremum.quantity, SHORT[kind], f'{extremum.value:.9g}', extremum.unit,
+               f'{place:.7f}']
         for entry in published:
             if (entry['quantity'], entry['kind']) == (extremum.quantity, kind):
                 mark = ''
@@ -160,11 +173,13 @@ def compare_poses(client, published, console):
         if 'at' not in entry:
             continue
         answer = client.call('evaluate', mode=entry['mode'], **entry['at'])
-        table = plain_table(f'{entry["source"]}, mode {client.scene.linkage.MODES[entry["mode"]]}, from {NODE}/evaluate',
+        table = plain_table(f'{entry["source"]}, mode '
+                            f'{client.scene.linkage.MODES[entry["mode"]]}, from {NODE}/evaluate',
                             ('', 'ours>', 'published>'))
         for name, value in entry['values'].items():
             ours = getattr(answer.state, name.removesuffix('_deg'))
-            table.add_row(name, f'{degrees(ours) if name.endswith("_deg") else ours:.6f}', f'{value!r}')
+            table.add_row(name, f'{degrees(ours) if name.endswith("_deg") else ours:.6f}',
+                          f'{value!r}')
         console.print(table)
         console.print()
 
@@ -174,8 +189,9 @@ def check_bag(path, console):
     found = recompute(path)
     messages = {difference.topic: difference.messages for difference in found}
     worst = max((difference.largest for difference in found), default=0.0)
-    console.print(f'bag recomputed: {sum(messages.values())} outputs on {len(messages)} topics from their recorded '
-                  f'input, {len(found)} fields, largest difference {worst:g}', soft_wrap=True)
+    console.print(f'bag recomputed: {sum(messages.values())} outputs on {len(messages)} topics '
+                  f'from their recorded input, {len(found)} fields, largest difference {worst:g}',
+                  soft_wrap=True)
     return bool(messages) and worst == 0.0
 
 
@@ -188,7 +204,8 @@ def run(path, seconds, directory, console):
     name = f'{Path(path).stem}_{time.strftime("%Y_%m_%d-%H_%M_%S")}'
     node = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node.start', '--ros-args',
                              '--params-file', str(path), '-p', 'recording.start:=true',
-                             '-p', f'recording.directory:={directory}', '-p', f'recording.name:={name}'])
+                             '-p', f'recording.directory:={directory}', '-p',
+                             f'recording.name:={name}'])
     try:
         with opened(lambda own: Driver(own, scene), 'fourbar_demo') as client:
             watch(client, node, seconds, console)
@@ -200,16 +217,20 @@ def run(path, seconds, directory, console):
     console.print(f'the node was stopped by SIGTERM: exit code {code}')
     bag = Path(directory) / name
     good = check_bag(bag, console)
-    console.print(f'bag: {bag}\nfor Foxglove and PlotJuggler: {bag / (name + "_0.mcap")}', soft_wrap=True)
+    console.print(f'bag: {bag}\nfor Foxglove and PlotJuggler: {bag / (name + "_0.mcap")}',
+                  soft_wrap=True)
     return good and code == 0
 
 
 def main(args=None):
     """Parse the arguments and run; exit code 0 only if the node and its bag are good."""
     parser = Parser(prog='fourbar_demo', description=__doc__)
-    parser.add_argument('scene', help='parameter file (YAML) or name of a shipped scene, e.g. paper')
-    parser.add_argument('--seconds', type=positive, default=5.0, metavar='S', help='duration of the stream [s] (default 5)')
-    parser.add_argument('--directory', default='bags', metavar='DIR', help='directory for the bag (default bags)')
+    parser.add_argument('scene', help='parameter file (YAML) or name of a shipped scene, e.g. '
+                                      'paper')
+    parser.add_argument('--seconds', type=positive, default=5.0, metavar='S',
+                        help='duration of the stream [s] (default 5)')
+    parser.add_argument('--directory', default='bags', metavar='DIR',
+                        help='directory for the bag (default bags)')
     arguments = parser.parse_args(args)
     try:
         good = run(arguments.scene, arguments.seconds, arguments.directory, make_console())

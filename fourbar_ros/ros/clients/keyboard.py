@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Keys pressed in the terminal while something runs, without a return."""
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ class Keyboard:
     Attributes
     ----------
     is_there : bool
-        Whether keys can be read: standard input is a terminal and this program is in its foreground.
+        Whether keys can be read: standard input is a terminal and this program is in its
+        foreground.
 
     """
 
@@ -33,7 +36,8 @@ class Keyboard:
                 self._old = termios.tcgetattr(self._number)
                 tty.setcbreak(self._number)
                 self.is_there = True
-        except (ImportError, OSError, ValueError):      # no terminals here, or stdin is closed or replaced
+        # no terminals here, or stdin is closed or replaced
+        except (ImportError, OSError, ValueError):
             pass
         return self
 

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Publish a bag again: the recorded bytes, as they are."""
 from __future__ import annotations
 
@@ -5,7 +7,8 @@ import time
 
 import rclpy
 from rclpy.duration import Duration
-from rclpy.qos import DurabilityPolicy, QoSCompatibility, QoSProfile, ReliabilityPolicy, qos_check_compatible
+from rclpy.qos import (DurabilityPolicy, QoSCompatibility, QoSProfile, ReliabilityPolicy,
+                       qos_check_compatible)
 from rclpy.signals import SignalHandlerOptions
 from rosgraph_msgs.msg import Clock
 
@@ -16,9 +19,11 @@ from fourbar_ros.ros.messages import resolve, to_stamp
 from fourbar_ros.ros.schemas import type_hash
 from fourbar_ros.ros.stop import Stop
 
-DEPTH = 1000                # of volatile publishers: a late replay sends bursts that the original did not
+# of volatile publishers: a late replay sends bursts that the original did not
+DEPTH = 1000
 PATIENCE = 10.0             # [s] for readers that the graph shows to be matched
-SETTLED = 1.0               # [s] without anything new in the graph: all that is near has been found
+# [s] without anything new in the graph: all that is near has been found
+SETTLED = 1.0
 ALONE = 5.0                 # [s] without any reader: discovery takes 4 s at its worst
 POLL = 0.02                 # [s] between two looks at the graph
 FAREWELL = 2.0              # [s] for reliable readers to get the last messages
@@ -37,7 +42,8 @@ def installed(type_name, recorded_hash):
 
 class Replayer:
     """
-    A node that publishes what it is given, each message on its topic with its recorded quality of service.
+    A node that publishes what it is given, each message on its topic with its recorded quality of
+    service.
 
     Parameters
     ----------
@@ -81,8 +87,10 @@ class Replayer:
         """
         Create the publishers of all topics known by now and wait until their readers are matched.
 
-        These are the readers that the graph shows, once nothing new has come for a moment, at least ``seconds``
-        and at most PATIENCE after the beginning; ALONE if there are none; with ``seconds`` 0 nobody is waited for. With ``readers`` until there are so many, however long it takes.
+        These are the readers that the graph shows, once nothing new has come for a moment, at
+        least ``seconds`` and at most PATIENCE after the beginning; ALONE if there are none; with
+        ``seconds`` 0 nobody is waited for. With ``readers`` until there are so many, however long
+        it takes.
         Returns how many are matched.
         """
         for topic in {channel.topic for channel in self.bag.channels.values()}:
@@ -100,8 +108,9 @@ class Replayer:
             if matched >= wanted and is_quiet:
                 break
             if not readers and now - begin >= max(seconds, PATIENCE if seconds else 0.0):
-                self.node.get_logger().warning(f'{wanted - matched} of {wanted} readers are not matched after '
-                                               f'{now - begin:.1f} s: they may miss the first messages')
+                self.node.get_logger().warning(f'{wanted - matched} of {wanted} readers are not '
+                                               f'matched after {now - begin:.1f} s: they may miss '
+                                               'the first messages')
                 break
             time.sleep(POLL)
         return self._graph()[1]
@@ -120,7 +129,8 @@ class Replayer:
         package, _, name = info.topic_type.split('/')
         if (package, name) != (kind.__module__.split('.')[0], kind.__name__):
             return False
-        return qos_check_compatible(publisher.qos_profile, info.qos_profile)[0] != QoSCompatibility.ERROR
+        return qos_check_compatible(publisher.qos_profile,
+                                    info.qos_profile)[0] != QoSCompatibility.ERROR
 
     def publish(self, raw):
         """Publish one message; return whether its type is installed."""
@@ -135,25 +145,29 @@ class Replayer:
         kind, why = installed(type_name, self.bag.hash_of(topic))
         if why:
             self.node.get_logger().warning(f'{topic}: left out: {why}')
-        self._publishers[topic] = self.node.create_publisher(kind, topic, self._qos(topic)) if kind else None
+        self._publishers[topic] = (self.node.create_publisher(kind, topic, self._qos(topic))
+                                   if kind else None)
 
     def _qos(self, topic):
         offered = (self.bag.qos_of(topic) or [{}])[0]
-        latched = offered.get('durability') in ('transient_local', 1)       # words of Jazzy, numbers of before
+        # words of Jazzy, numbers of before
+        latched = offered.get('durability') in ('transient_local', 1)
         best_effort = offered.get('reliability') in ('best_effort', 2)
         return QoSProfile(
             depth=max(offered.get('depth', 1), 1 if latched else DEPTH),
-            reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
+            reliability=ReliabilityPolicy.BEST_EFFORT if best_effort
+            else ReliabilityPolicy.RELIABLE,
             durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE)
 
 
-def replay(path, topics=None, rate=1.0, start=0.0, loop=False, follow=False, clock_rate=None, delay=0.0, ros_args=(),
+def replay(path, topics=None, rate=1.0, start=0.0, loop=False, follow=False, clock_rate=None,
+           delay=0.0, ros_args=(),
            pace=None, on_tick=None, readers=0):
     """
     Publish a bag until its end or a signal; return how many messages; see bag.replay.play.
 
-    ``delay``, ``readers``: see :meth:`Replayer.wait`; ``pace``: a Pace to change meanwhile; ``on_tick`` is called
-    with the time of the bag [ns] again and again.
+    ``delay``, ``readers``: see :meth:`Replayer.wait`; ``pace``: a Pace to change meanwhile;
+    ``on_tick`` is called with the time of the bag [ns] again and again.
     """
     bag = Bag(path)
     next(bag.raw(), None)                                # so that its topics are known

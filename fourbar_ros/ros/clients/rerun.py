@@ -1,4 +1,10 @@
-"""Drive a live node with the recorded motion of the driven joint; compare its answers with the recorded ones."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Drive a live node with the recorded motion of the driven joint.
+
+Compare its answers with the recorded ones.
+"""
 from __future__ import annotations
 
 import json
@@ -40,7 +46,11 @@ class Answer(NamedTuple):
 
 
 class LiveRun(NamedTuple):
-    """The answers of a live node by topic; ``notes``: what the scene had to do with it, in words."""
+    """
+    The answers of a live node by topic.
+
+    ``notes``: what the scene had to do with it, in words.
+    """
 
     answers: list
     notes: list
@@ -50,10 +60,10 @@ def drive_live(path, node_name=None, rate=1.0, start=0.0, ros_args=()):
     """
     Return the :class:`LiveRun` of a bag: an :class:`Answer` for every output in it.
 
-    The recorded motion of the driven joint goes to the ``~/input`` of the node, which must be driven by
-    ``motion`` and have the scene of the bag (``fourbar bag scene`` writes it). Where the scene changes in the bag
-    it is changed in the node. Answers are matched by their stamp, that of their input. Memory does not grow with
-    the bag.
+    The recorded motion of the driven joint goes to the ``~/input`` of the node, which must be
+    driven by ``motion`` and have the scene of the bag (``fourbar bag scene`` writes it). Where the
+    scene changes in the bag it is changed in the node. Answers are matched by their stamp, that of
+    their input. Memory does not grow with the bag.
     """
     bag = Bag(path)
     origin = origin_of(bag)
@@ -72,7 +82,8 @@ def drive_live(path, node_name=None, rate=1.0, start=0.0, ros_args=()):
         live.wait_until_found()
         changes = _Changes(live, bag, origin.scene, scene_topic, pace)
         changes.before(start)
-        for raw in play(bag, [driven, scene_topic, *outputs], rate, start, tick=live.tick, pace=pace):
+        for raw in play(bag, [driven, scene_topic, *outputs], rate, start, tick=live.tick,
+                        pace=pace):
             if raw.topic == driven:
                 live.send(raw)
             elif raw.topic == scene_topic:
@@ -113,7 +124,8 @@ class _Changes:
         self._live.wait_for_the_rest()
         at = (raw.time - self._origin) * 1e-9
         text = ', '.join(f'{name} {value}' for name, value in changed.items())
-        self.notes.append(f'the scene of the bag changed after {at:.3f} s: {text}: {self._live.set(changed)}')
+        self.notes.append(f'the scene of the bag changed after {at:.3f} s: {text}: '
+                          f'{self._live.set(changed)}')
         self._pace.pause(False)
 
 
@@ -168,7 +180,8 @@ class _Topic:
             others = np.frombuffer(b''.join(answers), layout.dtype)
             for leaf in layout.leaves:
                 if leaf.format[0] != 'S':
-                    value = distance(records[leaf.name].astype(float), others[leaf.name].astype(float))
+                    value = distance(records[leaf.name].astype(float),
+                                     others[leaf.name].astype(float))
                     if value > self.largest:
                         self.largest, self.field = value, leaf.name
 
@@ -176,7 +189,8 @@ class _Topic:
         """Return the Answer."""
         if self._pairs:
             self.compare()
-        return Answer(topic, self.messages, self.missing + len(self._expected), self.largest, self.field)
+        return Answer(topic, self.messages, self.missing + len(self._expected), self.largest,
+                      self.field)
 
 
 class _Live(Client):
@@ -188,19 +202,22 @@ class _Live(Client):
         self._in_order, self._first, recorded_node = origin.in_order, None, origin.node
         self._topics = {topic: _Topic(replayer.bag.decoder(topic)) for topic in outputs}
         self._last, self._heard = None, time.monotonic()         # stamp of the newest motion
-        self._name, self._input = name_on(node_name, INPUTS['motion']), self.publisher('motion', node_name)
+        self._name, self._input = (name_on(node_name, INPUTS['motion']),
+                                   self.publisher('motion', node_name))
         self._subscriptions = [self._listen(topic, type_name, recorded_node, node_name)
                                for topic, type_name in outputs.items()]
         self._parameters = AsyncParameterClient(self.node, node_name)
 
     def _listen(self, topic, type_name, recorded_node, node_name):
-        there = topic.replace(recorded_node, node_name, 1) if topic.startswith(recorded_node + '/') else topic
+        there = (topic.replace(recorded_node, node_name, 1)
+                 if topic.startswith(recorded_node + '/') else topic)
         answers = self._topics[topic]
 
         def take(data):
             self._heard = time.monotonic()
             answers.answer(stamp_of(data), data)
-        return self.node.create_subscription(resolve(type_name), there, take, QoSProfile(depth=1000), raw=True)
+        return self.node.create_subscription(resolve(type_name), there, take,
+                                             QoSProfile(depth=1000), raw=True)
 
     def wait_until_found(self):
         """Wait for the node's input and outputs."""
@@ -210,7 +227,8 @@ class _Live(Client):
             if not self.tick(0):
                 raise NoAnswer(f'{what} (interrupted)')
             return (self._input.get_subscription_count()
-                    and all(subscription.get_publisher_count() for subscription in self._subscriptions))
+                    and all(subscription.get_publisher_count()
+                            for subscription in self._subscriptions))
         self.until(is_found, what)
         self.wait_for_the_rest(0.3)
 
@@ -229,7 +247,8 @@ class _Live(Client):
         if fixed:
             return f'not applied: {fixed[0]} cannot be changed while the node runs'
         future = self._parameters.set_parameters_atomically(
-            [Parameter(name, value=list(value) if isinstance(value, tuple) else value) for name, value in changed.items()])
+            [Parameter(name, value=list(value) if isinstance(value, tuple) else value)
+             for name, value in changed.items()])
         try:
             result = self.result_of(future, 'the parameters of the node').result
         except NoAnswer as error:
@@ -243,9 +262,14 @@ class _Live(Client):
         self._input.publish(raw.data)
 
     def expect(self, raw):
-        """Keep what was recorded, if its motion was sent; in a bag of rosbag2 that may come later."""
+        """
+        Keep what was recorded, if its motion was sent.
+
+        In a bag of rosbag2 that may come later.
+        """
         stamp = stamp_of(raw.data)
-        if stamp == self._last or not self._in_order and self._last and moment_of(stamp) >= moment_of(self._first):
+        if (stamp == self._last or not self._in_order and self._last and moment_of(stamp)
+            >= moment_of(self._first)):
             self._topics[raw.topic].expect(stamp, raw.data)
 
     def wait_for_the_rest(self, quiet=QUIET):

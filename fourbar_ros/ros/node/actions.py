@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The search for extrema as an action: with feedback, and it can be canceled."""
 from __future__ import annotations
 

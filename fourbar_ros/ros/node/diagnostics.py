@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Once a second on /diagnostics: how the stream runs, how far the linkage is from trouble."""
 from __future__ import annotations
 
@@ -31,7 +33,8 @@ class Diagnostics:
         """Return the DiagnosticStatus of the time since the last call."""
         node, stream, drive = self._node, self._node.stream, self._node.drive
         scene, now = stream.scene, time.monotonic()
-        more, problems = drive.state()                   # before the counters, which it brings up to date
+        # before the counters, which it brings up to date
+        more, problems = drive.state()
         before, steps, bad, counts = self._before
         counted = {**drive.counts, **(node.wrenches.counts if node.wrenches else {})}
         self._before = (now, stream.steps, stream.bad_steps, counted)
@@ -62,6 +65,7 @@ class Diagnostics:
         }
         level = DiagnosticStatus.ERROR if recorder.problems else DiagnosticStatus.WARN
         return DiagnosticStatus(
-            level=level if problems else DiagnosticStatus.OK, name=f'{node.get_fully_qualified_name()[1:]}: linkage',
+            level=level if problems else DiagnosticStatus.OK,
+            name=f'{node.get_fully_qualified_name()[1:]}: linkage',
             message=', '.join(problems) or 'ok', hardware_id=node.get_fully_qualified_name(),
             values=[KeyValue(key=key, value=str(value)) for key, value in values.items()])

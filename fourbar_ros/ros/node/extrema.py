@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """All extrema of a scene, for the service at one go, for the action piece by piece."""
 from __future__ import annotations
 

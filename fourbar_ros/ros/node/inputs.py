@@ -1,7 +1,11 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
-The motion of the driven joint out of raw input messages: read by ROS once, then from where it stood.
+The motion of the driven joint out of raw input messages: read by ROS once, then from where it
+stood.
 
-A place holds for all messages whose texts and sequences are as long, and whose joints have the same names.
+A place holds for all messages whose texts and sequences are as long, and whose joints have the
+same names.
 """
 from __future__ import annotations
 
@@ -21,7 +25,8 @@ from fourbar_ros.ros.schemas import definition
 
 LAYOUTS = 32           # so many are kept: senders with ever new names are read by ROS alone
 _CODES = {'i4': ('i', 4), 'u4': ('I', 4), 'f8': ('d', 8)}
-Given = tuple[float, float, float]       # position, velocity, acceleration; NaN for what is not given
+# position, velocity, acceleration; NaN for what is not given
+Given = tuple[float, float, float]
 
 
 class Reader:
@@ -44,7 +49,8 @@ class Reader:
 
     def __call__(self, data: bytes) -> tuple[Stamp, Given | None]:
         """
-        Return stamp and motion of a serialised message; None for the motion if the message does not have the joint.
+        Return stamp and motion of a serialised message; None for the motion if the message does
+        not have the joint.
 
         Raises what ROS raises for bytes that are no message of this type.
         """
@@ -52,7 +58,8 @@ class Reader:
             if layout.matches(data):
                 return read(data)
         message = deserialize_message(data, self._type)
-        found = (message.header.stamp.sec, message.header.stamp.nanosec), driven_of(message, self._joint)
+        found = (message.header.stamp.sec,
+                 message.header.stamp.nanosec), driven_of(message, self._joint)
         if self._room:
             self._room -= 1
             self._learn(data, repr(found))

@@ -1,4 +1,10 @@
-"""All outputs of a scene: which of them are needed, and sending them to subscribers and to the bag."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+All outputs of a scene.
+
+Which of them are needed, and sending them to subscribers and to the bag.
+"""
 from __future__ import annotations
 
 from typing import NamedTuple
@@ -43,7 +49,8 @@ class Outputs:
         there = {output.name: output for output in self.named}
         for name in there.keys() - scene.topics.keys():
             there[name].destroy()
-        self.named = [there.get(name) or self._publisher(topic) for name, topic in scene.topics.items()]
+        self.named = [there.get(name) or self._publisher(topic)
+                      for name, topic in scene.topics.items()]
         for output in (self._driven, *self.named):
             output.apply(scene)
         self._update()
@@ -59,7 +66,8 @@ class Outputs:
 
     def _needed_for(self, those):
         outputs = [output for output in self.named if output in those]
-        return Wanted(self._driven in those, outputs, any(output.needs_loads for output in outputs),
+        return Wanted(self._driven in those, outputs,
+                      any(output.needs_loads for output in outputs),
                       any(output.is_point for output in outputs))
 
     def wanted(self):

@@ -1,9 +1,12 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Declare the parameters of the table in a node and read its scene."""
 from __future__ import annotations
 
 from math import inf
 
-from rcl_interfaces.msg import IntegerRange, ParameterDescriptor, ParameterType, SetParametersResult
+from rcl_interfaces.msg import (IntegerRange, ParameterDescriptor, ParameterType,
+                                SetParametersResult)
 
 from fourbar_ros.scene import overrides
 from fourbar_ros.scene.scene import from_values
@@ -17,16 +20,18 @@ BUILT_IN = (*SWITCHES, qos.PREFIX)
 
 _ROS_TYPES = {'double': ParameterType.PARAMETER_DOUBLE, 'integer': ParameterType.PARAMETER_INTEGER,
               'string': ParameterType.PARAMETER_STRING, 'bool': ParameterType.PARAMETER_BOOL,
-              'strings': ParameterType.PARAMETER_STRING_ARRAY, 'doubles': ParameterType.PARAMETER_DOUBLE_ARRAY}
+              'strings': ParameterType.PARAMETER_STRING_ARRAY,
+              'doubles': ParameterType.PARAMETER_DOUBLE_ARRAY}
 
 
 def scene(node, arguments=()):
     """
-    Return the Scene of a node that has declared its overrides, every parameter declared as in the table.
+    Return the Scene of a node that has declared its overrides, every parameter declared as in the
+    table.
 
-    The overrides are read as they came and declared again with type and text: so an unknown name is an
-    error instead of being ignored, and ``3`` is good for a double. ``arguments``: the command line, for
-    what rcl ignores of it.
+    The overrides are read as they came and declared again with type and text: so an unknown name
+    is an error instead of being ignored, and ``3`` is good for a double. ``arguments``: the
+    command line, for what rcl ignores of it.
 
     Raises
     ------
@@ -34,15 +39,16 @@ def scene(node, arguments=()):
         Naming the parameter, what was given and what is allowed.
 
     """
-    every = {name: parameter.value for name, parameter in node.get_parameters_by_prefix('').items()}
+    every = {name: parameter.value
+             for name, parameter in node.get_parameters_by_prefix('').items()}
     for name in SWITCHES:
         if type(every.get(name, True)) is not bool:
             raise InvalidParameter(name, every[name], 'must be a bool')
     given = {name: value for name, value in every.items() if not name.startswith(BUILT_IN)}
-    for name, (value, where) in overrides.asked(arguments, node.get_fully_qualified_name()).items():
+    for name, (value, where) in (overrides.asked(arguments, node.get_fully_qualified_name()).items()):
         if name in given and overrides.is_ignored(value, given[name]):
-            node.get_logger().warning(f'{name} = {value!r} ({where}), though ROS 2 would keep {given[name]!r}, '
-                                      'which is of another type')
+            node.get_logger().warning(f'{name} = {value!r} ({where}), though ROS 2 would keep '
+                                      f'{given[name]!r}, which is of another type')
             given[name] = value
     checked = from_values(given)
     qos.check(node, checked)
@@ -69,12 +75,14 @@ def watch(node, current, apply):
         for parameter in given:
             if (parameter.name == 'use_sim_time' or parameter.name.startswith(qos.PREFIX)) \
                     and parameter.value != node.get_parameter_or(parameter.name, parameter).value:
-                return SetParametersResult(successful=False, reason=f'{parameter.name}: only at start')
+                return SetParametersResult(successful=False,
+                                           reason=f'{parameter.name}: only at start')
         try:
             if changes := changed(given):
                 scene = from_values({**current().values, **changes})
                 if node.recording.active and scene.outputs != current().outputs:
-                    return SetParametersResult(successful=False, reason='outputs: not while recording')
+                    return SetParametersResult(successful=False,
+                                               reason='outputs: not while recording')
                 checked.append(scene)
         except FourBarError as error:
             return SetParametersResult(successful=False, reason=str(error))
@@ -91,8 +99,11 @@ def watch(node, current, apply):
 def descriptor(parameter):
     """Return the ROS descriptor of a parameter of the table."""
     unit = f' [{parameter.unit}]' if parameter.unit else ''
-    found = ParameterDescriptor(name=parameter.name, type=_ROS_TYPES[parameter.type], read_only=not parameter.live,
-                                description=parameter.text + unit, additional_constraints=parameter.allowed)
+    found = ParameterDescriptor(name=parameter.name, type=_ROS_TYPES[parameter.type],
+                                read_only=not parameter.live,
+                                description=parameter.text + unit,
+                                additional_constraints=parameter.allowed)
     if parameter.type == 'integer' and parameter.high < inf:
-        found.integer_range = [IntegerRange(from_value=int(parameter.low), to_value=int(parameter.high))]
+        found.integer_range = [IntegerRange(from_value=int(parameter.low),
+                                            to_value=int(parameter.high))]
     return found

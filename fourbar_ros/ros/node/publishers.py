@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """One publisher: each message is serialised once, for the wire and for the bag."""
 from __future__ import annotations
 
@@ -40,7 +42,8 @@ class TopicPublisher:
             self._publisher = self._create(None)
 
     def _create(self, callbacks):
-        return qos.create(self._node, 'publisher', type(self._message), self._topic.topic, QUEUE_DEPTH,
+        return qos.create(self._node, 'publisher', type(self._message), self._topic.topic,
+                          QUEUE_DEPTH,
                           event_callbacks=callbacks)
 
     def _matched(self, info):
@@ -55,13 +58,18 @@ class TopicPublisher:
         self._positions = _needed(self.name, scene)
         self.pack, is_packed = packed.writer(self.name, self._message, scene.layout)
         if not is_packed:
-            self._node.get_logger().info(f'{self._topic.topic}: {self._topic.type} cannot be packed here, '
-                                         'ROS serialises every message', once=True)
-        self.needs_loads = self._topic.needs_loads or (self.name == 'joint_states' and scene.needs_loads)
+            self._node.get_logger().info(f'{self._topic.topic}: {self._topic.type} cannot be '
+                                         'packed here, ROS serialises every message', once=True)
+        self.needs_loads = (self._topic.needs_loads
+                            or (self.name == 'joint_states' and scene.needs_loads))
         self.publish = self._publisher.publish
 
     def has_something(self, values):
-        """Return whether there is anything to send: joint_states may be skipped while a position is unknown."""
+        """
+        Return whether there is anything to send.
+
+        joint_states may be skipped while a position is unknown.
+        """
         return not any(isnan(values[place]) for place in self._positions)
 
     def destroy(self):

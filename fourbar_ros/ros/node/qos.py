@@ -1,25 +1,40 @@
-"""Quality of service that a user overrides at start: qos_overrides.TOPIC.publisher.reliability and so on."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Quality of service that a user overrides at start.
+
+Qos_overrides.TOPIC.publisher.reliability and so on.
+"""
 from __future__ import annotations
 
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSPolicyKind, ReliabilityPolicy
+from rclpy.qos import (DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSPolicyKind,
+                       ReliabilityPolicy)
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from fourbar_ros.scene.topics import APPLIED, DRIVEN, INPUTS, OUTPUTS, SCENE, WRENCHES, topics_of
 from fourbar_ros.errors import InvalidParameter
 
 PREFIX = 'qos_overrides.'
-_WORDS = {'reliability': ReliabilityPolicy, 'durability': DurabilityPolicy, 'history': HistoryPolicy,
+_WORDS = {'reliability': ReliabilityPolicy, 'durability': DurabilityPolicy,
+          'history': HistoryPolicy,
           'liveliness': LivelinessPolicy}
-_NUMBERS = {'depth': 'messages', 'deadline': 'ns', 'lifespan': 'ns', 'liveliness_lease_duration': 'ns'}
+_NUMBERS = {'depth': 'messages', 'deadline': 'ns', 'lifespan': 'ns',
+            'liveliness_lease_duration': 'ns'}
 POLICIES = (*_WORDS, *_NUMBERS)
 
 
 def create(node, entity, message_type, topic, *given, **options):
-    """Return a new 'publisher' or 'subscription' of a node with the overrides it was given; arguments as of rclpy."""
+    """
+    Return a new 'publisher' or 'subscription' of a node with the overrides it was given.
+
+    Arguments as of rclpy.
+    """
     name = f'{PREFIX}{node.resolve_topic_name(topic)}.{entity}.'
-    kinds = [QoSPolicyKind[policy.upper()] for policy in POLICIES if node.has_parameter(name + policy)]
+    kinds = [QoSPolicyKind[policy.upper()] for policy in POLICIES
+             if node.has_parameter(name + policy)]
     make = getattr(node, f'create_{entity}')
-    return make(message_type, topic, *given, **options, qos_overriding_options=QoSOverridingOptions(kinds))
+    return make(message_type, topic, *given, **options,
+                qos_overriding_options=QoSOverridingOptions(kinds))
 
 
 def has_override(node, entity, topic, policy):
@@ -44,10 +59,12 @@ def _why_not(parts, value, topics):
     if entity != topics[topic]:
         return f'{topic} is a {topics[topic]}'
     if policy in _WORDS:
-        words = [word.lower() for word in _WORDS[policy].__members__ if word.isupper() and word != 'UNKNOWN']
+        words = [word.lower() for word in _WORDS[policy].__members__ if word.isupper()
+                 and word != 'UNKNOWN']
         return '' if value in words else f'must be one of {", ".join(words)}'
     if policy in _NUMBERS:
-        return '' if type(value) is int and value >= 0 else f'must be a number of {_NUMBERS[policy]}, not negative'
+        return ('' if type(value) is int and value >= 0 else 'must be a number of '
+                                                             f'{_NUMBERS[policy]}, not negative')
     return f'must be one of {", ".join(POLICIES)}'
 
 

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The log, kept readable: at most one line per cause and interval, with how many there were."""
 from __future__ import annotations
 

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The bag of a node, if one is being written: its contents and its state."""
 from __future__ import annotations
 
@@ -33,7 +35,8 @@ class OpenBag(NamedTuple):
 
 class Recording:
     """
-    The bag of one node, if one is being written; the stream opens, attaches, detaches and closes it.
+    The bag of one node, if one is being written; the stream opens, attaches, detaches and closes
+    it.
 
     Parameters
     ----------
@@ -75,7 +78,8 @@ class Recording:
 
         It waits for the disk, so it must not run during a step; :meth:`attach` is quick.
         """
-        try:                                             # only scenes that record need the mcap library
+        # only scenes that record need the mcap library
+        try:
             from fourbar_ros.bag.recorder import BagError, BagWriter, Split
         except ModuleNotFoundError as error:
             raise MissingPackage('recording', error) from None
@@ -85,7 +89,8 @@ class Recording:
             raise BagError(f'already recording to {self._writer.path}')
         if self._writer:
             with contextlib.suppress(BagError):
-                self._writer.close()                     # a bag that ended by an error, which was logged
+                # a bag that ended by an error, which was logged
+                self._writer.close()
         topics = [DRIVEN, SCENE, *scene.wrench_topics, *scene.topics.values()]
         if scene.drive.source in INPUTS:
             topics.append(INPUTS[scene.drive.source])
@@ -97,7 +102,8 @@ class Recording:
         writer = BagWriter(directory_of(scene), name,
                            [channel(topic, resolved[topic.name]) for topic in topics], about,
                            tell=self._node.get_logger().error,
-                           split=Split(round(scene.recording.split_size * 1e6), scene.recording.split_duration,
+                           split=Split(round(scene.recording.split_size * 1e6),
+                                       scene.recording.split_duration,
                                        scene.recording.keep, head=topics.index(DRIVEN)))
         return OpenBag(writer, {topic.name: number for number, topic in enumerate(topics)})
 
@@ -131,7 +137,11 @@ class Recording:
         return path
 
     def write(self, topic, data):
-        """Record the serialised message of a topic, by its short name, if a bag is open; never waits."""
+        """
+        Record the serialised message of a topic, by its short name, if a bag is open.
+
+        Never waits.
+        """
         writer = self._writer            # another thread may stop the recording meanwhile
         if writer:
             writer.write(self._channels[topic], data)

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Messages that were sent but never taken, by the numbers that publishers give them."""
 from __future__ import annotations
 

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Entry point of fourbar_node: catches signals, then imports the node, which takes a while."""
 from __future__ import annotations
 

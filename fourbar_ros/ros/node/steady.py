@@ -1,9 +1,11 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Timers that no setting of the system clock can stop.
 
-The executor and rclpy's timers wait until a time of the system clock, those on a steady clock too: the wheels
-are built with a libstdc++ that knows no other wait. Set that clock back by an hour, and a wait of 0.1 s takes
-an hour: no timer runs, and no signal is seen.
+The executor and rclpy's timers wait until a time of the system clock, those on a steady clock too:
+the wheels are built with a libstdc++ that knows no other wait. Set that clock back by an hour, and
+a wait of 0.1 s takes an hour: no timer runs, and no signal is seen.
 """
 from __future__ import annotations
 
@@ -23,7 +25,11 @@ class SteadyTimers:
         self._ended, self._thread, self._is_asked = Event(), None, False
 
     def add(self, period: float, callback: Callable[[], None]) -> object:
-        """Call a function every ``period`` seconds from now on; return what :meth:`remove` takes."""
+        """
+        Call a function every ``period`` seconds from now on.
+
+        Return what :meth:`remove` takes.
+        """
         timer = object()
         self._due[timer], self._timers[timer] = time.monotonic() + period, (period, callback)
         return timer

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """From one input to all outputs with subscribers or a recorder."""
 from __future__ import annotations
 
@@ -31,13 +33,16 @@ class Stream:
 
     def __init__(self, node, scene, recording):
         self._recording, self._log = recording, StatusLog(node.log)
-        self._lock = threading.Lock()                    # held in a step, and while anything changes
+        # held in a step, and while anything changes
+        self._lock = threading.Lock()
         self.steps, self.bad_steps, self.status = 0, 0, OK
         self.outputs = Outputs(node, recording)
         self._scene_publisher = qos.create(
-            node, 'publisher', String, SCENE.topic, QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+            node, 'publisher', String, SCENE.topic,
+            QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
         self._stepper, self._applied = Stepper(scene), {}
-        if scene.wrenches.links:                         # only these scenes need the messages of wrenches
+        # only these scenes need the messages of wrenches
+        if scene.wrenches.links:
             from fourbar_ros.ros.node.wrenches import Applied
             self._applied = {link: Applied(node, link) for link in scene.wrenches.links}
         self.apply(scene)
@@ -67,11 +72,13 @@ class Stream:
     def start_recording(self, name=''):
         """Start a bag whose first message is the scene; return its path; raises FourBarError."""
         scene = self.scene
-        bag = self._recording.open(scene, name)          # outside of the lock: the disk may be slow
+        # outside of the lock: the disk may be slow
+        bag = self._recording.open(scene, name)
         with self._lock:
             if self.scene.topics == scene.topics:
                 path = self._recording.attach(bag)
-                # Values held from before are dropped: the bag alone must be enough to recompute it.
+                # Values held from before are dropped: the bag alone must be enough to recompute
+                # it.
                 self._stepper = Stepper(self.scene, self._stepper.acting)
                 self._recording.write(SCENE.name, self._scene_bytes())
                 for applied in self._applied.values():
@@ -81,10 +88,15 @@ class Stream:
         raise FourBarError('the outputs changed in the meantime: try again')
 
     def stop_recording(self):
-        """Close the bag after a whole step; return its path, None if there was none; raises BagError."""
+        """
+        Close the bag after a whole step.
+
+        Return its path, None if there was none; raises BagError.
+        """
         with self._lock:
             writer = self._recording.detach()
-        return self._recording.close(writer) if writer else None      # outside of the lock: it waits for the disk
+        # outside of the lock: it waits for the disk
+        return self._recording.close(writer) if writer else None
 
     def _scene_bytes(self):
         return serialize_message(String(data=self.scene.as_json))
@@ -117,7 +129,11 @@ class Stream:
         self._log.timeout(seconds)
 
     def _as_it_came(self, *given):
-        """Return values of which only the input is known: those of a step may be held or clamped."""
+        """
+        Return values of which only the input is known.
+
+        Those of a step may be held or clamped.
+        """
         values = list(self._unknown)
         for place, value in zip(self._given, given):
             values[place] = value

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Forces from outside: topics of WrenchStamped, what acts in a silence, what is said of it."""
 from __future__ import annotations
 

@@ -1,9 +1,12 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
-The error of every output in units of eps times its condition, over families of ordinary and extreme cases.
+The error of every output in units of eps times its condition, over families of ordinary and
+extreme cases.
 
-The condition is exact to first order: what the result moves by when each given number is rounded. About one
-eps cond is what no algorithm can avoid; see :func:`reference.condition`. The counts of the default run
-are a sample, ``-m slow`` runs the full ones.
+The condition is exact to first order: what the result moves by when each given number is rounded.
+About one eps cond is what no algorithm can avoid; see :func:`reference.condition`. The counts of
+the default run are a sample, ``-m slow`` runs the full ones.
 """
 from math import acos, fsum, nextafter, pi, remainder, sin
 from typing import NamedTuple
@@ -11,14 +14,16 @@ from typing import NamedTuple
 import mpmath as mp
 import numpy as np
 import pytest
-from support.reference import EPS, LOAD_NAMES, MOTION_FIELDS, condition, loads_of, motion_of, pose, random_lengths
+from support.reference import (EPS, LOAD_NAMES, MOTION_FIELDS, condition, loads_of, motion_of,
+                               pose, random_lengths)
 
 from fourbar_ros import CROSSED, OPEN, Applied, Bodies, Body, External, FourBar
 
-# Bounds in eps cond. For angles a condition below one radian counts as one: they are parts of a turn.
+# Bounds in eps cond. For angles a condition below one radian counts as one: they are parts of a
+# turn.
 ANGLE_BOUND, RATE_BOUND, LOADS_BOUND = 2.0, 5.0, 5.0
-# Loads at an exact change point: the condition is that of the linkages that remain one, see motion_errors;
-# what the accelerations lose against it the loads lose too.
+# Loads at an exact change point: the condition is that of the linkages that remain one, see
+# motion_errors; what the accelerations lose against it the loads lose too.
 EXACT_LOADS_BOUND = 50.0
 # theta4 itself [rad], where its condition is not above 6 (not in line within some degrees).
 THETA4_BOUND, ORDINARY = 3e-15, 6.0
@@ -31,7 +36,8 @@ class Case(NamedTuple):
     lengths: object     # parameters -> a1, a2, a3, a4
     theta1: float
     speed: float = 1.0
-    exact: bool = False      # change point: outputs that are constant have no condition, see motion_errors
+    # change point: outputs that are constant have no condition, see motion_errors
+    exact: bool = False
 
 
 def free(lengths, theta1, speed=1.0):
@@ -66,7 +72,7 @@ def small(rng, low, high):
     return rng.choice((-1.0, 1.0)) * 10.0**rng.uniform(low, high)
 
 
-# --- families --------------------------------------------------------------------------------------
+# --- families ------------------------------------------------------------------------------------
 
 def random_linkage(rng):
     lengths = any_lengths(rng)
@@ -116,7 +122,8 @@ def near_change_point(rng):
         flat, a4 = ((pi, a2 + a3 - a1), (0.0, a2 - a3 + a1), (0.0, a3 - a2 + a1))[rng.integers(3)]
         lengths = (a1, a2, a3, a4 * (1.0 + small(rng, -16, -3)))
         if closes(lengths):
-            return free(lengths, flat + small(rng, -14, 0) if rng.random() < 0.7 else somewhere(rng, lengths))
+            return free(lengths, flat + small(rng, -14, 0) if rng.random() < 0.7
+                        else somewhere(rng, lengths))
 
 
 def near_parallelogram(rng):
@@ -128,7 +135,8 @@ def near_parallelogram(rng):
 def near_kite(rng):
     one, other = rng.uniform(0.1, 1.0, 2)
     near = 1.0 + small(rng, -16, -2)
-    lengths = (one, other, other * near, one / near) if rng.random() < 0.5 else (one, one * near, other, other / near)
+    lengths = ((one, other, other * near, one / near) if rng.random() < 0.5
+               else (one, one * near, other, other / near))
     return free(lengths, small(rng, -14, 0))
 
 
@@ -139,10 +147,12 @@ def link_ratios(power):
             lengths = 10.0**rng.uniform(-power, power, 4)
             order = np.argsort(lengths)
             if rng.random() < 0.7:
-                lengths[order[2]] = lengths[order[3]] + rng.uniform(-1.0, 1.0) * lengths[order[:2]].sum()
+                lengths[order[2]] = (lengths[order[3]]
+                                     + rng.uniform(-1.0, 1.0) * lengths[order[:2]].sum())
             if closes(lengths):
                 break
-        return free(lengths, somewhere(rng, lengths) if rng.random() < 0.7 else small(rng, -power, 0))
+        return free(lengths, somewhere(rng, lengths) if rng.random() < 0.7
+                    else small(rng, -power, 0))
     return family
 
 
@@ -166,7 +176,11 @@ def dyadic(rng, count):
 
 
 def exactly(lengths, count, flats):
-    """Return a family of exact change points: the condition is that of the parameters that keep it so."""
+    """
+    Return a family of exact change points.
+
+    The condition is that of the parameters that keep it so.
+    """
     def family(rng):
         while True:
             parameters = dyadic(rng, count)
@@ -186,7 +200,8 @@ FAMILIES = {
     'theta4 near pi': output_near_pi, 'rocker near its limit': rocker_near_limit,
     'crank near a toggle': crank_near_toggle, 'near a change point': near_change_point,
     'near a parallelogram': near_parallelogram, 'near a kite': near_kite,
-    'link ratios 1e3': link_ratios(1.5), 'link ratios 1e8': link_ratios(4.0), 'link ratios 1e16': link_ratios(8.0),
+    'link ratios 1e3': link_ratios(1.5), 'link ratios 1e8': link_ratios(4.0),
+    'link ratios 1e16': link_ratios(8.0),
     'units': units, 'speeds': speeds, 'many turns': many_turns,
     'flat at pi': exactly(lambda a, b, c: (a, b, c, b + c - a), 3, (pi,)),
     'flat at 0, coupler first': exactly(lambda a, b, c: (a, b + c - a, b, c), 3, (0.0,)),
@@ -198,7 +213,7 @@ FAMILIES = {
 }
 
 
-# --- errors ----------------------------------------------------------------------------------------
+# --- errors --------------------------------------------------------------------------------------
 
 def draw(rng, family):
     """Return a case of a family, a mode, and the lengths in doubles; one that can be assembled."""
@@ -213,8 +228,8 @@ def motion_errors(rng, family):
     """
     Return the error of each of MOTION_FIELDS in eps cond, and that of an ordinary theta4 in rad.
 
-    At constant rate, so that the accelerations are the second derivatives; those due to alpha1 are the
-    rates over again.
+    At constant rate, so that the accelerations are the second derivatives; those due to alpha1 are
+    the rates over again.
     """
     case, mode, lengths = draw(rng, family)
     omega, alpha = case.speed * rng.normal(), 0.0
@@ -226,10 +241,12 @@ def motion_errors(rng, family):
     errors[:2] = [min(e, abs(e - 2 * mp.pi)) for e in errors[:2]]
     cond[:2] = [max(c, 1) for c in cond[:2]]
     if case.exact:
-        # Compared with linkages that remain a change point the condition can vanish (y' = 1, y'' = 0 of a
-        # parallelogram). Left is the last digit of the rates, which enters y'' times a1 a4 sin(x)/|A O4|^2.
+        # Compared with linkages that remain a change point the condition can vanish (y' = 1, y'' =
+        # 0 of a parallelogram). Left is the last digit of the rates, which enters y'' times a1 a4
+        # sin(x)/|A O4|^2.
         a1, _, _, a4 = lengths
-        factor = a1 * a4 * abs(sin(case.theta1)) / ((a1 - a4)**2 + 4.0 * a1 * a4 * sin(0.5 * case.theta1)**2)
+        factor = a1 * a4 * abs(sin(case.theta1)) / ((a1 - a4)**2
+                                                    + 4.0 * a1 * a4 * sin(0.5 * case.theta1)**2)
         least = [1.0] * 2 + [abs(omega)] * 4 + [omega**2 * (1.0 + factor * (a1 != a4))] * 4
         cond = [max(c, mp.mpf(limit)) for c, limit in zip(cond, least)]
     radians = float(errors[0]) if cond[0] <= ORDINARY else 0.0
@@ -238,7 +255,8 @@ def motion_errors(rng, family):
 
 def random_masses(rng, reach, speed):
     """Return bodies, applied loads and gravity as tuples of floats, all of a size that matters."""
-    bodies = [(rng.uniform(0.1, 10.0), *rng.uniform(-1.0, 1.0, 2) * reach, rng.uniform(0.0, 1.0) * reach**2)
+    bodies = [(rng.uniform(0.1, 10.0), *rng.uniform(-1.0, 1.0, 2) * reach,
+               rng.uniform(0.0, 1.0) * reach**2)
               for _ in range(3)]
     force = reach * speed**2
     applied = [(*rng.uniform(-5.0, 5.0, 2) * force, *rng.uniform(-1.0, 1.0, 2) * reach,
@@ -260,13 +278,15 @@ def load_errors(rng, family):
                         [split[12 + 5 * i:17 + 5 * i] for i in range(2)], split[22:])
 
     truth, cond = condition(exact, [mp.mpf(float(v)) for v in (
-        case.theta1, omega, alpha, *case.parameters, *sum(bodies, ()), *sum(applied, ()), *gravity)])
+        case.theta1, omega, alpha, *case.parameters, *sum(bodies, ()), *sum(applied, ()),
+        *gravity)])
     linkage = FourBar(*lengths, mode=mode, gravity=tuple(map(float, gravity)),
                       bodies=Bodies(*(Body(*map(float, b)) for b in bodies)),
                       external=External(*(Applied(*map(float, a)) for a in applied)))
     loads = linkage.loads(case.theta1, omega, alpha)
     given = [mp.mpc(getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y'))
-             if isinstance(t, mp.mpc) else getattr(loads, name) for name, t in zip(LOAD_NAMES, truth)]
+             if isinstance(t, mp.mpc) else getattr(loads, name)
+             for name, t in zip(LOAD_NAMES, truth)]
     return [float(abs(g - t) / (EPS * c)) for g, t, c in zip(given, truth, cond)]
 
 
@@ -279,13 +299,15 @@ def worst(function, family, seed, count):
 def check_motion(family, seed, count):
     *errors, radians = worst(motion_errors, family, seed, count)
     bounds = [ANGLE_BOUND] * 2 + [RATE_BOUND] * 8
-    assert {name: error for name, error, bound in zip(MOTION_FIELDS, errors, bounds) if not error <= bound} == {}
+    assert {name: error for name, error, bound in zip(MOTION_FIELDS, errors, bounds)
+            if not error <= bound} == {}
     assert radians <= THETA4_BOUND
 
 
 def check_loads(family, seed, count):
     errors = worst(load_errors, family, seed, count)
-    bound = EXACT_LOADS_BOUND if FAMILIES[family](np.random.default_rng(seed)).exact else LOADS_BOUND
+    bound = (EXACT_LOADS_BOUND if FAMILIES[family](np.random.default_rng(seed)).exact
+             else LOADS_BOUND)
     assert {name: error for name, error in zip(LOAD_NAMES, errors) if not error <= bound} == {}
 
 
@@ -311,13 +333,14 @@ def test_loads_in_full(family):
     check_loads(family, 34, 20000 if family == 'random' else 300)
 
 
-# --- near a toggle, relative to the peak -----------------------------------------------------------
+# --- near a toggle, relative to the peak ---------------------------------------------------------
 
 def near_toggle_error(rng, margin):
     """Return the error of theta4'' over its peak for a crank that clears a toggle by a margin."""
     while True:
         a1, _, a3, a4 = crank_lengths(rng).tolist()
-        lengths = (a1, a4 - a1 + a3 - margin * (a4 - a1), a3, a4)      # w = small at theta1 = 0... u at pi
+        # w = small at theta1 = 0... u at pi
+        lengths = (a1, a4 - a1 + a3 - margin * (a4 - a1), a3, a4)
         if closes(lengths) and FourBar(*lengths).classification == 'Grashof crank-rocker':
             break
     x = np.concatenate([sign * 10.0**np.linspace(-9, 0.49, 60) for sign in (-1.0, 1.0)])
@@ -332,9 +355,10 @@ def test_second_derivative_near_a_toggle_relative_to_its_peak(margin):
     assert max(near_toggle_error(rng, margin) for _ in range(8)) <= 5e-15
 
 
-# --- exact change points: one-sided values ---------------------------------------------------------
+# --- exact change points: one-sided values -------------------------------------------------------
 
-FLAT_AT_ZERO = [(2.0, 3.5, 4.0, 1.5), (2.0, 3.0, 4.0, 3.0), (2.0, 3.0, 2.0, 3.0), (2.0, 3.0, 3.0, 2.0),
+FLAT_AT_ZERO = [(2.0, 3.5, 4.0, 1.5), (2.0, 3.0, 4.0, 3.0), (2.0, 3.0, 2.0, 3.0),
+                (2.0, 3.0, 3.0, 2.0),
                 (2.0, 2.0, 3.0, 3.0), (1.0, 1.0, 1.0, 1.0)]
 
 
@@ -353,7 +377,8 @@ def test_flat_position_at_zero_has_the_limit_from_above(lengths, mode):
 
 def test_rate_jumps_at_the_flat_position_at_pi():
     linkage = FourBar(2.0, 4.0, 3.0, 5.0)     # a1 + a4 = a2 + a3
-    before, after = linkage.motion(pi, 1.0), linkage.motion(nextafter(pi, 4.0), 1.0)     # pi is below pi
+    # pi is below pi
+    before, after = linkage.motion(pi, 1.0), linkage.motion(nextafter(pi, 4.0), 1.0)
     assert sorted((before.omega4, after.omega4)) == pytest.approx([-0.2359, 0.8074], abs=5e-5)
     for motion, at in ((before, pi), (after, nextafter(pi, 4.0))):
         exact = pose(linkage.lengths, 1, mp.mpf(at))
@@ -375,4 +400,5 @@ def test_one_last_bit_from_a_change_point(lengths, ulps):
         motion = linkage.motion(x, 1.0)
         assert abs(remainder(float(motion.theta4 - exact.y), 2.0 * pi)) <= 4 * EPS
         assert motion.omega4 == pytest.approx(float(exact.dy), rel=1e-13, abs=1e-14)
-        assert abs(motion.alpha4 - exact.ddy) <= 32 * EPS * max(1.0, abs(float(exact.ddy)), abs(float(exact.ddy * x)))
+        assert abs(motion.alpha4 - exact.ddy) <= 32 * EPS * max(1.0, abs(float(exact.ddy)),
+                                                                abs(float(exact.ddy * x)))

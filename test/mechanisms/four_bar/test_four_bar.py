@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The linkage: what is refused, its class, its limits, its dead points, its mode."""
 from fractions import Fraction
 from math import acos, inf, nan, pi, remainder
@@ -59,17 +61,22 @@ def test_round_rod_is_table_1_of_the_paper():
             round_rod(*bad)
 
 
-# --- classes ---------------------------------------------------------------------------------------
+# --- classes -------------------------------------------------------------------------------------
 
 def reachable(lengths, angles):
-    """Return at which input angles the linkage closes: the diagonal fits between a2 + a3 and |a2 - a3|."""
+    """
+    Return at which input angles the linkage closes.
+
+    The diagonal fits between a2 + a3 and |a2 - a3|.
+    """
     a1, a2, a3, a4 = lengths
     q = a1**2 + a4**2 - 2.0 * a1 * a4 * np.cos(angles)
     return ((a2 - a3)**2 < q) & (q < (a2 + a3)**2)
 
 
 AROUND = np.linspace(-pi, pi, 720, endpoint=False) + pi / 720.0
-CLASSES = {     # whether input, output, coupler turn fully; whether the input ranges hold 0 and pi, the output's
+# whether input, output, coupler turn fully; whether the input ranges hold 0 and pi, the output's
+CLASSES = {
     'Grashof crank-rocker': (True, False, False),
     'Grashof double-crank': (True, True, True),
     'Grashof rocker-crank': (False, True, False),
@@ -87,7 +94,8 @@ def test_eight_classes_by_brute_force():
         a1, a2, a3, a4 = lengths
         from_input = reachable(lengths, AROUND)
         from_output = reachable((a3, a2, a1, a4), pi - AROUND)        # the linkage seen from O4
-        relative = reachable((a1, a4, a3, a2), AROUND)                # crank and coupler at A: link a1 held
+        # crank and coupler at A: link a1 held
+        relative = reachable((a1, a4, a3, a2), AROUND)
         if linkage.classification.startswith('Grashof'):
             expected = CLASSES[linkage.classification]
             assert (from_input.all(), from_output.all()) == expected[:2], lengths
@@ -103,7 +111,8 @@ def test_eight_classes_by_brute_force():
     assert len(seen) == 8
 
 
-@pytest.mark.parametrize('lengths', [(2.0, 4.0, 3.0, 5.0), (2.0, 3.0, 2.0, 3.0), (2.0, 2.0, 3.0, 3.0),
+@pytest.mark.parametrize('lengths', [(2.0, 4.0, 3.0, 5.0), (2.0, 3.0, 2.0, 3.0),
+                                     (2.0, 2.0, 3.0, 3.0),
                                      (2.0, 3.0, 3.0, 2.0), (1.0, 1.0, 1.0, 1.0)])
 def test_change_points_are_exact(lengths):
     linkage = FourBar(*lengths)
@@ -112,11 +121,12 @@ def test_change_points_are_exact(lengths):
     assert off.classification != 'change point' and 0.0 < off.change_point_margin < EPS
 
 
-# --- input and output limits -----------------------------------------------------------------------
+# --- input and output limits ---------------------------------------------------------------------
 
 def test_limits_of_a_rocker_input():
     (low, high), = FourBar(4.0, 3.0, 2.0, 8.0).input_ranges
-    assert high == pytest.approx(acos(55.0 / 64.0), rel=2 * EPS) and low == -high      # 30.7535 deg
+    # 30.7535 deg
+    assert high == pytest.approx(acos(55.0 / 64.0), rel=2 * EPS) and low == -high
 
 
 def exact_limits(lengths):
@@ -142,7 +152,8 @@ def test_ranges_hold_the_exact_limits_to_the_last_bits():
     assert shapes == {(1, True, False), (1, False, False), (1, False, True), (2, False, False)}
 
 
-@pytest.mark.parametrize('lengths', [(4.0, 3.0, 2.0, 8.0), (4.0, 3.0, 2.5, 3.5), (3.0, 2.0, 4.0, 3.5),
+@pytest.mark.parametrize('lengths', [(4.0, 3.0, 2.0, 8.0), (4.0, 3.0, 2.5, 3.5),
+                                     (3.0, 2.0, 4.0, 3.5),
                                      (5.0, 4.0, 2.0, 4.5)])
 def test_just_inside_and_just_outside_a_limit(lengths):
     linkage = FourBar(*lengths)
@@ -151,7 +162,8 @@ def test_just_inside_and_just_outside_a_limit(lengths):
         for end, inward in ((low, 1.0), (high, -1.0)):
             for distance in (1e-14, 1e-12, 1e-8, 1e-4):
                 motion = linkage.motion(end + inward * distance, 1.0)
-                assert motion.sin_mu == pytest.approx(0.0, abs=10.0 * distance**0.5) and motion.sin_mu > 0.0
+                assert (motion.sin_mu == pytest.approx(0.0, abs=10.0 * distance**0.5)
+                        and motion.sin_mu > 0.0)
                 assert abs(motion.omega4) > 0.01 / distance**0.5
                 with pytest.raises(OutOfRange):
                     linkage.motion(end - inward * distance, 1.0)
@@ -164,7 +176,8 @@ def test_just_inside_and_just_outside_a_limit(lengths):
 
 def test_full_turns_of_the_input_angle_change_nothing_but_rounding():
     linkage = FourBar(4.0, 3.0, 2.0, 8.0)
-    assert linkage.motion(0.1 + 20.0 * pi).theta4 == pytest.approx(linkage.motion(0.1).theta4, abs=1e-13)
+    assert linkage.motion(0.1 + 20.0 * pi).theta4 == pytest.approx(linkage.motion(0.1).theta4,
+                                                                   abs=1e-13)
     with pytest.raises(OutOfRange):
         linkage.motion(pi + 20.0 * pi)
 
@@ -199,7 +212,7 @@ def test_output_of_a_crank_rocker_stays_between_its_dead_points():
     assert FourBar(5.0, 4.0, 4.5, 2.0).output_ranges == ((-pi, pi),)     # double-crank
 
 
-# --- the mode holds --------------------------------------------------------------------------------
+# --- the mode holds ------------------------------------------------------------------------------
 
 @pytest.mark.parametrize('lengths', [(2.0, 4.0, 5.0, 3.01), (4.0, 3.5, 3.0, 2.0)])
 @pytest.mark.parametrize('mode', [CROSSED, OPEN])
@@ -216,8 +229,10 @@ def test_no_mode_flips_at_any_step_size(lengths, mode):
         np.testing.assert_allclose(np.exp(1j * first), np.exp(1j * second), atol=1e-13 * 1e3)
         if steps == 3600:
             jumps = np.abs(np.remainder(np.diff(motion.theta4) + pi, 2.0 * pi) - pi)
-            limit = 2.0 * np.abs(linkage.motion(theta1, 1.0).omega4[inside]).max() * 2.0 * pi / steps
+            limit = (2.0 * np.abs(linkage.motion(theta1, 1.0).omega4[inside]).max() * 2.0 * pi
+                     / steps)
             assert np.nanmax(jumps) <= limit
         if steps < 12:
             for x, y in zip(theta1[inside].tolist(), motion.theta4[inside].tolist()):
-                assert abs(remainder(y - float(pose(lengths, linkage.sign, mp.mpf(x)).y), 2 * pi)) <= 64 * EPS
+                assert abs(remainder(y - float(pose(lengths, linkage.sign, mp.mpf(x)).y),
+                                     2 * pi)) <= 64 * EPS

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Reactions, torque, shaking wrench: the paper's linkage, its Eq. (9), power and momentum."""
 from dataclasses import astuple
 from math import cos, hypot, nan, sin
@@ -29,12 +31,15 @@ def random_loaded(seed, count):
     """Yield random linkages of all classes in both modes with everything acting, and an input (x, w, a)."""
     rng = np.random.default_rng(seed)
     for i, lengths in enumerate(random_lengths(rng, count)):
-        bodies = Bodies(*(Body(rng.uniform(0.1, 10.0), *rng.uniform(-1.0, 1.0, 2), rng.uniform(0.0, 1.0))
+        bodies = Bodies(*(Body(rng.uniform(0.1, 10.0), *rng.uniform(-1.0, 1.0, 2),
+                               rng.uniform(0.0, 1.0))
                           for _ in range(3)))
         linkage = FourBar(*lengths.tolist(), mode=(CROSSED, OPEN)[i % 2], bodies=bodies,
                           gravity=tuple(rng.uniform(-10.0, 10.0, 2).tolist()),
-                          external=External(*(Applied(*rng.uniform(-50.0, 50.0, 2), *rng.uniform(-1.0, 1.0, 2),
-                                                      rng.uniform(-20.0, 20.0)) for _ in range(2))))
+                          external=External(*(Applied(*rng.uniform(-50.0, 50.0, 2),
+                                                      *rng.uniform(-1.0, 1.0, 2),
+                                                      rng.uniform(-20.0, 20.0))
+                                              for _ in range(2))))
         low, high = linkage.input_ranges[-1]
         theta1 = rng.uniform(low + 0.02 * (high - low), high - 0.02 * (high - low))
         yield linkage, (float(theta1), float(rng.normal(0.0, 5.0)), float(rng.normal(0.0, 20.0)))
@@ -43,7 +48,8 @@ def random_loaded(seed, count):
 def exact_links(linkage, theta1, omega1, alpha1):
     """Return the free bodies of the reference for a linkage and an input."""
     place = pose(linkage.lengths, linkage.sign, mp.mpf(theta1))
-    given = [[[mp.mpf(v) for v in astuple(item)] for item in items] for items in (linkage.bodies, linkage.external)]
+    given = [[[mp.mpf(v) for v in astuple(item)] for item in items]
+             for items in (linkage.bodies, linkage.external)]
     return free_bodies(linkage.lengths, place, mp.mpf(theta1), mp.mpf(omega1), mp.mpf(alpha1),
                        *given, [mp.mpf(g) for g in linkage.gravity])
 
@@ -51,7 +57,8 @@ def exact_links(linkage, theta1, omega1, alpha1):
 @pytest.mark.parametrize('field, theta1, value', [
     ('shaking_force', 0.10962848, 2512.318373), ('shaking_moment', 0.21995444, 2048.609105),
     ('driving_torque', 6.21476980, 720.4715562), ('f41', 0.11551325, 3862.925021),
-    ('f21', 0.11396259, 3747.46146), ('f32', 0.13068520, 2788.891825), ('f43', 0.15042420, 2655.173464)])
+    ('f21', 0.11396259, 3747.46146), ('f32', 0.13068520, 2788.891825),
+    ('f43', 0.15042420, 2655.173464)])
 def test_largest_loads_of_the_paper_linkage(field, theta1, value):
     """Six engines agree on these (the paper's Table 3 has momenta in place of forces)."""
     assert abs(getattr(PAPER.loads(theta1, 25.0), field)) == pytest.approx(value, rel=3e-10)
@@ -69,17 +76,23 @@ def test_closed_form_is_the_nine_by_nine_system_of_the_paper():
                  for name in ('f41', 'f21', 'f32', 'f43')] + [loads.driving_torque]
         for value, truth in zip(given, exact):
             assert abs(truth - value) <= 1e-14 * motion.condition**2 * largest
-        assert all(abs(a - b) <= mp.mpf(10)**-100 * largest for a, b in zip(exact, reactions(links)))
+        assert all(abs(a - b) <= mp.mpf(10)**-100 * largest
+                   for a, b in zip(exact, reactions(links)))
 
 
 def solve_eq_9(linkage, motion):
-    """Solve Eq. (9) in doubles for the given motion; return the nine unknowns, refined once, and its condition."""
+    """
+    Solve Eq.
+
+    (9) in doubles for the given motion; return the nine unknowns, refined once, and its condition.
+    """
     a, right = np.zeros((9, 9)), np.zeros(9)
     of_a = np.zeros(2)
     frames = ((motion.cos_x, motion.sin_x, motion.omega1, motion.alpha1),
               (motion.cos_b, motion.sin_b, motion.omega_beta, motion.alpha_beta),
               (motion.cos_y, motion.sin_y, motion.omega4, motion.alpha4))
-    for i, (body, length, (c, s, w, acc)) in enumerate(zip(linkage.bodies, linkage.lengths, frames)):
+    for i, (body, length, (c, s, w, acc)) in enumerate(zip(linkage.bodies, linkage.lengths,
+                                                           frames)):
         turn, spin = np.array([[c, -s], [s, c]]), np.array([[-w * w, -acc], [acc, -w * w]])
         centre, end = turn @ (body.cg_along, body.cg_across), turn @ (length, 0.0)
         arms = [-centre, end - centre][::-1 if i == 2 else 1]
@@ -89,8 +102,10 @@ def solve_eq_9(linkage, motion):
         push = linkage.external[i - 1] if i else Applied()
         force = np.array([push.force_x, push.force_y])
         arm = turn @ (push.along, push.across) - centre
-        right[3 * i:3 * i + 2] = body.mass * (spin @ centre + (of_a if i == 1 else 0.0) - linkage.gravity) - force
-        right[3 * i + 2] = body.inertia * acc - push.couple - (arm[0] * force[1] - arm[1] * force[0])
+        right[3 * i:3 * i + 2] = body.mass * (spin @ centre + (of_a if i == 1 else 0.0)
+                                              - linkage.gravity) - force
+        right[3 * i + 2] = (body.inertia * acc - push.couple
+                            - (arm[0] * force[1] - arm[1] * force[0]))
         if i == 0:
             of_a = spin @ end
     a[2, 8] = 1.0
@@ -99,18 +114,24 @@ def solve_eq_9(linkage, motion):
 
 
 def test_closed_form_solves_eq_9_in_doubles():
-    """With the same motion the two differ by the rounding of the solve only: 1e-14 times its condition."""
+    """
+    With the same motion the two differ by the rounding of the solve only.
+
+    1e-14 times its condition.
+    """
     for linkage, state in random_loaded(12, 200):
         motion, loads = linkage.step(*state)
         unknowns, condition = solve_eq_9(linkage, motion)
         largest = np.abs(unknowns).max()
-        np.testing.assert_allclose(loads[:8], unknowns[:8], rtol=0.0, atol=8 * EPS * condition * largest)
+        np.testing.assert_allclose(loads[:8], unknowns[:8], rtol=0.0,
+                                   atol=8 * EPS * condition * largest)
         assert abs(loads.driving_torque - unknowns[8]) <= 8 * EPS * condition * largest
 
 
 def inertia_state(linkage, motion):
     """
-    Return dP/dt, dH/dt about O1 and dE/dt less what gravity and external loads give, and their sizes.
+    Return dP/dt, dH/dt about O1 and dE/dt less what gravity and external loads give, and their
+    sizes.
 
     Independent of the reactions: only places, velocities and accelerations of points of the links.
     """
@@ -124,12 +145,14 @@ def inertia_state(linkage, motion):
     totals, sizes = np.zeros(4), np.zeros(3)
     for body, push, (origin, speed, growth, turn, w, acc) in zip(
             linkage.bodies, (Applied(), *linkage.external), frames):
-        centre, point = turn * complex(body.cg_along, body.cg_across), turn * complex(push.along, push.across)
+        centre, point = turn * complex(body.cg_along,
+                                       body.cg_across), turn * complex(push.along, push.across)
         needed = body.mass * (growth + (1j * acc - w * w) * centre - gravity)
         couple = body.inertia * acc - push.couple
         for force, arm in ((needed, centre), (-complex(push.force_x, push.force_y), point)):
             place, velocity = origin + arm, speed + 1j * w * arm
-            totals += (force.real, force.imag, (place.conjugate() * force).imag, (velocity.conjugate() * force).real)
+            totals += (force.real, force.imag, (place.conjugate() * force).imag,
+                       (velocity.conjugate() * force).real)
             sizes += (abs(force), abs(place) * abs(force), abs(velocity) * abs(force))
         totals += (0.0, 0.0, couple, couple * w)
         sizes += (0.0, abs(couple), abs(couple * w))
@@ -138,7 +161,8 @@ def inertia_state(linkage, motion):
 
 def test_power_and_momentum_balance():
     """
-    Shaking force = -dP/dt + weights + loads, moment = -dH/dt about O1 likewise, torque power = dE/dt.
+    Shaking force = -dP/dt + weights + loads, moment = -dH/dt about O1 likewise, torque power =
+    dE/dt.
 
     Tolerance: 1e-13 of the summed magnitudes, reactions included, for links not nearly in line.
     """
@@ -148,7 +172,8 @@ def test_power_and_momentum_balance():
         if motion.condition > 10.0:
             continue
         checked += 1
-        force, moment, power, (size_force, size_moment, size_power) = inertia_state(linkage, motion)
+        force, moment, power, (size_force, size_moment,
+                               size_power) = inertia_state(linkage, motion)
         shaking = complex(loads.shaking_force_x, loads.shaking_force_y)
         assert abs(shaking + force) <= 1e-13 * size_force
         assert abs(shaking + complex(loads.f41_x + loads.f43_x, loads.f41_y + loads.f43_y)) <= (
@@ -162,7 +187,8 @@ def test_power_and_momentum_balance():
 
 def test_single_body_by_hand():
     """Only the crank has a mass: no force in the dyad, pendulum torque at O1."""
-    linkage = FourBar(*PAPER.lengths, bodies=Bodies(Body(2.0, 0.25, 0.1, 0.5), Body(0.0), Body(0.0)),
+    linkage = FourBar(*PAPER.lengths, bodies=Bodies(Body(2.0, 0.25, 0.1, 0.5), Body(0.0),
+                                                    Body(0.0)),
                       gravity=(0.0, -9.81))
     theta1, omega1, alpha1 = 0.7, 3.0, -4.0
     loads = linkage.loads(theta1, omega1, alpha1)
@@ -188,13 +214,17 @@ def test_external_force_on_the_coupler_by_hand():
     hung = FourBar(*PAPER.lengths, bodies=nothing,
                    external=External(coupler=Applied(force_y=-100.0, along=PAPER.a2)))
     motion, loads = hung.step(0.8)
-    assert abs(loads.f43_x * motion.sin_y - loads.f43_y * motion.cos_y) <= 64 * EPS * loads.f43     # two-force member
+    # two-force member
+    assert abs(loads.f43_x * motion.sin_y - loads.f43_y * motion.cos_y) <= 64 * EPS * loads.f43
     assert loads.shaking_force_y == -100.0 and loads.shaking_force_x == 0.0
     # virtual work: torque + (-100) dy_B/dtheta1 = 0
-    assert loads.driving_torque == pytest.approx(100.0 * 0.8 * motion.cos_y * motion.velocity_ratio, rel=1e-13)
-    same = FourBar(*PAPER.lengths, bodies=nothing, external=External(output=Applied(force_y=-100.0, along=PAPER.a3)))
+    assert loads.driving_torque == pytest.approx(100.0 * 0.8 * motion.cos_y
+                                                 * motion.velocity_ratio, rel=1e-13)
+    same = FourBar(*PAPER.lengths, bodies=nothing,
+                   external=External(output=Applied(force_y=-100.0, along=PAPER.a3)))
     assert same.loads(0.8).driving_torque == pytest.approx(loads.driving_torque, rel=1e-13)
-    assert (same.loads(0.8).f43_x, same.loads(0.8).f41) == pytest.approx((loads.f43_x, loads.f41), rel=1e-12)
+    assert (same.loads(0.8).f43_x, same.loads(0.8).f41) == pytest.approx((loads.f43_x, loads.f41),
+                                                                         rel=1e-12)
 
 
 def test_couple_on_the_output_link_is_carried_by_the_crank():
@@ -220,8 +250,10 @@ def test_gravity_superposes_and_mirrors():
 
     none, one, two, both = (np.array(torque(g).loads(*state)[:8])
                             for g in ((0.0, 0.0), down, right, (9.81, -9.81)))
-    np.testing.assert_allclose(both - none, one - none + two - none, atol=64 * EPS * np.abs(both).max())
-    mirrored = FourBar(*PAPER.lengths, mode=CROSSED, bodies=PAPER.bodies, gravity=(0.0, 9.81)).loads(-0.8, -25.0, -3.0)
+    np.testing.assert_allclose(both - none, one - none + two - none,
+                               atol=64 * EPS * np.abs(both).max())
+    mirrored = FourBar(*PAPER.lengths, mode=CROSSED, bodies=PAPER.bodies,
+                       gravity=(0.0, 9.81)).loads(-0.8, -25.0, -3.0)
     loads = torque(down).loads(*state)
     assert (mirrored.f32_x, mirrored.f32_y) == (loads.f32_x, -loads.f32_y)
     assert mirrored.driving_torque == -loads.driving_torque
@@ -249,10 +281,12 @@ def test_scaling_all_lengths_by_a_power_of_two_changes_no_bit(power):
     scale = 2.0**power
     for linkage, state in random_loaded(16, 10):
         scaled = FourBar(*(length * scale for length in linkage.lengths), mode=linkage.mode,
-                         bodies=Bodies(*(Body(b.mass / scale, b.cg_along * scale, b.cg_across * scale,
+                         bodies=Bodies(*(Body(b.mass / scale, b.cg_along * scale,
+                                              b.cg_across * scale,
                                               b.inertia * scale) for b in linkage.bodies)),
                          gravity=tuple(g * scale for g in linkage.gravity),
-                         external=External(*(Applied(a.force_x, a.force_y, a.along * scale, a.across * scale,
+                         external=External(*(Applied(a.force_x, a.force_y, a.along * scale,
+                                                     a.across * scale,
                                                      a.couple * scale) for a in linkage.external)))
         one, other = linkage.loads(*state), scaled.loads(*state)
         assert one[:8] == other[:8] and one.driving_torque * scale == other.driving_torque
@@ -268,4 +302,5 @@ def test_loads_without_masses_are_refused():
 def test_out_of_range_loads_are_nan_in_arrays():
     linkage = FourBar(4.0, 3.0, 2.0, 8.0, bodies=PAPER.bodies)
     loads = linkage.loads([0.0, 1.0], 1.0)
-    assert np.isfinite([field[0] for field in loads]).all() and np.isnan([field[1] for field in loads]).all()
+    assert (np.isfinite([field[0] for field in loads]).all()
+            and np.isnan([field[1] for field in loads]).all())

@@ -1,4 +1,10 @@
-"""Position, velocity and acceleration: the seeds' numbers, the loop, the number types, the symmetries."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Position, velocity and acceleration.
+
+The seeds' numbers, the loop, the number types, the symmetries.
+"""
 from math import cos, hypot, inf, nan, nextafter, pi, radians, sin
 
 import mpmath as mp
@@ -27,7 +33,7 @@ def random_motions(seed, count=200):
         yield linkage, float(rng.uniform(low + 0.01 * (high - low), high - 0.01 * (high - low)))
 
 
-# --- the seeds' numbers ----------------------------------------------------------------------------
+# --- the seeds' numbers --------------------------------------------------------------------------
 
 def test_slides_example_7_6():
     open_ = FourBar(*SLIDES_7_6, mode=OPEN).motion(radians(60.0), 10.0, 100.0)
@@ -58,7 +64,8 @@ def test_slides_example_7_7(mode, theta1_deg, alpha4):
 def test_slides_example_7_7_rates(theta1_deg, omega4):
     linkage = FourBar(*SLIDES_7_7, mode=OPEN)
     assert linkage.motion(radians(theta1_deg), 10.0).omega4 == pytest.approx(omega4, abs=0.5e-4)
-    assert linkage.in_mode(CROSSED).motion(radians(-theta1_deg), 10.0).omega4 == pytest.approx(omega4, abs=0.5e-4)
+    assert linkage.in_mode(CROSSED).motion(radians(-theta1_deg),
+                                           10.0).omega4 == pytest.approx(omega4, abs=0.5e-4)
 
 
 @pytest.mark.parametrize('mode, theta1, field, value', [
@@ -67,10 +74,11 @@ def test_slides_example_7_7_rates(theta1_deg, omega4):
     (1, 0.8382412814, 'alpha4', 462.6986573), (1, -0.1482557001, 'alpha4', -1062.775829),
     (2, 0.1482557001, 'alpha4', 1062.775829), (2, 5.444944024, 'alpha4', -462.6986573)])
 def test_table_2_of_the_paper_as_corrected(mode, theta1, field, value):
-    assert getattr(FourBar(*PAPER, mode=mode).motion(theta1, 25.0), field) == pytest.approx(value, rel=5e-10)
+    assert getattr(FourBar(*PAPER, mode=mode).motion(theta1, 25.0),
+                   field) == pytest.approx(value, rel=5e-10)
 
 
-# --- against the reference -------------------------------------------------------------------------
+# --- against the reference -----------------------------------------------------------------------
 
 def test_motion_is_that_of_the_reference():
     for linkage, theta1 in random_motions(1):
@@ -82,8 +90,10 @@ def test_motion_is_that_of_the_reference():
         assert abs(angle_difference(motion.beta, float(exact.b))) <= tolerance
         assert abs(motion.velocity_ratio - exact.dy) <= tolerance
         assert abs(motion.omega_beta - 3 * exact.db) <= 3 * tolerance
-        assert abs(motion.alpha4 - (9 * exact.ddy - 2 * exact.dy)) <= 11 * tolerance * motion.condition
-        assert abs(motion.alpha_beta - (9 * exact.ddb - 2 * exact.db)) <= 11 * tolerance * motion.condition
+        assert abs(motion.alpha4
+                   - (9 * exact.ddy - 2 * exact.dy)) <= 11 * tolerance * motion.condition
+        assert abs(motion.alpha_beta
+                   - (9 * exact.ddb - 2 * exact.db)) <= 11 * tolerance * motion.condition
 
 
 def test_loop_closes_and_mode_holds():
@@ -99,23 +109,26 @@ def test_loop_closes_and_mode_holds():
 def test_fields_are_consistent():
     for linkage, theta1 in random_motions(3, 50):
         m = linkage.motion(theta1, 2.0, 5.0)
-        assert angle_difference(m.theta1 + m.theta2 + m.theta3, m.theta4 + pi) == pytest.approx(0.0, abs=16 * EPS)
+        assert angle_difference(m.theta1 + m.theta2 + m.theta3,
+                                m.theta4 + pi) == pytest.approx(0.0, abs=16 * EPS)
         assert angle_difference(m.beta, theta1 + m.theta2) == pytest.approx(0.0, abs=16 * EPS)
         assert m.omega1 + m.omega2 + m.omega3 == pytest.approx(m.omega4, rel=1e-12, abs=1e-12)
         assert m.alpha1 + m.alpha2 + m.alpha3 == pytest.approx(m.alpha4, rel=1e-11, abs=1e-11)
         assert m.omega4 == pytest.approx(2.0 * m.velocity_ratio, rel=4 * EPS)
-        assert m.transmission_angle == pytest.approx(abs(angle_difference(m.theta4, m.beta)), abs=16 * EPS)
+        assert m.transmission_angle == pytest.approx(abs(angle_difference(m.theta4, m.beta)),
+                                                     abs=16 * EPS)
         for c, s, angle in ((m.cos_x, m.sin_x, theta1), (m.cos_b, m.sin_b, m.beta),
                             (m.cos_y, m.sin_y, m.theta4), (m.cos_mu, m.sin_mu, m.theta4 - m.beta)):
             assert (c, s) == pytest.approx((cos(angle), sin(angle)), abs=16 * EPS)
 
 
-# --- one formula, several number types -------------------------------------------------------------------
+# --- one formula, several number types -----------------------------------------------------------
 
 def test_arrays_equal_single_values_to_rounding():
     for linkage, theta1 in random_motions(4, 60):
         single = linkage.motion(theta1, 3.0, -2.0)
-        for field, value, array in zip(Motion._fields, single, linkage.motion([theta1], 3.0, -2.0)):
+        for field, value, array in zip(Motion._fields, single,
+                                       linkage.motion([theta1], 3.0, -2.0)):
             # numpy's vector sine may differ by a last bit, which the motion then amplifies
             tolerance = 16 * EPS * single.condition**2 * max(1.0, abs(value))
             assert array.shape == (1,) and abs(array[0] - value) <= tolerance, field
@@ -146,7 +159,7 @@ def test_complex_step_is_the_derivative():
     np.testing.assert_allclose(moved.omega4.real, motion.omega4, rtol=1e-14, atol=1e-14)
 
 
-# --- where it cannot be ----------------------------------------------------------------------------
+# --- where it cannot be --------------------------------------------------------------------------
 
 def test_out_of_range_raises_for_one_value_and_is_nan_in_arrays():
     linkage = FourBar(4.0, 3.0, 2.0, 8.0)
@@ -162,14 +175,19 @@ def test_out_of_range_raises_for_one_value_and_is_nan_in_arrays():
 
 
 @pytest.mark.parametrize('theta1, omega1, alpha1', [
-    (nan, 1.0, 0.0), (inf, 1.0, 0.0), (1.0, nan, 0.0), (1.0, -inf, 0.0), (1.0, 0.0, nan), (1.0, 0.0, inf)])
+    (nan, 1.0, 0.0), (inf, 1.0, 0.0), (1.0, nan, 0.0), (1.0, -inf, 0.0), (1.0, 0.0, nan),
+    (1.0, 0.0, inf)])
 def test_input_that_is_no_number_is_refused(theta1, omega1, alpha1):
     with pytest.raises(InvalidParameter, match='finite'):
         FourBar(*PAPER).motion(theta1, omega1, alpha1)
 
 
 def test_toggle_raises_for_one_value_and_is_nan_in_arrays():
-    """At a limit the angle is rounded: it is called a toggle from both sides, and nothing is finite."""
+    """
+    At a limit the angle is rounded.
+
+    It is called a toggle from both sides, and nothing is finite.
+    """
     for lengths in ((4.0, 3.0, 2.0, 8.0), (3.0, 2.0, 4.0, 3.5), (1.0, 0.5, 0.25, 0.5)):
         linkage = FourBar(*lengths)
         for end in (end for bounds in linkage.input_ranges for end in bounds):
@@ -185,13 +203,14 @@ def test_toggle_raises_for_one_value_and_is_nan_in_arrays():
             assert 'toggle' in outcomes
 
 
-# --- symmetries ------------------------------------------------------------------------------------
+# --- symmetries ----------------------------------------------------------------------------------
 
 def test_mirror_image_is_the_other_mode():
     for linkage, theta1 in random_motions(5, 60):
         mirror = linkage.in_mode(3 - linkage.mode)
         one, other = linkage.motion(theta1, 3.0, -2.0), mirror.motion(-theta1, -3.0, 2.0)
-        for field in ('theta2', 'theta3', 'theta4', 'beta', 'omega2', 'omega3', 'omega4', 'omega_beta',
+        for field in ('theta2', 'theta3', 'theta4', 'beta', 'omega2', 'omega3', 'omega4',
+                      'omega_beta',
                       'alpha2', 'alpha3', 'alpha4', 'alpha_beta', 'sin_y', 'sin_b', 'sin_mu'):
             assert getattr(one, field) == -getattr(other, field), field
         assert one.velocity_ratio == other.velocity_ratio

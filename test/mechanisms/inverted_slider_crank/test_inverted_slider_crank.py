@@ -1,4 +1,10 @@
-"""The inverted slider-crank: rocking block (crank input) and oscillating cylinder (slide input)."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The inverted slider-crank.
+
+Rocking block (crank input) and oscillating cylinder (slide input).
+"""
 from math import inf, nan, nextafter, pi, radians, remainder, sin
 
 import mpmath as mp
@@ -32,47 +38,61 @@ MASSES = Bodies(Body(1.0, 0.1, 0.02, 0.1), Body(2.0, 0.3, -0.1, 0.3), Body(1.5, 
 both_inputs = pytest.mark.parametrize('kind', KINDS, ids=lambda kind: kind[1])
 
 
-# --- what it does ----------------------------------------------------------------------------------
+# --- what it does --------------------------------------------------------------------------------
 
 @both_inputs
 def test_the_pin_moves_over_the_turning_bar(kind):
-    """Eqs. (9) and (11): acceleration of A from the bar, with Coriolis term, is that from the crank."""
+    """
+    Eqs.
+
+    (9) and (11): acceleration of A from the bar, with Coriolis term, is that from the crank.
+    """
     for mechanism, given in reference.random_loaded(kind, 109, 60):
         m = mechanism.motion(*given)
         crank, bar = mechanism.a1 * np.array([m.cos_x, m.sin_x]), np.array([m.cos_y, m.sin_y])
         arm = m.slide * bar + mechanism.offset * np.array([-m.sin_y, m.cos_y])
         of_crank = relative_acceleration((0.0, 0.0), m.omega1, m.alpha1, crank)
-        of_bar = relative_acceleration((0.0, 0.0), m.omega4, m.alpha4, arm, m.slide_velocity * bar, m.slide_acceleration * bar)
+        of_bar = relative_acceleration((0.0, 0.0), m.omega4, m.alpha4, arm, m.slide_velocity * bar,
+                                       m.slide_acceleration * bar)
         below = relative_acceleration((0.0, 0.0), m.omega4, m.alpha4, arm)
-        size = (np.abs(of_crank).max() + abs(m.slide_acceleration) + 2.0 * abs(m.omega4 * m.slide_velocity)
+        size = (np.abs(of_crank).max() + abs(m.slide_acceleration)
+                + 2.0 * abs(m.omega4 * m.slide_velocity)
                 + np.hypot(*arm) * (m.omega4**2 + abs(m.alpha4)) + 1.0)
         np.testing.assert_allclose(of_bar, of_crank, rtol=0.0, atol=1e-12 * size)
-        over = coincident_acceleration(below, m.omega4, m.slide_velocity * bar, m.slide_acceleration * bar)
+        over = coincident_acceleration(below, m.omega4, m.slide_velocity * bar,
+                                       m.slide_acceleration * bar)
         np.testing.assert_allclose(over, of_crank, rtol=0.0, atol=1e-12 * size)
-        np.testing.assert_allclose(relative_velocity((0.0, 0.0), m.omega4, arm, m.slide_velocity * bar),
-                                   relative_velocity((0.0, 0.0), m.omega1, crank), rtol=0.0, atol=1e-12 * size)
+        np.testing.assert_allclose(relative_velocity((0.0, 0.0), m.omega4, arm,
+                                                     m.slide_velocity * bar),
+                                   relative_velocity((0.0, 0.0), m.omega1, crank), rtol=0.0,
+                                   atol=1e-12 * size)
 
 
 def test_example_7_5():
     """
     Crank 3 in at 30 deg to the ground of 14 in, 36 rad/s cw. Of the offset the text says nothing.
 
-    Read off the drawing: w4 7.55 rad/s, V_rel 5.52 ft/s, a4 283 rad/s^2. Without offset we have 7.45, 5.48
-    and 291 (1.3, 0.8, 2.9 % off); with the 2 in of AB to either side w4 is 12 to 15 % off.
+    Read off the drawing: w4 7.55 rad/s, V_rel 5.52 ft/s, a4 283 rad/s^2. Without offset we have
+    7.45, 5.48 and 291 (1.3, 0.8, 2.9 % off); with the 2 in of AB to either side w4 is 12 to 15 %
+    off.
     """
     given, drawn = (radians(30.0), -36.0, 0.0), np.array([7.55, 5.52 * 12.0, 283.0])
     for h, share in ((0.0, (0.0, 0.03)), (2.0, (0.1, 0.2)), (-2.0, (0.1, 0.2))):
-        m, truth = InvertedSlider(3.0, 14.0, h).motion(*given), exact(KINDS[0], (3.0, 14.0, h), 1, given)
+        m, truth = InvertedSlider(3.0, 14.0, h).motion(*given), exact(KINDS[0], (3.0, 14.0, h), 1,
+                                                                      given)
         values = (m.omega4, -m.slide_velocity, m.alpha4)
-        assert values == pytest.approx((float(truth.rate[1]), float(-truth.rate[2]), float(truth.acceleration[1])), rel=1e-12)
+        assert values == pytest.approx((float(truth.rate[1]), float(-truth.rate[2]),
+                                        float(truth.acceleration[1])), rel=1e-12)
         assert share[0] < np.abs(values / drawn - 1.0).max() < share[1]
 
 
 def test_the_cylinder_is_the_slider_crank_seen_from_its_bar():
     for mechanism, given in reference.random_loaded(KINDS[1], 110, 60):
         m = mechanism.motion(*given)
-        seen = SliderCrank(mechanism.a4, mechanism.a1, mechanism.offset, 3 - mechanism.mode, SLIDE).motion(*given)
-        assert remainder(m.theta4 - (pi - seen.theta1), 2.0 * pi) == pytest.approx(0.0, abs=4 * EPS)
+        seen = SliderCrank(mechanism.a4, mechanism.a1, mechanism.offset, 3 - mechanism.mode,
+                           SLIDE).motion(*given)
+        assert remainder(m.theta4 - (pi - seen.theta1),
+                         2.0 * pi) == pytest.approx(0.0, abs=4 * EPS)
         assert (m.omega4, m.alpha4, m.omega1) == (-seen.omega1, -seen.alpha1, seen.omega2)
 
 
@@ -93,14 +113,19 @@ def test_either_input_gives_the_motion_of_the_other():
 
 @both_inputs
 def test_mirror_images(kind):
-    """Mirrored in x: offset, angles and what is across change sign; slide input: the other mode."""
+    """
+    Mirrored in x: offset, angles and what is across change sign.
+
+    Slide input: the other mode.
+    """
     for mechanism, (value, rate, acceleration) in reference.random_loaded(kind, 112, 40):
         a1, a4, h = mechanism.lengths
         mode = mechanism.mode if kind[1] == CRANK else 3 - mechanism.mode
         given = (-value, -rate, -acceleration) if kind[1] == CRANK else (value, rate, acceleration)
         one = mechanism.motion(value, rate, acceleration)
         other = InvertedSlider(a1, a4, -h, mode, kind[1]).motion(*given)
-        assert other.theta4 == -one.theta4 and other.omega1 == -one.omega1 and other.slide == one.slide
+        assert (other.theta4 == -one.theta4 and other.omega1 == -one.omega1 and other.slide
+                == one.slide)
         assert other.slide_acceleration == one.slide_acceleration and other.alpha4 == -one.alpha4
 
 
@@ -111,12 +136,13 @@ def test_the_mode_is_what_its_sign_says(kind):
         assert (m.slide if kind[1] == CRANK else m.sin_x) * mechanism.sign > 0.0
 
 
-# --- classes, limits, dead points ------------------------------------------------------------------
+# --- classes, limits, dead points ----------------------------------------------------------------
 
 @pytest.mark.parametrize('lengths, name', [
     ((3.0, 14.0, 0.0), 'Grashof crank-rocker'), ((3.0, 14.0, -10.9), 'Grashof crank-rocker'),
     ((3.0, 14.0, 11.0), 'change point'), ((3.0, 14.0, 11.1), 'non-Grashof double-rocker'),
-    ((6.0, 2.5, 3.4), 'Grashof double-crank'), ((6.0, 2.5, -3.5), 'change point'), ((1.0, 1.0, 0.0), 'change point'),
+    ((6.0, 2.5, 3.4), 'Grashof double-crank'), ((6.0, 2.5, -3.5), 'change point'),
+    ((1.0, 1.0, 0.0), 'change point'),
     ((6.0, 2.5, 8.4), 'non-Grashof double-rocker')])
 def test_classes(lengths, name):
     mechanism = InvertedSlider(*lengths)
@@ -124,7 +150,8 @@ def test_classes(lengths, name):
     assert (mechanism.change_point_margin == 0.0) == (name == 'change point')
     if name.startswith('Grashof'):
         assert mechanism.turns_fully
-        turns = np.diff(np.unwrap(mechanism.motion(np.linspace(-pi, pi, 2001)).theta4)).sum() / (2.0 * pi)
+        turns = (np.diff(np.unwrap(mechanism.motion(np.linspace(-pi, pi, 2001)).theta4)).sum()
+                 / (2.0 * pi))
         assert turns == pytest.approx(1.0 if name.endswith('double-crank') else 0.0, abs=1e-12)
 
 
@@ -133,24 +160,30 @@ def test_limits_are_exact_to_the_last_bits():
     for family in ('random', 'near the limit of the offset', 'near a change point'):
         for _ in range(60):
             a1, a4, h = reference.draw(rng, KINDS[0], family)[0]
-            for low, high in InvertedSlider(a1, a4, h).input_ranges if abs(a1 - a4) < abs(h) else ():
-                limit = mp.acos((mp.mpf(a1)**2 + mp.mpf(a4)**2 - mp.mpf(h)**2) / (2 * mp.mpf(a1) * a4))
-                assert abs(low - limit) <= 4 * EPS * limit and abs(high - (2 * mp.pi - limit)) <= 4 * EPS * high
+            for low, high in (InvertedSlider(a1, a4, h).input_ranges if abs(a1 - a4) < abs(h)
+                              else ()):
+                limit = mp.acos((mp.mpf(a1)**2 + mp.mpf(a4)**2 - mp.mpf(h)**2)
+                                / (2 * mp.mpf(a1) * a4))
+                assert (abs(low - limit) <= 4 * EPS * limit and abs(high - (2 * mp.pi - limit))
+                        <= 4 * EPS * high)
             for low, high in InvertedSlider(a1, a4, h, input=SLIDE).input_ranges:
                 for end in (low, high):
                     squares = [(mp.mpf(a1) + k * mp.mpf(a4))**2 - mp.mpf(h)**2 for k in (-1, 1)]
-                    assert min(abs(abs(end) - mp.sqrt(s)) for s in squares if s >= 0) <= 4 * EPS * abs(end)
+                    assert min(abs(abs(end) - mp.sqrt(s)) for s in squares
+                               if s >= 0) <= 4 * EPS * abs(end)
 
 
 @both_inputs
-@pytest.mark.parametrize('lengths', [(4.0, 2.0, 2.1), (4.0, 3.0, 2.0), (3.0, 4.0, -2.0), (2.0, 2.5, 4.4)])
+@pytest.mark.parametrize('lengths', [(4.0, 2.0, 2.1), (4.0, 3.0, 2.0), (3.0, 4.0, -2.0),
+                                     (2.0, 2.5, 4.4)])
 def test_just_inside_and_just_outside_a_limit(kind, lengths):
     mechanism = InvertedSlider(*lengths, input=kind[1])
     for low, high in mechanism.input_ranges:
         for end, inward in ((low, 1.0), (high, -1.0)):
             for distance in (1e-13, 1e-10, 1e-6):
                 motion = mechanism.motion(end + inward * distance, 1.0)
-                assert sin(motion.transmission_angle) == pytest.approx(0.0, abs=10.0 * distance**0.5)
+                assert sin(motion.transmission_angle) == pytest.approx(0.0, abs=10.0
+                                                                       * distance**0.5)
                 assert max(abs(motion.omega2), abs(motion.slide_velocity)) > 0.01 / distance**0.5
                 with pytest.raises(OutOfRange):
                     mechanism.motion(end - inward * distance, 1.0)
@@ -166,12 +199,14 @@ def test_dead_points_of_the_bar():
     for _ in range(200):
         lengths, mode, _ = reference.draw(rng, KINDS[0], 'random')
         mechanism = InvertedSlider(*lengths, mode=mode)
-        counts = {'Grashof crank-rocker': {2}, 'Grashof double-crank': {0}, 'non-Grashof double-rocker': {0, 1}}
+        counts = {'Grashof crank-rocker': {2}, 'Grashof double-crank': {0},
+                  'non-Grashof double-rocker': {0, 1}}
         assert len(mechanism.dead_points) in counts[mechanism.classification]
         for theta1, theta4 in mechanism.dead_points:
             motion = mechanism.motion(theta1, 1.0)
             assert abs(motion.omega4) <= 64 * EPS * (1.0 + motion.condition)**2
-            assert abs(remainder(motion.theta4 - theta4, 2.0 * pi)) <= 16 * EPS * (1.0 + motion.condition)
+            assert abs(remainder(motion.theta4 - theta4,
+                                 2.0 * pi)) <= 16 * EPS * (1.0 + motion.condition)
     assert InvertedSlider(2.5, 6.0, input=SLIDE).dead_points == ()
 
 
@@ -183,7 +218,8 @@ def test_at_the_dead_points_the_bar_turns_back():
 
 
 @pytest.mark.parametrize('mode', [1, 2])
-@pytest.mark.parametrize('lengths', [(1.0, 1.0, 0.0), (2.0, 3.0, 1.0), (2.0, 3.0, -1.0), (3.0, 2.0, 1.0)])
+@pytest.mark.parametrize('lengths', [(1.0, 1.0, 0.0), (2.0, 3.0, 1.0), (2.0, 3.0, -1.0),
+                                     (3.0, 2.0, 1.0)])
 def test_exact_change_points(lengths, mode):
     """Through the flat position every digit is there: the mode keeps its sign on either side."""
     for kind in KINDS:
@@ -207,16 +243,19 @@ def test_offset_at_and_past_its_limit(kind):
     (low, high), = inside.input_ranges
     middle = inside.motion(low + 0.3 * (high - low), 1.0)
     assert 0.0 < high - low < 1e-6 and middle.cos_x == pytest.approx(-1.0, abs=1e-14)
-    assert middle.sin_y == pytest.approx(1.0, abs=1e-14)      # all in one line, the bar square to it
-    assert InvertedSlider(2.5, 6.0, 3.5).turns_fully and not InvertedSlider(2.5, 6.0, nextafter(3.5, 4.0)).turns_fully
+    # all in one line, the bar square to it
+    assert middle.sin_y == pytest.approx(1.0, abs=1e-14)
+    assert (InvertedSlider(2.5, 6.0, 3.5).turns_fully
+            and not InvertedSlider(2.5, 6.0, nextafter(3.5, 4.0)).turns_fully)
 
 
-# --- what is refused -------------------------------------------------------------------------------
+# --- what is refused -----------------------------------------------------------------------------
 
 def test_errors_name_the_input():
     with pytest.raises(OutOfRange, match=r'^theta1 = 0.1 rad is outside the input range \[') as caught:
         InvertedSlider(4.0, 3.0, 2.0).motion(0.1)
-    assert caught.value.name == 'theta1' and caught.value.ranges == InvertedSlider(4.0, 3.0, 2.0).input_ranges
+    assert (caught.value.name == 'theta1' and caught.value.ranges
+            == InvertedSlider(4.0, 3.0, 2.0).input_ranges)
     with pytest.raises(OutOfRange, match='^slide = 1.0 m is outside'):
         InvertedSlider(2.5, 6.0, input=SLIDE).motion(1)
     with pytest.raises(Toggle, match='^slide = 8.5 m is a toggle position'):
@@ -227,10 +266,14 @@ def test_errors_name_the_input():
         InvertedSlider(2.5, 6.0).step(0.3)
 
 
-# --- loads by hand ---------------------------------------------------------------------------------
+# --- loads by hand -------------------------------------------------------------------------------
 
 def test_an_excavator_at_rest():
-    """A load on the boom (crank): cylinder force from moments about O1, no offset, so a two-force member."""
+    """
+    A load on the boom (crank).
+
+    Cylinder force from moments about O1, no offset, so a two-force member.
+    """
     weight = Bodies(Body(100.0, 2.0), Body(0.0), Body(0.0))
     cylinder = InvertedSlider(1.0, 2.0, mode=2, input=SLIDE, bodies=weight, gravity=(0.0, -9.81))
     m, loads = cylinder.step(2.1)
@@ -243,14 +286,17 @@ def test_an_excavator_at_rest():
 
 def test_couple_on_the_bar_is_carried_by_the_crank():
     nothing = Bodies(Body(0.0), Body(0.0), Body(0.0))
-    m, loads = InvertedSlider(3.0, 14.0, 2.0, bodies=nothing, external=External(output=Applied(couple=-50.0))).step(0.8, 5.0)
+    m, loads = InvertedSlider(3.0, 14.0, 2.0, bodies=nothing,
+                              external=External(output=Applied(couple=-50.0))).step(0.8, 5.0)
     assert loads.driving_torque == pytest.approx(50.0 * m.output_ratio, rel=8 * EPS)
     assert loads.guide_force * m.slide == pytest.approx(-50.0, rel=8 * EPS)
-    assert loads.guide_couple == 0.0 and loads.shaking_force == 0.0 and loads.shaking_moment == pytest.approx(-50.0)
+    assert (loads.guide_couple == 0.0 and loads.shaking_force == 0.0 and loads.shaking_moment
+            == pytest.approx(-50.0))
 
 
 def test_guide_force_is_square_to_the_bar():
     for mechanism, given in reference.random_loaded(KINDS[0], 116, 40):
         m, loads = mechanism.step(*given)
         assert abs(loads.f32_x * m.cos_y + loads.f32_y * m.sin_y) <= 4 * EPS * loads.f32
-        assert loads.f32_y * m.cos_y - loads.f32_x * m.sin_y == pytest.approx(loads.guide_force, rel=8 * EPS)
+        assert (loads.f32_y * m.cos_y - loads.f32_x * m.sin_y == pytest.approx(loads.guide_force,
+                                                                               rel=8 * EPS))

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The slider-crank, driven by its crank or its slider."""
 from math import inf, nan, nextafter, pi, radians, remainder, sin
 
@@ -27,32 +29,43 @@ MASSES = Bodies(Body(1.0, 0.1, 0.02, 0.1), Body(2.0, 0.3, -0.1, 0.3), Body(1.5, 
 both_inputs = pytest.mark.parametrize('kind', KINDS, ids=lambda kind: kind[1])
 
 
-# --- what it does ----------------------------------------------------------------------------------
+# --- what it does --------------------------------------------------------------------------------
 
 def test_example_7_2():
-    """Crank 2.5 in at 30 deg and 1800 rpm cw, coupler 6 in: w3 69.5 rad/s, a3 6538 rad/s^2, slider 8095 ft/s^2."""
+    """
+    Crank 2.5 in at 30 deg and 1800 rpm cw, coupler 6 in.
+
+    w3 69.5 rad/s, a3 6538 rad/s^2, slider 8095 ft/s^2.
+    """
     motion = SliderCrank(2.5, 6.0).motion(radians(30.0), -60.0 * pi)
     exact_ = exact((SliderCrank, CRANK), (2.5, 6.0, 0.0), 1, (radians(30.0), -60.0 * pi, 0.0))
     assert motion.omega_beta == pytest.approx(float(exact_.rate[1]), rel=1e-12)
     assert motion.alpha_beta == pytest.approx(float(exact_.acceleration[1]), rel=1e-12)
     assert motion.slide_acceleration == pytest.approx(float(exact_.acceleration[2]), rel=1e-12)
-    assert (motion.omega_beta, motion.alpha_beta, motion.slide_acceleration / 12.0) == pytest.approx(
+    assert (motion.omega_beta, motion.alpha_beta,
+            motion.slide_acceleration / 12.0) == pytest.approx(
         (69.54, 6538.1, -8094.5), rel=1e-4)
 
 
 @both_inputs
 def test_the_slides_equations_hold(kind):
-    """Below Eq. (7): omega3, v4, alpha3 and a4 of the slides from ours; tolerance 1e-12 of their terms."""
+    """
+    Below Eq.
+
+    (7): omega3, v4, alpha3 and a4 of the slides from ours; tolerance 1e-12 of their terms.
+    """
     for mechanism, given in reference.random_loaded(kind, 89, 60):
         m, r2, r3 = mechanism.motion(*given), mechanism.a1, mechanism.a2
         w2, a2, w3, a3 = m.omega1, m.alpha1, m.omega_beta, m.alpha_beta
         scale = (r2 * (w2**2 + abs(a2)) + r3 * (w3**2 + abs(a3))) / abs(m.cos_b)
         assert r3 * m.cos_b * w3 == pytest.approx(-r2 * w2 * m.cos_x, abs=1e-12 * scale**0.5)
-        assert m.slide_velocity == pytest.approx(-r2 * w2 * m.sin_x - r3 * w3 * m.sin_b, abs=1e-12 * scale**0.5 + 1e-12)
+        assert m.slide_velocity == pytest.approx(-r2 * w2 * m.sin_x - r3 * w3 * m.sin_b,
+                                                 abs=1e-12 * scale**0.5 + 1e-12)
         assert r3 * m.cos_b * a3 == pytest.approx(
             r2 * w2**2 * m.sin_x - r2 * a2 * m.cos_x + r3 * w3**2 * m.sin_b, abs=1e-12 * scale)
         assert m.slide_acceleration == pytest.approx(
-            -r2 * w2**2 * m.cos_x - r2 * a2 * m.sin_x - r3 * w3**2 * m.cos_b - r3 * a3 * m.sin_b, abs=1e-12 * scale)
+            -r2 * w2**2 * m.cos_x - r2 * a2 * m.sin_x - r3 * w3**2 * m.cos_b - r3 * a3 * m.sin_b,
+            abs=1e-12 * scale)
 
 
 @both_inputs
@@ -60,11 +73,13 @@ def test_the_slider_moves_as_a_point_of_the_coupler(kind):
     """Eqs. (6) and (9) of frames.py, from O1 over A to B."""
     for mechanism, given in reference.random_loaded(kind, 90, 60):
         m = mechanism.motion(*given)
-        crank, coupler = mechanism.a1 * np.array([m.cos_x, m.sin_x]), mechanism.a2 * np.array([m.cos_b, m.sin_b])
+        crank, coupler = (mechanism.a1 * np.array([m.cos_x, m.sin_x]),
+                          mechanism.a2 * np.array([m.cos_b, m.sin_b]))
         v_a = relative_velocity((0.0, 0.0), m.omega1, crank)
         a_a = relative_acceleration((0.0, 0.0), m.omega1, m.alpha1, crank)
         size = np.abs(a_a).max() + mechanism.a2 * (m.omega_beta**2 + abs(m.alpha_beta)) + 1.0
-        np.testing.assert_allclose(relative_velocity(v_a, m.omega_beta, coupler), (m.slide_velocity, 0.0), atol=1e-12 * size)
+        np.testing.assert_allclose(relative_velocity(v_a, m.omega_beta, coupler),
+                                   (m.slide_velocity, 0.0), atol=1e-12 * size)
         np.testing.assert_allclose(relative_acceleration(a_a, m.omega_beta, m.alpha_beta, coupler),
                                    (m.slide_acceleration, 0.0), rtol=0.0, atol=1e-12 * size)
 
@@ -81,19 +96,26 @@ def test_either_input_gives_the_motion_of_the_other():
         size = 1.0 + abs(m.alpha1) + abs(m.alpha_beta) + m.omega1**2 + m.omega_beta**2
         assert (back.omega1, back.alpha1, back.omega_beta, back.alpha_beta) == pytest.approx(
             (m.omega1, m.alpha1, m.omega_beta, m.alpha_beta), abs=1e-10 * size / m.sin_2**2)
-        assert remainder(back.theta1 + back.theta2 + back.theta3, 2.0 * pi) == pytest.approx(0.0, abs=8 * EPS)
+        assert remainder(back.theta1 + back.theta2 + back.theta3,
+                         2.0 * pi) == pytest.approx(0.0, abs=8 * EPS)
 
 
 @both_inputs
 def test_mirror_images(kind):
-    """Mirrored in x: offset, angles and what is across change sign; slider input: the other mode."""
+    """
+    Mirrored in x: offset, angles and what is across change sign.
+
+    Slider input: the other mode.
+    """
     for mechanism, (value, rate, acceleration) in reference.random_loaded(kind, 92, 40):
         a1, a2, e = mechanism.lengths
         mode = mechanism.mode if kind[1] == CRANK else 3 - mechanism.mode
         given = (-value, -rate, -acceleration) if kind[1] == CRANK else (value, rate, acceleration)
-        one, other = mechanism.motion(value, rate, acceleration), SliderCrank(a1, a2, -e, mode, kind[1]).motion(*given)
+        one, other = mechanism.motion(value, rate, acceleration), SliderCrank(a1, a2, -e, mode,
+                                                                              kind[1]).motion(*given)
         assert other.beta == -one.beta and other.omega1 == -one.omega1 and other.slide == one.slide
-        assert other.slide_acceleration == one.slide_acceleration and other.alpha_beta == -one.alpha_beta
+        assert (other.slide_acceleration == one.slide_acceleration and other.alpha_beta
+                == -one.alpha_beta)
 
 
 def test_the_mode_is_what_its_sign_says():
@@ -103,12 +125,13 @@ def test_the_mode_is_what_its_sign_says():
             assert (m.cos_b if kind[1] == CRANK else m.sin_2) * mechanism.sign > 0.0
 
 
-# --- classes, limits, dead points ------------------------------------------------------------------
+# --- classes, limits, dead points ----------------------------------------------------------------
 
 @pytest.mark.parametrize('lengths, name', [
     ((2.5, 6.0, 0.0), 'Grashof crank-slider'), ((2.5, 6.0, -3.4), 'Grashof crank-slider'),
     ((2.5, 6.0, 3.5), 'change point'), ((2.5, 6.0, -3.6), 'non-Grashof rocker-slider'),
-    ((6.0, 2.5, 3.4), 'Grashof rocker-slider'), ((6.0, 2.5, 3.5), 'change point'), ((1.0, 1.0, 0.0), 'change point'),
+    ((6.0, 2.5, 3.4), 'Grashof rocker-slider'), ((6.0, 2.5, 3.5), 'change point'),
+    ((1.0, 1.0, 0.0), 'change point'),
     ((6.0, 2.5, 8.4), 'non-Grashof rocker-slider')])
 def test_classes(lengths, name):
     assert SliderCrank(*lengths).classification == name
@@ -144,26 +167,32 @@ def test_limits_are_exact_to_the_last_bits():
             a1, a2, e = reference.draw(rng, KINDS[0], family)[0]
             for low, high in SliderCrank(a1, a2, e).input_ranges:
                 for end in (low, high) if high - low < 2.0 * pi else ():
-                    side = mp.sign(mp.mpf(e) - a1 * mp.sin(mp.mpf(end)))      # of B from A, across the guide
+                    # of B from A, across the guide
+                    side = mp.sign(mp.mpf(e) - a1 * mp.sin(mp.mpf(end)))
                     angle = mp.asin((mp.mpf(e) - side * a2) / a1)
-                    distance = min(abs(end - mp.mpf(other) - turn * mp.pi) for turn in (-2, -1, 0, 1, 2)
+                    distance = min(abs(end - mp.mpf(other) - turn * mp.pi)
+                                   for turn in (-2, -1, 0, 1, 2)
                                    for other in (angle, -angle))
-                    assert distance <= 4 * EPS * max(1.0, abs(end)) or distance <= 4 * EPS * abs(end)
+                    assert (distance <= 4 * EPS * max(1.0, abs(end)) or distance
+                            <= 4 * EPS * abs(end))
             for low, high in SliderCrank(a1, a2, e, input=SLIDE).input_ranges:
                 for end in (low, high):
                     squares = [(mp.mpf(a1) + k * mp.mpf(a2))**2 - mp.mpf(e)**2 for k in (-1, 1)]
-                    assert min(abs(abs(end) - mp.sqrt(s)) for s in squares if s >= 0) <= 4 * EPS * abs(end)
+                    assert min(abs(abs(end) - mp.sqrt(s)) for s in squares
+                               if s >= 0) <= 4 * EPS * abs(end)
 
 
 @both_inputs
-@pytest.mark.parametrize('lengths', [(4.0, 2.0, 1.0), (4.0, 3.0, 2.0), (3.0, 4.0, -2.0), (2.0, 2.5, 4.4)])
+@pytest.mark.parametrize('lengths', [(4.0, 2.0, 1.0), (4.0, 3.0, 2.0), (3.0, 4.0, -2.0),
+                                     (2.0, 2.5, 4.4)])
 def test_just_inside_and_just_outside_a_limit(kind, lengths):
     mechanism = SliderCrank(*lengths, input=kind[1])
     for low, high in mechanism.input_ranges:
         for end, inward in ((low, 1.0), (high, -1.0)):
             for distance in (1e-13, 1e-10, 1e-6):
                 motion = mechanism.motion(end + inward * distance, 1.0)
-                assert sin(motion.transmission_angle) == pytest.approx(0.0, abs=10.0 * distance**0.5)
+                assert sin(motion.transmission_angle) == pytest.approx(0.0, abs=10.0
+                                                                       * distance**0.5)
                 assert abs(motion.omega2) > 0.01 / distance**0.5
                 with pytest.raises(OutOfRange):
                     mechanism.motion(end - inward * distance, 1.0)
@@ -181,7 +210,8 @@ def test_dead_points():
         mechanism = SliderCrank(*lengths, mode=mode)
         if abs(mechanism.a1 - mechanism.a2) < 0.05 or mechanism.change_point_margin < 1e-3:
             continue
-        assert len(mechanism.dead_points) == (2 if 'Grashof ' in mechanism.classification[:8] else 1)
+        assert len(mechanism.dead_points) == (2 if 'Grashof ' in mechanism.classification[:8]
+                                              else 1)
         ends = [end for ends in SliderCrank(*lengths, input=SLIDE).input_ranges for end in ends]
         for theta1, slide, stretched in mechanism.dead_points:
             motion = mechanism.motion(theta1, 1.0)
@@ -193,7 +223,8 @@ def test_dead_points():
 
 
 @pytest.mark.parametrize('mode', [1, 2])
-@pytest.mark.parametrize('lengths', [(1.0, 1.0, 0.0), (2.0, 3.0, 1.0), (2.0, 3.0, -1.0), (3.0, 2.0, 1.0)])
+@pytest.mark.parametrize('lengths', [(1.0, 1.0, 0.0), (2.0, 3.0, 1.0), (2.0, 3.0, -1.0),
+                                     (3.0, 2.0, 1.0)])
 def test_exact_change_points(lengths, mode):
     """Through the flat position every digit is there: the mode keeps its sign on either side."""
     for kind in KINDS:
@@ -222,16 +253,19 @@ def test_offset_at_and_past_its_limit(kind):
     assert 0.0 < high - low < 1e-6
     assert (middle.sin_b, middle.sin_x) == pytest.approx((1.0, 1.0), abs=1e-14)
     # the crank's limit: full turns up to |offset| = a2 - a1, not beyond
-    assert SliderCrank(2.5, 6.0, 3.5).turns_fully and not SliderCrank(2.5, 6.0, nextafter(3.5, 4.0)).turns_fully
+    assert (SliderCrank(2.5, 6.0, 3.5).turns_fully
+            and not SliderCrank(2.5, 6.0, nextafter(3.5, 4.0)).turns_fully)
 
 
-# --- what is refused -------------------------------------------------------------------------------
+# --- what is refused -----------------------------------------------------------------------------
 
 def test_errors_name_the_input():
     with pytest.raises(OutOfRange, match=r'^theta1 = 1.5 rad is outside the input range \[') as caught:
         SliderCrank(4.0, 2.0, 0.0).motion(1.5)
-    assert caught.value.name == 'theta1' and caught.value.ranges == SliderCrank(4.0, 2.0, 0.0).input_ranges
-    with pytest.raises(OutOfRange, match=r'^slide = 9.0 m is outside the input range \[-8.5, -3.5\] or \[3.5, 8.5\] m$'):
+    assert (caught.value.name == 'theta1' and caught.value.ranges
+            == SliderCrank(4.0, 2.0, 0.0).input_ranges)
+    with pytest.raises(OutOfRange, match=r'^slide = 9.0 m is outside the input range \[-8.5, '
+                                         r'-3.5\] or \[3.5, 8.5\] m$'):
         SliderCrank(2.5, 6.0, input=SLIDE).motion(9.0)
     with pytest.raises(Toggle, match='^slide = 8.5 m is a toggle position'):
         SliderCrank(2.5, 6.0, input=SLIDE).motion(8.5, 1.0)
@@ -241,7 +275,7 @@ def test_errors_name_the_input():
         SliderCrank(2.5, 6.0).loads(0.3)
 
 
-# --- loads by hand ---------------------------------------------------------------------------------
+# --- loads by hand -------------------------------------------------------------------------------
 
 def test_gas_force_on_the_piston():
     """Massless links: the coupler carries the force, the torque is that of virtual work."""
@@ -250,25 +284,34 @@ def test_gas_force_on_the_piston():
     for e in (0.0, 0.05):
         m, loads = SliderCrank(0.1, 0.3, e, bodies=nothing, external=push).step(0.8, 30.0)
         assert loads.driving_torque == pytest.approx(1000.0 * m.slide_ratio, rel=1e-14)
-        assert abs(loads.f32_x * m.sin_b - loads.f32_y * m.cos_b) <= 8 * EPS * loads.f32      # two-force member
+        # two-force member
+        assert abs(loads.f32_x * m.sin_b - loads.f32_y * m.cos_b) <= 8 * EPS * loads.f32
         assert loads.guide_force == pytest.approx(-1000.0 * m.sin_b / m.cos_b, rel=1e-13)
-        assert loads.guide_couple == pytest.approx(-20.0, rel=4 * EPS)      # turns the slider back: 0.02 m x 1000 N
+        # turns the slider back: 0.02 m x 1000 N
+        assert loads.guide_couple == pytest.approx(-20.0, rel=4 * EPS)
         assert loads.f43_x == 0.0 and loads.shaking_force_x == -1000.0
-        m, loads = SliderCrank(0.1, 0.3, e, mode=1, input=SLIDE, bodies=nothing, external=push).step(0.25)
+        m, loads = SliderCrank(0.1, 0.3, e, mode=1, input=SLIDE, bodies=nothing,
+                               external=push).step(0.25)
         assert loads.driving_force == 1000.0 and loads.f21 == loads.f32 == 0.0
 
 
 def test_only_the_slider_has_a_mass():
-    m, loads = SliderCrank(0.1, 0.3, 0.02, bodies=Bodies(Body(0.0), Body(0.0), Body(2.0, 0.0, 0.01)),
+    m, loads = SliderCrank(0.1, 0.3, 0.02,
+                           bodies=Bodies(Body(0.0), Body(0.0), Body(2.0, 0.0, 0.01)),
                            gravity=(0.0, -9.81)).step(0.8, 30.0, 5.0)
     assert loads.f32_x == pytest.approx(-2.0 * m.slide_acceleration, rel=4 * EPS)
-    assert loads.driving_torque * 30.0 == pytest.approx(2.0 * m.slide_acceleration * m.slide_velocity, rel=1e-14)
+    assert loads.driving_torque * 30.0 == pytest.approx(2.0 * m.slide_acceleration
+                                                        * m.slide_velocity, rel=1e-14)
     assert loads.guide_couple == pytest.approx(-2.0 * 0.01 * m.slide_acceleration, rel=4 * EPS)
     assert loads.shaking_force_y == pytest.approx(-2.0 * 9.81, rel=4 * EPS)
 
 
 def test_a_long_output_link_makes_a_slider_of_the_four_bar():
-    """The modes are those of a 4R whose output link is very long, below the guide: theta4 = pi/2."""
+    """
+    The modes are those of a 4R whose output link is very long, below the guide.
+
+    theta4 = pi/2.
+    """
     from fourbar_ros import FourBar
     a1, a2, e, far = 0.1, 0.3, 0.02, 1e6
     for mode in (1, 2):
