@@ -7,7 +7,6 @@ import json
 from functools import partial
 from math import inf
 from pathlib import Path
-from typing import NamedTuple
 
 from mcap import __version__ as mcap_version
 from mcap.opcode import Opcode
@@ -19,40 +18,12 @@ from fourbar_ros.bag.mcap_writer import Container
 from fourbar_ros.bag.info import missing_of
 from fourbar_ros.bag.mcap_records import LARGEST, MESSAGE, OURS, SEAL, Damaged, in_short, parse
 from fourbar_ros.bag.mcap_scan import Scan, is_being_written
+from fourbar_ros.bag.recover_parts import recover_parts
+from fourbar_ros.bag.recovered import Recovered
 from fourbar_ros.bag.whole import workshop
 
 PROFILE = 'ros2'        # of a file whose header is damaged
 NO_END = 'without an end: a crash, a kill, a power cut or a full disk'
-
-
-class Recovered(NamedTuple):
-    """
-    What came out.
-
-    Attributes
-    ----------
-    path : Path
-        The new bag.
-    messages : int
-    lost : int
-        Bytes of the old file that are not in the new one: its unfinished last record, damaged
-        records.
-    damaged : list of str
-        Everything wrong with the old file: where and why.
-    missing : dict
-        {topic: messages that are not in the new bag}, by the numbers that our recorder gave, what
-        it dropped itself among them, and by the old bag's statistics.
-    was_whole : bool
-        The old bag was finished and nothing of it is lost.
-
-    """
-
-    path: Path
-    messages: int
-    lost: int
-    damaged: list
-    missing: dict
-    was_whole: bool
 
 
 def recover(path, out=None, progress=None):
@@ -77,8 +48,7 @@ def recover(path, out=None, progress=None):
 
     """
     if len(rosbag2.files_of(path)) > 1:
-        from fourbar_ros.bag.recover_parts import recover_parts
-        return recover_parts(path, Path(out) if out else beside(path), progress)
+        return recover_parts(recover, path, Path(out) if out else beside(path), progress)
     source = rosbag2.file_of(path)
     if is_being_written(source):
         raise BagError(f'{path}: is being written; stop the recording first')

@@ -9,12 +9,12 @@ import tempfile
 import yaml
 
 from fourbar_ros.bag import BagError, rosbag2
-from fourbar_ros.bag.recover import Recovered, recover
+from fourbar_ros.bag.recovered import Recovered
 
 
-def recover_parts(path, out, progress=None):
+def recover_parts(recover, path, out, progress=None):
     """
-    Recover every file of a split bag into the folder ``out``; see :func:`~.recover.recover`.
+    Recover every file of a split bag into the folder ``out`` by the function ``recover(file, folder, progress)``.
 
     A part of which nothing is left is named among the damages; its number is not used again.
     """

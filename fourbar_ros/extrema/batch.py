@@ -150,9 +150,7 @@ def _search(lengths, sign, rate):
     """Return for each quantity a list of tuples (index, theta1, value, is_maximum, side) of arrays."""
     with np.errstate(all='ignore'):
         scaled = np.ldexp(lengths, -np.frexp(lengths.max(axis=0))[1])
-        signs = (-1.0, 1.0, 1.0, 1.0), (1.0, -1.0, 1.0, 1.0), (1.0, 1.0, -1.0, 1.0), (1.0, 1.0, 1.0, -1.0)
-        closes = np.all([_exact_sum([s * a for s, a in zip(row, scaled)]) > 0.0 for row in signs], axis=0)
-        closes &= np.isfinite(scaled).all(axis=0) & (lengths > 0.0).all(axis=0)
+        closes = _closes(scaled) & (lengths > 0.0).all(axis=0)
         constants = np.array(np.broadcast_arrays(*sine_constants(*scaled, sign, _exact_sum)))
         limits = _limits(scaled, *constants[:2])
     unequal = scaled.max(axis=0) > UNEQUAL * scaled.min(axis=0)
@@ -199,6 +197,13 @@ def _search(lengths, sign, rate):
             found[0].append((rows, fold(x), rate[rows] * value, (falls == upward[rows]) == forward[rows],
                              np.zeros(x.size, int)))
     return found
+
+
+def _closes(scaled):
+    """Return whether each linkage can be assembled: each link shorter than the other three together."""
+    signs = (-1.0, 1.0, 1.0, 1.0), (1.0, -1.0, 1.0, 1.0), (1.0, 1.0, -1.0, 1.0), (1.0, 1.0, 1.0, -1.0)
+    slack = [_exact_sum([s * a for s, a in zip(row, scaled)]) for row in signs]
+    return np.all(np.array(slack) > 0.0, axis=0) & np.isfinite(scaled).all(axis=0)
 
 
 def _limits(lengths, s1, s2):
