@@ -40,6 +40,7 @@ every_family = pytest.mark.parametrize(
 )
 STEP = 1e-40  # of the complex step: its square is lost beside anything
 OUTER = ('state', 'loads')
+NOT_SENT = {'slot_couple'}  # loads of one kind alone, without a field in LinkageLoads
 
 
 def test_every_kind_has_a_reference():
@@ -431,7 +432,7 @@ def test_pickled_and_compared(case):
 def test_in_mode(case):
     for mechanism, given in contract.ordinary(case, 216, 5):
         assert mechanism.in_mode(case.mode) is mechanism
-        for mode in contract.modes_of(case.kind):
+        for mode in contract.modes_of(case.kind, case.driven):
             other = mechanism.in_mode(mode)
             assert (
                 other.mode == mode
@@ -636,7 +637,7 @@ def test_a_scene_keeps_every_digit(case):
 
 @every_case
 def test_messages_are_complete(case):
-    """Every number of the messages has a source, and every coordinate and load of the mechanism is in one."""
+    """Every number of the messages has a source; every joint and load of the mechanism is in one."""
     for mechanism, given in contract.ordinary(case, 222, 2):
         scene = scenes.from_values(
             {
@@ -657,10 +658,14 @@ def test_messages_are_complete(case):
                 'mode',
                 'change_point_margin',
             }
-        for name in {name for c in contract.coordinates(case.kind) for name in c}:
-            assert sent['state'][name] == getattr(motion, name), name
-        for name in case.kind.LOADS._fields:
-            assert sent['loads'][name] == getattr(loads, name), name
+
+        for output, values in (('state', motion), ('loads', loads)):
+            for name in set(sent[output]) & set(values._fields):
+                assert sent[output][name] == getattr(values, name), name
+        assert set(loads._fields) - set(sent['loads']) <= NOT_SENT
+        assert sent['joint_states']['velocity'] == tuple(
+            getattr(motion, c.rate) for c in contract.coordinates(case.kind)
+        )
         assert tuple(sent['driven'].values()) == given
         assert sent['joint_states']['position'] == tuple(
             getattr(motion, c.position) for c in contract.coordinates(case.kind)

@@ -84,16 +84,17 @@ class Case(NamedTuple):
         )
 
 
-def modes_of(kind):
-    """Return the assembly modes of a kind."""
-    return tuple(getattr(kind, 'MODES', (1, 2)))
+def modes_of(kind, driven):
+    """Return the assembly modes of a kind with this input: of one whose lengths are all one metre."""
+    others = {'input': driven} if len(kind.INPUTS) > 1 else {}
+    return tuple(kind(*[1.0 for _ in kind.LENGTHS], **others).modes)
 
 
 CASES = [
     Case(name, kind, driven, mode)
     for name, kind in KINDS.items()
     for driven in kind.INPUTS
-    for mode in modes_of(kind)
+    for mode in modes_of(kind, driven)
 ]
 
 
@@ -131,8 +132,9 @@ def _lengths(rng, case, family):
             )
         return lengths * np.where(signed, rng.choice((-1.0, 1.0)), 1.0)
     lengths = rng.uniform(np.where(signed, -1.0, 0.1), 1.0)
-    if family == 'near a change point' and case.kind.MARGIN_SIGNS:
-        signs = np.array(case.kind.MARGIN_SIGNS[rng.integers(len(case.kind.MARGIN_SIGNS))])
+    margins = [signs for signs in case.kind.MARGIN_SIGNS if min(signs) < 0 < max(signs)]
+    if family == 'near a change point' and margins:  # others are sums of lengths, never zero
+        signs = np.array(margins[rng.integers(len(margins))])
         i = rng.choice(np.flatnonzero(signs))  # the length that makes this margin nearly zero
         rest = -signs[i] * (signs @ np.abs(lengths) - signs[i] * abs(lengths[i]))
         lengths[i] = (

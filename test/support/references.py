@@ -1,8 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The reference of every kind of mechanism, in many digits; a new kind adds one entry to
-:data:`REFERENCES`.
+The reference of every kind of mechanism, in many digits; a new kind adds one entry to :data:`REFERENCES`.
 
 ``test_contract`` compares each kind with its reference and fails for a kind without one.
 """
@@ -12,26 +11,26 @@ from typing import NamedTuple
 
 import mpmath as mp
 
-from support import reference, slider_reference
+from support import reference, slider_reference, yoke_reference
 
 
 class Reference(NamedTuple):
     """
     Exact values of one kind, by a formulation that shares nothing with the package.
 
-    All take (driven, lengths, sign, given): name of the input, lengths [m], +1 or -1 for the
-    assembly mode, input with its rate and acceleration, all as numbers for mpmath.
+    All take (driven, lengths, sign, given): name of the input, lengths [m], +1 or -1 for the assembly mode,
+    input with its rate and acceleration, all as numbers for mpmath.
 
     Parameters
     ----------
     motion : callable
-        Returns {field of the motion: mpf} of angles, travel, rates and accelerations; None where
-        the mechanism cannot close or is at a toggle.
+        Returns {field of the motion: mpf} of angles, travel, rates and accelerations; None where the
+        mechanism cannot close or is at a toggle.
     links : callable
         Returns {link: (place of its first joint [m], its direction)}, both complex.
     loads : callable
-        Takes (bodies, applied, gravity) too: four numbers a link, five for each link that can be
-        loaded, two. Returns {field of the loads: mpf, or mpc for a pair of fields NAME_x, NAME_y}.
+        Takes (bodies, applied, gravity) too: four numbers a link, five for each link that can be loaded,
+        two. Returns {field of the loads: mpf, or mpc for a pair of fields NAME_x, NAME_y}.
     families : mapping
         {name: function (rng) -> lengths} of hard cases beside those that all kinds share.
 
@@ -43,7 +42,7 @@ class Reference(NamedTuple):
     families: Mapping = {}
 
 
-# --- the four-bar --------------------------------------------------------------------------------
+# --- the four-bar ----------------------------------------------------------------------------------
 
 
 def _four_bar_motion(driven, lengths, sign, given):
@@ -79,7 +78,13 @@ def _four_bar_loads(driven, lengths, sign, given, bodies, applied, gravity):
     )
 
 
-# --- the sliders ---------------------------------------------------------------------------------
+def _with_drive_named(loads, driven):
+    """Return loads with 'drive' as the torque or the force that it is."""
+    drive, is_crank = loads.pop('drive'), driven == 'crank'
+    return {**loads, 'driving_torque': drive * is_crank, 'driving_force': drive * (not is_crank)}
+
+
+# --- the sliders -----------------------------------------------------------------------------------
 
 
 def _slider(kind, families):
@@ -123,13 +128,7 @@ def _slider(kind, families):
                 ),
             )
         )
-        drive = found.pop('drive')
-        is_crank = driven == 'crank'
-        return {
-            **found,
-            'driving_torque': drive * is_crank,
-            'driving_force': drive * (not is_crank),
-        }
+        return _with_drive_named(found, driven)
 
     return Reference(motion, links, loads, families)
 
@@ -162,8 +161,34 @@ _OF_SLIDERS = {
     'equal lengths': _equal_lengths,
 }
 
+
+# --- the Scotch yoke -------------------------------------------------------------------------------
+
+
+def _yoke_motion(driven, lengths, sign, given):
+    if driven == 'slide' and abs(given[0]) >= lengths[0]:
+        return None
+    fields = yoke_reference.fields_of(driven, lengths, sign, given)
+    return dict(zip(yoke_reference.FIELDS, fields))
+
+
+def _yoke_links(driven, lengths, sign, given):
+    pin, _ = yoke_reference.exact(driven, lengths, sign, given)
+    return {
+        'crank': (mp.mpc(0), pin),
+        'coupler': (pin, mp.mpc(0, 1)),
+        'output': (mp.mpc(pin.real, lengths[1]), mp.mpc(1)),
+    }
+
+
+def _yoke_loads(driven, lengths, sign, given, bodies, applied, gravity):
+    values = yoke_reference.loads_of(driven, lengths, sign, given, bodies, applied, gravity)
+    return _with_drive_named(dict(zip(yoke_reference.LOADS, values)), driven)
+
+
 REFERENCES = {
     'four_bar': Reference(_four_bar_motion, _four_bar_links, _four_bar_loads),
     'slider_crank': _slider(slider_reference.SliderCrank, _OF_SLIDERS),
     'inverted_slider': _slider(slider_reference.InvertedSlider, _OF_SLIDERS),
+    'scotch_yoke': Reference(_yoke_motion, _yoke_links, _yoke_loads),
 }

@@ -1,6 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Extrema against dense scans, for any mechanism."""
+
+from math import inf
+
 import numpy as np
 from support.reference import EPS
 
@@ -56,7 +59,7 @@ def check_against_scan(mechanism, quantities, rate, acceleration, points):
             )
             d = min(
                 1e-6 * unit / max(1.0, extremum.condition / unit),
-                1e-3 * min(abs(z - at) for z in mechanism.singular_inputs),
+                1e-3 * min((abs(z - at) for z in mechanism.singular_inputs), default=inf),
             )
             around = by_name[extremum.quantity].of(
                 *mechanism.step(at + d * np.array((-1.0, 0.0, 1.0)), rate, acceleration)
