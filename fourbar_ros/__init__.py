@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Planar linkages: exact motion, loads and extrema. The library needs numpy only.
 
@@ -6,7 +8,7 @@ The names below are imported when they are first used: the node catches signals 
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any, TYPE_CHECKING
 
 if TYPE_CHECKING:
     from fourbar_ros.errors import (
@@ -50,7 +52,8 @@ _MODULE_OF = {name: module for module, names in _FACE.items() for name in names}
 __all__ = [
     'CROSSED', 'OPEN', 'Applied', 'Bodies', 'Body', 'External', 'FourBar', 'FourBarError',
     'InvalidParameter', 'InvertedSlider', 'Loads', 'MissingBodies', 'Motion', 'OutOfRange',
-    'ScotchYoke', 'SliderCrank', 'Toggle', 'find_extrema', 'find_extrema_many', 'load_scene', 'point_motion',
+    'ScotchYoke', 'SliderCrank', 'Toggle', 'find_extrema', 'find_extrema_many', 'load_scene',
+    'point_motion',
     'round_rod',
 ]
 

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Errors of the core: one base class, one class per reason, the values kept as attributes."""
 from __future__ import annotations
 
@@ -5,7 +7,11 @@ from collections.abc import Iterable
 
 
 def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str:
-    """Return what to add to a message about an unknown name: the nearest known one, or all of them."""
+    """
+    Return what to add to a message about an unknown name.
+
+    The nearest known one, or all of them.
+    """
     from difflib import get_close_matches
 
     known = list(known)
@@ -21,7 +27,11 @@ class FourBarError(Exception):
 
 
 def _again(kind, args, kept):
-    """Return an error that was pickled, from its message and what it keeps: not from what it was made of."""
+    """
+    Return an error that was pickled, from its message and what it keeps.
+
+    Not from what it was made of.
+    """
     error = kind.__new__(kind, *args)
     error.args = args
     error.__dict__.update(kept)
@@ -33,11 +43,16 @@ class InvalidParameter(FourBarError, ValueError):
 
     def __init__(self, name, value, allowed):
         self.name, self.value, self.allowed = name, value, allowed
-        super().__init__(f'{name}: {allowed}' if value is None else f'{name} = {_short(value)}: {allowed}')
+        super().__init__(f'{name}: {allowed}' if value is None
+                         else f'{name} = {_short(value)}: {allowed}')
 
 
 def _short(value):
-    """Return a value as text: numbers as they are, long ones (arrays) on one line with their middle left out."""
+    """
+    Return a value as text.
+
+    Numbers as they are, long ones (arrays) on one line with their middle left out.
+    """
     text = ' '.join(repr(value).split())
     return text if len(text) <= 100 else f'{text[:60]} ... {text[-30:]}'
 
@@ -48,19 +63,29 @@ def in_words(ranges, unit):
 
 
 class OutOfRange(FourBarError, ValueError):
-    """The mechanism cannot be assembled at the given input; its ``name``, ``value``, ``ranges`` are kept."""
+    """
+    The mechanism cannot be assembled at the given input.
+
+    Its ``name``, ``value``, ``ranges`` are kept.
+    """
 
     def __init__(self, name, value, ranges, unit):
         self.name, self.value, self.ranges = name, value, ranges
-        super().__init__(f'{name} = {value!r} {unit} is outside the input range {in_words(ranges, unit)}')
+        super().__init__(f'{name} = {value!r} {unit} is outside the input range '
+                         f'{in_words(ranges, unit)}')
 
 
 class Toggle(FourBarError, ArithmeticError):
-    """The dyad is in line, so that rates and loads are unbounded; ``name`` and ``value`` of the input are kept."""
+    """
+    The dyad is in line, so that rates and loads are unbounded.
+
+    ``name`` and ``value`` of the input are kept.
+    """
 
     def __init__(self, name, value, unit):
         self.name, self.value = name, value
-        super().__init__(f'{name} = {value!r} {unit} is a toggle position: rates and loads are unbounded')
+        super().__init__(f'{name} = {value!r} {unit} is a toggle position: rates and loads are '
+                         'unbounded')
 
 
 class MissingBodies(FourBarError, ValueError):

@@ -3,8 +3,8 @@
 """Optional packages: one line tells how to install a missing one."""
 from __future__ import annotations
 
-import sys
 from importlib import import_module
+import sys
 
 from fourbar_ros.errors import FourBarError
 

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fourbar_ros.bag import BagError
-from fourbar_ros.bag.definitions import PRIMITIVES, Definition
+from fourbar_ros.bag.definitions import Definition, PRIMITIVES
 
 DEPTH = 64                  # of definitions within each other
 FIELDS = 10_000             # that may take no byte of a message: empty arrays, structures

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Differences between recorded and recomputed messages, and their summary."""
 from __future__ import annotations
 
@@ -30,8 +32,9 @@ class Recomputed(NamedTuple):
     missing, doubled : int
         Outputs that a motion should have and has not, or has once more.
     silent, uncertain : int
-        Outputs that say that the input had stopped; outputs that depend on what the bag cannot tell: values held
-        from before a part of a split bag, the order around a change of the scene in a bag of rosbag2.
+        Outputs that say that the input had stopped; outputs that depend on what the bag cannot
+        tell: values held from before a part of a split bag, the order around a change of the scene
+        in a bag of rosbag2.
     driven : str
         How the motion of the driven joint itself was checked.
     cut : bool
@@ -57,7 +60,8 @@ class Recomputed(NamedTuple):
 
     def problems(self, tolerance=0.0):
         """Return the problems as a list of texts; empty for a good bag."""
-        counts = ((self.unmatched, 'outputs without their motion'), (self.missing, 'outputs missing'),
+        counts = ((self.unmatched, 'outputs without their motion'),
+                  (self.missing, 'outputs missing'),
                   (self.doubled, 'outputs more than once'))
         found = [f'{count} {text}' for count, text in counts if count]
         if self.largest > tolerance:
@@ -66,10 +70,15 @@ class Recomputed(NamedTuple):
 
 
 def distance(a, b):
-    """Return the largest difference of two arrays; NaN against NaN is none, against a number infinite."""
+    """
+    Return the largest difference of two arrays.
+
+    NaN against NaN is none, against a number infinite.
+    """
     with np.errstate(invalid='ignore'):
         distance = np.abs(a - b)
     unknown = np.isnan(distance)
     if unknown.any():           # inf - inf, or NaN on one side or both
-        distance = np.where(unknown, np.where((a == b) | (np.isnan(a) & np.isnan(b)), 0.0, inf), distance)
+        distance = np.where(unknown, np.where((a == b) | (np.isnan(a) & np.isnan(b)), 0.0, inf),
+                            distance)
     return float(distance.max())

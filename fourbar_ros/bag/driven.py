@@ -12,8 +12,8 @@ from math import inf, isnan, nan
 import numpy as np
 
 from fourbar_ros.pipeline import joints
-from fourbar_ros.pipeline.rate_estimator import estimator_of
 from fourbar_ros.pipeline.message_fields import driven_of, is_time
+from fourbar_ros.pipeline.rate_estimator import estimator_of
 
 FIELDS = ('position', 'velocity', 'acceleration')
 

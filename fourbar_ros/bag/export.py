@@ -7,8 +7,8 @@ Block by block, so that long bags need no memory.
 """
 from __future__ import annotations
 
-import re
 from pathlib import Path
+import re
 
 import numpy as np
 

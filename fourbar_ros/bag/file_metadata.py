@@ -8,8 +8,8 @@ from mcap.opcode import Opcode
 from mcap.records import MetadataIndex, Statistics
 
 from fourbar_ros.bag import BagError, rosbag2
-from fourbar_ros.bag.mcap_records import HEAD, Damaged, parse
-from fourbar_ros.bag.mcap_scan import Scan, ending
+from fourbar_ros.bag.mcap_records import Damaged, HEAD, parse
+from fourbar_ros.bag.mcap_scan import ending, Scan
 
 
 def metadata_in(path):

@@ -3,13 +3,13 @@
 """Several bags at once: found below folders, worked on by processes of their own."""
 from __future__ import annotations
 
-import os
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
+import os
 from pathlib import Path
 
-from fourbar_ros.errors import FourBarError
 from fourbar_ros.bag import BagError, rosbag2
+from fourbar_ros.errors import FourBarError
 
 
 def bags_below(paths):

@@ -3,16 +3,24 @@
 """The records of an MCAP file one by one: what their bytes must be, and what the bytes say."""
 from __future__ import annotations
 
-import zlib
 from io import BytesIO
 from struct import Struct
+import zlib
 
 import lz4.frame
-import zstandard
 from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.opcode import Opcode
-from mcap.records import (Channel, Chunk, DataEnd, Header, Metadata, MetadataIndex, Schema,
-                          Statistics)
+from mcap.records import (
+    Channel,
+    Chunk,
+    DataEnd,
+    Header,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+)
+import zstandard
 
 from fourbar_ros.bag import BagError
 

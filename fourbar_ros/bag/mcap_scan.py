@@ -15,26 +15,26 @@ import contextlib
 import fcntl
 import os
 import re
-import zlib
 from struct import Struct
 from typing import NamedTuple
+import zlib
 
 from mcap.opcode import Opcode
 from mcap.records import MetadataIndex, Statistics
 
 from fourbar_ros.bag import BagError
 from fourbar_ros.bag.mcap_records import (
+    Damaged,
+    filled,
     HEAD,
     IS_MESSAGE,
     OURS,
-    SHAPES,
-    TYPES,
-    WRONG_TIMES,
-    Damaged,
-    filled,
     parse,
+    SHAPES,
     split,
     tells_its_times,
+    TYPES,
+    WRONG_TIMES,
 )
 
 MAGIC = b'\x89MCAP0\r\n'

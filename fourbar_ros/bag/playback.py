@@ -8,8 +8,8 @@ The messages of a bag at their original pace, without ROS: for notebooks, and fo
 """
 from __future__ import annotations
 
-import time
 from math import inf
+import time
 
 from fourbar_ros.bag import BagError
 from fourbar_ros.bag.reader import Bag

@@ -3,8 +3,8 @@
 """Fields of a bag over time, as a picture. Needs matplotlib, imported when it is used."""
 from __future__ import annotations
 
-import re
 from difflib import get_close_matches
+import re
 
 import numpy as np
 

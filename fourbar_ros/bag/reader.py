@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Read a bag without ROS: a directory or a single .mcap file; finished, cut, or still being written.
 
@@ -7,30 +9,30 @@ Read a bag without ROS: a directory or a single .mcap file; finished, cut, or st
 from __future__ import annotations
 
 import contextlib
-import time
 from dataclasses import replace
 from pathlib import Path
+import time
 
-import numpy as np
 from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.records import Channel, Schema
+import numpy as np
 
 from fourbar_ros.bag import BagError, rosbag2
 from fourbar_ros.bag.cdr import Decoder
 from fourbar_ros.bag.file_metadata import metadata_in, repeats_in
-from fourbar_ros.bag.records import Columns, Raw, Record
 from fourbar_ros.bag.mcap_records import (
+    Damaged,
     HEAD,
     IS_MESSAGE,
     MESSAGE,
-    Damaged,
     message_of,
     parse,
     split,
     unpacked,
 )
-from fourbar_ros.bag.mcap_scan import MAGIC, Scan, chunk_index, ending, is_being_written
+from fourbar_ros.bag.mcap_scan import chunk_index, ending, is_being_written, MAGIC, Scan
+from fourbar_ros.bag.records import Columns, Raw, Record
 
 BLOCK = 20_000          # messages that are decoded together: large for numpy, small for the memory
 BLOCK_BYTES = 1 << 24   # and no more bytes than these, but for one chunk: pictures are large
@@ -51,20 +53,22 @@ class Bag:
     files : list of Path
         The .mcap files, of a split bag one a part.
     cut : bool or None
-        Whether the last reading met the end of the data without the end of the file: a crash, or a bag
-        still being written. None before.
+        Whether the last reading met the end of the data without the end of the file: a crash, or a
+        bag still being written. None before.
     damage : list of str
-        What the last reading found wrong with the file: where and why. Of a finished bag it misses nothing;
-        what leaves all messages as they were, as in an index, does not stop the reading.
+        What the last reading found wrong with the file: where and why. Of a finished bag it misses
+        nothing; what leaves all messages as they were, as in an index, does not stop the reading.
 
     """
 
     def __init__(self, path):
         self.path, self.files = Path(path), rosbag2.files_of(path)
         self.channels, self._schemas, self._decoders = {}, {}, {}
-        # definitions of the file that is read by their numbers there, and {(kind, number there): number here}
+        # definitions of the file that is read by their numbers there, and {(kind, number there):
+        # number here}
         self._here, self._numbers, self._is_first, self._read = {}, {}, True, 0
-        self._plain, self._packed = set(), set()        # channels that were looked at; whose messages are compressed
+        # channels that were looked at; whose messages are compressed
+        self._plain, self._packed = set(), set()
         self.cut, self.damage = None, []
 
     # --- about it -------------------------------------------------------------------------------
@@ -93,7 +97,8 @@ class Bag:
         """Return the mcap library's Summary of a finished bag of one file, None for any other."""
         if len(self.files) > 1:
             return None
-        with open(self.files[0], 'rb') as file, contextlib.suppress(Exception):    # it raises what it likes
+        # it raises what it likes
+        with open(self.files[0], 'rb') as file, contextlib.suppress(Exception):
             end = ending(file)
             file.seek(0)
             return None if end is None or end.damage else make_reader(file).get_summary()
@@ -105,7 +110,8 @@ class Bag:
 
         Of a split bag that of the first part, with what the last one adds to its custom_data.
         """
-        told = [found for found in (metadata_in(file) for file in (self.files[0], *self.files[1:][-1:])) if found]
+        told = [found for found in (metadata_in(file)
+                                    for file in (self.files[0], *self.files[1:][-1:])) if found]
         if not told:
             raise BagError(f'{self.path}: has no rosbag2 metadata')
         if len(told) > 1:
@@ -149,7 +155,8 @@ class Bag:
         """
         for item in self.chunks(topics, start, follow):
             for number, sequence, stamp, data in item:
-                yield Raw(self.channels[number].topic, self._schema(number).name, stamp, sequence, data, number)
+                yield Raw(self.channels[number].topic, self._schema(number).name, stamp, sequence,
+                          data, number)
 
     def columns(self, topics=None, progress=None):
         """Yield all :class:`Columns`, block by block; arguments as in :meth:`blocks`."""
@@ -158,17 +165,19 @@ class Bag:
 
     def blocks(self, topics=None, apart=None, progress=None):
         """
-        Yield lists of :class:`Columns`, each of about BLOCK messages that follow each other in the bag.
+        Yield lists of :class:`Columns`, each of about BLOCK messages that follow each other in the
+        bag.
 
-        Within a list those of one topic may lie between each other, where its messages change to and fro
-        between layouts (lengths of texts and sequences): ``places`` tell the order.
+        Within a list those of one topic may lie between each other, where its messages change to
+        and fro between layouts (lengths of texts and sequences): ``places`` tell the order.
 
         Parameters
         ----------
         topics : list of str, optional
             Only these.
         apart : str, optional
-            The messages of this topic end a block and are yielded as :class:`Record`, where they stand.
+            The messages of this topic end a block and are yielded as :class:`Record`, where they
+            stand.
         progress : callable, optional
             Called with the number of bytes read so far.
 
@@ -204,7 +213,8 @@ class Bag:
         for number, found in by_channel.items():
             places, times, data = zip(*found)
             if max(times) >= 1 << 63:
-                raise BagError(f'{self.path}: a log time of {max(times)} ns is after the year 2262')
+                raise BagError(f'{self.path}: a log time of {max(times)} ns is after the year '
+                               '2262')
             places, times = np.array(places), np.array(times, np.int64)
             topic = self.channels[number].topic
             made += [Columns(topic, times[rows], places[rows], records, layout)
@@ -249,8 +259,9 @@ class Bag:
         if number not in self._decoders:
             schema, channel = self._schema(number), self.channels[number]
             if channel.message_encoding != 'cdr' or schema.encoding != 'ros2msg':
-                raise BagError(f'{self.path}: {channel.topic} is {channel.message_encoding!r} defined in '
-                               f'{schema.encoding!r}; only cdr in ros2msg is decoded: rosbags-convert makes that')
+                raise BagError(f'{self.path}: {channel.topic} is {channel.message_encoding!r} '
+                               f'defined in {schema.encoding!r}; only cdr in ros2msg is decoded: '
+                               'rosbags-convert makes that')
             try:
                 self._decoders[number] = Decoder(schema.name, schema.data.decode())
             except UnicodeDecodeError:
@@ -268,7 +279,8 @@ class Bag:
         wanted = None if topics is None else set(topics)
         self.damage, self.cut, self._read = [], False, 0
         for place, path in enumerate(self._each_file(follow)):
-            with contextlib.suppress(FileNotFoundError):       # its recorder keeps only the newest parts
+            # its recorder keeps only the newest parts
+            with contextlib.suppress(FileNotFoundError):
                 for found in self._chunks_of(path, place, wanted, start, follow, progress):
                     chosen = self._chosen(found, wanted, start)
                     if chosen:
@@ -296,12 +308,14 @@ class Bag:
         """Yield the messages of one file, chunk by chunk."""
         with open(path, 'rb') as file:
             begin = file.read(len(MAGIC))
-            if len(begin) < len(MAGIC) and not MAGIC.startswith(begin):     # longer ones are the scan's to judge
+            # longer ones are the scan's to judge
+            if len(begin) < len(MAGIC) and not MAGIC.startswith(begin):
                 raise BagError(f'{path}: not an MCAP file')
             scan = Scan(file, self._wait if follow else None, self.damage)
             was_cut, self.cut = self.cut, True
             self._here, self._numbers, self._is_first = {}, {}, place == 0
-            # The checksum at the end covers these; a topic that was hit is seen before its messages are read.
+            # The checksum at the end covers these; a topic that was hit is seen before its
+            # messages are read.
             for record in scan.ending.of((Schema, Channel)) if scan.ending else ():
                 self._learn(record)
             repeats = {} if self._is_first else None
@@ -313,10 +327,11 @@ class Bag:
                         break                       # a power cut in the middle of this record
                     if opcode:
                         scan.spoil(offset, error)
-                    raise BagError(f'{self.path if len(self.files) == 1 else path}: at byte {offset}: {error}; '
-                                   'fourbar bag recover keeps the rest') from None
+                    raise BagError(f'{self.path if len(self.files) == 1 else path}: at byte '
+                                   f'{offset}: {error}; fourbar bag recover keeps the rest') from None
                 if found:
-                    if repeats is None:                # told before the first message; the file may have been empty
+                    # told before the first message; the file may have been empty
+                    if repeats is None:
                         repeats = repeats_in(path)
                     yield self._without(found, repeats) if repeats else found
                 if progress:
@@ -332,11 +347,17 @@ class Bag:
         numbers = {number for (kind, number), record in self._here.items()
                    if kind is Channel and (wanted is None or record.topic in wanted)}
         return scan.only([offset for offset, _, last, channels in index
-                          if (start is None or last >= start) and (not channels or channels & numbers)])
+                          if (start is None or last >= start)
+                          and (not channels or channels & numbers)])
 
     def _without(self, found, repeats):
-        """Return messages without those that a part repeats at its beginning; then ``repeats`` is emptied."""
-        begins = {number: repeats.get(channel.topic, 0) for number, channel in self.channels.items()}
+        """
+        Return messages without those that a part repeats at its beginning.
+
+        Then ``repeats`` is emptied.
+        """
+        begins = {number: repeats.get(channel.topic, 0)
+                  for number, channel in self.channels.items()}
         kept = [item for item in found if item[1] >= begins[item[0]]]
         if len(kept) == len(found):
             repeats.clear()
@@ -359,7 +380,8 @@ class Bag:
 
     def _chosen(self, found, wanted, start):
         if wanted is not None:
-            numbers = {number for number, channel in self.channels.items() if channel.topic in wanted}
+            numbers = {number for number, channel in self.channels.items()
+                       if channel.topic in wanted}
             found = [item for item in found if item[0] in numbers]
         return found if start is None else [item for item in found if item[2] >= start]
 
@@ -373,7 +395,8 @@ class Bag:
             elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 self._learn(parse(opcode, content[begin:end]))
         try:
-            numbers = {number: self._numbers[Channel, number] for number in {item[0] for item in found}}
+            numbers = {number: self._numbers[Channel, number]
+                       for number in {item[0] for item in found}}
         except KeyError:
             raise Damaged('message of an unknown channel') from None
         if any(number != here for here, number in numbers.items()):
@@ -381,7 +404,11 @@ class Bag:
         return self._unpacked(found, set(numbers.values()) - self._plain) if numbers else found
 
     def _unpacked(self, found, new):
-        """Return messages as they were sent; the first one of a channel tells whether they were compressed."""
+        """
+        Return messages as they were sent.
+
+        The first one of a channel tells whether they were compressed.
+        """
         if new:
             first = {number: data for number, _, _, data in reversed(found)}
             packed = {number for number in new if self.channels[number].message_encoding == 'cdr'
@@ -402,20 +429,27 @@ class Bag:
             return
         known = self.channels if kind is Channel else self._schemas
         if kind is Channel:
-            record = replace(record, schema_id=self._numbers.get((Schema, record.schema_id), record.schema_id))
+            record = replace(record, schema_id=self._numbers.get((Schema, record.schema_id),
+                                                                 record.schema_id))
         number = record.id
         if number in known and not _is_same(known[number], record):
             if self._is_first:
                 raise Damaged(f'{kind.__name__.lower()} {record.id} is another one than before')
-            number = next((n for n, other in known.items() if _is_same(other, record)), max(known) + 1)
+            number = next((n for n, other in known.items() if _is_same(other, record)),
+                          max(known) + 1)
         known.setdefault(number, replace(record, id=number))
         self._numbers[kind, record.id] = number
 
 
 def _is_same(a, b):
-    """Return whether two definitions are the same, whatever their numbers; QoS may differ between parts."""
+    """
+    Return whether two definitions are the same, whatever their numbers.
+
+    QoS may differ between parts.
+    """
     if isinstance(a, Channel):
-        return (a.topic, a.message_encoding, a.schema_id) == (b.topic, b.message_encoding, b.schema_id)
+        return (a.topic, a.message_encoding, a.schema_id) == (b.topic, b.message_encoding,
+                                                              b.schema_id)
     return (a.name, a.encoding, a.data) == (b.name, b.encoding, b.data)
 
 

@@ -1,8 +1,13 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
-Compute every recorded output again from the recorded motion of the driven joint and the scene; compare.
+Compute every recorded output again from the recorded motion of the driven joint and the scene;
+compare.
 
-Both are in the bag: the motion as messages, the scene as its first message and again after every change.
-Where the input as it came is in the bag, the motion of the driven joint is computed again from it too.
+Both are in the bag: the motion as messages, the scene as its first message and again after every
+change.
+Where the input as it came is in the bag, the motion of the driven joint is computed again from it
+too.
 """
 from __future__ import annotations
 
@@ -12,24 +17,26 @@ from operator import attrgetter
 
 import numpy as np
 
-from fourbar_ros.pipeline import rate_estimator
-from fourbar_ros.scene.scene import from_values
-from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK
-from fourbar_ros.scene.topics import DRIVEN, INPUTS
-from fourbar_ros.pipeline.message_fields import driven_of
-from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.bag import rosbag2
-from fourbar_ros.bag.acting import UNSETTLED, Acting
-from fourbar_ros.bag.difference import Difference, Recomputed, distance
+from fourbar_ros.bag.acting import Acting, UNSETTLED
+from fourbar_ros.bag.difference import Difference, distance, Recomputed
 from fourbar_ros.bag.driven import Driven, inputs_of
-from fourbar_ros.bag.matching import Tally, Window, in_order
+from fourbar_ros.bag.matching import in_order, Tally, Window
 from fourbar_ros.bag.origin import origin_of, scene_of
 from fourbar_ros.bag.reader import Bag, Record
+from fourbar_ros.pipeline import rate_estimator
+from fourbar_ros.pipeline.message_fields import driven_of
+from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK
+from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.scene.scene import from_values
+from fourbar_ros.scene.topics import DRIVEN, INPUTS
 
 __all__ = ['Difference', 'Recomputed', 'compare', 'distance', 'recompute', 'scene_of']
 
-WINDOW = 1000           # inputs whose outputs may still come; bags of rosbag2 have them in any order
-PLANAR = ('wrench.force.z', 'wrench.torque.x', 'wrench.torque.y')      # what a planar linkage does not have
+# inputs whose outputs may still come; bags of rosbag2 have them in any order
+WINDOW = 1000
+# what a planar linkage does not have
+PLANAR = ('wrench.force.z', 'wrench.torque.x', 'wrench.torque.y')
 
 
 def recompute(path):
@@ -41,9 +48,10 @@ def compare(path, progress=None, node=None):
     """
     Return the :class:`Recomputed` of a bag.
 
-    Each output is compared, with all its fields, with what the driven joint's motion of the same stamp gives: the
-    last one before it in the bag, in bags of rosbag2 also one that comes later. Differences are absolute; NaN
-    against NaN is none, NaN against a number infinite. Memory does not grow with the bag.
+    Each output is compared, with all its fields, with what the driven joint's motion of the same
+    stamp gives: the last one before it in the bag, in bags of rosbag2 also one that comes later.
+    Differences are absolute; NaN against NaN is none, NaN against a number infinite. Memory does
+    not grow with the bag.
 
     Parameters
     ----------
@@ -57,14 +65,17 @@ def compare(path, progress=None, node=None):
     bag = Bag(path)
     origin = origin_of(bag, node)
     work = _Comparison(origin, bag.about())
-    waiting = None                                       # a change of the scene has a say in what came before it
-    for block in bag.blocks(topics=list(origin.topics.values()), apart=origin.topics.get('scene'), progress=progress):
+    # a change of the scene has a say in what came before it
+    waiting = None
+    for block in bag.blocks(topics=list(origin.topics.values()), apart=origin.topics.get('scene'),
+                            progress=progress):
         scene = None
         if isinstance(block, Record):
             scene = from_values(json.loads(block.message.data))
             is_new = work.is_new(scene)
         if waiting:
-            work.block(waiting, block.time - UNSETTLED if scene and is_new and not origin.in_order else inf)
+            work.block(waiting, block.time - UNSETTLED if scene and is_new and not origin.in_order
+                       else inf)
         waiting = None if scene else block
         if scene and is_new:
             work.change(scene, block.time)
@@ -78,8 +89,9 @@ class _Comparison:
 
     def __init__(self, origin, about):
         self.counts, self.largest = {}, {}
-        self.inputs = self.compared = self.unmatched = self.missing = self.doubled = self.silent = self.uncertain = 0
-        self.topics, self._name_of = origin.topics, {topic: name for name, topic in origin.topics.items()}
+        self.inputs = self.compared = self.unmatched = self.missing = self.doubled = self.silent = self.uncertain = (0)
+        self.topics, self._name_of = (origin.topics,
+                                      {topic: name for name, topic in origin.topics.items()})
         self._in_order, self._settled = origin.in_order, -inf
         self._is_cold = rosbag2.REPEATS in about         # what it holds may be of the part before
         self._source = next((name for name in INPUTS if name in origin.topics), None)
@@ -95,17 +107,21 @@ class _Comparison:
     def change(self, scene, time):
         """Take another scene; it holds from the next input on."""
         self._retire(0)
-        self.uncertain += sum(len(found.times) for found in self._early)      # of the scene before, their motion after
+        # of the scene before, their motion after
+        self.uncertain += sum(len(found.times) for found in self._early)
         if self._scene:
             self._acting.apply(self._stepper)
-        self._scene, self._stepper, self._layout = scene, Stepper(scene, self._acting.wrenches), scene.layout
+        self._scene, self._stepper, self._layout = (scene, Stepper(scene, self._acting.wrenches),
+                                                    scene.layout)
         self._acting.wrenches = self._stepper.acting
         self._driven.change(scene)
         self._wanted = scene.needs_loads, 'points' in scene.outputs
-        self._constant = {'mode': scene.linkage.mode, 'change_point_margin': scene.linkage.change_point_margin,
+        self._constant = {'mode': scene.linkage.mode,
+                          'change_point_margin': scene.linkage.change_point_margin,
                           **dict.fromkeys(PLANAR, 0.0)}
         self._texts = {'header.frame_id': scene.frame_id, 'name': list(scene.joint_names)}
-        self._holds = scene.drive.out_of_range == 'hold' or scene.joint_states.when_unknown == 'hold'
+        self._holds = (scene.drive.out_of_range == 'hold' or scene.joint_states.when_unknown
+                       == 'hold')
         self._may_skip = scene.joint_states.when_unknown == 'skip'
         self._outputs, self._window, self._early = scene.topics.keys(), None, []
         if time is not None and not self._in_order:
@@ -114,7 +130,11 @@ class _Comparison:
     # --- one block ------------------------------------------------------------------------------
 
     def block(self, columns, until=inf):
-        """Compare all messages of a block; those logged after ``until`` are near a change of the scene."""
+        """
+        Compare all messages of a block.
+
+        Those logged after ``until`` are near a change of the scene.
+        """
         by_name = {}
         for found in columns:
             by_name.setdefault(self._name_of.get(found.topic), []).append(found)
@@ -135,7 +155,8 @@ class _Comparison:
         if DRIVEN.name not in by_name:
             return
         self._check_text(by_name[DRIVEN.name])
-        places, stamps, motions, times = in_order([(found.places, found.stamps, np.stack(driven_of(found.tree), axis=1),
+        places, stamps, motions, times = in_order([(found.places, found.stamps,
+                                                    np.stack(driven_of(found.tree), axis=1),
                                                    found.times) for found in by_name[DRIVEN.name]])
         if self._source and self._in_order:
             self._driven.compare(places, stamps, motions)
@@ -149,12 +170,17 @@ class _Comparison:
         self._window = new if self._window is None else self._window.followed_by(new)
 
     def _evaluated(self, places, motions):
-        """Return statuses and values of motions; one by one, as the node does: not one bit differs."""
+        """
+        Return statuses and values of motions.
+
+        One by one, as the node does: not one bit differs.
+        """
         found = []
         for place, motion in zip(places.tolist(), motions.tolist()):
             self._acting.apply(self._stepper, place)
             found.append(self._stepper.step(*motion, *self._wanted))
-        return np.array([status for status, _ in found], float), np.array([values for _, values in found]).T
+        return np.array([status for status, _ in found],
+                        float), np.array([values for _, values in found]).T
 
     def _held(self, status):
         """Return of which inputs the outputs may show what was held from before this part of a bag."""
@@ -167,11 +193,13 @@ class _Comparison:
     def _output(self, columns, until, is_late=False):
         """Compare the messages of one topic and layout with the motions they belong to."""
         name, stamps = self._name_of[columns.topic], columns.stamps
-        source = self._window.source_of(columns.places, stamps) if self._window else np.full(len(stamps), -1)
+        source = (self._window.source_of(columns.places, stamps) if self._window
+                  else np.full(len(stamps), -1))
         found = source >= 0
         if not found.all():
             self._without_motion(name, columns._replace(
-                times=columns.times[~found], places=columns.places[~found], records=columns.records[~found]), until,
+                times=columns.times[~found], places=columns.places[~found],
+                records=columns.records[~found]), until,
                 is_late)
         if not found.any():
             return
@@ -181,7 +209,8 @@ class _Comparison:
         if known.any():
             rows = np.flatnonzero(found)[known]
             self._compare(name, columns._replace(
-                times=columns.times[rows], places=columns.places[rows], records=columns.records[rows]), source[rows])
+                times=columns.times[rows], places=columns.places[rows],
+                records=columns.records[rows]), source[rows])
 
     def _without_motion(self, name, columns, until, is_late):
         """Count outputs that no motion so far has the stamp of."""
@@ -195,7 +224,11 @@ class _Comparison:
         self.unmatched += np.count_nonzero(~silent & ~unsettled)
 
     def _says_silence(self, name, columns):
-        """Return which messages say that the input has stopped; joint_states may hold positions meanwhile."""
+        """
+        Return which messages say that the input has stopped.
+
+        joint_states may hold positions meanwhile.
+        """
         if 'status' in columns.records.dtype.names:
             return columns.records['status'] == INPUT_TIMEOUT
         fields = ('velocity',) if name == 'joint_states' else self._layout.fields[name]
@@ -209,8 +242,10 @@ class _Comparison:
         window, count = self._window, len(source)
         self.counts[name] = self.counts.get(name, 0) + count
         self.compared += count
-        there, tree = columns.records.dtype.names, columns.tree      # a bag of an older version may have less
-        expected = self._layout.expected(name, window.values[:, source]) | {'status': window.status[source]}
+        # a bag of an older version may have less
+        there, tree = columns.records.dtype.names, columns.tree
+        expected = (self._layout.expected(name, window.values[:, source])
+                    | {'status': window.status[source]})
         for field, value in (expected | self._constant).items():
             if field in there:
                 want, have = _rows(value, count), attrgetter(field)(tree)
@@ -249,10 +284,15 @@ class _Comparison:
         self._window = window.from_(len(window.places) - keep) if keep else None
 
     def _is_due(self, name, values):
-        """Return of which inputs there must be an output: joint_states may be left out if they are not known."""
+        """
+        Return of which inputs there must be an output.
+
+        joint_states may be left out if they are not known.
+        """
         if name != 'joint_states' or not self._may_skip:
             return np.ones(values.shape[1], bool)
-        places = [self._layout.place[position] for position in self._layout.fields[name]['position']]
+        places = [self._layout.place[position]
+                  for position in self._layout.fields[name]['position']]
         return ~np.isnan(values[places]).any(axis=0)
 
     def finished(self, cut):
@@ -262,14 +302,16 @@ class _Comparison:
             self._output(found, inf, is_late=True)
         self._retire(0)
         tallies = self._tallies.values()
-        self.missing = sum(tally.missing + (tally.open if self._in_order and not cut else 0) for tally in tallies)
+        self.missing = sum(tally.missing + (tally.open if self._in_order and not cut else 0)
+                           for tally in tallies)
         self.doubled = sum(tally.doubled for tally in tallies)
         for field, value in self._driven.largest.items() if self._driven.compared else ():
             self._note(DRIVEN.name, field, value)
         self.counts[DRIVEN.name] = self.inputs
         differences = [Difference(self.topics[name], field, self.counts[name], value)
                        for (name, field), value in self.largest.items() if name in self.counts]
-        return Recomputed(differences, self.inputs, self.compared, self.unmatched, self.missing, self.doubled,
+        return Recomputed(differences, self.inputs, self.compared, self.unmatched, self.missing,
+                          self.doubled,
                           self.silent, self.uncertain, self._how_driven(), cut)
 
     def _how_driven(self):
@@ -277,14 +319,17 @@ class _Comparison:
         if not self._in_order and self._source:
             return 'not computed again: the order of input and motion is not in the bag'
         if self._source is None:
-            return f'not computed again: driven by the {self._scene.drive.source}, no input in the bag'
+            return (f'not computed again: driven by the {self._scene.drive.source}, no input in '
+                    'the bag')
         text = f'{driven.compared} computed again from {self.topics[self._source]}'
         if driven.unknown:
-            text += f', {driven.unknown} with rates estimated from samples before it or by another version'
+            text += (f', {driven.unknown} with rates estimated from samples before it or by '
+                     'another version')
         return text + (f'; {driven.without} without an input' if driven.without else '')
 
 
 def _rows(value, count):
     """Return a value of ``count`` messages, or a tuple of them, as an array (..., count)."""
-    parts = [np.broadcast_to(part, count) for part in (value if isinstance(value, tuple) else (value,))]
+    parts = [np.broadcast_to(part, count)
+             for part in (value if isinstance(value, tuple) else (value,))]
     return np.stack(parts) if isinstance(value, tuple) else parts[0]

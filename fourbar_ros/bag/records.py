@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Recorded messages: one as it was sent, one decoded, or many as columns."""
 from __future__ import annotations
 
@@ -26,7 +28,11 @@ class Raw(NamedTuple):
 
 
 class Columns(NamedTuple):
-    """Messages of one topic and one layout, in order: log times [ns], their places in the bag, fields."""
+    """
+    Messages of one topic and one layout, in order.
+
+    Log times [ns], their places in the bag, fields.
+    """
 
     topic: str
     times: np.ndarray
@@ -49,4 +55,5 @@ class Columns(NamedTuple):
         """Return the stamps of the headers [ns], None if the messages have none."""
         if 'header.stamp.sec' not in self.records.dtype.names:
             return None
-        return self.records['header.stamp.sec'].astype(np.int64) * 10**9 + self.records['header.stamp.nanosec']
+        return (self.records['header.stamp.sec'].astype(np.int64) * 10**9
+                + self.records['header.stamp.nanosec'])

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import json
 import os
+from pathlib import Path
 import re
 import time
-from pathlib import Path
 from typing import NamedTuple
 
 import yaml

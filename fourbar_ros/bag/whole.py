@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import contextlib
 import os
+from pathlib import Path
 import shutil
 import tempfile
-from pathlib import Path
 
 from fourbar_ros.bag import BagError
 

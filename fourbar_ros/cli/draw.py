@@ -3,7 +3,7 @@
 """``fourbar draw``: a scene in one pose, with forces and polygons."""
 from __future__ import annotations
 
-from fourbar_ros.cli.common import PICTURE_HELP, SCENE_HELP, add_pose, add_verb
+from fourbar_ros.cli.common import add_pose, add_verb, PICTURE_HELP, SCENE_HELP
 
 EPILOG = """\
 examples:
@@ -25,10 +25,10 @@ def add(verbs):
 
 
 def _draw(arguments):
-    from fourbar_ros.scene.scene import load
     from fourbar_ros.report.drawing import make_figure, save
     from fourbar_ros.report.poses import step_at
     from fourbar_ros.report.tables import class_name, mode_name, rate_unit
+    from fourbar_ros.scene.scene import load
     scene = load(arguments.scene)
     linkage = scene.linkage.in_mode(arguments.mode or scene.linkage.mode)
     speed = scene.drive.speed if arguments.speed is None else arguments.speed

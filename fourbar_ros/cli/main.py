@@ -10,10 +10,10 @@ import sys
 import threading
 
 from fourbar_ros import __version__
-from fourbar_ros.scene.arguments import Parser
+from fourbar_ros.cli import bag, draw, record, replay, reproduce, scene, show
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.optional import MissingPackage
-from fourbar_ros.cli import bag, draw, record, replay, reproduce, scene, show
+from fourbar_ros.scene.arguments import Parser
 
 VERBS = (show, scene, bag, record, replay, draw, reproduce)
 DESCRIPTION = """\

@@ -4,11 +4,11 @@
 from __future__ import annotations
 
 import argparse
-import time
 from contextlib import contextmanager, nullcontext
+import time
 
+from fourbar_ros.cli.common import add_tolerance, add_topics, add_verb, BAD, BAG_HELP
 from fourbar_ros.scene.arguments import not_negative, positive
-from fourbar_ros.cli.common import BAD, BAG_HELP, add_tolerance, add_topics, add_verb
 
 REFRESH = 0.1       # [s] between two looks at the clock of the bag
 DESCRIPTION = """\
@@ -129,8 +129,8 @@ def status_line(now, first, last, pace):
 
 
 def _inputs_only(arguments, ros_args):
-    from fourbar_ros.ros.clients.rerun import drive_live
     from fourbar_ros.report.terminal import make_console, plain_table
+    from fourbar_ros.ros.clients.rerun import drive_live
     found = drive_live(arguments.bag, arguments.node, arguments.rate, arguments.start, ros_args)
     table = plain_table('', ('topic', 'answers>', 'missing>', 'largest difference>', 'field'))
     for answer in found.answers:

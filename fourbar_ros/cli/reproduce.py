@@ -3,7 +3,7 @@
 """``fourbar reproduce``: recompute the two source documents, number by number."""
 from __future__ import annotations
 
-from fourbar_ros.cli.common import BAD, add_verb
+from fourbar_ros.cli.common import add_verb, BAD
 
 EPILOG = """\
 verdicts:

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """``fourbar scene check``: whether a scene is valid, what its node does, what a step costs."""
 from __future__ import annotations
 
@@ -10,13 +12,15 @@ STEPS, ROUNDS = 2000, 5        # of the measurement: some 50 ms
 
 def add(verbs):
     """Add the verb to the parser."""
-    verb = verbs.add_parser('scene', help='check a scene file; explain what its node does and costs',
+    verb = verbs.add_parser('scene', help='check a scene file; explain what its node does and '
+                                          'costs',
                             description='Check a scene file without starting anything.')
     actions = verb.add_subparsers(dest='action', required=True, metavar='ACTION')
     check = actions.add_parser(
         'check', help='explain a scene, or report in one line what is wrong with it',
-        description='Show what a node with this scene receives, publishes and computes, and what a step costs on '
-                    'this machine. For an invalid scene: one line that names the parameter, exit code 1.')
+        description='Show what a node with this scene receives, publishes and computes, and what '
+                    'a step costs on this machine. For an invalid scene: one line that names the '
+                    'parameter, exit code 1.')
     check.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
     check.set_defaults(run=_check)
 
@@ -38,7 +42,7 @@ def _check(arguments):
 
 def _leaves_the_range(linkage, drive):
     from fourbar_ros.errors import in_words
-    from fourbar_ros.pipeline.status import OUT_OF_RANGE, evaluate
+    from fourbar_ros.pipeline.status import evaluate, OUT_OF_RANGE
     unit = linkage.input_coordinate.unit
     allowed = in_words(linkage.input_ranges, unit)
     policy = f'(drive.out_of_range: {drive.out_of_range})'
@@ -52,12 +56,13 @@ def _drive_in_words(scene):
     from fourbar_ros.scene.topics import INPUTS
     drive = scene.drive
     if drive.source == 'timer':
-        return (f'The timer drives the input at {drive.speed:g} {rate_unit(scene.linkage)} from {drive.start:g} '
-                f'{rate_unit(scene.linkage)[:-2]}, with {drive.rate:g} samples per second.')
+        return (f'The timer drives the input at {drive.speed:g} {rate_unit(scene.linkage)} from '
+                f'{drive.start:g} {rate_unit(scene.linkage)[:-2]}, with {drive.rate:g} samples '
+                'per second.')
     topic = INPUTS[drive.source]
     joint = f', joint {drive.joint}' if drive.joint else ''
-    return (f'Each {topic.type} on {topic.topic}{joint} makes one step; missing rates are estimated from '
-            f'{drive.window} samples.')
+    return (f'Each {topic.type} on {topic.topic}{joint} makes one step; missing rates are '
+            f'estimated from {drive.window} samples.')
 
 
 def _outputs_table(scene):
@@ -75,7 +80,8 @@ def _outputs_table(scene):
 def _changed_table(scene):
     from fourbar_ros.report.terminal import plain_table
     from fourbar_ros.scene.parameters import find
-    table = plain_table('parameters that differ from their default', ('parameter', 'value', 'unit'))
+    table = plain_table('parameters that differ from their default',
+                        ('parameter', 'value', 'unit'))
     for name, value in scene.values.items():
         parameter = find(name)
         if value != parameter.default and value == value:
@@ -89,7 +95,11 @@ def _unit(parameter, linkage):
 
 
 def step_cost(scene):
-    """Return the computing time of one step of a scene on this machine [s]: the best of some rounds."""
+    """
+    Return the computing time of one step of a scene on this machine [s].
+
+    The best of some rounds.
+    """
     from fourbar_ros.pipeline.status import evaluate
     low, high = scene.linkage.input_ranges[0]
     angle, speed = 0.5 * (low + high) + 0.1 * (high - low), scene.drive.speed
@@ -102,5 +112,6 @@ def _cost_in_words(scene):
     computed = 'motion and loads' if scene.needs_loads else 'motion only, no loads'
     rate = (f', {100.0 * cost * scene.drive.rate:.2g} % of a core at {scene.drive.rate:g} Hz'
             if scene.drive.source == 'timer' else '')
-    return (f'A step computes {computed}: {cost * 1e6:.1f} us on this machine{rate}. Each topic with a subscriber or '
-            'a recorder costs more than that (see docs/bench/node.md), each one without costs nothing.')
+    return (f'A step computes {computed}: {cost * 1e6:.1f} us on this machine{rate}. Each topic '
+            'with a subscriber or a recorder costs more than that (see docs/bench/node.md), each '
+            'one without costs nothing.')

@@ -3,7 +3,7 @@
 """``fourbar show``: class, limits, extrema and loads of a scene, as tables."""
 from __future__ import annotations
 
-from fourbar_ros.cli.common import SCENE_HELP, add_pose, add_verb
+from fourbar_ros.cli.common import add_pose, add_verb, SCENE_HELP
 
 EPILOG = """\
 examples:
@@ -34,8 +34,10 @@ def _show(arguments):
     scene = load(path)
     linkage = scene.linkage.in_mode(arguments.mode or scene.linkage.mode)
     speed = scene.drive.speed if arguments.speed is None else arguments.speed
-    pose = None if arguments.at is None else evaluate_at(linkage, arguments.at, speed, arguments.acceleration)
-    tables = [what_it_is(linkage, path), _extrema_table(scene, linkage, speed, arguments.acceleration)]
+    pose = (None if arguments.at is None else evaluate_at(linkage, arguments.at, speed,
+                                                          arguments.acceleration))
+    tables = [what_it_is(linkage, path),
+              _extrema_table(scene, linkage, speed, arguments.acceleration)]
     if linkage.bodies is None:
         tables.append('no masses given, so no loads: see bodies.* in docs/node.md')
     if pose:

@@ -36,10 +36,10 @@ from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
-from fourbar_ros.dynamics.contract import FIXED, Curve, CurvesOf, curves_of, loads_of_links
-from fourbar_ros.dynamics.elements import GROUND, Attachment, Element, Spring, TorsionSpring
+from fourbar_ros.dynamics.contract import Curve, curves_of, CurvesOf, FIXED, loads_of_links
+from fourbar_ros.dynamics.elements import Attachment, Element, GROUND, Spring, TorsionSpring
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanics.bodies import NOT_APPLIED, Applied, Body
+from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
 
 Vector = tuple[float, float]
 

@@ -21,7 +21,7 @@ from typing import Any, Optional, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from fourbar_ros.dynamics.integrators import METHODS, Result, integrate
+from fourbar_ros.dynamics.integrators import integrate, METHODS, Result
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.given import number

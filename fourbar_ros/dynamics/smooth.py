@@ -15,7 +15,7 @@ from typing import Any, Sequence
 
 import numpy as np
 
-from fourbar_ros.dynamics.contract import Curve, CurvesOf, curves_of
+from fourbar_ros.dynamics.contract import Curve, curves_of, CurvesOf
 
 TURN = 2.0 * pi
 

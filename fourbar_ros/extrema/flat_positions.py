@@ -16,17 +16,17 @@ from typing import NamedTuple
 import numpy as np
 
 from fourbar_ros.extrema.input_paths import InputPath
+from fourbar_ros.mechanisms.mechanism import Constants
 from fourbar_ros.numerics.laurent import (
     LAURENT,
-    TERMS,
     Length,
-    T,
     many_digits,
     quarter_turns,
     series,
+    T,
+    TERMS,
 )
 from fourbar_ros.numerics.number_types import converted
-from fourbar_ros.mechanisms.mechanism import Constants
 
 # Series are used up to this part of their scale, which is one to two times the distance of the
 # next singularity:

@@ -1,11 +1,14 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Proof that a quantity has no other extrema than those found: interval branch and bound.
 
-The formulas of motion and loads are evaluated once more, in ball arithmetic (Arb, by the optional package
-python-flint) on power series in theta1. Taylor's formula, with coefficients at the middle of a piece of
-the input range and the last one over the whole piece, then encloses dQ/dtheta1 and d2Q/dtheta1^2. A
-piece over which the first cannot vanish has no extremum; one over which the second cannot vanish has one if the
-first changes sign from end to end, and none otherwise; others are halved.
+The formulas of motion and loads are evaluated once more, in ball arithmetic (Arb, by the optional
+package python-flint) on power series in theta1. Taylor's formula, with coefficients at the middle
+of a piece of the input range and the last one over the whole piece, then encloses dQ/dtheta1 and
+d2Q/dtheta1^2. A piece over which the first cannot vanish has no extremum; one over which the
+second cannot vanish has one if the first changes sign from end to end, and none otherwise; others
+are halved.
 """
 from __future__ import annotations
 
@@ -52,7 +55,8 @@ def count_extrema(sampler, path, check=lambda: None):
     precision, cap = flint.ctx.prec, flint.ctx.cap
     flint.ctx.prec, flint.ctx.cap = PRECISION, ORDER + 1
     try:
-        return _count(_evaluator(sampler, flint), _pieces(path, flint.arb), len(sampler.quantities),
+        return _count(_evaluator(sampler, flint), _pieces(path, flint.arb),
+                      len(sampler.quantities),
                       check)
     finally:
         flint.ctx.prec, flint.ctx.cap = precision, cap
@@ -102,8 +106,13 @@ def _slopes(at_middle, over_piece, offset):
 
 
 def _count(coefficients, pieces, size, check):
-    """Return the number of sign changes of dQ/dtheta1 in all pieces, for each row; None if not decided."""
-    counts, work, done = [0] * size, [(*piece, tuple(range(size))) for piece in reversed(pieces)], 0
+    """
+    Return the number of sign changes of dQ/dtheta1 in all pieces, for each row.
+
+    None if not decided.
+    """
+    counts, work, done = [0] * size, [(*piece, tuple(range(size)))
+                                      for piece in reversed(pieces)], 0
     while work:
         check()
         low, high, rows = work.pop()
@@ -115,7 +124,8 @@ def _count(coefficients, pieces, size, check):
             if slope.contains(0):
                 (undecided if curvature.contains(0) else monotone).append(row)
         if monotone:
-            for row, before, after in zip(monotone, coefficients(low, monotone), coefficients(high, monotone)):
+            for row, before, after in zip(monotone, coefficients(low, monotone),
+                                          coefficients(high, monotone)):
                 if before[1].contains(0) or after[1].contains(0):
                     undecided.append(row)
                 elif (before[1] > 0) is not (after[1] > 0):

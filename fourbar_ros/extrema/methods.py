@@ -28,9 +28,9 @@ from typing import Any
 import numpy as np
 
 from fourbar_ros.extrema.four_bar_rates.input_paths import input_paths as elliptic_paths
-from fourbar_ros.extrema.four_bar_rates.search import SAMPLES as RATE_SAMPLES
 from fourbar_ros.extrema.four_bar_rates.search import rate_extrema
-from fourbar_ros.extrema.input_paths import InputPath, input_paths
+from fourbar_ros.extrema.four_bar_rates.search import SAMPLES as RATE_SAMPLES
+from fourbar_ros.extrema.input_paths import input_paths, InputPath
 from fourbar_ros.extrema.path_search import Found, search_path
 from fourbar_ros.extrema.sampling import DifferenceSampler, Sampler
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar

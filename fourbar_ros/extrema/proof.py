@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Proof on demand that a set of extrema is complete, and an honest word where there is none."""
 from __future__ import annotations
 
@@ -13,11 +15,16 @@ EXACT_COUNT, INTERVALS, NOT_PROVED = 'exact count', 'interval bounds', 'not prov
 # Nearer than this to a flat position, in the input's unit, enclosures of 0/0 take too many pieces.
 LEFT_OUT = 2.0**-13
 
-Proof = tuple[int | None, str]       # number of extrema inside the input range, if proved; how, or why not
+# number of extrema inside the input range, if proved; how, or why not
+Proof = tuple[int | None, str]
 
 
 def exact_counts(lengths: Sequence[float]) -> list[Proof]:
-    """Return the proofs of the output's rate and, at constant input rate, its acceleration: of a four-bar."""
+    """
+    Return the proofs of the output's rate and, at constant input rate, its acceleration.
+
+    Of a four-bar.
+    """
     return [(count, EXACT_COUNT if count is not None else
              f'{NOT_PROVED}: constant in a range, or a root of its derivative is not simple')
             for count in exact_count.count_extrema(lengths)]
@@ -28,7 +35,8 @@ def by_intervals(sampler: Sampler, paths: Sequence[InputPath], found: Sequence[F
     """
     Return the proof of the only quantity of a sampler by interval bounds, which need python-flint.
 
-    At ends of the range they stop at the last sample; what was found in parts left out counts as found there.
+    At ends of the range they stop at the last sample; what was found in parts left out counts as
+    found there.
     """
     if any(part.sense == 0 for part in found):
         return None, f'{NOT_PROVED}: constant in a range'
@@ -45,14 +53,17 @@ def by_intervals(sampler: Sampler, paths: Sequence[InputPath], found: Sequence[F
     linkage = sampler.linkage
     ends = [(side, sampler.unit * end.x, sampler.unit * abs(end.x - path.x[path.inward(side)[0]]))
             for path in paths for side, end in path.ends()]
-    number = sum(part.side == 0 and any(0.0 < side * linkage.distance(sampler.unit * part.place, at) < width
+    number = sum(part.side == 0 and any(0.0 < side * linkage.distance(sampler.unit * part.place,
+                                                                      at) < width
                                         for side, at, width in ends) for part in found)
     unit = linkage.input_coordinate.unit
     return (sum(decided) + number,
-            INTERVALS + (f', except {max(width for *_, width in ends):.0e} {unit} at the ends' if ends else ''))
+            INTERVALS + (f', except {max(width for *_, width in ends):.0e} {unit} at the ends'
+                         if ends else ''))
 
 
 def _away_from_flats(path: InputPath) -> InputPath:
     """Return a path without its samples next to flat positions."""
     flats = [end.x for _, end in path.ends() if end.is_flat]
-    return path._replace(x=path.x[[all(abs(x - flat) > LEFT_OUT for flat in flats) for x in path.x.tolist()]])
+    return path._replace(x=path.x[[all(abs(x - flat) > LEFT_OUT for flat in flats)
+                                   for x in path.x.tolist()]])

@@ -16,12 +16,12 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from fourbar_ros.numerics.number_types import ARRAY, COMPLEX, COMPLEX_WITH_ANGLES, columns_of
 from fourbar_ros.errors import InvalidParameter, MissingBodies
-from fourbar_ros.extrema.flat_positions import REACH, FlatSide, flat_sides
+from fourbar_ros.extrema.flat_positions import flat_sides, FlatSide, REACH
 from fourbar_ros.extrema.input_paths import InputPath
-from fourbar_ros.mechanisms.quantities import Quantity, is_position, is_published
+from fourbar_ros.mechanisms.quantities import is_position, is_published, Quantity
 from fourbar_ros.numerics.arrays import Array, Values
+from fourbar_ros.numerics.number_types import ARRAY, columns_of, COMPLEX, COMPLEX_WITH_ANGLES
 from fourbar_ros.numerics.roots import EPS, fold
 
 # Complex step: its square vanishes beside one, and it is nothing beside the distance of any sample

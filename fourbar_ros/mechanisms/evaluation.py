@@ -17,9 +17,14 @@ import numpy as np
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.given import array
-from fourbar_ros.numerics.number_types import (COMPLEX, COMPLEX_WITH_ANGLES, REAL, Function,
-                                               NumberType)
-from fourbar_ros.numerics.recorded import Constants, Record, program
+from fourbar_ros.numerics.number_types import (
+    COMPLEX,
+    COMPLEX_WITH_ANGLES,
+    Function,
+    NumberType,
+    REAL,
+)
+from fourbar_ros.numerics.recorded import Constants, program, Record
 
 # Samples for which numpy's calls of all operations of a formula take as long as the formula with
 # floats does:

@@ -1,8 +1,8 @@
 """The mechanisms by the names they have in scenes."""
 from __future__ import annotations
 
-from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
+from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
 from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
 from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
 

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fourbar_ros.numerics.given import number
-from fourbar_ros.numerics.number_types import ARRAY, REAL, Function, NumberType
+from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, REAL
 
 
 class LinkMotion(NamedTuple):

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import Any, Callable
 
-from fourbar_ros.numerics.number_types import INFINITESIMAL, NumberType, choose
+from fourbar_ros.numerics.number_types import choose, INFINITESIMAL, NumberType
 
 
 class Series:

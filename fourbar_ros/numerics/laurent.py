@@ -13,12 +13,12 @@ so that the data of a mechanism, taken to the last bit, decide what vanishes and
 """
 from __future__ import annotations
 
-import math
 from contextlib import contextmanager
 from decimal import Context, Decimal, localcontext
+import math
 from typing import Iterator
 
-from fourbar_ros.numerics.number_types import NumberType, choose, power_of_two
+from fourbar_ros.numerics.number_types import choose, NumberType, power_of_two
 
 DIGITS = 80
 TERMS = 20                        # kept of a series that does not end

@@ -22,9 +22,9 @@ compares real parts, ``x.real > 0.0``, which floats, arrays and complex numbers 
 """
 from __future__ import annotations
 
-import math
 from copy import copy
 from dataclasses import dataclass, fields, replace
+import math
 from typing import Any, Callable
 
 import numpy as np

@@ -16,19 +16,19 @@ masses, is recorded too, and what depends on that alone is computed once for eac
 """
 from __future__ import annotations
 
-import math
-import operator
 from collections.abc import Callable, Sequence
 from functools import cache
+import math
+import operator
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fourbar_ros.numerics.number_types import (
-    NumberType,
     choose,
     converted,
     hypot_of_arrays,
+    NumberType,
     power_of_two,
 )
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from fourbar_ros.numerics.number_types import ARRAY, REAL, Function, NumberType
+from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, REAL
 
 EPS = 2.0**-52
 # Below this angle [rad] roots are found to an absolute tolerance: 0 has no last bit.

@@ -1,7 +1,10 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Which number goes into which field of which message, once, for the node and for recomputing a bag.
 
-A value is named by its field in the mechanism's motion or loads, or NAME.FIELD of the motion of a point.
+A value is named by its field in the mechanism's motion or loads, or NAME.FIELD of the motion of a
+point.
 """
 from __future__ import annotations
 
@@ -9,14 +12,17 @@ from functools import cache
 from math import nan
 from typing import NamedTuple
 
-from fourbar_ros.pipeline import joints, wrenches
 from fourbar_ros.mechanisms.parts import BETA, THETA1, THETA2, THETA3, THETA4, TRAVEL
 from fourbar_ros.mechanisms.points import PointMotion
+from fourbar_ros.pipeline import joints, wrenches
 
 # Fields of LinkageState and LinkageLoads; what a mechanism does not have is NaN there.
-STATE_FIELDS = (*THETA1, *THETA2, *THETA3, *THETA4, *BETA, 'transmission_angle', 'velocity_ratio', 'condition', *TRAVEL)
-LOADS_FIELDS = ('f41_x', 'f41_y', 'f21_x', 'f21_y', 'f32_x', 'f32_y', 'f43_x', 'f43_y', 'f41', 'f21', 'f32', 'f43',
-                'driving_torque', 'shaking_force_x', 'shaking_force_y', 'shaking_force', 'shaking_moment',
+STATE_FIELDS = (*THETA1, *THETA2, *THETA3, *THETA4, *BETA, 'transmission_angle', 'velocity_ratio',
+                'condition', *TRAVEL)
+LOADS_FIELDS = ('f41_x', 'f41_y', 'f21_x', 'f21_y', 'f32_x', 'f32_y', 'f43_x', 'f43_y', 'f41',
+                'f21', 'f32', 'f43',
+                'driving_torque', 'shaking_force_x', 'shaking_force_y', 'shaking_force',
+                'shaking_moment',
                 'guide_force', 'guide_couple', 'driving_force')
 PASSIVE_EFFORT = 0.0                                   # frictionless joints
 _EFFORTS = {THETA1: 'driving_torque', TRAVEL: 'driving_force'}
@@ -26,10 +32,11 @@ class FieldMap(NamedTuple):
     """
     Where the numbers of a mechanism and its points go.
 
-    ``fields``: {output: {field of the message: name of the value, or a tuple of names}}, a None standing for
-    the effort of a passive joint; ``absent``: {output: fields that are always NaN}; ``place``: where a
-    value stands in the tuple (*motion, *loads, *motion of the first point, ..., *drive wrench, *joints); ``joints``: a
-    coordinate and the name of its drive, None if it has none, for each joint.
+    ``fields``: {output: {field of the message: name of the value, or a tuple of names}}, a None
+    standing for the effort of a passive joint; ``absent``: {output: fields that are always NaN};
+    ``place``: where a value stands in the tuple (*motion, *loads, *motion of the first point, ...,
+    *drive wrench, *joints); ``joints``: a coordinate and the name of its drive, None if it has
+    none, for each joint.
     """
 
     fields: dict
@@ -38,7 +45,11 @@ class FieldMap(NamedTuple):
     joints: tuple
 
     def expected(self, output, values):
-        """Return {field: number or tuple of numbers} of one output message, or of many: values are then arrays."""
+        """
+        Return {field: number or tuple of numbers} of one output message, or of many.
+
+        values are then arrays.
+        """
         def pick(source):
             if isinstance(source, tuple):
                 return tuple(map(pick, source))
@@ -50,11 +61,16 @@ class FieldMap(NamedTuple):
     def in_use(self, output):
         """Return the places of all values that an output has."""
         return {self.place[name] for source in self.fields[output].values()
-                for name in (source if isinstance(source, tuple) else (source,)) if name is not None}
+                for name in (source if isinstance(source, tuple) else (source,))
+                if name is not None}
 
 
 class Names(NamedTuple):
-    """What a mechanism calls its numbers: fields of motion and loads, input, output with its ratio, joints."""
+    """
+    What a mechanism calls its numbers.
+
+    Fields of motion and loads, input, output with its ratio, joints.
+    """
 
     motion: tuple
     loads: tuple
@@ -74,8 +90,9 @@ def layout(given, points=(), with_effort=True, own_joints=False, with_drive=Fals
     """
     Return the :class:`FieldMap` of a mechanism by its :class:`Names`, with named points.
 
-    ``with_effort``: joint_states have it; ``own_joints``: what they show are values of :mod:`fourbar_ros.pipeline.joints`, not
-    those of the motion; ``with_drive``: with the drive wrench of :mod:`fourbar_ros.pipeline.wrenches`.
+    ``with_effort``: joint_states have it; ``own_joints``: what they show are values of
+    :mod:`fourbar_ros.pipeline.joints`, not those of the motion; ``with_drive``: with the drive
+    wrench of :mod:`fourbar_ros.pipeline.wrenches`.
     """
     names = given.motion + given.loads
     output, ratio = given.output
@@ -83,19 +100,24 @@ def layout(given, points=(), with_effort=True, own_joints=False, with_drive=Fals
     fields = {
         'driven': dict(zip(motion, given.driven)),
         'output': dict(zip(motion, output)),
-        'state': {'velocity_ratio': ratio, **{name: name for name in STATE_FIELDS if name in names}},
+        'state': {'velocity_ratio': ratio,
+                  **{name: name for name in STATE_FIELDS if name in names}},
         'loads': {name: name for name in LOADS_FIELDS if name in names},
-        'shaking_wrench': {'wrench.force.x': 'shaking_force_x', 'wrench.force.y': 'shaking_force_y',
+        'shaking_wrench': {'wrench.force.x': 'shaking_force_x',
+                           'wrench.force.y': 'shaking_force_y',
                            'wrench.torque.z': 'shaking_moment'},
         'joint_states': _joint_states(given.joints, with_effort, own_joints),
-        **{f'points/{point}': {name: f'{point}.{name}' for name in PointMotion._fields} for point in points},
+        **{f'points/{point}': {name: f'{point}.{name}' for name in PointMotion._fields}
+           for point in points},
     }
     absent = {'state': tuple(name for name in STATE_FIELDS if name not in fields['state']),
               'loads': tuple(name for name in LOADS_FIELDS if name not in names)}
     names += tuple(f'{point}.{name}' for point in points for name in PointMotion._fields)
     if with_drive:
-        fields['drive_wrench'] = dict(zip(('wrench.force.x', 'wrench.force.y', 'wrench.torque.z'), wrenches.NAMES))
-    names += (wrenches.NAMES if with_drive else ()) + (joints.names(len(given.joints)) if own_joints else ())
+        fields['drive_wrench'] = dict(zip(('wrench.force.x', 'wrench.force.y', 'wrench.torque.z'),
+                                          wrenches.NAMES))
+    names += ((wrenches.NAMES if with_drive else ()) + (joints.names(len(given.joints))
+                                                        if own_joints else ()))
     return FieldMap(fields, absent, {name: i for i, name in enumerate(names)},
                   tuple((joint, _EFFORTS.get(joint)) for joint in given.joints))
 
@@ -130,5 +152,9 @@ def driven_of(message, joint=''):
 
 
 def is_time(sec, nanosec):
-    """Return whether a stamp is a time: a node replaces others, and stamps of 0, by the time at which they come."""
+    """
+    Return whether a stamp is a time.
+
+    A node replaces others, and stamps of 0, by the time at which they come.
+    """
     return (sec >= 0) & (nanosec < 10**9)

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 from math import nan, nextafter
 
-from fourbar_ros.pipeline import joints, wrenches
-from fourbar_ros.mechanisms.points import PointMotion, make_point
+from fourbar_ros.mechanisms.points import make_point, PointMotion
 from fourbar_ros.numerics.number_types import REAL
-from fourbar_ros.pipeline.status import INVALID_INPUT, LOADS_UNKNOWN, OK, OUT_OF_RANGE, evaluate
+from fourbar_ros.pipeline import joints, wrenches
+from fourbar_ros.pipeline.status import evaluate, INVALID_INPUT, LOADS_UNKNOWN, OK, OUT_OF_RANGE
 
 # at a limit, besides omega and alpha
 _UNBOUNDED = ('_ratio', 'condition', '_velocity', '_acceleration')

@@ -7,8 +7,8 @@ To scale.
 """
 from __future__ import annotations
 
-import re
 from math import degrees, hypot, pi, remainder
+import re
 
 import numpy as np
 

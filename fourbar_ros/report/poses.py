@@ -16,13 +16,13 @@ from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.quantities import QUANTITIES
 from fourbar_ros.pipeline.status import (
+    evaluate,
     INVALID_INPUT,
     OUT_OF_RANGE,
     STATUS_NAMES,
     TOGGLE,
-    evaluate,
 )
-from fourbar_ros.report.terminal import PlainTable, plain_table
+from fourbar_ros.report.terminal import plain_table, PlainTable
 
 FORCES = {'f41': ('F41', 'ground on crank'), 'f21': ('F21', 'crank on coupler'),
           'f32': ('F32', 'output on coupler'),

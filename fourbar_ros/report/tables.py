@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Tables of a linkage's properties and of extrema; words for class, mode and units."""
 from __future__ import annotations
 
@@ -37,9 +39,11 @@ def _ranges(coordinate, ranges):
 
 def output_ranges(linkage, coordinate=None):
     """
-    Return the ranges of an output coordinate in the mode of a linkage, one for each range of the input.
+    Return the ranges of an output coordinate in the mode of a linkage, one for each range of the
+    input.
 
-    The output turns back at dead points only, so these and the ends of the input are where it is extreme.
+    The output turns back at dead points only, so these and the ends of the input are where it is
+    extreme.
     ``coordinate``: not given, that of the first output.
     """
     coordinate = coordinate or linkage.outputs[0].coordinate
@@ -47,7 +51,8 @@ def output_ranges(linkage, coordinate=None):
     for low, high in linkage.input_ranges:
         turns = [point[0] + turn for point in linkage.dead_points for turn in (-tau, 0.0, tau)]
         given = np.sort([*np.linspace(low, high, SAMPLES), *(x for x in turns if low < x < high)])
-        given[0] += END * linkage.input_unit    # of a range that ends in a toggle, the end itself may be NaN
+        # of a range that ends in a toggle, the end itself may be NaN
+        given[0] += END * linkage.input_unit
         given[-1] -= END * linkage.input_unit
         places, = linkage.motion(given, fields=(coordinate.position,))
         if coordinate.unit == 'rad':
@@ -61,19 +66,25 @@ def what_it_is(linkage, title):
     """Return the table of a linkage's own properties."""
     table = plain_table(str(title), ('', ''))
     table.show_header = False
-    rows = [('lengths', '  '.join(f'{name} {length:g}' for name, length in zip(linkage.length_names, linkage.lengths)) + '  m'),
+    rows = [('lengths', '  '.join(f'{name} {length:g}'
+                                  for name, length in zip(linkage.length_names, linkage.lengths))
+             + '  m'),
             ('class', class_name(linkage)),
             ('assembly mode', mode_name(linkage)),
             ('input', _ranges(linkage.input_coordinate, linkage.input_ranges))]
     for coordinate, _ in linkage.outputs:
         if linkage.change_point_margin > 0.0:
-            rows.append(('output', _ranges(coordinate, output_ranges(linkage, coordinate)) + ', in this mode'))
+            rows.append(('output', _ranges(coordinate, output_ranges(linkage, coordinate))
+                         + ', in this mode'))
         elif coordinate.position in linkage.ranges_of_both_modes:
             rows.append(('output', _ranges(coordinate, linkage.ranges_of_both_modes[coordinate.position])
                          + ', in both modes: they meet'))
-    rows += [('dead point' + (f', {"stretched" if point.stretched else "folded"}' if hasattr(point, 'stretched') else ''),
-              ', '.join(f'{coordinate.position} {shown(coordinate, value)}' for coordinate, value in zip(
-                  (linkage.input_coordinate, *(output.coordinate for output in linkage.outputs)), point)))
+    rows += [('dead point' + (f', {"stretched" if point.stretched else "folded"}'
+                              if hasattr(point, 'stretched') else ''),
+              ', '.join(f'{coordinate.position} {shown(coordinate, value)}'
+                        for coordinate, value in zip(
+                  (linkage.input_coordinate, *(output.coordinate for output in linkage.outputs)),
+                  point)))
              for point in linkage.dead_points]
     rows.append(('change-point margin', f'{linkage.change_point_margin:.6g} of the perimeter'))
     if linkage.bodies:
@@ -88,15 +99,18 @@ def what_it_is(linkage, title):
 def extrema_table(extrema, title):
     """Return the table of a list of Extremum."""
     slides = any(extremum.slide == extremum.slide for extremum in extrema)
-    table = plain_table(title, ('quantity', 'kind', '', 'value>', 'unit', *(('slide [m]>',) if slides else ()),
+    table = plain_table(title, ('quantity', 'kind', '', 'value>', 'unit',
+                                *(('slide [m]>',) if slides else ()),
                                 'theta1 [rad]>', '[deg]>', ''))
     last = None
     for extremum in extrema:
         if last not in (None, extremum.quantity):
             table.add_section()
         table.add_row('' if extremum.quantity == last else extremum.quantity, str(extremum.kind),
-                      'global' if extremum.is_global else '', number(extremum.value), extremum.unit,
+                      'global' if extremum.is_global else '', number(extremum.value),
+                      extremum.unit,
                       *((f'{extremum.slide:.8f}',) if slides else ()),
-                      f'{extremum.theta1:.8f}', f'{degrees(extremum.theta1):.4f}', SIDES[extremum.side])
+                      f'{extremum.theta1:.8f}', f'{degrees(extremum.theta1):.4f}',
+                      SIDES[extremum.side])
         last = extremum.quantity
     return table

@@ -3,21 +3,21 @@
 """The figures of the two documents, drawn from our values, and the page of ``fourbar reproduce --html``."""
 from __future__ import annotations
 
-import html
-import re
 from datetime import date
+import html
 from io import StringIO
 from math import tau
 from pathlib import Path
+import re
 
 import numpy as np
 
 from fourbar_ros import __version__
-from fourbar_ros.reproduction import published
-from fourbar_ros.mechanisms.mechanism import CROSSED, OPEN
 from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.report.drawing import STYLE, CannotDraw, Units, make_figure, need_matplotlib
-from fourbar_ros.reproduction.reproduce import COLUMNS, cells, footnotes, summary
+from fourbar_ros.mechanisms.mechanism import CROSSED, OPEN
+from fourbar_ros.report.drawing import CannotDraw, make_figure, need_matplotlib, STYLE, Units
+from fourbar_ros.reproduction import published
+from fourbar_ros.reproduction.reproduce import cells, COLUMNS, footnotes, summary
 from fourbar_ros.reproduction.verdicts import (
     ASSUMED,
     DIFFERS,

@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import yaml
 
-from fourbar_ros.reproduction import published
 from fourbar_ros.report.terminal import make_console, plain_table
+from fourbar_ros.reproduction import published
 from fourbar_ros.reproduction.verdicts import (
     AGREES,
     ASSUMED,

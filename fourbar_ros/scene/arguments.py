@@ -4,11 +4,10 @@
 from __future__ import annotations
 
 import argparse
-import re
 from math import isfinite
+import re
 
-from fourbar_ros.errors import FourBarError
-from fourbar_ros.errors import nearest
+from fourbar_ros.errors import FourBarError, nearest
 from fourbar_ros.scene.files import NODE, NotForNode, read_values
 
 INVALID_CHOICE = re.compile(r"invalid choice: '?(.*?)'? \(choose from (.*)\)", re.DOTALL)

@@ -7,15 +7,14 @@ They are ROS 2 parameter files; no ROS is imported.
 """
 from __future__ import annotations
 
-import re
 from math import inf, isinf, nan
 from pathlib import Path
+import re
 from typing import Any
 
 import yaml
 
-from fourbar_ros.errors import FourBarError
-from fourbar_ros.errors import nearest
+from fourbar_ros.errors import FourBarError, nearest
 
 NODE = '/fourbar'
 BOOLS = {word: value for value, words in ((True, 'y yes true on'), (False, 'n no false off'))

@@ -7,9 +7,9 @@ It feeds the declaration in the node, the check of scene files, the manual and t
 """
 from __future__ import annotations
 
-import re
 from array import array
 from math import inf, isfinite, isnan, nan
+import re
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, nearest

@@ -1,20 +1,25 @@
-"""A scene: one linkage, what drives it, what it publishes. Read from a ROS 2 parameter file, without ROS."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+A scene: one linkage, what drives it, what it publishes.
+
+Read from a ROS 2 parameter file, without ROS.
+"""
 from __future__ import annotations
 
 import json
 from math import isnan
 from typing import NamedTuple
 
-from fourbar_ros.scene import of_kinds, parameters
-from fourbar_ros.mechanics.bodies import Applied, Body, round_rod
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanics.bodies import Applied, Body, round_rod
 from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.mechanisms.mechanism import SLIDE, Mechanism
+from fourbar_ros.mechanisms.mechanism import Mechanism, SLIDE
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
-from fourbar_ros.scene.topics import APPLIED, WRENCHES, topics_of
-from fourbar_ros.pipeline.message_fields import Names, layout
-from fourbar_ros.scene.files import SceneError, flatten, read_values  # noqa: F401
-
+from fourbar_ros.pipeline.message_fields import layout, Names
+from fourbar_ros.scene import of_kinds, parameters
+from fourbar_ros.scene.files import flatten, read_values, SceneError  # noqa: F401
+from fourbar_ros.scene.topics import APPLIED, topics_of, WRENCHES
 
 IN_WORDS = {1: 'one', 2: 'two', 3: 'three', 4: 'four', 5: 'five', 6: 'six', 7: 'seven', 8: 'eight'}
 
@@ -73,7 +78,8 @@ class JointStates(NamedTuple):
     @property
     def are_plain(self):
         """Return whether positions, rates and efforts go out as they are."""
-        return set(self.ratios) == {1.0} and set(self.offsets) == {0.0} and self.when_unknown != 'hold'
+        return (set(self.ratios) == {1.0} and set(self.offsets) == {0.0} and self.when_unknown
+                != 'hold')
 
 
 class Scene(NamedTuple):
@@ -102,7 +108,11 @@ class Scene(NamedTuple):
 
     @property
     def wrench_topics(self):
-        """Return the topics of forces from outside: those that come, and those that say what acts."""
+        """
+        Return the topics of forces from outside.
+
+        Those that come, and those that say what acts.
+        """
         return [topics[link] for link in self.wrenches.links for topics in (WRENCHES, APPLIED)]
 
     @property
@@ -120,7 +130,8 @@ class Scene(NamedTuple):
     def point_quantities(self):
         """Return the quantities of its points: NAME.speed and NAME.acceleration."""
         return [make(self.linkage, *point, name=name)
-                for name, point in self.points.items() for make in (point_speed, point_acceleration)]
+                for name, point in self.points.items()
+                for make in (point_speed, point_acceleration)]
 
 
 def from_values(values):
@@ -138,10 +149,13 @@ def from_values(values):
               for name in parameters.points_in(values)}
     shown = _group(JointStates, 'joint_states', values)
     linkage = _linkage(values)
-    wrenches = Wrenches(tuple(link for link in linkage.EXTERNAL._fields if values[f'external.{link}.from_topic']),
+    wrenches = Wrenches(tuple(link for link in linkage.EXTERNAL._fields
+                              if values[f'external.{link}.from_topic']),
                         values['external.timeout'], values['external.when_silent'])
-    scene = Scene(linkage, points, wrenches, _group(DriveSettings, 'drive', values), tuple(values['outputs']),
-                  values['frame_id'], tuple(shown.prefix + name for name in values['joint_names']), shown,
+    scene = Scene(linkage, points, wrenches, _group(DriveSettings, 'drive', values),
+                  tuple(values['outputs']),
+                  values['frame_id'], tuple(shown.prefix + name for name in values['joint_names']),
+                  shown,
                   _group(RecordingSettings, 'recording', values), values)
     _check_together(scene)
     return scene
@@ -162,19 +176,23 @@ def _linkage(values):
         if length in lengths and isnan(value):
             raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
         if length not in lengths and not isnan(value) and value != parameter.default:
-            raise InvalidParameter(parameter.name, value, f'linkage.kind {name} has {", ".join(lengths)} only')
+            raise InvalidParameter(parameter.name, value, f'linkage.kind {name} has '
+                                                          f'{", ".join(lengths)} only')
     arguments = {length: values[f'linkage.{length}'] for length in lengths}
     if len(kind.INPUTS) > 1:
         arguments['input'] = values['linkage.input']
     elif values['linkage.input'] not in kind.INPUTS:
-        raise InvalidParameter('linkage.input', values['linkage.input'], f'linkage.kind {name} is driven at its crank')
+        raise InvalidParameter('linkage.input', values['linkage.input'],
+                               f'linkage.kind {name} is driven at its crank')
     if values['linkage.range']:
         if arguments.get('input') != SLIDE:
-            raise InvalidParameter('linkage.range', values['linkage.range'], 'only a driven slide has a stroke')
+            raise InvalidParameter('linkage.range', values['linkage.range'],
+                                   'only a driven slide has a stroke')
         arguments['stroke'] = tuple(values['linkage.range'])
     try:
         linkage = kind(**arguments, mode=values['linkage.mode'], bodies=_bodies(values, kind),
-                       gravity=(values['gravity.x'], values['gravity.y']), external=_external(values, kind))
+                       gravity=(values['gravity.x'], values['gravity.y']),
+                       external=_external(values, kind))
         linkage.prepare()
         return linkage
     except InvalidParameter as error:
@@ -183,7 +201,8 @@ def _linkage(values):
         name = {'stroke': 'range'}.get(error.name, error.name)
         raise InvalidParameter(f'linkage.{name}', error.value, error.allowed) from None
     except (ArithmeticError, ValueError):
-        raise InvalidParameter('linkage', list(arguments.values()), 'lengths and bodies are too large, too small or too '
+        raise InvalidParameter('linkage', list(arguments.values()),
+                               'lengths and bodies are too large, too small or too '
                                'far apart to be computed with') from None
 
 
@@ -191,20 +210,24 @@ def _check_together(scene):
     """Check what no parameter shows alone."""
     def refuse(name, why):
         value = scene.values[name]
-        raise InvalidParameter(name, value if value == value else None, why)         # NaN: not given
+        # NaN: not given
+        raise InvalidParameter(name, value if value == value else None, why)
 
     if scene.needs_loads and scene.linkage.bodies is None:
         loads = [name for name, topic in scene.topics.items() if topic.needs_loads]
-        refuse('bodies.crank.mass', f'must be given (or bodies.rods): output {loads[0]} needs masses')
+        refuse('bodies.crank.mass', f'must be given (or bodies.rods): output {loads[0]} needs '
+                                    'masses')
     if not scene.frame_id:
         refuse('frame_id', 'must not be empty')
     names = scene.values['joint_names']
     count = len(scene.linkage.JOINTS)
     if len(names) != count or len(set(names)) != count or '' in names:
-        refuse('joint_names', f'must be {IN_WORDS.get(count, count)} different names, one for each joint')
+        refuse('joint_names', f'must be {IN_WORDS.get(count, count)} different names, one for '
+                              'each joint')
     for name in ('ratios', 'offsets'):
         if len(getattr(scene.joint_states, name)) != count:
-            refuse(f'joint_states.{name}', f'must be {IN_WORDS.get(count, count)} numbers, one for each joint')
+            refuse(f'joint_states.{name}', f'must be {IN_WORDS.get(count, count)} numbers, one '
+                                           'for each joint')
     if 0.0 in scene.joint_states.ratios:
         refuse('joint_states.ratios', 'must not be zero')
     if scene.drive.joint_ratio == 0.0:
@@ -218,7 +241,8 @@ def _check_together(scene):
 
 
 def _external(values, kind):
-    return kind.EXTERNAL(*(Applied(*(values[f'external.{link}.{field}'] for field in Applied.__dataclass_fields__))
+    return kind.EXTERNAL(*(Applied(*(values[f'external.{link}.{field}']
+                                     for field in Applied.__dataclass_fields__))
                            for link in kind.EXTERNAL._fields))
 
 
@@ -233,7 +257,8 @@ def _bodies(values, kind):
     for name in ('bodies.rods.density', 'bodies.rods.radius'):
         if has_rods and not given(name):
             raise InvalidParameter(name, None, 'must be given: rods have density and radius')
-    return kind.BODIES(*((_rod if has_rods and link.length else _body)(values, link, given) for link in kind.LINKS))
+    return kind.BODIES(*((_rod if has_rods and link.length else _body)(values, link, given)
+                         for link in kind.LINKS))
 
 
 def _rod(values, link, given):
@@ -251,7 +276,8 @@ def _body(values, link, given):
     for field in ('mass', 'inertia') if link.turns else ('mass',):
         if not given(name + field):
             raise InvalidParameter(name + field, None,
-                                   f'must be given: loads need mass{" and inertia" * link.turns} of the {link.name}')
+                                   f'must be given: loads need mass{" and inertia" * link.turns} '
+                                   f'of the {link.name}')
     along = (values[name + 'cg_along'] if given(name + 'cg_along')
              else 0.5 * values[f'linkage.{link.length}'] if link.length else 0.0)
     return Body(values[name + 'mass'], along, values[name + 'cg_across'],
@@ -260,7 +286,8 @@ def _body(values, link, given):
 
 def load(path):
     """
-    Return the Scene of a ROS 2 parameter file (``/**: ros__parameters: ...``), or of one by name (``paper``).
+    Return the Scene of a ROS 2 parameter file (``/**: ros__parameters: ...``), or of one by name
+    (``paper``).
 
     Raises
     ------

@@ -5,25 +5,25 @@ What is left of a bag: cut anywhere, followed by zeros, with a flipped bit.
 
 Read and recovered.
 """
+from collections import Counter
 import random
 import shutil
-from collections import Counter
 
-import pytest
+from fourbar_ros.bag import BagError, rosbag2
+from fourbar_ros.bag.info import info
+from fourbar_ros.bag.mcap_records import encoded, HEAD
+from fourbar_ros.bag.mcap_scan import MAGIC
+from fourbar_ros.bag.mcap_writer import Container
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recorder import BagWriter
+from fourbar_ros.bag.recover import recover
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 from mcap.writer import CompressionType, Writer
-
+import pytest
 from support import bags
 from support.bags import MOTION, motion
-from fourbar_ros.bag import BagError, rosbag2
-from fourbar_ros.bag.mcap_writer import Container
-from fourbar_ros.bag.info import info
-from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.recover import recover
-from fourbar_ros.bag.mcap_records import HEAD, encoded
-from fourbar_ros.bag.mcap_scan import MAGIC
-from fourbar_ros.bag.recorder import BagWriter
+
 from bag.test_recorder import assert_every_reader_takes, numbers
 
 COUNT = 700

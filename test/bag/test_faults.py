@@ -13,15 +13,14 @@ import subprocess
 import sys
 import time
 
-import pytest
-
-from support import TEST, bags
-from support.bags import MOTION, motion
 from fourbar_ros.bag import mcap_writer as container
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.cli.main import main
+import pytest
+from support import bags, TEST
+from support.bags import MOTION, motion
 
 PATIENCE = 60.0
 COUNT = 6000

@@ -11,27 +11,26 @@ import subprocess
 import sys
 import time
 
-import lz4.frame
-import numpy as np
-import pytest
-import zstandard
-from mcap.records import Channel, Chunk, Header, Schema
-from mcap.writer import CompressionType, Writer
-from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
-from rosbags.rosbag2 import Writer as RosbagsWriter
-
-from support import bags
-from support.bags import STORE
 from fourbar_ros.bag import BagError, rosbag2
 from fourbar_ros.bag.cdr import Decoder
 from fourbar_ros.bag.diff import diff
 from fourbar_ros.bag.export import export
 from fourbar_ros.bag.info import info
-from fourbar_ros.bag.mcap_records import HEAD, encoded
+from fourbar_ros.bag.mcap_records import encoded, HEAD
+from fourbar_ros.bag.mcap_scan import MAGIC
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recover import recover
-from fourbar_ros.bag.mcap_scan import MAGIC
 from fourbar_ros.cli.main import main
+import lz4.frame
+from mcap.records import Channel, Chunk, Header, Schema
+from mcap.writer import CompressionType, Writer
+import numpy as np
+import pytest
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
+from rosbags.rosbag2 import Writer as RosbagsWriter
+from support import bags
+from support.bags import STORE
+import zstandard
 
 STRING, JOINTS, IMAGE = ('std_msgs/msg/String', 'sensor_msgs/msg/JointState',
                          'sensor_msgs/msg/Image')

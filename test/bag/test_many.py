@@ -6,14 +6,13 @@ import shutil
 import subprocess
 import sys
 
-import pytest
-
-from support import bags
 from fourbar_ros.bag import BagError
-from fourbar_ros.bag.many import bags_below, each
 from fourbar_ros.bag.info import info
+from fourbar_ros.bag.many import bags_below, each
 from fourbar_ros.bag.recorder import Split
 from fourbar_ros.cli.main import main
+import pytest
+from support import bags
 from support.scenes import PAPER
 
 VALUES = {**PAPER, 'outputs': ['state', 'joint_states'], 'drive.source': 'motion'}

@@ -8,19 +8,17 @@ In bags of rosbag2 as well.
 import json
 import math
 
-import numpy as np
-import pytest
-
-from support import bags
-from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
-from fourbar_ros.scene import scene as scenes
 from fourbar_ros.bag import BagError
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import compare
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.cli.main import main
-from fourbar_ros.scene.topics import OUTPUTS
 from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.scene import scene as scenes
+from fourbar_ros.scene.topics import DRIVEN, INPUTS, OUTPUTS, SCENE
+import numpy as np
+import pytest
+from support import bags
 from support.scenes import PAPER, ROCKER, RODS, TIP
 
 FULL = {**PAPER, **RODS, **TIP, 'outputs': list(OUTPUTS), 'drive.source': 'motion'}

@@ -3,9 +3,8 @@
 """Bags recorded before the code was restructured compute again to the last bit."""
 from pathlib import Path
 
-import pytest
-
 from fourbar_ros.bag.recompute import compare
+import pytest
 
 RECORDED = Path(__file__).parent.parent / 'support' / 'data' / 'recorded'
 SCENES = {'paper': 5, 'slides_7_6': 3, 'slides_7_7': 3, 'slider_crank': 6, 'cylinder': 5}

@@ -11,18 +11,17 @@ import sys
 import threading
 import time
 
-import pytest
-import yaml
-from mcap.reader import make_reader
-from rosbags.highlevel import AnyReader
-
-from support import TEST, bags
-from support.bags import MOTION, motion
 from fourbar_ros.bag import recorder as writer_module
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.recover import recover
 from fourbar_ros.bag.recorder import BagError, BagWriter
+from fourbar_ros.bag.recover import recover
+from mcap.reader import make_reader
+import pytest
+from rosbags.highlevel import AnyReader
+from support import bags, TEST
+from support.bags import MOTION, motion
+import yaml
 
 PATIENCE = 30.0
 

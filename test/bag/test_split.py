@@ -7,25 +7,25 @@ import sys
 import threading
 import time
 
-import pytest
-import yaml
-from mcap.reader import make_reader
-from mcap.writer import Writer
-from rosbags.highlevel import AnyReader
-from rosbags.rosbag2 import Reader
-
-from support import bags
-from fourbar_ros.bag import BagError, rosbag2, mcap_scan as scan
+from fourbar_ros.bag import BagError, rosbag2
+from fourbar_ros.bag import mcap_scan as scan
 from fourbar_ros.bag import recorder as writer_module
 from fourbar_ros.bag.diff import diff
 from fourbar_ros.bag.info import info
+from fourbar_ros.bag.playback import play
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import compare, scene_of
-from fourbar_ros.bag.recover import recover
-from fourbar_ros.bag.playback import play
 from fourbar_ros.bag.recorder import BagWriter, Split
+from fourbar_ros.bag.recover import recover
 from fourbar_ros.scene.topics import OUTPUTS
+from mcap.reader import make_reader
+from mcap.writer import Writer
+import pytest
+from rosbags.highlevel import AnyReader
+from rosbags.rosbag2 import Reader
+from support import bags
 from support.scenes import PAPER, ROCKER, RODS, TIP
+import yaml
 
 FULL = {**PAPER, **RODS, **TIP, 'outputs': list(OUTPUTS), 'drive.source': 'motion'}
 STEPS = 300

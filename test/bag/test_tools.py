@@ -10,23 +10,23 @@ import subprocess
 import sys
 import time
 
-import numpy as np
-import pytest
-
-from support import bags
-from fourbar_ros.bag import BagError, mcap_writer as container, reader
+from fourbar_ros.bag import BagError, reader
+from fourbar_ros.bag import mcap_writer as container
 from fourbar_ros.bag.cdr import Decoder
 from fourbar_ros.bag.diff import diff
 from fourbar_ros.bag.export import export
+from fourbar_ros.bag.mcap_scan import MAGIC
+from fourbar_ros.bag.playback import Pace, play, span
 from fourbar_ros.bag.plot import plot, series, thinned
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recompute import compare, distance
-from fourbar_ros.bag.playback import Pace, play, span
-from fourbar_ros.bag.mcap_scan import MAGIC
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.cli.main import main
-from fourbar_ros.scene.topics import OUTPUTS
 from fourbar_ros.cli.replay import status_line
+from fourbar_ros.scene.topics import OUTPUTS
+import numpy as np
+import pytest
+from support import bags
 from support.scenes import PAPER, ROCKER, RODS, TIP
 
 STEPS = 400

@@ -1,21 +1,21 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """What the commands answer to what people type: names, ranges, units, wrong words."""
+from math import degrees
 import os
 import subprocess
 import sys
-from math import degrees
 
+from fourbar_ros import FourBar
+from fourbar_ros.cli.main import main
+from fourbar_ros.report.tables import output_ranges
+from fourbar_ros.scene import files as scene_file
+from fourbar_ros.scene import scene
+from fourbar_ros.scene.arguments import check_node_arguments, UsageError
+from fourbar_ros.scene.files import read_values, SceneError
 import numpy as np
 import pytest
-
-from support import ROOT, bags
-from fourbar_ros import FourBar
-from fourbar_ros.scene import scene, files as scene_file
-from fourbar_ros.scene.arguments import UsageError, check_node_arguments
-from fourbar_ros.cli.main import main
-from fourbar_ros.scene.files import SceneError, read_values
-from fourbar_ros.report.tables import output_ranges
+from support import bags, ROOT
 from support.scenes import PAPER, RODS
 
 LENGTHS = 'linkage: {a1: 0.4, a2: 1.2, a3: 0.8, a4: 1.0}'
@@ -146,7 +146,7 @@ def test_the_nearest_field_of_a_bag_is_named(field, suggestion, tmp_path, capsys
 @pytest.mark.parametrize('name, suggestion',
                          [('omga4', 'omega4'), ('shaking_frce', 'shaking_force'), ('F21', 'f21')])
 def test_the_nearest_quantity_is_named(name, suggestion):
-    from fourbar_ros.mechanisms.quantities import UnknownQuantity, select
+    from fourbar_ros.mechanisms.quantities import select, UnknownQuantity
     with pytest.raises(UnknownQuantity, match=f'did you mean {suggestion}'):
         select([name], FourBar(0.4, 1.2, 0.8, 1.0))
 

@@ -5,11 +5,10 @@ import io
 import re
 import shlex
 
-import pytest
-from support import ROOT, bags
-from support.scenes import PAPER, RODS
-
 from fourbar_ros.cli.main import main
+import pytest
+from support import bags, ROOT
+from support.scenes import PAPER, RODS
 
 PAGES = [ROOT / 'README.md', *sorted((ROOT / 'docs').glob('*.md'))]
 PYTHON = re.compile(r'(?<=```python\n)(.*?)```', re.S)

@@ -1,9 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """What the documents promise is so."""
+from decimal import Decimal
 import subprocess
 import sys
-from decimal import Decimal
 
 from support import ROOT
 

@@ -3,9 +3,6 @@
 """Drives and integration: against closed solutions, conservation, order, limits, bad input."""
 from math import exp, inf, pi
 
-import numpy as np
-import pytest
-
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, InvalidParameter, SliderCrank
 from fourbar_ros.dynamics.drives import (
     ConstantTorque,
@@ -19,14 +16,16 @@ from fourbar_ros.dynamics.drives import (
 from fourbar_ros.dynamics.elements import GROUND, TorsionSpring
 from fourbar_ros.dynamics.free_motion import FreeMotion
 from fourbar_ros.dynamics.simulate import (
+    choose_method,
+    energy_drift,
     LIMIT,
     NOT_CHECKED,
     REACHED,
-    choose_method,
-    energy_drift,
     simulate,
 )
 from fourbar_ros.dynamics.system import System
+import numpy as np
+import pytest
 
 scipy = pytest.importorskip('scipy')
 NOTHING = Body(0.0)
@@ -162,11 +161,16 @@ def test_a_rocker_without_another_input_stops_before_its_toggle():
 
 
 def test_a_driven_slide_stops_at_the_end_of_its_stroke():
-    """A constant force against a mass on the crank's pin: the end of the stroke, at the time of the free run."""
+    """
+    A constant force against a mass on the crank's pin.
+
+    The end of the stroke, at the time of the free run.
+    """
     bodies = Bodies(Body(1.0, 0.2, 0.0, 0.1), NOTHING, Body(3.0))
     options = {'input': 'slide', 'bodies': bodies}
     push = Drive(ConstantTorque(5.0))
-    run = simulate(System(SliderCrank(0.5, 1.0, stroke=(0.8, 1.2), **options), 1.0, drive=push), 5.0)
+    run = simulate(System(SliderCrank(0.5, 1.0, stroke=(0.8, 1.2), **options), 1.0, drive=push),
+                   5.0)
     assert run.status == LIMIT and run.position[-1] == pytest.approx(1.2, abs=1e-8)
     free = simulate(System(SliderCrank(0.5, 1.0, **options), 1.0, drive=push), float(run.time[-1]))
     assert free.status == REACHED and free.position[-1] == pytest.approx(1.2, abs=1e-7)

@@ -3,28 +3,26 @@
 """The equation of motion: against loads, against energies with many digits, power balance."""
 from dataclasses import replace
 
+from fourbar_ros import Bodies, Body, FourBar, InvalidParameter, MissingBodies
+from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
+from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.mechanics.bodies import External, NOT_APPLIED
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
 import mpmath as mp
 import numpy as np
 import pytest
 from support.machines import (
     EPS,
-    KINDS,
     exact_inertia,
     exact_links,
     exact_potential,
     exact_stretch,
+    KINDS,
     random_bodies,
     random_elements,
     random_machines,
 )
-
-from fourbar_ros import Bodies, Body, FourBar, InvalidParameter, MissingBodies
-from fourbar_ros.dynamics.elements import GROUND, Attachment, Spring, TorsionSpring
-from fourbar_ros.dynamics.equation import Equation
-from fourbar_ros.mechanics.bodies import NOT_APPLIED, External
-from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
-
 
 SEEDS = [pytest.param(200, 10), pytest.param(201, 300, marks=pytest.mark.slow)]
 

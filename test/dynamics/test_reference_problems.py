@@ -3,25 +3,24 @@
 """Problems of the field against references of 20 and more digits, each by two routes."""
 from math import pi
 
-import mpmath as mp
-import numpy as np
-import pytest
-from support.dynamics_problems import (
-    P2_POSITION,
-    P2_RATE,
-    P4_POSITION,
-    near_lock_up,
-    one_window,
-    one_window_exact,
-    paper_linkage,
-    sundials_slider_crank,
-)
-
 from fourbar_ros import SliderCrank
 from fourbar_ros.dynamics.drives import Drive, MotorLine, Shaft
 from fourbar_ros.dynamics.free_motion import FreeMotion
 from fourbar_ros.dynamics.simulate import REACHED, simulate
 from fourbar_ros.dynamics.system import System
+import mpmath as mp
+import numpy as np
+import pytest
+from support.dynamics_problems import (
+    near_lock_up,
+    one_window,
+    one_window_exact,
+    P2_POSITION,
+    P2_RATE,
+    P4_POSITION,
+    paper_linkage,
+    sundials_slider_crank,
+)
 
 scipy = pytest.importorskip('scipy')
 

@@ -4,18 +4,6 @@
 from dataclasses import replace
 from math import pi, sqrt
 
-import mpmath as mp
-import numpy as np
-import pytest
-from support.dynamics_problems import paper_linkage
-from support.machines import (
-    EPS,
-    KINDS,
-    exact_potential,
-    random_elements,
-    random_machines,
-)
-
 from fourbar_ros import Bodies, Body, External, FourBar, InvalidParameter
 from fourbar_ros.dynamics.drives import ConstantTorque, Drive
 from fourbar_ros.dynamics.equation import Equation
@@ -24,6 +12,17 @@ from fourbar_ros.dynamics.free_motion import FreeMotion
 from fourbar_ros.dynamics.simulate import REACHED, simulate
 from fourbar_ros.dynamics.statics import equilibria
 from fourbar_ros.dynamics.system import System
+import mpmath as mp
+import numpy as np
+import pytest
+from support.dynamics_problems import paper_linkage
+from support.machines import (
+    EPS,
+    exact_potential,
+    KINDS,
+    random_elements,
+    random_machines,
+)
 
 scipy = pytest.importorskip('scipy')
 

@@ -4,23 +4,22 @@
 from dataclasses import replace
 from math import inf, isinf, pi
 
-from support.extrema_reference import exact_roots, families
-import mpmath
-import numpy as np
-import pytest
-
 from fourbar_ros import Bodies, Body, FourBar, InvalidParameter, MissingBodies, round_rod
-from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.extrema import batch as many_module
 from fourbar_ros.extrema.batch import find_extrema_many
+from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.extrema.four_bar_rates.exact_count import count_extrema
 from fourbar_ros.mechanisms.quantities import (
-    Quantity,
-    UnknownQuantity,
     known,
     point_acceleration,
     point_speed,
+    Quantity,
+    UnknownQuantity,
 )
-from fourbar_ros.extrema.four_bar_rates.exact_count import count_extrema
+import mpmath
+import numpy as np
+import pytest
+from support.extrema_reference import exact_roots, families
 
 EPS = 2.0**-52
 PAPER = (0.4, 1.2, 0.8, 1.0)

@@ -3,15 +3,14 @@
 """Proof on demand: what is proved, what is not, and that a missing extremum is noticed."""
 import sys
 
-from support.extrema_reference import descartes, Polynomial
-import numpy as np
-import pytest
-
-from fourbar_ros import Bodies, Body, FourBar, InvertedSlider, SliderCrank, round_rod
+from fourbar_ros import Bodies, Body, FourBar, InvertedSlider, round_rod, SliderCrank
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.extrema.methods import Methods
-from fourbar_ros.numerics import sturm
 from fourbar_ros.mechanisms.quantities import known, point_speed
+from fourbar_ros.numerics import sturm
+import numpy as np
+import pytest
+from support.extrema_reference import descartes, Polynomial
 
 PAPER = (0.4, 1.2, 0.8, 1.0)
 RATES = ('omega4', 'alpha4')

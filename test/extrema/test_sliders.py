@@ -8,22 +8,20 @@ Limits, change points.
 from dataclasses import replace
 from math import inf, isfinite, isnan, nan, pi
 
-import numpy as np
-import pytest
-
-from support.scans import place
-
 from fourbar_ros import Bodies, Body, FourBar, InvalidParameter, InvertedSlider, SliderCrank
 from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
 from fourbar_ros.extrema.input_paths import TooNarrow
+from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
 from fourbar_ros.mechanisms.quantities import (
-    UnknownQuantity,
     known,
     point_acceleration,
     point_speed,
     select,
+    UnknownQuantity,
 )
+import numpy as np
+import pytest
+from support.scans import place
 
 EPS = 2.0**-52
 KINDS = [(SliderCrank, CRANK), (SliderCrank, SLIDE), (InvertedSlider, CRANK),

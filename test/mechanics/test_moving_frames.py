@@ -3,11 +3,6 @@
 """Moving frames against the derivatives of explicit motions, taken with fifty digits."""
 from math import cos, inf, pi, sin
 
-import mpmath as mp
-import numpy as np
-import pytest
-from support.reference import EPS
-
 from fourbar_ros.mechanics.moving_frames import (
     acceleration_terms,
     apparent_angular_acceleration,
@@ -19,6 +14,10 @@ from fourbar_ros.mechanics.moving_frames import (
     rolling_contact,
     turned,
 )
+import mpmath as mp
+import numpy as np
+import pytest
+from support.reference import EPS
 
 ORDERS = (0, 1, 2)
 

@@ -9,17 +9,15 @@ from fractions import Fraction
 from itertools import permutations
 from math import gcd, inf, isnan, pi
 
+from fourbar_ros import Applied, Bodies, Body, External, FourBar, InvertedSlider, SliderCrank
+from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.extrema.four_bar_rates.exact_count import count_extrema
+from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
+from fourbar_ros.numerics.laurent import many_digits, quarter_turns, T
 import mpmath as mp
 import numpy as np
 import pytest
-from support import reference
-from support import slider_reference
-
-from fourbar_ros import Applied, Bodies, Body, External, FourBar, InvertedSlider, SliderCrank
-from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.numerics.laurent import T, many_digits, quarter_turns
-from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
-from fourbar_ros.extrema.four_bar_rates.exact_count import count_extrema
+from support import reference, slider_reference
 
 EPS = 2.0**-52
 KINDS = [(FourBar, CRANK), (SliderCrank, CRANK), (SliderCrank, SLIDE), (InvertedSlider, CRANK),

@@ -1,15 +1,25 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Some fields alone: the numbers of the whole, less work; short arrays; what a record does."""
-import numpy as np
-import pytest
-
-from fourbar_ros import Bodies, FourBar, InvalidParameter, MissingBodies, OutOfRange, round_rod
-from fourbar_ros import Applied, Body, External, InvertedSlider, SliderCrank
+from fourbar_ros import (
+    Applied,
+    Bodies,
+    Body,
+    External,
+    FourBar,
+    InvalidParameter,
+    InvertedSlider,
+    MissingBodies,
+    OutOfRange,
+    round_rod,
+    SliderCrank,
+)
 from fourbar_ros.mechanisms import evaluation as arrays
+from fourbar_ros.mechanisms.evaluation import ONE_BY_ONE
 from fourbar_ros.numerics import recorded
 from fourbar_ros.numerics.number_types import ARRAY
-from fourbar_ros.mechanisms.evaluation import ONE_BY_ONE
+import numpy as np
+import pytest
 
 MASSES = Bodies(Body(1.0, 0.1, 0.02, 0.1), Body(2.0, 0.3, -0.1, 0.3), Body(1.5, 0.05, 0.1, 0.7))
 ACTING = {'bodies': MASSES, 'gravity': (1.0, -9.81),

@@ -10,16 +10,14 @@ centres of gravity, inertias, gravity and external loads. What is zero whatever 
 out as zero.
 """
 
+from fourbar_ros import Applied, Bodies, Body, External, FourBar, FourBarError
+from fourbar_ros.bag import recompute
 import mpmath as mp
 import numpy as np
 import pytest
 from support import DATA, reference, slider_reference
-from support.reference import EPS, condition
+from support.reference import condition, EPS
 from support.slider_reference import pieces
-
-from fourbar_ros import Applied, Bodies, Body, External, FourBar
-from fourbar_ros.bag import recompute
-from fourbar_ros import FourBarError
 
 KINDS = {'four-bar': FourBar, **{f'{kind.__name__} driven at its {driven}': (kind, driven)
                                  for kind, driven in slider_reference.KINDS}}

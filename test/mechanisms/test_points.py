@@ -3,13 +3,7 @@
 """Points fixed to links: against derivatives with many digits, of all mechanisms and inputs."""
 from math import nan, pi, radians
 
-import mpmath as mp
-import numpy as np
-import pytest
-from support import slider_reference
-from support.reference import EPS, pose, random_lengths
-
-from fourbar_ros import CROSSED, OPEN, FourBar, InvalidParameter
+from fourbar_ros import CROSSED, FourBar, InvalidParameter, OPEN
 from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
 from fourbar_ros.mechanisms.points import (
     acceleration_image,
@@ -19,7 +13,11 @@ from fourbar_ros.mechanisms.points import (
     velocity_image,
 )
 from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
-
+import mpmath as mp
+import numpy as np
+import pytest
+from support import slider_reference
+from support.reference import EPS, pose, random_lengths
 
 LINKS = [link.name for link in FourBar.LINKS]
 

@@ -3,18 +3,17 @@
 """A driven slide with a stroke: where it moves, what is extreme in it, what is refused."""
 import math
 
-import numpy as np
-import pytest
-from support import slider_reference
-
-from fourbar_ros.scene import scene
 from fourbar_ros import FourBarError, InvalidParameter, OutOfRange, Toggle
-from fourbar_ros.extrema.find import INTERIOR, LIMIT, find_extrema
+from fourbar_ros.extrema.find import find_extrema, INTERIOR, LIMIT
 from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
 from fourbar_ros.mechanisms.quantities import select
 from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
-from fourbar_ros.pipeline.status import OK, OUT_OF_RANGE, RATES_UNKNOWN, evaluate
+from fourbar_ros.pipeline.status import evaluate, OK, OUT_OF_RANGE, RATES_UNKNOWN
 from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.scene import scene
+import numpy as np
+import pytest
+from support import slider_reference
 
 CYLINDER = {'linkage.kind': 'inverted_slider', 'linkage.input': 'slide', 'linkage.a1': 1.2,
             'linkage.a4': 1.6}

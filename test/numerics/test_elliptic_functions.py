@@ -1,11 +1,10 @@
 """Jacobi's elliptic functions against mpmath and scipy."""
 
+from fourbar_ros.numerics.elliptic_functions import jacobi, landen_steps
 import mpmath as mp
 import numpy as np
 import pytest
 from scipy.special import ellipj, ellipk
-
-from fourbar_ros.numerics.elliptic_functions import jacobi, landen_steps
 
 NEGLECTED = 0.5 * 1e-3  # half of 1 - k' of the modulus at which landen_steps ends
 

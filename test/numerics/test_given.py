@@ -1,14 +1,13 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """What is given: every public function converts it to doubles or refuses it by name."""
 import copy
-import pickle
 from datetime import datetime
 from decimal import Decimal
 from fractions import Fraction
 from math import inf, nan
 from multiprocessing import get_context
-
-import numpy as np
-import pytest
+import pickle
 
 from fourbar_ros import (
     Applied,
@@ -18,20 +17,23 @@ from fourbar_ros import (
     FourBar,
     FourBarError,
     InvalidParameter,
+    InvertedSlider,
     MissingBodies,
     OutOfRange,
-    Toggle,
     round_rod,
+    SliderCrank,
+    Toggle,
 )
 from fourbar_ros.bag import BagError
-from fourbar_ros import InvertedSlider, SliderCrank
+from fourbar_ros.extrema.batch import find_extrema_many
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.four_bar.io_equations import io_equation
-from fourbar_ros.extrema.batch import find_extrema_many
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.mechanisms.quantities import UnknownQuantity, point_acceleration, point_speed
+from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed, UnknownQuantity
 from fourbar_ros.report.drawing import CannotDraw
 from fourbar_ros.scene.scene import SceneError
+import numpy as np
+import pytest
 
 RODS = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8)))
 KINDS = [(FourBar, (0.4, 1.2, 0.8, 1.0), {}), (SliderCrank, (0.4, 1.2, 0.1), {}),
@@ -39,21 +41,25 @@ KINDS = [(FourBar, (0.4, 1.2, 0.8, 1.0), {}), (SliderCrank, (0.4, 1.2, 0.1), {})
          (InvertedSlider, (0.4, 1.2, 0.1), {'input': 'slide'})]
 every_kind = pytest.mark.parametrize('kind, lengths, more', KINDS)
 GIVEN = (1.2, 3.0, -2.0)
-ODD = ['1.0', b'1', None, True, 1j, datetime(2020, 1, 1), np.datetime64('2020'), Decimal(1), [1.0], object(),
+ODD = ['1.0', b'1', None, True, 1j, datetime(2020, 1, 1), np.datetime64('2020'), Decimal(1), [1.0],
+       object(),
        np.array([1.0, 2.0]), np.ma.masked]
 odd = pytest.mark.parametrize('value', ODD, ids=lambda value: type(value).__name__)
-ARRAYS = [['1.0', '2.0'], [1.0, None], [None], [True, False], np.array(['2020'], 'M8[D]'), [[1.0], [1.0, 2.0]],
+ARRAYS = [['1.0', '2.0'], [1.0, None], [None], [True, False], np.array(['2020'], 'M8[D]'),
+          [[1.0], [1.0, 2.0]],
           [datetime(2020, 1, 1)], np.array([1, 2], 'm8[s]')]
 odd_arrays = pytest.mark.parametrize('value', ARRAYS, ids=lambda value: type(value[0]).__name__)
 
 
 def with_rods(kind, lengths, more):
-    return kind(*lengths, bodies=RODS, gravity=(0.0, -9.81), external=External(Applied(1.0, 2.0)), **more)
+    return kind(*lengths, bodies=RODS, gravity=(0.0, -9.81), external=External(Applied(1.0, 2.0)),
+                **more)
 
 
-# --- numbers of other types ------------------------------------------------------------------------
+# --- numbers of other types ----------------------------------------------------------------------
 
-@pytest.mark.parametrize('made', [np.float32, np.float16, np.float64, np.longdouble, Fraction, lambda v: np.array(v, 'f4')])
+@pytest.mark.parametrize('made', [np.float32, np.float16, np.float64, np.longdouble, Fraction,
+                                  lambda v: np.array(v, 'f4')])
 @every_kind
 def test_other_numbers_are_computed_with_as_doubles(kind, lengths, more, made):
     """A float32 is the double it is equal to, not a precision to compute in."""
@@ -65,9 +71,11 @@ def test_other_numbers_are_computed_with_as_doubles(kind, lengths, more, made):
     one = kind(*map(made, lengths), bodies=bodies(made), gravity=(made(0.0), made(-9.81)),
                external=External(Applied(*map(made, (1.1, 2.3, 0.7, 0.2, 0.9)))), **more)
     plain = [float(made(v)) for v in (1.1, 2.3, 0.7, 0.2, 0.9)]
-    other = kind(*rounded, bodies=bodies(lambda v: float(made(v))), gravity=(0.0, float(made(-9.81))),
+    other = kind(*rounded, bodies=bodies(lambda v: float(made(v))),
+                 gravity=(0.0, float(made(-9.81))),
                  external=External(Applied(*plain)), **more)
-    assert one == other and all(type(v) is float for v in (*one.lengths, *one.gravity, one.bodies.crank.mass))
+    assert one == other and all(type(v) is float
+                                for v in (*one.lengths, *one.gravity, one.bodies.crank.mass))
     assert one.step(*GIVEN) == other.step(*GIVEN)
     given = [made(v) for v in GIVEN]
     for part, expected in zip(one.step(*given), other.step(*map(float, given))):
@@ -87,7 +95,7 @@ def test_other_arrays_are_computed_with_as_doubles(kind, lengths, more, dtype):
             assert a.dtype == np.float64 and np.array_equal(a, b, equal_nan=True)
 
 
-# --- refused ---------------------------------------------------------------------------------------
+# --- refused -------------------------------------------------------------------------------------
 
 @odd
 @every_kind
@@ -113,9 +121,12 @@ def test_what_is_no_number_is_refused_in_bodies_and_loads(value):
 
 
 @pytest.mark.parametrize('name, value', [
-    ('gravity', -9.81), ('gravity', None), ('gravity', (1.0,)), ('gravity', (0.0, nan)), ('gravity', 'xy'),
-    ('bodies', [1, 2, 3]), ('bodies', 5), ('bodies', RODS[:2]), ('external', None), ('external', (1.0, 2.0)),
-    ('mode', 3), ('mode', True), ('mode', None), ('mode', '2'), ('input', 'motor'), ('input', None)])
+    ('gravity', -9.81), ('gravity', None), ('gravity', (1.0,)), ('gravity', (0.0, nan)),
+    ('gravity', 'xy'),
+    ('bodies', [1, 2, 3]), ('bodies', 5), ('bodies', RODS[:2]), ('external', None),
+    ('external', (1.0, 2.0)),
+    ('mode', 3), ('mode', True), ('mode', None), ('mode', '2'), ('input', 'motor'),
+    ('input', None)])
 @every_kind
 def test_what_is_no_such_thing_is_refused_by_name(kind, lengths, more, name, value):
     if name in kind.__dataclass_fields__:      # the input of a four-bar is not a choice
@@ -125,7 +136,8 @@ def test_what_is_no_such_thing_is_refused_by_name(kind, lengths, more, name, val
 
 @every_kind
 def test_lists_are_as_good_as_tuples(kind, lengths, more):
-    one = kind(*lengths, bodies=list(RODS), gravity=np.array([0.0, -9.81]), external=[Applied(), Applied()], **more)
+    one = kind(*lengths, bodies=list(RODS), gravity=np.array([0.0, -9.81]),
+               external=[Applied(), Applied()], **more)
     other = kind(*lengths, bodies=RODS, gravity=(0.0, -9.81), **more)
     assert one == other and hash(one) == hash(other) and one.mode is not True
 
@@ -178,7 +190,7 @@ def test_other_functions_refuse_what_is_no_number():
         io_equation((0.4, 1.2, 0.8, 1.0), 1, 4).solve(['1.0'])
 
 
-# --- masks, no samples, complex steps, overflow ----------------------------------------------------
+# --- masks, no samples, complex steps, overflow --------------------------------------------------
 
 @every_kind
 def test_masked_samples_are_nan(kind, lengths, more):
@@ -186,7 +198,8 @@ def test_masked_samples_are_nan(kind, lengths, more):
     values = np.ma.masked_array([1.1, 1.2, 1.3], [False, True, False])
     for masked, plain in zip(mechanism.step(values, 3.0), mechanism.step(values.data, 3.0)):
         for a, b in zip(masked, plain):
-            assert a[[0, 2]] == pytest.approx(b[[0, 2]], rel=1e-15)     # hypot has another form beside NaN
+            # hypot has another form beside NaN
+            assert a[[0, 2]] == pytest.approx(b[[0, 2]], rel=1e-15)
     assert np.isnan(mechanism.loads(values, 3.0).f41).tolist() == [False, True, False]
 
 
@@ -204,7 +217,8 @@ def test_a_complex_step_differentiates_angles_too(kind, lengths, more):
     for _, joint in kind.JOINTS:
         position = getattr(moved, joint.position)[0]
         assert position.real == pytest.approx(getattr(plain, joint.position), rel=1e-14)
-        assert position.imag / 1e-40 == pytest.approx(getattr(plain, joint.rate), rel=1e-12, abs=1e-14)
+        assert position.imag / 1e-40 == pytest.approx(getattr(plain, joint.rate), rel=1e-12,
+                                                      abs=1e-14)
 
 
 @every_kind
@@ -225,14 +239,17 @@ def test_too_long_is_said(kind, lengths, more, power):
             kind(*lengths[:i], 2.0**power, *lengths[i + 1:], **more)
 
 
-# --- processes -------------------------------------------------------------------------------------
+# --- processes -----------------------------------------------------------------------------------
 
-ERRORS = [FourBarError('text'), InvalidParameter('mass', -1.0, 'must not be'), InvalidParameter('mass', None, 'is missing'),
-          OutOfRange('theta1', 3.0, ((-1.0, 1.0),), 'rad'), Toggle('slide', 2.0, 'm'), MissingBodies(), UnknownQuantity('x', ('y', 'z')),
+ERRORS = [FourBarError('text'), InvalidParameter('mass', -1.0, 'must not be'),
+          InvalidParameter('mass', None, 'is missing'),
+          OutOfRange('theta1', 3.0, ((-1.0, 1.0),), 'rad'), Toggle('slide', 2.0, 'm'),
+          MissingBodies(), UnknownQuantity('x', ('y', 'z')),
           BagError('no bag'), SceneError('no scene'), CannotDraw('no picture')]
 
 
-@pytest.mark.parametrize('again', [lambda v: pickle.loads(pickle.dumps(v)), copy.copy, copy.deepcopy])
+@pytest.mark.parametrize('again', [lambda v: pickle.loads(pickle.dumps(v)), copy.copy,
+                                   copy.deepcopy])
 def test_errors_and_objects_are_the_same_after_a_copy(again):
     for error in ERRORS:
         same = again(error)
@@ -243,7 +260,8 @@ def test_errors_and_objects_are_the_same_after_a_copy(again):
         find_extrema(mechanism, ('f41',))
         mechanism.classification, mechanism.input_ranges
         same = again(mechanism)
-        assert same == mechanism and hash(same) == hash(mechanism) and same.step(*GIVEN) == result[0]
+        assert (same == mechanism and hash(same) == hash(mechanism) and same.step(*GIVEN)
+                == result[0])
         assert again(result[0]) == result[0] and type(again(result[1][0])) is kind[0].MOTION
         for make in (point_speed, point_acceleration):
             quantity = make(mechanism, 'coupler', 0.2)
@@ -262,7 +280,8 @@ def test_other_processes_get_mechanisms_and_return_results_and_errors():
     here = [mechanism.step(1.2, 1.0) for mechanism in mechanisms]
     rocker = FourBar(4.0, 3.0, 2.0, 8.0, bodies=RODS)
     with get_context('spawn').Pool(2) as pool:
-        assert pool.map_async(_step, [(mechanism, 1.2) for mechanism in mechanisms]).get(120) == here
+        assert pool.map_async(_step, [(mechanism, 1.2)
+                                      for mechanism in mechanisms]).get(120) == here
         for task, kind in (((rocker, 3.0), OutOfRange), ((rocker, inf), InvalidParameter),
                            ((FourBar(0.4, 1.2, 0.8, 1.0), 1.0), MissingBodies)):
             with pytest.raises(kind):

@@ -2,12 +2,11 @@
 
 from math import pi
 
+from fourbar_ros.numerics import roots
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 from support.reference import EPS
-
-from fourbar_ros.numerics import roots
 
 
 def waves(rng, count, order):

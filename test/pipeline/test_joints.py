@@ -4,13 +4,12 @@
 import math
 import random
 
-import pytest
-
-from fourbar_ros.scene import scene as scenes
 from fourbar_ros import InvalidParameter
 from fourbar_ros.pipeline.joints import Scale
 from fourbar_ros.pipeline.stepper import Stepper
-from support.scenes import PAPER, RODS, ROCKER
+from fourbar_ros.scene import scene as scenes
+import pytest
+from support.scenes import PAPER, ROCKER, RODS
 
 LOADS = {**PAPER, **RODS, 'outputs': ['joint_states', 'loads']}
 TURNED = {'joint_states.ratios': [-2.0, 1, 0.25, 1.0], 'joint_states.offsets': [0.5, 0, 0.0, -1.0]}

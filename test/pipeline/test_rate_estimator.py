@@ -3,11 +3,10 @@
 """The causal estimator of missing rates: exact where it must be, as noisy and late as it says."""
 import math
 
+from fourbar_ros.pipeline.rate_estimator import estimator_of, MEMORY, RateEstimator
+from fourbar_ros.scene import scene
 import numpy as np
 import pytest
-
-from fourbar_ros.scene import scene
-from fourbar_ros.pipeline.rate_estimator import MEMORY, RateEstimator, estimator_of
 from support.scenes import PAPER, RODS
 
 EPS = np.finfo(float).eps

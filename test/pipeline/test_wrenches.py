@@ -8,13 +8,12 @@ Power balance of chains, what acts in a silence, what is not known.
 import math
 import random
 
-import pytest
-
-from fourbar_ros.scene import scene as scenes
 from fourbar_ros.pipeline.status import LOADS_UNKNOWN, OK, OUT_OF_RANGE
 from fourbar_ros.pipeline.stepper import Stepper
-from fourbar_ros.pipeline.wrenches import UNKNOWN, Wrench, constant, in_silence
-from support.scenes import PAPER, RODS, ROCKER
+from fourbar_ros.pipeline.wrenches import constant, in_silence, UNKNOWN, Wrench
+from fourbar_ros.scene import scene as scenes
+import pytest
+from support.scenes import PAPER, ROCKER, RODS
 
 FROM_TOPIC = {'external.output.from_topic': True, 'external.coupler.from_topic': True}
 LOADED = {**PAPER, **RODS, 'gravity.y': -9.81, 'outputs': ['state', 'loads', 'drive_wrench']}

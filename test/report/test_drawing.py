@@ -1,23 +1,21 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Polygons close and are to scale; pictures say what is in them."""
+from math import hypot
 import subprocess
 import sys
-from math import hypot
 
+from fourbar_ros import Bodies, Body, FourBar
+from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+from fourbar_ros.report.drawing import renamed, significant
+from fourbar_ros.report.sheet import nice
+from fourbar_ros.scene.scene import load
+from mechanisms.test_points import four_bars
 import numpy as np
 import pytest
 from support import ROOT, slider_reference
-from mechanisms.test_points import four_bars
-
-from fourbar_ros import Bodies, Body, FourBar
-from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
-from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
-from fourbar_ros.report.drawing import renamed, significant
-from fourbar_ros.scene.scene import load
-from fourbar_ros.report.sheet import nice
-
 
 
 def cases(count):
@@ -118,9 +116,8 @@ def test_a_scene_is_drawn_with_all_that_it_has(name, at, texts):
     Arrows of forces over the pivots.
     """
     pytest.importorskip('matplotlib')
-    from matplotlib.patches import Wedge
-
     from fourbar_ros.report.drawing import make_figure
+    from matplotlib.patches import Wedge
     its = load(name)
     motion, loads = its.linkage.step(at, its.drive.speed)
     figure = make_figure(its.linkage, motion, loads, 'title',

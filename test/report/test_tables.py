@@ -5,11 +5,10 @@ import io
 import random
 import subprocess
 
+from fourbar_ros.report.terminal import plain_table
 import pytest
 from rich.console import Console
-
-from support import ROOT, bags
-from fourbar_ros.report.terminal import plain_table
+from support import bags, ROOT
 from support.scenes import PAPER, RODS
 from support.terminals import numbers, python, shown
 

@@ -5,25 +5,19 @@ Both documents recomputed.
 
 Each verdict is earned, and Table 3 is what was said to have made it.
 """
-import subprocess
-import sys
 from html.parser import HTMLParser
 from math import pi, radians
-
-import numpy as np
-import pytest
-from support import ROOT, slider_reference
-import yaml
-from support.reference import EPS, pose
+import subprocess
+import sys
 
 from fourbar_ros import __version__
-from fourbar_ros.reproduction import published
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.report.mechanism_panel import significant
+from fourbar_ros.reproduction import published
 from fourbar_ros.reproduction.reproduce import (
-    DOCUMENTS,
     agrees,
     count,
+    DOCUMENTS,
     footnotes,
     is_reading,
     print_tables,
@@ -41,7 +35,11 @@ from fourbar_ros.reproduction.verdicts import (
     VERDICTS,
     WRONG,
 )
-
+import numpy as np
+import pytest
+from support import ROOT, slider_reference
+from support.reference import EPS, pose
+import yaml
 
 
 @pytest.fixture(scope='module')

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fixtures of the ROS tests: a client, and nodes that must end well."""
 import pytest
-
 from support.harness import Client, NodeProcess
 
 

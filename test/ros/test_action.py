@@ -7,10 +7,9 @@ Feedback, the answer of the service, cancel, refusals, an end in time.
 """
 import time
 
-import pytest
 from action_msgs.msg import GoalStatus
+import pytest
 from rclpy.action import ActionClient
-
 from support.scenes import PAPER, RODS
 
 # Absent only where fourbar_msgs has not been built since it has the action; the node says so and

@@ -3,26 +3,25 @@
 """A bag of a real run: read back by independent readers, recomputed without a difference."""
 import json
 import math
-import signal
 from pathlib import Path
+import signal
 from types import SimpleNamespace
 
-import pytest
-import yaml
 from ament_index_python.packages import get_package_share_directory
-from mcap.reader import make_reader
-from mcap.writer import Writer
-from rosbags.highlevel import AnyReader
-from rosbags.rosbag2 import Reader
 from diagnostic_msgs.msg import DiagnosticArray
-from rosbags.typesys import Stores, get_typestore, get_types_from_msg
-
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recompute import recompute
 from fourbar_ros.ros.schemas import definition, type_hash
+from mcap.reader import make_reader
+from mcap.writer import Writer
+import pytest
+from rosbags.highlevel import AnyReader
+from rosbags.rosbag2 import Reader
+from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 from support.harness import ALL_OUTPUTS
 from support.scenes import PAPER, RODS
+import yaml
 
 
 @pytest.fixture

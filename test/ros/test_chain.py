@@ -4,18 +4,17 @@
 import math
 import time
 
-import pytest
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import LinkageState, Motion
-from geometry_msgs.msg import WrenchStamped
-from rclpy.qos import DurabilityPolicy, QoSProfile
-
-from fourbar_ros.scene import scene
-from fourbar_ros.scene.topics import APPLIED, WRENCHES
+from fourbar_ros import Applied, External
 from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recompute import compare
-from fourbar_ros import Applied, External
 from fourbar_ros.ros.clients.client import name_on
+from fourbar_ros.scene import scene
+from fourbar_ros.scene.topics import APPLIED, WRENCHES
+from geometry_msgs.msg import WrenchStamped
+import pytest
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from support.scenes import PAPER, RODS, SLIDES_7_6
 
 LOADED = {**PAPER, **RODS, 'outputs': ['state', 'loads'], 'drive.source': 'motion',

@@ -6,7 +6,6 @@ from fourbar_msgs.msg import LinkageState, Motion
 from rclpy.duration import Duration
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import QoSProfile
-
 from support.scenes import PAPER
 
 SECOND = 10**9

@@ -4,12 +4,11 @@
 import json
 import math
 
-import pytest
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import LinkageState, Motion
-from sensor_msgs.msg import JointState
-
 from fourbar_ros.scene import scene
+import pytest
+from sensor_msgs.msg import JointState
 from support.scenes import PAPER, ROCKER
 
 NANOSECONDS = 10**9

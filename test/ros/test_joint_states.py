@@ -3,14 +3,13 @@
 """joint_states and the input joint over the wire: what is not known, ratio and offset, prefix."""
 import math
 
-import pytest
 from fourbar_msgs.msg import LinkageState, Motion
-from sensor_msgs.msg import JointState
-
-from fourbar_ros.scene import scene
 from fourbar_ros.bag.recompute import compare
+from fourbar_ros.scene import scene
+import pytest
+from sensor_msgs.msg import JointState
 from support.harness import ALL_OUTPUTS
-from support.scenes import PAPER, RODS, ROCKER
+from support.scenes import PAPER, ROCKER, RODS
 
 
 def exchange(client, publisher, messages, settle):

@@ -1,36 +1,47 @@
-"""Slider-crank and inverted slider-crank, driven at crank or slide, and points: node, services, bag as the 4R."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Slider-crank and inverted slider-crank, driven at crank or slide, and points.
+
+Node, services, bag as the 4R.
+"""
 import math
 import random
 
-import pytest
 from fourbar_msgs.msg import LinkageState, Motion
-
-from fourbar_ros.scene import scene
 from fourbar_ros.bag.recompute import compare
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.quantities import known, select
-from fourbar_ros.scene.topics import OUTPUTS
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.ros.clients.client import name_on
+from fourbar_ros.scene import scene
+from fourbar_ros.scene.topics import OUTPUTS
+import pytest
 from support.harness import ALL_OUTPUTS, fields_of
 from support.scenes import PAPER, RODS, TIP
+
 from ros.test_inputs import set_parameters
 
 BODIES = {**RODS, 'bodies.output.mass': 1.5, 'bodies.output.inertia': 0.02, 'gravity.y': -9.81}
-SLIDER_CRANK = {'linkage.kind': 'slider_crank', 'linkage.a1': 0.1, 'linkage.a2': 0.35, 'linkage.offset': 0.03, **BODIES,
+SLIDER_CRANK = {'linkage.kind': 'slider_crank', 'linkage.a1': 0.1, 'linkage.a2': 0.35,
+                'linkage.offset': 0.03, **BODIES,
                 'external.output.force_x': -200.0}
-INVERTED = {'linkage.kind': 'inverted_slider', 'linkage.a1': 0.2, 'linkage.a4': 0.5, 'linkage.offset': 0.04, **BODIES,
+INVERTED = {'linkage.kind': 'inverted_slider', 'linkage.a1': 0.2, 'linkage.a4': 0.5,
+            'linkage.offset': 0.04, **BODIES,
             'bodies.coupler.mass': 0.8, 'bodies.coupler.inertia': 0.001}
 SCOTCH_YOKE = {'linkage.kind': 'scotch_yoke', 'linkage.a1': 0.1, 'linkage.offset': 0.03, **BODIES,
                'bodies.coupler.mass': 0.2, 'external.output.force_x': -200.0}
 MECHANISMS = {
     'four-bar': ({**PAPER, **RODS}, ['crank', 'coupler', 'coupler_output', 'output']),
     'slider-crank': (SLIDER_CRANK, ['crank', 'rod', 'pin', 'slider']),
-    'slider-crank, slide': ({**SLIDER_CRANK, 'linkage.input': 'slide'}, ['crank', 'rod', 'pin', 'slider']),
+    'slider-crank, slide': ({**SLIDER_CRANK, 'linkage.input': 'slide'},
+                            ['crank', 'rod', 'pin', 'slider']),
     'inverted': (INVERTED, ['crank', 'block', 'slide', 'bar']),
     'scotch yoke': (SCOTCH_YOKE, ['crank', 'block', 'slot', 'yoke']),
-    'scotch yoke, slide': ({**SCOTCH_YOKE, 'linkage.input': 'slide', 'linkage.mode': 1}, ['crank', 'block', 'slot', 'yoke']),
-    'cylinder': ({**INVERTED, 'linkage.input': 'slide', 'linkage.mode': 1}, ['crank', 'block', 'slide', 'bar']),
+    'scotch yoke, slide': ({**SCOTCH_YOKE, 'linkage.input': 'slide', 'linkage.mode': 1},
+                           ['crank', 'block', 'slot', 'yoke']),
+    'cylinder': ({**INVERTED, 'linkage.input': 'slide', 'linkage.mode': 1},
+                 ['crank', 'block', 'slide', 'bar']),
 }
 
 
@@ -40,7 +51,8 @@ def inputs_of(linkage, count):
     messages = []
     for k in range(count):
         low, high = rng.choice(linkage.input_ranges)
-        message = Motion(position=rng.uniform(low + 0.02 * (high - low), high - 0.02 * (high - low)),
+        message = Motion(position=rng.uniform(low + 0.02 * (high - low),
+                                              high - 0.02 * (high - low)),
                          velocity=rng.uniform(-5.0, 5.0), acceleration=rng.uniform(-90.0, 90.0))
         message.header.stamp.sec = k + 1
         messages.append(message)
@@ -50,7 +62,8 @@ def inputs_of(linkage, count):
 @pytest.mark.parametrize('name', MECHANISMS)
 def test_the_same_outputs_services_and_bag(name, run_node, client, tmp_path):
     values, joints = MECHANISMS[name]
-    parameters = {**values, **TIP, 'points.pin.link': 'crank', 'points.pin.along': 0.05, 'joint_names': joints,
+    parameters = {**values, **TIP, 'points.pin.link': 'crank', 'points.pin.along': 0.05,
+                  'joint_names': joints,
                   'drive.source': 'motion', 'drive.timeout': 0.0, 'outputs': list(OUTPUTS),
                   'recording.start': True, 'recording.name': 'run'}
     its = scene.from_values(parameters)
@@ -61,13 +74,17 @@ def test_the_same_outputs_services_and_bag(name, run_node, client, tmp_path):
     client.handshake(lambda: publisher.publish(inputs[0]))
     for message in inputs:
         publisher.publish(message)
-    client.until(lambda: all(len(m) >= len(inputs) for m in client.received.values()), 'an answer on every topic')
+    client.until(lambda: all(len(m) >= len(inputs) for m in client.received.values()),
+                 'an answer on every topic')
     assert set(client.received) == {*ALL_OUTPUTS, 'points/tip', 'points/pin'}
     for topic, messages in client.received.items():
         for sent, message in zip(inputs, messages):
-            status, expected = stepper.step(sent.position, sent.velocity, sent.acceleration, True, True)
+            status, expected = stepper.step(sent.position, sent.velocity, sent.acceleration, True,
+                                            True)
             assert status == LinkageState.STATUS_OK and message.header.stamp == sent.header.stamp
-            assert repr(fields_of(layout, topic, message)) == repr(layout.expected(topic, expected))     # NaN is NaN here
+            # NaN is NaN here
+            assert repr(fields_of(layout, topic,
+                                  message)) == repr(layout.expected(topic, expected))
     state = client.received['state'][-1]
     for field in ('slide', 'theta4', 'theta3', 'beta'):
         assert math.isnan(getattr(state, field)) == (field not in linkage.MOTION._fields)
@@ -76,7 +93,9 @@ def test_the_same_outputs_services_and_bag(name, run_node, client, tmp_path):
     assert client.call('stop_recording').success
     found = compare(tmp_path / 'bags/run')
     assert found.inputs > len(inputs) and found.unmatched == 0
-    assert {d.topic for d in found.differences} - {'/fourbar/driven'} == {name_on('fourbar', t) if t.topic[0] == '~' else f'/{t.topic}'
+    assert {d.topic for d in found.differences} - {'/fourbar/driven'} == {name_on('fourbar', t)
+                                                                          if t.topic[0] == '~'
+                                                                          else f'/{t.topic}'
                                                     for t in its.topics.values()}
     assert max(d.largest for d in found.differences) == 0.0
 
@@ -87,26 +106,33 @@ def check_services(client, its):
     answer = client.call('find_extrema', velocity=2.0, acceleration=3.0)
     quantities = select((), linkage, its.point_quantities)
     expected = find_extrema(linkage, quantities, 2.0, 3.0)
-    assert {q.name for q in quantities} == {*known(type(linkage), linkage.input), 'tip.speed', 'tip.acceleration',
+    assert {q.name for q in quantities} == {*known(type(linkage), linkage.input), 'tip.speed',
+                                            'tip.acceleration',
                                             'pin.speed', 'pin.acceleration'}
-    assert answer.result == answer.RESULT_OK and [e.quantity for e in answer.extrema] == [e.quantity for e in expected]
+    assert (answer.result == answer.RESULT_OK and [e.quantity for e in answer.extrema]
+            == [e.quantity for e in expected])
     fields = ('quantity', 'mode', 'theta1', 'slide', 'value', 'is_global')
     assert ({repr([getattr(e, f) for f in fields]) for e in answer.extrema}
             == {repr([getattr(e, f) for f in fields]) for e in expected})
-    middle = sum(linkage.input_ranges[0]) / 2.0 + 0.3 * (linkage.input_ranges[0][1] - linkage.input_ranges[0][0])
+    middle = (sum(linkage.input_ranges[0]) / 2.0
+              + 0.3 * (linkage.input_ranges[0][1] - linkage.input_ranges[0][0]))
     for mode in {1, 2} - set(linkage.modes):
         answer = client.call('evaluate', position=middle, mode=mode)
-        assert answer.result == answer.RESULT_INVALID_REQUEST and f'mode = {mode}' in answer.message
+        assert (answer.result == answer.RESULT_INVALID_REQUEST
+                and f'mode = {mode}' in answer.message)
     for mode in linkage.modes:
-        answer = client.call('evaluate', position=middle, velocity=2.0, acceleration=-3.0, mode=mode)
+        answer = client.call('evaluate', position=middle, velocity=2.0, acceleration=-3.0,
+                             mode=mode)
         assert answer.result == answer.RESULT_OK and answer.has_loads
         values = sum(linkage.in_mode(mode).step(middle, 2.0, -3.0), ())
         for output in ('state', 'loads'):
-            assert repr(fields_of(its.layout, output, getattr(answer, output))) == repr(its.layout.expected(output, values))
+            assert (repr(fields_of(its.layout, output, getattr(answer, output)))
+                    == repr(its.layout.expected(output, values)))
     if not linkage.turns_fully:
         outside = linkage.input_ranges[-1][1] + 0.1 * abs(linkage.input_ranges[-1][1])
         answer = client.call('evaluate', position=outside)
-        assert answer.result == answer.RESULT_OUT_OF_RANGE and answer.message.startswith('slide = ')
+        assert (answer.result == answer.RESULT_OUT_OF_RANGE
+                and answer.message.startswith('slide = '))
 
 
 def test_points_are_changed_live_and_refused_with_a_reason(run_node, client):
@@ -115,8 +141,10 @@ def test_points_are_changed_live_and_refused_with_a_reason(run_node, client):
     client.until(lambda: client.received['points/tip'], 'the stream')
     before = client.received['points/tip'][-1]
     assert before.speed > 0.0
-    assert set_parameters(client, {'points.tip.link': 'crank', 'points.tip.along': 0.4, 'points.tip.across': 0.0},
+    assert set_parameters(client, {'points.tip.link': 'crank', 'points.tip.along': 0.4,
+                                   'points.tip.across': 0.0},
                           atomically=True)[0].successful
-    client.until(lambda: client.received['points/tip'][-1].normal_acceleration == pytest.approx(9.0 * 0.4, rel=1e-12),
+    client.until(lambda: client.received['points/tip'][-1].normal_acceleration
+                 == pytest.approx(9.0 * 0.4, rel=1e-12),
                  'the point on the crank')
-    assert 'must be one of crank, coupler, output' in set_parameters(client, {'points.tip.link': 'rocker'})[0].reason
+    assert ('must be one of crank, coupler, output' in set_parameters(client, {'points.tip.link': 'rocker'})[0].reason)

@@ -5,16 +5,15 @@ import math
 import random
 import signal
 
-import pytest
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import LinkageState, Motion
-from sensor_msgs.msg import JointState
-
-from fourbar_ros.scene import scene
-from fourbar_ros.pipeline import status as codes
 from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.pipeline import status as codes
+from fourbar_ros.scene import scene
+import pytest
+from sensor_msgs.msg import JointState
 from support.harness import ALL_OUTPUTS, fields_of
-from support.scenes import PAPER, RODS, ROCKER, SLIDES_7_6, SLIDES_7_7
+from support.scenes import PAPER, ROCKER, RODS, SLIDES_7_6, SLIDES_7_7
 
 DRIVEN = {**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ALL_OUTPUTS, 'frame_id': 'machine'}
 

@@ -9,21 +9,20 @@ import itertools
 import math
 import zlib
 
-import pytest
 from fourbar_msgs.msg import LinkageState
-from rclpy.serialization import deserialize_message, serialize_message
-
-from fourbar_ros.scene import scene
-from fourbar_ros.scene.topics import DRIVEN
 from fourbar_ros.bag.cdr import Layout
 from fourbar_ros.bag.definitions import Definition
 from fourbar_ros.pipeline.status import STATUS_NAMES
-from fourbar_ros.scene.topics import OUTPUTS
-from fourbar_ros.ros.node import packed
-from fourbar_ros.ros.messages import filler, resolve, set_constants
-from fourbar_ros.ros.schemas import definition
 from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.ros.messages import filler, resolve, set_constants
+from fourbar_ros.ros.node import packed
+from fourbar_ros.ros.schemas import definition
+from fourbar_ros.scene import scene
+from fourbar_ros.scene.topics import DRIVEN, OUTPUTS
+import pytest
+from rclpy.serialization import deserialize_message, serialize_message
 from support.scenes import TIP
+
 from ros.test_mechanisms import MECHANISMS
 
 STAMPS = (0, 0), (1, 999_999_999), (2**31 - 1, 0), (-1, 5)

@@ -9,16 +9,15 @@ import itertools
 import math
 import struct
 
-import pytest
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import Motion
-from rclpy.serialization import deserialize_message, serialize_message
-from sensor_msgs.msg import JointState
-from std_msgs.msg import Header
-
 from fourbar_ros.pipeline import message_fields as records
 from fourbar_ros.ros.node import inputs
 from fourbar_ros.ros.node.inputs import Reader
+import pytest
+from rclpy.serialization import deserialize_message, serialize_message
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
 
 MOTION, JOINTS = 'fourbar_msgs/msg/Motion', 'sensor_msgs/msg/JointState'
 STAMPS = Time(), Time(sec=2**31 - 1, nanosec=999_999_999), Time(sec=-1, nanosec=2**32 - 1)

@@ -3,14 +3,12 @@
 """Bags of a real node: split while they are written, the driven joint computed again from what the node received."""
 import math
 
-import pytest
-
 from fourbar_msgs.msg import Motion
-from rosbags.rosbag2 import Reader
-
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import compare
+import pytest
+from rosbags.rosbag2 import Reader
 from support.harness import ALL_OUTPUTS
 from support.scenes import PAPER, RODS
 

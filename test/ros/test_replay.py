@@ -7,15 +7,14 @@ import signal
 import subprocess
 import sys
 
+from fourbar_ros.bag.reader import Bag, records
+from fourbar_ros.bag.recompute import compare
+from fourbar_ros.bag.recorder import BagWriter
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
-
 from support import bags
-from fourbar_ros.bag.reader import Bag, records
-from fourbar_ros.bag.recompute import compare
-from fourbar_ros.bag.recorder import BagWriter
 from support.harness import ALL_OUTPUTS, PATIENCE
 from support.scenes import PAPER, RODS, TIP
 

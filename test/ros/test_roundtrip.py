@@ -2,26 +2,26 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every field of every recorded message type, through the recorder and out by four readers."""
 import hashlib
+from itertools import count
 import json
 import math
+from pathlib import Path
 import shutil
 import subprocess
 import tempfile
-from itertools import count
-from pathlib import Path
 
-import pytest
-from mcap.reader import make_reader
-from mcap_ros2.decoder import DecoderFactory
-from rclpy.serialization import serialize_message
-from rosbags.highlevel import AnyReader
-
-from fourbar_ros.scene.topics import DRIVEN, INPUTS, OUTPUTS, SCENE
 from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.schemas import channel
+from fourbar_ros.scene.topics import DRIVEN, INPUTS, OUTPUTS, SCENE
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+import pytest
+from rclpy.serialization import serialize_message
+from rosbags.highlevel import AnyReader
 from support import SUPPORT
+
 from ros.test_bag import plain
 
 TOPICS = [*INPUTS.values(), DRIVEN, SCENE, *OUTPUTS.values()]

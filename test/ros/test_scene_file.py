@@ -1,11 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Scene files are read as rcl itself reads them: scalars, sections, wildcards."""
+from fourbar_ros.scene.files import read_values, SceneError
 import pytest
 import rclpy
 from rclpy.node import Node
-
-from fourbar_ros.scene.files import SceneError, read_values
 
 SCALARS = """4e-1 1 0x10 010 08 0b11 0o17 1_000 1. .5 +1 -2 +1.5 1e5 1E+5 .nan nan .inf -.inf inf Infinity yes y Y on On
 True TRUE tRue n No off OFF null ~ 1:30 2020-01-01 1e400 99999999999999999999 "4e-1" '1' 1e-400 1.e3 NaN -inf .Inf .INF

@@ -5,12 +5,12 @@ import json
 import subprocess
 import sys
 
+from fourbar_ros.scene import scene
 import pytest
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
-
-from fourbar_ros.scene import scene
 from support.harness import PATIENCE
 from support.scenes import PAPER
+
 from ros.test_inputs import set_parameters
 
 

@@ -5,22 +5,21 @@ Whatever signals come, and whenever: exit code 0, a whole bag, soon.
 
 Nothing waits for a search or a disk.
 """
+from pathlib import Path
 import random
 import re
 import signal
 import threading
 import time
-from pathlib import Path
 
-import pytest
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import Motion
-
-from fourbar_ros.scene.topics import SERVICES
 from fourbar_ros.bag.info import info
 from fourbar_ros.ros.messages import resolve
-from fourbar_ros.ros.stop import SIGNALS, Stop
 from fourbar_ros.ros.node.worker import Abandoned, Worker
+from fourbar_ros.ros.stop import SIGNALS, Stop
+from fourbar_ros.scene.topics import SERVICES
+import pytest
 from support import ROOT
 from support.harness import ALL_OUTPUTS, PATIENCE
 from support.scenes import PAPER, RODS

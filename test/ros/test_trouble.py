@@ -1,23 +1,29 @@
-"""Trouble around the node: lost and bad inputs, clocks that are set, a log and diagnostics that stay readable."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Trouble around the node.
+
+Lost and bad inputs, clocks that are set, a log and diagnostics that stay readable.
+"""
 import math
 import re
 import shutil
 import signal
 import time
 
-import pytest
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from fourbar_msgs.msg import LinkageState, Motion
-from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import JointState
-
 from fourbar_ros.ros.node.quiet_log import QuietLog
 from fourbar_ros.ros.node.sequence import Sequence
+import pytest
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
 from support.faults import Faults
 from support.harness import PATIENCE
 from support.scenes import PAPER
-from ros.test_inputs import NANOSECONDS, answers, set_parameters, stamped
+
+from ros.test_inputs import answers, NANOSECONDS, set_parameters, stamped
 
 DRIVEN = {**PAPER, 'drive.source': 'motion', 'drive.timeout': 0.0, 'outputs': ['state']}
 
@@ -35,7 +41,7 @@ def heard(client):
     return newest
 
 
-# --- lost inputs ------------------------------------------------------------------------------------
+# --- lost inputs ---------------------------------------------------------------------------------
 
 SLOW = '''
 import time
@@ -47,7 +53,11 @@ Stream.step = lambda self, *given: (time.sleep(0.001), step(self, *given))
 
 @pytest.mark.parametrize('publishers', [1, 2])
 def test_what_is_lost_is_counted_to_the_last_message(run_node, client, heard, publishers):
-    """Inputs faster than a step, and more of them than are kept: received and lost are all that were sent."""
+    """
+    Inputs faster than a step, and more of them than are kept.
+
+    Received and lost are all that were sent.
+    """
     run_node(DRIVEN, first=SLOW)
     client.listen(['state'])
     sending = [client.publisher() for _ in range(publishers)]
@@ -76,8 +86,10 @@ def test_gaps_in_the_numbers_of_several_publishers():
     for number in (1, 2, 901, 3, 902, 6, 903, 7, 905):               # 4, 5 and 904 are missing
         sequence.take(number)
     assert sequence.lost == 3 and sequence.is_numbered
-    sequence.take(1)                                                 # one of them was started again
-    sequence.take(None)                                              # of a middleware without numbers
+    # one of them was started again
+    sequence.take(1)
+    # of a middleware without numbers
+    sequence.take(None)
     assert sequence.lost == 3 and not sequence.is_numbered
     sequence.forget()
     for number in (40, 10, 11, 41):
@@ -85,7 +97,7 @@ def test_gaps_in_the_numbers_of_several_publishers():
     assert sequence.lost == 3
 
 
-# --- the log ----------------------------------------------------------------------------------------
+# --- the log -------------------------------------------------------------------------------------
 
 class Lines(list):
     def info(self, text):
@@ -104,7 +116,8 @@ def test_one_line_per_cause_and_interval_with_the_number():
     assert len(said) == 2                                            # not yet
     time.sleep(0.2)
     log.flush()
-    assert [re.sub(r' in \d+ s', '', line) for line in said[2:]] == ['bad 99 (99 times)', 'good 99 (99 times)']
+    assert [re.sub(r' in \d+ s', '', line) for line in said[2:]] == ['bad 99 (99 times)',
+                                                                     'good 99 (99 times)']
     log.flush(0.0)
     assert len(said) == 4
     log.warning('another', 'at once')
@@ -118,19 +131,23 @@ def test_good_and_bad_inputs_in_turns_are_a_few_lines(run_node, client, heard, b
     client.listen(['state'])
     publisher = client.publisher()
     client.handshake(lambda: publisher.publish(Motion(position=0.1)))
-    for _ in range(30):                                              # as many at once as are kept for certain
+    # as many at once as are kept for certain
+    for _ in range(30):
         states = answers(client, publisher.publish, [Motion(position=0.2), bad] * 10)
-    assert [s.status for s in states[:2]] == [LinkageState.STATUS_OK, LinkageState.STATUS_INVALID_INPUT]
+    assert [s.status for s in states[:2]] == [LinkageState.STATUS_OK,
+                                              LinkageState.STATUS_INVALID_INPUT]
     assert node.stop() == 0
     lines = [line for line in node.said.splitlines() if 'theta1 =' in line or 'good again' in line]
-    assert 3 <= len(lines) <= 8                                      # both, once now and once at the end; a slow machine
+    # both, once now and once at the end; a slow machine
+    assert 3 <= len(lines) <= 8
     assert sum(int(n) for n in re.findall(r'\((\d+) times', node.said)) > 400
 
 
-# --- clocks -----------------------------------------------------------------------------------------
+# --- clocks --------------------------------------------------------------------------------------
 
 @pytest.mark.skipif(not shutil.which('cc'), reason='needs a C compiler')
-def test_diagnostics_and_timeout_go_on_when_the_clock_is_set_back(run_node, client, heard, tmp_path):
+def test_diagnostics_and_timeout_go_on_when_the_clock_is_set_back(run_node, client, heard,
+                                                                  tmp_path):
     faults = Faults(tmp_path)
     faults.start(lambda: run_node({**DRIVEN, 'drive.timeout': 1.0}))
     client.listen(['state'])
@@ -141,16 +158,19 @@ def test_diagnostics_and_timeout_go_on_when_the_clock_is_set_back(run_node, clie
     before = heard.messages[-1].header.stamp.sec
     client.received['state'].clear()
     faults.set(clock=-100.0)
-    client.until(lambda: any(s.status == LinkageState.STATUS_INPUT_TIMEOUT for s in client.received['state']),
+    client.until(lambda: any(s.status == LinkageState.STATUS_INPUT_TIMEOUT
+                             for s in client.received['state']),
                  'the timeout')
     number = len(heard.messages)
     client.until(lambda: len(heard.messages) >= number + 3, 'diagnostics')
-    assert heard.messages[-1].header.stamp.sec < before - 50          # the clock of the node was set indeed
+    # the clock of the node was set indeed
+    assert heard.messages[-1].header.stamp.sec < before - 50
 
 
 @pytest.mark.skipif(not shutil.which('cc'), reason='needs a C compiler')
 @pytest.mark.parametrize('step', [-3600.0, 3600.0])
-def test_a_node_on_a_timer_stops_and_has_diagnostics_whatever_the_clock(run_node, client, heard, tmp_path, step):
+def test_a_node_on_a_timer_stops_and_has_diagnostics_whatever_the_clock(run_node, client, heard,
+                                                                        tmp_path, step):
     """Nothing comes in that would wake it, and its executor waits by the clock that was set."""
     faults = Faults(tmp_path)
     node = faults.start(lambda: run_node({**PAPER, 'outputs': ['state']}))
@@ -172,7 +192,8 @@ class Simulation:
 
     def _tick(self):
         self.now += 0 if self.stands else 20_000_000
-        self._publisher.publish(Clock(clock=Time(sec=self.now // NANOSECONDS, nanosec=self.now % NANOSECONDS)))
+        self._publisher.publish(Clock(clock=Time(sec=self.now // NANOSECONDS,
+                                                 nanosec=self.now % NANOSECONDS)))
 
 
 def test_a_timeout_counts_simulated_time(run_node, client):
@@ -202,7 +223,7 @@ def test_simulated_time_is_chosen_at_start(run_node, client):
     assert kept.successful
 
 
-# --- stamps and estimates ---------------------------------------------------------------------------
+# --- stamps and estimates ------------------------------------------------------------------------
 
 def test_a_stamp_that_is_no_time_is_replaced_and_counted(run_node, client, heard):
     run_node(DRIVEN)
@@ -232,7 +253,8 @@ def test_an_estimated_acceleration_that_is_noise_is_said_so(run_node, client, he
         position = 3.0 * sent[0] * 0.002
         if resolution:
             position = round(position / resolution) * resolution
-        publisher.publish(stamped(JointState(name=['motor'], position=[position]), 10**18 + sent[0] * 2_000_000))
+        publisher.publish(stamped(JointState(name=['motor'], position=[position]),
+                                  10**18 + sent[0] * 2_000_000))
     client.handshake(lambda: send(0.0))
     for is_noise, resolution in ((True, math.tau / 1000.0), (False, 0.0)):
         def is_said(is_noise=is_noise, resolution=resolution):
@@ -241,7 +263,8 @@ def test_an_estimated_acceleration_that_is_noise_is_said_so(run_node, client, he
             return 'noise of the estimated acceleration [rad/s^2]' in values and (
                 'acceleration is noise' in status.message) is is_noise
         client.until(is_said, f'noise: {is_noise}')
-    assert float(heard()[1]['lag of the estimated acceleration [s]']) == pytest.approx(0.004)      # window 5
+    # window 5
+    assert float(heard()[1]['lag of the estimated acceleration [s]']) == pytest.approx(0.004)
 
 
 def test_nodes_of_one_name_in_two_namespaces_have_diagnostics_of_their_own(run_node, client):

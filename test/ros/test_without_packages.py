@@ -8,7 +8,6 @@ It streams on and says what is missing.
 import os
 
 import pytest
-
 from support.scenes import PAPER
 
 

@@ -1,9 +1,8 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """What a command line asks for last, whatever type rcl prefers."""
-import pytest
-
 from fourbar_ros.scene.overrides import Asked, asked, is_ignored
+import pytest
 
 
 @pytest.fixture

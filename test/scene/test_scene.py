@@ -4,11 +4,10 @@
 import json
 import math
 
-import pytest
-
-from fourbar_ros.scene import of_kinds, scene
 from fourbar_ros import InvalidParameter
+from fourbar_ros.scene import of_kinds, scene
 from fourbar_ros.scene.parameters import PARAMETERS, POINT, REQUIRED
+import pytest
 from support import ROOT
 from support.scenes import PAPER, RODS
 

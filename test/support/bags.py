@@ -3,15 +3,15 @@
 """Bags without ROS: messages made by rosbags, a codec that shares no line with ours."""
 import json
 
-import numpy as np
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-
-from support import ROOT
-from fourbar_ros.scene.topics import DRIVEN, SCENE
-from fourbar_ros.scene import scene as scenes
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recorder import BagWriter, Channel
 from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.scene import scene as scenes
+from fourbar_ros.scene.topics import DRIVEN, SCENE
+import numpy as np
+from rosbags.typesys import get_types_from_msg, get_typestore, Stores
+
+from support import ROOT
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 for _file in (ROOT / 'msg_defs/msg').glob('*.msg'):

@@ -3,11 +3,10 @@
 """Reference problems of the field, and their answers to at least 20 digits (docs/dynamics.md)."""
 from math import pi
 
-import mpmath as mp
-
-from fourbar_ros import Applied, Bodies, Body, External, FourBar, SliderCrank, round_rod
+from fourbar_ros import Applied, Bodies, Body, External, FourBar, round_rod, SliderCrank
 from fourbar_ros.dynamics.elements import Attachment, Spring
 from fourbar_ros.dynamics.system import System
+import mpmath as mp
 
 # P2, q(10) and its rate: two formulations by Taylor series agree in all of these digits.
 P2_POSITION, P2_RATE = '1.27567584865023941071419054572', '-0.23991499719600068392576030065'

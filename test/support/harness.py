@@ -1,21 +1,24 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """A real node in a process of its own and a real client beside it."""
 import json
+from operator import attrgetter
 import os
 import signal
 import subprocess
 import sys
 import threading
 import time
-from operator import attrgetter
-
-import rclpy
 
 from fourbar_ros.ros.clients import client
 from fourbar_ros.scene.topics import DRIVEN, OUTPUTS
+import rclpy
 
 # Requests that change nothing, to learn whether a service and its client have seen each other.
-HARMLESS = {'find_extrema': {'quantities': ['?']}, 'evaluate': {}, 'start_recording': {'name': '..'}}
-PATIENCE = 120.0      # [s] discovery takes 0.3 s mostly, 4 s sometimes; 30 s are too few beside 20 busy processes
+HARMLESS = {'find_extrema': {'quantities': ['?']}, 'evaluate': {},
+            'start_recording': {'name': '..'}}
+# [s] discovery takes 0.3 s mostly, 4 s sometimes; 30 s are too few beside 20 busy processes
+PATIENCE = 120.0
 ALL_OUTPUTS = [name for name in OUTPUTS if name != 'points']      # these need points in the scene
 
 
@@ -24,14 +27,16 @@ def fields_of(layout, output, message):
     def plain(value):
         return tuple(value) if hasattr(value, '__len__') else value
 
-    return {field: plain(attrgetter(field)(message)) for field in layout.expected(output, [0.0] * len(layout.place))}
+    return {field: plain(attrgetter(field)(message))
+            for field in layout.expected(output, [0.0] * len(layout.place))}
 
 
 class NodeProcess:
     """
     fourbar_node with these parameters, after the code ``first``; what it says is kept in ``said``.
 
-    Silence is no timeout unless a test says so: on a slow machine its default would be one more message.
+    Silence is no timeout unless a test says so: on a slow machine its default would be one more
+    message.
     """
 
     def __init__(self, parameters, tmp_path, name='fourbar', remaps=(), first='', arguments=()):
@@ -40,11 +45,13 @@ class NodeProcess:
         parameters = {'drive.timeout': 0.0, **parameters}
         file.write_text(json.dumps({'/**': {'ros__parameters': parameters}}))    # JSON is YAML
         remap = [part for rule in (f'__node:={name}', *remaps) for part in ('-r', rule)]
-        run = ['-c', f'{first}\nimport sys; from fourbar_ros.ros.node.start import main; sys.exit(main())']
+        run = ['-c', f'{first}\nimport sys; from fourbar_ros.ros.node.start import main; '
+                     'sys.exit(main())']
         self.process = subprocess.Popen(
             [sys.executable, *(run if first else ['-m', 'fourbar_ros.ros.node.start']),
              '--ros-args', '--params-file', str(file), *remap, *arguments],
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=tmp_path, env=os.environ)
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=tmp_path,
+            env=os.environ)
         self.said = ''
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
@@ -75,7 +82,11 @@ class Client(client.Client):
         self.received = {}
 
     def listen(self, names=ALL_OUTPUTS, node='fourbar', depth=1000):
-        """Collect all messages of these topics in ``received``: names, or the topics of a scene by name."""
+        """
+        Collect all messages of these topics in ``received``.
+
+        names, or the topics of a scene by name.
+        """
         topics = names if isinstance(names, dict) else {**OUTPUTS, 'driven': DRIVEN}
         for name in names:
             self.subscribe(topics[name], self.received.setdefault(name, []).append, node, depth)
@@ -88,12 +99,13 @@ class Client(client.Client):
         """
         Send until an answer comes on every listened topic, then forget the answers.
 
-        It ends when nothing more has come for ten times as long as an answer let wait, 0.3 to 3 s: one on
-        its way would be taken for an answer of the test.
+        It ends when nothing more has come for ten times as long as an answer let wait, 0.3 to 3 s:
+        one on its way would be taken for an answer of the test.
         """
         end = time.monotonic() + PATIENCE
         while not all(self.received.values()):
-            assert time.monotonic() < end, f'no answer: {({k: len(v) for k, v in self.received.items()})}'
+            assert time.monotonic() < end, (
+                f'no answer: {({k: len(v) for k, v in self.received.items()})}')
             send()
             sent = time.monotonic()
             self.executor.spin_once(timeout_sec=0.05)
@@ -102,12 +114,17 @@ class Client(client.Client):
         while (now := time.monotonic()) - last < max(0.3, min(wait, 3.0)):
             self.executor.spin_once(timeout_sec=0.05)
             if (found := sum(map(len, self.received.values()))) != count:
-                wait, count, last = max(wait, 10.0 * (time.monotonic() - now)), found, time.monotonic()
+                wait, count, last = max(wait, 10.0 * (time.monotonic()
+                                                      - now)), found, time.monotonic()
         for messages in self.received.values():
             messages.clear()
 
     def introduce(self, service, service_name):
-        """Ask until the first answer: a server that has not seen its client yet drops what it answers."""
+        """
+        Ask until the first answer.
+
+        A server that has not seen its client yet drops what it answers.
+        """
         if service_name not in HARMLESS:
             return
         request = service.srv_type.Request(**HARMLESS[service_name])

@@ -1,9 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Mechanisms with masses for tests of dynamics, and their poses and energies to many digits."""
-import mpmath as mp
-import numpy as np
-
 from fourbar_ros import (
     Applied,
     Bodies,
@@ -14,7 +11,9 @@ from fourbar_ros import (
     InvertedSlider,
     SliderCrank,
 )
-from fourbar_ros.dynamics.elements import GROUND, Attachment, Spring, TorsionSpring
+from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
+import mpmath as mp
+import numpy as np
 
 EPS = 2.0**-52
 KINDS = {'four-bar': (FourBar, 4, {}), 'slider-crank': (SliderCrank, 3, {'input': 'crank'}),

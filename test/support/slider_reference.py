@@ -9,13 +9,13 @@ package.
 """
 from typing import NamedTuple
 
-import mpmath as mp
-import numpy as np
-from support.reference import cross
-
 from fourbar_ros import Applied, Bodies, Body, External
 from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
 from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+import mpmath as mp
+import numpy as np
+
+from support.reference import cross
 
 KINDS = ((SliderCrank, 'crank'), (SliderCrank, 'slide'), (InvertedSlider, 'crank'),
          (InvertedSlider, 'slide'))

@@ -3,7 +3,7 @@
 """``fourbar bag diff``: compare two bags message by message."""
 from __future__ import annotations
 
-from fourbar_ros.cli.common import BAD, BAG_HELP, add_json, add_tolerance, add_topics, reading
+from fourbar_ros.cli.common import add_json, add_tolerance, add_topics, BAD, BAG_HELP, reading
 
 
 def add(actions):

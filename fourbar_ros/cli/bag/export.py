@@ -3,7 +3,7 @@
 """``fourbar bag export``: write the numbers in a bag as tables."""
 from __future__ import annotations
 
-from fourbar_ros.cli.common import BAG_HELP, add_topics, reading
+from fourbar_ros.cli.common import add_topics, BAG_HELP, reading
 
 
 def add(actions):

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from fourbar_ros.cli.bag.many import Report, add_bags, run
+from fourbar_ros.cli.bag.many import add_bags, Report, run
 from fourbar_ros.cli.common import add_json
 
 COLUMNS = ('state', 's>', 'MB>', 'parts>', 'messages>', 'missing>', 'damage, end')

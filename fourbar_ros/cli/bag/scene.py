@@ -3,7 +3,7 @@
 """``fourbar bag scene``: print the scene of a bag as a parameter file."""
 from __future__ import annotations
 
-from fourbar_ros.cli.common import BAG_HELP, add_node
+from fourbar_ros.cli.common import add_node, BAG_HELP
 
 
 def add(actions):

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fourbar_ros.numerics.sturm import Polynomial, count_roots
+from fourbar_ros.numerics.sturm import count_roots, Polynomial
 
 
 def count_extrema(lengths: Sequence[float]) -> list[int | None]:

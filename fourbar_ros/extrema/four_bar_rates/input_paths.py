@@ -22,7 +22,7 @@ from math import pi
 
 import numpy as np
 
-from fourbar_ros.extrema.input_paths import End, InputPath, closer_points
+from fourbar_ros.extrema.input_paths import closer_points, End, InputPath
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.elliptic_functions import jacobi, landen_steps

@@ -1,15 +1,18 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Extrema of the output's rate and acceleration at constant input rate: one linkage in plain floats.
 
-With x = theta1, y = theta4, b = beta and u the elliptic parameter of :mod:`fourbar_ros.extrema.four_bar_rates.input_paths`, the derivatives
+With x = theta1, y = theta4, b = beta and u the elliptic parameter of
+:mod:`fourbar_ros.extrema.four_bar_rates.input_paths`, the derivatives
 
     X = dx/du = a2 a3 sin(y-b),    Y = dy/du = a1 a2 sin(x-b),    B = db/du = a1 a3 sin(x-y)
 
-are sines, and by the loop so are their differences, X - B = a3 a4 sin(y), Y - B = a1 a4 sin(x). Then dy/dx =
-Y/X, d2y/dx2 = g/X^3, d3y/dx3 = k/X^5 with g = Y_u X - Y X_u and k = g_u X - 3 g X_u, smooth
-everywhere, toggles included. The roots of g are the extrema of theta4', those of k the extrema of
-theta4''. Two roots of g have one of k between them, so that only k can hide pairs of roots between
-samples, and is looked at closely.
+are sines, and by the loop so are their differences, X - B = a3 a4 sin(y), Y - B = a1 a4 sin(x).
+Then dy/dx = Y/X, d2y/dx2 = g/X^3, d3y/dx3 = k/X^5 with g = Y_u X - Y X_u and k = g_u X - 3 g X_u,
+smooth everywhere, toggles included. The roots of g are the extrema of theta4', those of k the
+extrema of theta4''. Two roots of g have one of k between them, so that only k can hide pairs of
+roots between samples, and is looked at closely.
 """
 from __future__ import annotations
 
@@ -19,11 +22,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fourbar_ros.extrema.four_bar_rates.input_paths import POINTS_PER_FEATURE, half_turn, phases
+from fourbar_ros.extrema.four_bar_rates.input_paths import half_turn, phases, POINTS_PER_FEATURE
+from fourbar_ros.extrema.four_bar_rates.sensitivity import rate_changes
 from fourbar_ros.mechanisms.four_bar.half_angle import half_angle_coefficients
 from fourbar_ros.mechanisms.four_bar.motion import make_motion
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
-from fourbar_ros.numerics.number_types import ARRAY, REAL, Function, NumberType
+from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, REAL
 from fourbar_ros.numerics.roots import (
     first_guess,
     fold,
@@ -32,7 +36,6 @@ from fourbar_ros.numerics.roots import (
     newton_root,
     turn_after,
 )
-from fourbar_ros.extrema.four_bar_rates.sensitivity import rate_changes
 
 # Of a full turn, at least. Half as many have missed nothing in 280 000 linkages of all kinds.
 SAMPLES = 24
@@ -45,7 +48,8 @@ def make_sines(n: NumberType) -> Function:
     Return the function (sh, ch, constants) -> g, g_u, k, k_u, X, Y at sh, ch = sin, cos(theta1/2).
 
     ``constants`` are those of :func:`sine_constants`; the pose is found as in
-    :func:`~fourbar_ros.mechanisms.four_bar.motion.make_motion`. u is in units of 1/(a2 a3): X = sin(y-b).
+    :func:`~fourbar_ros.mechanisms.four_bar.motion.make_motion`. u is in units of 1/(a2 a3): X =
+    sin(y-b).
     """
     sqrt, fabs, where = n.sqrt, n.fabs, n.where
 
@@ -55,11 +59,14 @@ def make_sines(n: NumberType) -> Function:
         u, w = s1 + k * cc, s2 + k * ss
         root = sign * sqrt(fabs(u * w))       # at a toggle u or w may round to less than zero
         m = yM * sc
-        num, den = where(m * root > 0.0, (yB * ss + yD * cc, m + root), (m - root, yA * ss + yC * cc))
+        num, den = where(m * root > 0.0, (yB * ss + yD * cc, m + root),
+                         (m - root, yA * ss + yC * cc))
         scale = r42 / (num * num + den * den)
-        cy, XB = (den - num) * (den + num) * scale, 2.0 * num * den * scale        # a3 a4 cos(y), X - B
+        # a3 a4 cos(y), X - B
+        cy, XB = (den - num) * (den + num) * scale, 2.0 * num * den * scale
         m = bM * sc
-        num, den = where(m * root < 0.0, (bB * ss + bD * cc, m - root), (m + root, bA * ss + bC * cc))
+        num, den = where(m * root < 0.0, (bB * ss + bD * cc, m - root),
+                         (m + root, bA * ss + bC * cc))
         scale = r13 / (num * num + den * den)
         cY, Y = (den - num) * (den + num) * scale, -2.0 * num * den * scale        # a1 a2 cos(x-b)
         cX, X = 0.5 * half * (u - w), half * root                      # a2 a3 cos(y-b)
@@ -82,12 +89,18 @@ def sine_constants(a1, a2, a3, a4, sign, exact_sum=fsum):
     """Return the constants of :func:`sines`; the largest length should be about one."""
     yA, yB, yC, yD, yM = half_angle_coefficients(a1, a2, a3, a4, exact_sum)
     bA, bB, bC, bD, bM = half_angle_coefficients(-a4, a3, -a2, -a1, exact_sum)       # of b - x
-    return (difference_of_squares(a2, a3, a1, a4, exact_sum), difference_of_squares(a1, -a4, a2, -a3, exact_sum),
-            4.0 * a1 * a4, yA, yB, yC, yD, yM, bA, bB, bC, bD, -bM, a1 / a3, a4 / a2, 0.5 / (a2 * a3), sign)
+    return (difference_of_squares(a2, a3, a1, a4, exact_sum),
+            difference_of_squares(a1, -a4, a2, -a3, exact_sum),
+            4.0 * a1 * a4, yA, yB, yC, yD, yM, bA, bB, bC, bD, -bM, a1 / a3, a4 / a2,
+            0.5 / (a2 * a3), sign)
 
 
 class RateExtremum(NamedTuple):
-    """An extremum of theta4' or theta4'': theta1 [rad] and value; conditions as in :mod:`fourbar_ros.extrema.sensitivity`."""
+    """
+    An extremum of theta4' or theta4'': theta1 [rad] and value.
+
+    Conditions as in :mod:`fourbar_ros.extrema.sensitivity`.
+    """
 
     theta1: float
     value: float
@@ -97,7 +110,11 @@ class RateExtremum(NamedTuple):
 
 
 class Node(NamedTuple):
-    """Where g or k is known: theta1 [rad], its value, the step of Newton's method (NaN: not known)."""
+    """
+    Where g or k is known.
+
+    theta1 [rad], its value, the step of Newton's method (NaN: not known).
+    """
 
     theta1: float
     value: float
@@ -106,7 +123,8 @@ class Node(NamedTuple):
 
 def rate_extrema(linkage, samples=SAMPLES, with_conditions=True):
     """
-    Return the extrema of theta4' and of theta4'' at constant input rate, and the signs at the toggles.
+    Return the extrema of theta4' and of theta4'' at constant input rate, and the signs at the
+    toggles.
 
     For one linkage in its mode; not at change points.
 
@@ -115,8 +133,8 @@ def rate_extrema(linkage, samples=SAMPLES, with_conditions=True):
     extrema : tuple of 2 lists of RateExtremum
         Of theta4' and of theta4''. The conditions are NaN if not wanted.
     toggles : list of (float, int, bool, bool)
-        theta1 [rad]; +1 where a range begins and -1 where it ends; whether theta4' and whether theta4''
-        go to plus infinity.
+        theta1 [rad]; +1 where a range begins and -1 where it ends; whether theta4' and whether
+        theta4'' go to plus infinity.
 
     """
     constants = sine_constants(*scaled(linkage.lengths), linkage.sign)
@@ -131,10 +149,12 @@ def rate_extrema(linkage, samples=SAMPLES, with_conditions=True):
                 toggles.append((x[i], side, (Y > 0.0) is upward, (g > 0.0) is upward))
         inside = [[] for _ in x]       # roots of k after each sample, as nodes of g
         for i, falls, theta1, state in _roots_of_k(x, states, step / 3.0, is_closed, constants):
-            extrema[1].append(_extremum(linkage, motion, 1, theta1, falls is upward, state, with_conditions))
+            extrema[1].append(_extremum(linkage, motion, 1, theta1, falls is upward, state,
+                                        with_conditions))
             inside[i].append(_node(theta1, 0, state))
         for falls, theta1, state in _roots_of_g(x, states, inside, is_closed, constants):
-            extrema[0].append(_extremum(linkage, motion, 0, theta1, falls is upward, state, with_conditions))
+            extrema[0].append(_extremum(linkage, motion, 0, theta1, falls is upward, state,
+                                        with_conditions))
     return extrema, toggles
 
 
@@ -156,7 +176,11 @@ def _root(which, a, b, constants):
 
 
 def _roots_of_k(x, states, third, is_closed, constants):
-    """Yield (interval, whether k falls, theta1, sines) of the roots of k; ``third``: of a step of u."""
+    """
+    Yield (interval, whether k falls, theta1, sines) of the roots of k.
+
+    ``third``: of a step of u.
+    """
     def k_at(x, _):
         return np.array([sines(sin(0.5 * v), cos(0.5 * v), constants)[2] for v in x.tolist()])
 
@@ -168,7 +192,8 @@ def _roots_of_k(x, states, third, is_closed, constants):
             pairs = (_node(xa, 2, states[i]), _node(xb, 2, states[j])),
         else:
             _, *parts = look_closer(k_at, np.zeros(1, int), np.array([xa]), np.array([xb]))
-            pairs = ((Node(xa, fa, nan), Node(xb, fb, nan)) for xa, xb, fa, fb in zip(*(v.tolist() for v in parts)))
+            pairs = ((Node(xa, fa, nan), Node(xb, fb, nan))
+                     for xa, xb, fa, fb in zip(*(v.tolist() for v in parts)))
         for a, b in pairs:
             yield i, a.value >= 0.0, *_root(2, a, b, constants)
 
@@ -179,7 +204,8 @@ def _roots_of_g(x, states, inside, is_closed, constants):
     for i, j in enumerate([*range(1, len(x)), *[0] * is_closed]):
         if not inside[i] and positive[i] is positive[j]:
             continue
-        chain = [_node(x[i], 0, states[i]), *sorted(inside[i]), _node(turn_after(x[j], x[i]), 0, states[j])]
+        chain = [_node(x[i], 0, states[i]), *sorted(inside[i]),
+                 _node(turn_after(x[j], x[i]), 0, states[j])]
         for a, b in zip(chain, chain[1:]):
             if (a.value >= 0.0) is not (b.value >= 0.0):
                 yield a.value >= 0.0, *_root(0, a, b, constants)
@@ -220,7 +246,8 @@ def _paths(constants, last_range, count):
     mirrored = [-v for v in reversed(x)]
     if s2 > 0.0:
         return [(mirrored + x, step, s1 > 0.0)]
-    return [(x + mirrored, step, False)] if s1 > 0.0 else [(mirrored, step, False), (x, step, False)]
+    return ([(x + mirrored, step, False)] if s1 > 0.0
+            else [(mirrored, step, False), (x, step, False)])
 
 
 @cache

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fourbar_ros.mechanisms.parts import ORIGIN, Arrow, Bar, Diagram, around, total
+from fourbar_ros.mechanisms.parts import around, Arrow, Bar, Diagram, ORIGIN, total
 from fourbar_ros.mechanisms.points import link_motion, point_motion
 
 

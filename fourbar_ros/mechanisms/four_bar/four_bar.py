@@ -12,24 +12,24 @@ from functools import cached_property
 from math import acos, asin, asinh, atan2, fsum, pi, sqrt
 from typing import NamedTuple
 
-from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanisms.four_bar.motion import Motion, make_motion
-from fourbar_ros.mechanisms.four_bar.loads import Loads, make_loads
+from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.four_bar import diagram
-from fourbar_ros.mechanisms.mechanism import CRANK, CROSSED, OPEN, Mechanism
+from fourbar_ros.mechanisms.four_bar.loads import Loads, make_loads
+from fourbar_ros.mechanisms.four_bar.motion import make_motion, Motion
+from fourbar_ros.mechanisms.mechanism import CRANK, CROSSED, Mechanism, OPEN
 from fourbar_ros.mechanisms.parts import (
     BETA,
-    THETA1,
-    THETA2,
-    THETA3,
-    THETA4,
     Joint,
     Length,
     Link,
     Output,
+    THETA1,
+    THETA2,
+    THETA3,
+    THETA4,
 )
-from fourbar_ros.mechanisms.points import LinkMotion, crank_motion, point_of
+from fourbar_ros.mechanisms.points import crank_motion, LinkMotion, point_of
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
 from fourbar_ros.numerics.number_types import Function, NumberType
 

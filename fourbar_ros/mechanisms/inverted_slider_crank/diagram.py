@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fourbar_ros.mechanics.moving_frames import acceleration_terms, turned
-from fourbar_ros.mechanisms.parts import ORIGIN, Arrow, Bar, Block, Diagram, around, chain, total
+from fourbar_ros.mechanisms.parts import around, Arrow, Bar, Block, chain, Diagram, ORIGIN, total
 from fourbar_ros.mechanisms.points import link_motion, point_motion
 
 BEYOND = 0.14      # length of the bar beyond its block, over the size of the mechanism

@@ -21,25 +21,25 @@ from fourbar_ros.mechanisms.inverted_slider_crank.motion import (
     make_crank_motion,
     make_slide_motion,
 )
-from fourbar_ros.mechanisms.mechanism import CRANK, EPS, OPEN, SLIDE, Constants, Mechanism
+from fourbar_ros.mechanisms.mechanism import Constants, CRANK, EPS, Mechanism, OPEN, SLIDE
 from fourbar_ros.mechanisms.parts import (
-    THETA1,
-    THETA2,
-    THETA4,
-    TRAVEL,
     Joint,
     Length,
     Link,
     Output,
+    THETA1,
+    THETA2,
+    THETA4,
+    TRAVEL,
 )
-from fourbar_ros.mechanisms.points import LinkMotion, crank_motion, point_of
+from fourbar_ros.mechanisms.points import crank_motion, LinkMotion, point_of
 from fourbar_ros.mechanisms.slide_dyad import (
-    SliderLoads,
     closes,
     margins,
     reach,
     singular_slides,
     slide_ranges,
+    SliderLoads,
 )
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
 from fourbar_ros.numerics.number_types import Function, NumberType

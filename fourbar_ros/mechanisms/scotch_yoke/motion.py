@@ -1,8 +1,11 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Position, velocity and acceleration of the Scotch yoke.
 
-O1 = (0, 0); crank O1-A of length a1; the block at its pin A slides in a straight slot of the yoke, square
-to the guide y = offset on which the yoke slides. With x = theta1, s = slide, t = slot (of A above the guide):
+O1 = (0, 0); crank O1-A of length a1; the block at its pin A slides in a straight slot of the yoke,
+square to the guide y = offset on which the yoke slides. With x = theta1, s = slide, t = slot (of A
+above the guide):
 
     (M1)  s + i (t + e) = a1 e^{ix}
 
@@ -29,9 +32,11 @@ from fourbar_ros.numerics.number_types import Function, NumberType
 
 class ScotchYokeMotion(NamedTuple):
     """
-    Pose, rates and accelerations for one input; each field a float, or an array of the input's shape.
+    Pose, rates and accelerations for one input; each field a float, or an array of the input's
+    shape.
 
-    Angles [rad], in [-pi, pi] but for a theta1 that is the input; theta2 is relative (block to crank):
+    Angles [rad], in [-pi, pi] but for a theta1 that is the input; theta2 is relative (block to
+    crank):
     theta1 + theta2 = pi/2.
     """
 
@@ -47,10 +52,12 @@ class ScotchYokeMotion(NamedTuple):
     slot: float                    # [m] of the block along the slot, from the guide
     slot_velocity: float           # [m/s]
     slot_acceleration: float       # [m/s^2]
-    transmission_angle: float      # [rad] in [0, pi]: of the slot's normal and the motion of what is driven by it
+    # [rad] in [0, pi]: of the slot's normal and the motion of what is driven by it
+    transmission_angle: float
     crank_ratio: float             # d theta1, d slide over d input
     slide_ratio: float
-    condition: float               # relative error of the lengths -> error of slide [m] (of theta1 [rad])
+    # relative error of the lengths -> error of slide [m] (of theta1 [rad])
+    condition: float
     cos_x: float                   # direction of the crank
     sin_x: float
 
@@ -64,12 +71,16 @@ def make_crank_motion(n: NumberType, a1: Any, e: Any, sign: Any) -> Function:
         theta2, omega2, alpha2 = atan2(cos_x, sin_x), -omega1, -alpha1
         slide, rise = a1 * cos_x, a1 * sin_x                                            # (M1)
         slot, square = rise - e, omega1 * omega1
-        slide_velocity, slide_acceleration = -rise * omega1, -rise * alpha1 - slide * square    # (M2)
-        slot_velocity, slot_acceleration = slide * omega1, slide * alpha1 - rise * square       # (M3)
+        # (M2)
+        slide_velocity, slide_acceleration = -rise * omega1, -rise * alpha1 - slide * square
+        # (M3)
+        slot_velocity, slot_acceleration = slide * omega1, slide * alpha1 - rise * square
         transmission_angle, crank_ratio, slide_ratio = 0.5 * pi, 1.0, -rise
         condition = fabs(slide)                                                         # (M4)
-        return (theta1, omega1, alpha1, theta2, omega2, alpha2, slide, slide_velocity, slide_acceleration,
-                slot, slot_velocity, slot_acceleration, transmission_angle, crank_ratio, slide_ratio, condition,
+        return (theta1, omega1, alpha1, theta2, omega2, alpha2, slide, slide_velocity,
+                slide_acceleration,
+                slot, slot_velocity, slot_acceleration, transmission_angle, crank_ratio,
+                slide_ratio, condition,
                 cos_x, sin_x)
     return motion
 
@@ -88,14 +99,17 @@ def make_slide_motion(n: NumberType, a1: Any, e: Any, sign: Any) -> Function:
         cos_x, sin_x = s * per_a1 + 0.0 * root, root * per_a1     # NaN too where nothing is real
         per = 1.0 / root
         cube = per * per * per
-        d_t = -s * per                                                                  # (M6), (M7)
+        # (M6), (M7)
+        d_t = -s * per
         theta1, omega1, alpha1 = atan2(sin_x, cos_x), -per * v, -per * a - s * cube * square
         theta2, omega2, alpha2 = atan2(cos_x, sin_x), -omega1, -alpha1
         slot, slot_velocity = unit * (root - e), unit * (d_t * v)
         slot_acceleration = unit * (d_t * a - square_1 * cube * square)
         transmission_angle, crank_ratio, slide_ratio = fabs(theta1), -per * per_unit, 1.0
         condition = fabs(d_t)                                                           # (M8)
-        return (theta1, omega1, alpha1, theta2, omega2, alpha2, slide, slide_velocity, slide_acceleration,
-                slot, slot_velocity, slot_acceleration, transmission_angle, crank_ratio, slide_ratio, condition,
+        return (theta1, omega1, alpha1, theta2, omega2, alpha2, slide, slide_velocity,
+                slide_acceleration,
+                slot, slot_velocity, slot_acceleration, transmission_angle, crank_ratio,
+                slide_ratio, condition,
                 cos_x, sin_x)
     return motion

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The Scotch yoke: what it is, how far it moves, what it is made of."""
 from __future__ import annotations
 
@@ -6,12 +8,8 @@ from math import pi
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanics.bodies import Bodies, External
-from fourbar_ros.mechanisms.mechanism import CRANK, OPEN, SLIDE, Constants, Mechanism
+from fourbar_ros.mechanisms.mechanism import Constants, CRANK, Mechanism, OPEN, SLIDE
 from fourbar_ros.mechanisms.parts import (
-    SLOT,
-    THETA1,
-    THETA2,
-    TRAVEL,
     Arrow,
     Diagram,
     Joint,
@@ -19,14 +17,18 @@ from fourbar_ros.mechanisms.parts import (
     Link,
     Output,
     Quantity,
+    SLOT,
+    THETA1,
+    THETA2,
+    TRAVEL,
 )
-from fourbar_ros.mechanisms.points import LinkMotion, crank_motion, point_of
+from fourbar_ros.mechanisms.points import crank_motion, LinkMotion, point_of
 from fourbar_ros.mechanisms.scotch_yoke import diagram
-from fourbar_ros.mechanisms.scotch_yoke.loads import ScotchYokeLoads, make_loads
+from fourbar_ros.mechanisms.scotch_yoke.loads import make_loads, ScotchYokeLoads
 from fourbar_ros.mechanisms.scotch_yoke.motion import (
-    ScotchYokeMotion,
     make_crank_motion,
     make_slide_motion,
+    ScotchYokeMotion,
 )
 from fourbar_ros.numerics.number_types import Function, NumberType
 
@@ -41,7 +43,8 @@ class YokeDeadPoint(NamedTuple):
 @dataclass(frozen=True)
 class ScotchYoke(Mechanism):
     """
-    Scotch yoke: the crank pin A, on a block, moves a slotted yoke along y = offset; the slot is square to it.
+    Scotch yoke: the crank pin A, on a block, moves a slotted yoke along y = offset; the slot is
+    square to it.
 
     Parameters
     ----------
@@ -50,12 +53,13 @@ class ScotchYoke(Mechanism):
     offset : float
         Of the guide from O1, to the left of x [m]; it matters for couples alone.
     mode : int
-        Assembly mode. A driven slide: 2 has sin(theta1) > 0, 1 < 0. A driven crank has one mode, 2.
+        Assembly mode. A driven slide: 2 has sin(theta1) > 0, 1 < 0. A driven crank has one mode,
+        2.
     input : str
         'crank' or 'slide': what theta1 or slide is given for.
     bodies : Bodies, optional
-        Crank from O1, block (``coupler``) from A along the slot (y), yoke (``output``) from B, where slot
-        and guide cross, along x. Block and yoke do not turn.
+        Crank from O1, block (``coupler``) from A along the slot (y), yoke (``output``) from B,
+        where slot and guide cross, along x. Block and yoke do not turn.
     gravity : tuple of 2 floats
         Field of gravity (x, y) [m/s^2].
     external : External
@@ -81,8 +85,10 @@ class ScotchYoke(Mechanism):
 
     TITLE = 'Scotch yoke'
     TEXT = 'a crank pin in the slot of a yoke that slides parallel to x, a Scotch yoke'
-    LENGTHS = (Length('a1', 'length of the crank O1-A'), Length('offset', 'y of the guide', signed=True))
-    LINKS = (Link('crank', 'crank', 'O1', 'a1', is_loadable=False), Link('coupler', 'block', 'A', turns=False),
+    LENGTHS = (Length('a1', 'length of the crank O1-A'),
+               Length('offset', 'y of the guide', signed=True))
+    LINKS = (Link('crank', 'crank', 'O1', 'a1', is_loadable=False),
+             Link('coupler', 'block', 'A', turns=False),
              Link('output', 'yoke', 'B', turns=False))
     INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
     OUTPUTS = {CRANK: (Output(TRAVEL, 'slide_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
@@ -92,7 +98,8 @@ class ScotchYoke(Mechanism):
     MOTION, LOADS = ScotchYokeMotion, ScotchYokeLoads
     MARGIN_SIGNS = ((1, 1),)
     QUANTITIES = (Quantity('slot_velocity', 'm/s', 'velocity of the block in the slot', False),
-                  Quantity('slot_acceleration', 'm/s^2', 'acceleration of the block in the slot', False),
+                  Quantity('slot_acceleration', 'm/s^2', 'acceleration of the block in the slot',
+                           False),
                   Quantity('slot_couple', 'N m', 'couple of the slot on its block', True))
 
     def __post_init__(self) -> None:
@@ -116,7 +123,11 @@ class ScotchYoke(Mechanism):
 
     @property
     def closing_ranges(self) -> tuple[tuple[float, float], ...]:
-        """Return the range of the input: a full turn, or -a1 to a1, where the crank lies along the guide."""
+        """
+        Return the range of the input.
+
+        A full turn, or -a1 to a1, where the crank lies along the guide.
+        """
         return ((-pi, pi),) if self.input == CRANK else ((-self.a1, self.a1),)
 
     @property
@@ -127,7 +138,8 @@ class ScotchYoke(Mechanism):
     @property
     def dead_points(self) -> tuple[YokeDeadPoint, ...]:
         """Return where the yoke of a driven crank turns back."""
-        return (YokeDeadPoint(0.0, self.a1), YokeDeadPoint(pi, -self.a1)) if self.input == CRANK else ()
+        return ((YokeDeadPoint(0.0, self.a1), YokeDeadPoint(pi, -self.a1)) if self.input == CRANK
+                else ())
 
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return the function (position, rate, acceleration) -> fields of MOTION for constants of a number type."""
@@ -142,10 +154,12 @@ class ScotchYoke(Mechanism):
     def link_motion(self, motion: Any, link: str) -> LinkMotion:
         """Return the LinkMotion of a link by name."""
         if link == 'output':
-            return LinkMotion(motion.slide, self.offset, motion.slide_velocity, 0.0, motion.slide_acceleration, 0.0,
+            return LinkMotion(motion.slide, self.offset, motion.slide_velocity, 0.0,
+                              motion.slide_acceleration, 0.0,
                               1.0, 0.0, 0.0, 0.0)
         crank = crank_motion(motion)
-        return crank if link == 'crank' else LinkMotion(*point_of(crank, self.a1), 0.0, 1.0, 0.0, 0.0)
+        return (crank if link == 'crank' else LinkMotion(*point_of(crank, self.a1), 0.0, 1.0, 0.0,
+                                                         0.0))
 
     def transmission_sine(self, motion: Any) -> Any:
         """Return a number that is zero where the yoke cannot turn the crank, at most one."""

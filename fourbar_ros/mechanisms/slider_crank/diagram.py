@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fourbar_ros.mechanisms.parts import ORIGIN, Arrow, Bar, Block, Diagram, around, total
+from fourbar_ros.mechanisms.parts import around, Arrow, Bar, Block, Diagram, ORIGIN, total
 from fourbar_ros.mechanisms.points import link_motion, point_motion
 
 

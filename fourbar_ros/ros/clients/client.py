@@ -7,9 +7,9 @@ Find it, listen to it, drive it, ask its services, with patience.
 """
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+import time
 
 import rclpy
 import rclpy.client
@@ -19,7 +19,7 @@ from rclpy.qos import QoSProfile
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros.messages import resolve
-from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, SERVICES, Service, Topic
+from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, Service, SERVICES, Topic
 
 NODE = '/fourbar'           # default name of the node
 # [s] to find the node and to get an answer; discovery alone takes up to 4 s

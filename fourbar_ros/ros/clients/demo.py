@@ -3,28 +3,28 @@
 """Run a scene on a real node: live table, extrema by service, a bag, and its recomputation."""
 from __future__ import annotations
 
+from math import cos, degrees, isnan, remainder, sin
+from pathlib import Path
 import signal
 import subprocess
 import sys
 import time
-from math import cos, degrees, isnan, remainder, sin
-from pathlib import Path
 
-import yaml
 from fourbar_msgs.msg import Extremum
 from rich.live import Live
+import yaml
 
-from fourbar_ros.scene.files import find
-from fourbar_ros.scene.topics import INPUTS
-from fourbar_ros.scene.scene import load
-from fourbar_ros.scene.arguments import Parser, positive
 from fourbar_ros.bag.recompute import recompute
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.pipeline.status import STATUS_NAMES
 from fourbar_ros.report.tables import mode_name, rate_unit, what_it_is
 from fourbar_ros.report.terminal import make_console, plain_table
-from fourbar_ros.ros.clients.client import NODE, Client, opened
+from fourbar_ros.ros.clients.client import Client, NODE, opened
 from fourbar_ros.ros.messages import to_stamp
+from fourbar_ros.scene.arguments import Parser, positive
+from fourbar_ros.scene.files import find
+from fourbar_ros.scene.scene import load
+from fourbar_ros.scene.topics import INPUTS
 
 PATIENCE = 20.0        # [s] for the node to start, be found and answer
 SWING = 0.95           # share of a limited input range that the demonstration swings through

@@ -7,14 +7,19 @@ import time
 
 import rclpy
 from rclpy.duration import Duration
-from rclpy.qos import (DurabilityPolicy, QoSCompatibility, QoSProfile, ReliabilityPolicy,
-                       qos_check_compatible)
+from rclpy.qos import (
+    DurabilityPolicy,
+    qos_check_compatible,
+    QoSCompatibility,
+    QoSProfile,
+    ReliabilityPolicy,
+)
 from rclpy.signals import SignalHandlerOptions
 from rosgraph_msgs.msg import Clock
 
 from fourbar_ros.bag import BagError
+from fourbar_ros.bag.playback import Pace, play, TICK
 from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.playback import TICK, Pace, play
 from fourbar_ros.ros.messages import resolve, to_stamp
 from fourbar_ros.ros.schemas import type_hash
 from fourbar_ros.ros.stop import Stop

@@ -17,17 +17,17 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import QoSProfile
 
-from fourbar_ros.scene import parameters
-from fourbar_ros.scene.topics import INPUTS
-from fourbar_ros.scene.scene import from_values
 from fourbar_ros.bag import BagError
 from fourbar_ros.bag.origin import origin_of
+from fourbar_ros.bag.playback import Pace, play
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import distance
-from fourbar_ros.bag.playback import Pace, play
-from fourbar_ros.ros.clients.client import Client, NoAnswer, name_on
+from fourbar_ros.ros.clients.client import Client, name_on, NoAnswer
+from fourbar_ros.ros.clients.replay import installed, Replayer
 from fourbar_ros.ros.messages import resolve
-from fourbar_ros.ros.clients.replay import Replayer, installed
+from fourbar_ros.scene import parameters
+from fourbar_ros.scene.scene import from_values
+from fourbar_ros.scene.topics import INPUTS
 
 QUIET = 1.0             # [s] without an answer: no more will come
 BLOCK = 2000            # pairs of messages that are compared at once

@@ -3,8 +3,8 @@
 """Once a second on /diagnostics: how the stream runs, how far the linkage is from trouble."""
 from __future__ import annotations
 
-import time
 from math import isnan
+import time
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from math import isfinite
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
-from fourbar_ros.mechanisms.quantities import UnknownQuantity, select
+from fourbar_ros.mechanisms.quantities import select, UnknownQuantity
 from fourbar_ros.ros.messages import resolve
 
 

@@ -10,17 +10,17 @@ same names.
 from __future__ import annotations
 
 from math import inf, nan
-from struct import Struct
 from struct import error as StructError
+from struct import Struct
 from typing import Callable
 
 from rclpy.serialization import deserialize_message
 
-from fourbar_ros.pipeline.message_fields import driven_of
 from fourbar_ros.bag import BagError
 from fourbar_ros.bag.cdr import Layout
 from fourbar_ros.bag.definitions import Definition
-from fourbar_ros.ros.messages import Stamp, resolve
+from fourbar_ros.pipeline.message_fields import driven_of
+from fourbar_ros.ros.messages import resolve, Stamp
 from fourbar_ros.ros.schemas import definition
 
 LAYOUTS = 32           # so many are kept: senders with ever new names are read by ROS alone

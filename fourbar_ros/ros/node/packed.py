@@ -1,8 +1,10 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Messages as bytes that ROS serialised once: afterwards only their numbers are written.
 
-Where a number stands is not known from the format of the wire but found in what ROS made of known numbers,
-and what was packed must read back through ROS as the message that was meant.
+Where a number stands is not known from the format of the wire but found in what ROS made of known
+numbers, and what was packed must read back through ROS as the message that was meant.
 """
 from __future__ import annotations
 
@@ -13,7 +15,7 @@ from typing import Any, Callable, Iterator, NamedTuple, Sequence
 
 from rclpy.serialization import deserialize_message, serialize_message
 
-from fourbar_ros.ros.messages import Stamp, filler
+from fourbar_ros.ros.messages import filler, Stamp
 
 _STAMP, _STATUS, _NUMBER = Struct('<iI'), Struct('<BB'), Struct('<d')
 _HARD = (nan, -0.0, inf, -inf, 5e-324, -1.7976931348623157e308, 0.1)
@@ -47,13 +49,16 @@ def writer(output: str, message: Any, layout) -> tuple[Callable[..., bytes], boo
         fill(stamp, status, mode, values)
         return serialize_message(message)
 
-    pack = _packer(serialised, hasattr(message, 'status'), layout.in_use(output), len(layout.place))
-    if pack and all(_same(message, serialised, pack, given) for given in _trials(len(layout.place))):
+    pack = _packer(serialised, hasattr(message, 'status'), layout.in_use(output),
+                   len(layout.place))
+    if pack and all(_same(message, serialised, pack, given)
+                    for given in _trials(len(layout.place))):
         return pack, True
     return serialised, False
 
 
-def _packer(serialised, has_status: bool, used: Sequence[int], count: int) -> Callable[..., bytes] | None:
+def _packer(serialised, has_status: bool, used: Sequence[int],
+            count: int) -> Callable[..., bytes] | None:
     """Return the function that writes numbers into the bytes of one message, None if they are not found there."""
     probes = [_Given((0x1B2D3F41, 0x25374959), 0xA7, 0x5C, [k + 0.1 for k in range(count)]),
               _Given((0x6E5D4C3B, 0x2A190817), 0x39, 0xE2, [-k - 0.7 for k in range(count)])]
@@ -61,11 +66,14 @@ def _packer(serialised, has_status: bool, used: Sequence[int], count: int) -> Ca
     stamps = list(_places(made, [_STAMP.pack(*probe.stamp) for probe in probes]))
     statuses = list(_places(made, [_STATUS.pack(probe.status, probe.mode) for probe in probes]))
     numbers = sorted((at, place) for place in used
-                     for at in _places(made, [_NUMBER.pack(probe.values[place]) for probe in probes]))
-    if len(stamps) != 1 or len(statuses) != has_status or {place for _, place in numbers} != set(used):
+                     for at in _places(made, [_NUMBER.pack(probe.values[place])
+                                              for probe in probes]))
+    if (len(stamps) != 1 or len(statuses) != has_status or {place for _, place in numbers}
+        != set(used)):
         return None
 
-    buffer, at_stamp, at_status = bytearray(made[0]), stamps[0], statuses[0] if has_status else None
+    buffer, at_stamp, at_status = (bytearray(made[0]), stamps[0], statuses[0] if has_status
+                                   else None)
     put_stamp, put_status, runs = _STAMP.pack_into, _STATUS.pack_into, list(_runs(numbers))
 
     def pack(stamp, status, mode, values):
@@ -79,7 +87,11 @@ def _packer(serialised, has_status: bool, used: Sequence[int], count: int) -> Ca
 
 
 def _places(made: Sequence[bytes], parts: Sequence[bytes]) -> Iterator[int]:
-    """Yield where the first of two messages has the first part and the second the second: no constant does."""
+    """
+    Yield where the first of two messages has the first part and the second the second.
+
+    No constant does.
+    """
     at = made[0].find(parts[0])
     while at >= 0:
         if made[1].startswith(parts[1], at):
@@ -110,5 +122,6 @@ def _same(message: Any, serialised, pack, given: _Given) -> bool:
     meant = repr(deserialize_message(serialised(*given), type(message)))         # NaN is NaN here
     try:
         return repr(deserialize_message(pack(*given), type(message))) == meant
-    except Exception:                                # whatever a middleware raises for bytes that it cannot read
+    # whatever a middleware raises for bytes that it cannot read
+    except Exception:
         return False

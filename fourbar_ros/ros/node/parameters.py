@@ -5,14 +5,18 @@ from __future__ import annotations
 
 from math import inf
 
-from rcl_interfaces.msg import (IntegerRange, ParameterDescriptor, ParameterType,
-                                SetParametersResult)
+from rcl_interfaces.msg import (
+    IntegerRange,
+    ParameterDescriptor,
+    ParameterType,
+    SetParametersResult,
+)
 
-from fourbar_ros.scene import overrides
-from fourbar_ros.scene.scene import from_values
 from fourbar_ros.errors import FourBarError, InvalidParameter
-from fourbar_ros.scene.parameters import find
 from fourbar_ros.ros.node import qos
+from fourbar_ros.scene import overrides
+from fourbar_ros.scene.parameters import find
+from fourbar_ros.scene.scene import from_values
 
 # Parameters that rclpy itself owns.
 SWITCHES = ('use_sim_time', 'start_type_description_service')

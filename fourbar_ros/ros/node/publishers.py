@@ -7,9 +7,9 @@ from math import isnan
 
 from rclpy.event_handler import PublisherEventCallbacks, UnsupportedEventTypeError
 
-from fourbar_ros.scene.topics import OUTPUTS, QUEUE_DEPTH
-from fourbar_ros.ros.node import packed, qos
 from fourbar_ros.ros.messages import resolve, set_constants
+from fourbar_ros.ros.node import packed, qos
+from fourbar_ros.scene.topics import OUTPUTS, QUEUE_DEPTH
 
 
 class TopicPublisher:

@@ -7,12 +7,17 @@ Qos_overrides.TOPIC.publisher.reliability and so on.
 """
 from __future__ import annotations
 
-from rclpy.qos import (DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSPolicyKind,
-                       ReliabilityPolicy)
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    LivelinessPolicy,
+    QoSPolicyKind,
+    ReliabilityPolicy,
+)
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
-from fourbar_ros.scene.topics import APPLIED, DRIVEN, INPUTS, OUTPUTS, SCENE, WRENCHES, topics_of
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.scene.topics import APPLIED, DRIVEN, INPUTS, OUTPUTS, SCENE, topics_of, WRENCHES
 
 PREFIX = 'qos_overrides.'
 _WORDS = {'reliability': ReliabilityPolicy, 'durability': DurabilityPolicy,

@@ -1,22 +1,28 @@
-"""The services of the node: extrema, one evaluation, recording. Errors become responses, never exceptions."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The services of the node: extrema, one evaluation, recording.
+
+Errors become responses, never exceptions.
+"""
 from __future__ import annotations
 
 from functools import partial
 from math import nan
 from traceback import format_exc
 
-from fourbar_ros.scene.topics import SERVICES
 from fourbar_ros.errors import FourBarError, OutOfRange
 from fourbar_ros.pipeline.status import (
+    evaluate,
     INVALID_INPUT,
     OK,
     OUT_OF_RANGE,
     RATES_UNKNOWN,
     TOGGLE,
-    evaluate,
 )
-from fourbar_ros.ros.node.extrema import Search
 from fourbar_ros.ros.messages import filler, resolve, sec_nanosec, set_constants
+from fourbar_ros.ros.node.extrema import Search
+from fourbar_ros.scene.topics import SERVICES
 
 
 def create(node):
@@ -55,21 +61,27 @@ def evaluate_one(node, request, response):
     modes = scene.linkage.modes
     if request.mode and request.mode not in modes:
         response.result = response.RESULT_INVALID_REQUEST
-        response.message = f'mode = {request.mode}: must be 0 (of the scene){"".join(f" or {mode}" for mode in modes)}'
-        return _with_values(node, response, request.mode, INVALID_INPUT, (nan,) * len(scene.layout.place))
+        response.message = (f'mode = {request.mode}: must be 0 (of the '
+                            f'scene){"".join(f" or {mode}" for mode in modes)}')
+        return _with_values(node, response, request.mode, INVALID_INPUT,
+                            (nan,) * len(scene.layout.place))
     linkage = scene.linkage.in_mode(request.mode or scene.linkage.mode)
     response.has_loads = linkage.bodies is not None
-    status, motion, loads = evaluate(linkage, request.position, request.velocity, request.acceleration,
+    status, motion, loads = evaluate(linkage, request.position, request.velocity,
+                                     request.acceleration,
                                      response.has_loads)
     _with_values(node, response, linkage.mode, status, (*motion, *loads))
     response.result = {OK: response.RESULT_OK, OUT_OF_RANGE: response.RESULT_OUT_OF_RANGE,
-                       INVALID_INPUT: response.RESULT_INVALID_REQUEST, RATES_UNKNOWN: response.RESULT_INVALID_REQUEST,
+                       INVALID_INPUT: response.RESULT_INVALID_REQUEST,
+                       RATES_UNKNOWN: response.RESULT_INVALID_REQUEST,
                        TOGGLE: response.RESULT_TOGGLE}[status]
     if status == OUT_OF_RANGE:
         driven = linkage.input_coordinate
-        response.message = str(OutOfRange(driven.position, request.position, linkage.input_ranges, driven.unit))
+        response.message = str(OutOfRange(driven.position, request.position, linkage.input_ranges,
+                                          driven.unit))
     elif status in (INVALID_INPUT, RATES_UNKNOWN):
-        response.message = 'position, velocity, acceleration must be finite, and so must the result'
+        response.message = ('position, velocity, acceleration must be finite, and so must the '
+                            'result')
     elif status == TOGGLE:
         response.message = 'toggle position: rates and loads are unbounded'
     return response

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Log lines about the status of the stream."""
 from __future__ import annotations
 
@@ -25,7 +27,8 @@ class StatusLog:
             return
         name, unit = linkage.input_coordinate.position, linkage.input_coordinate.unit
         self._log.warning(status, str(OutOfRange(name, position, linkage.input_ranges, unit))
-                          if status == OUT_OF_RANGE else f'{name} = {position!r} {unit}: {STATUS_NAMES[status]}')
+                          if status == OUT_OF_RANGE else f'{name} = {position!r} {unit}: '
+                                                         f'{STATUS_NAMES[status]}')
 
     def timeout(self, seconds):
         """Log that the input has stopped."""

@@ -3,8 +3,8 @@
 """From one input to all outputs with subscribers or a recorder."""
 from __future__ import annotations
 
-import threading
 from math import nan, sin
+import threading
 
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message

@@ -3,8 +3,8 @@
 """Services that take long: answered by a thread of their own, the executor goes on with inputs."""
 from __future__ import annotations
 
-import threading
 from queue import SimpleQueue
+import threading
 from traceback import format_exc
 
 from fourbar_ros.errors import FourBarError

@@ -11,13 +11,20 @@ the default run are a sample, ``-m slow`` runs the full ones.
 from math import acos, fsum, nextafter, pi, remainder, sin
 from typing import NamedTuple
 
+from fourbar_ros import Applied, Bodies, Body, CROSSED, External, FourBar, OPEN
 import mpmath as mp
 import numpy as np
 import pytest
-from support.reference import (EPS, LOAD_NAMES, MOTION_FIELDS, condition, loads_of, motion_of,
-                               pose, random_lengths)
-
-from fourbar_ros import CROSSED, OPEN, Applied, Bodies, Body, External, FourBar
+from support.reference import (
+    condition,
+    EPS,
+    LOAD_NAMES,
+    loads_of,
+    MOTION_FIELDS,
+    motion_of,
+    pose,
+    random_lengths,
+)
 
 # Bounds in eps cond. For angles a condition below one radian counts as one: they are parts of a
 # turn.

@@ -4,21 +4,20 @@
 from fractions import Fraction
 from math import acos, inf, nan, pi, remainder
 
+from fourbar_ros import (
+    Body,
+    CROSSED,
+    FourBar,
+    InvalidParameter,
+    OPEN,
+    OutOfRange,
+    round_rod,
+    Toggle,
+)
 import mpmath as mp
 import numpy as np
 import pytest
 from support.reference import EPS, pose, random_lengths
-
-from fourbar_ros import (
-    CROSSED,
-    OPEN,
-    Body,
-    FourBar,
-    InvalidParameter,
-    OutOfRange,
-    Toggle,
-    round_rod,
-)
 
 
 @pytest.mark.parametrize('lengths, name', [

@@ -9,21 +9,21 @@ An erratum test shows both: the printed form fails, the corrected one holds.
 import doctest
 from math import atan, degrees, pi, radians, tan
 
+from fourbar_ros import Bodies, Body, CROSSED, FourBar, InvalidParameter, OPEN, round_rod
+from fourbar_ros.mechanisms.four_bar import io_equations
+from fourbar_ros.mechanisms.four_bar.half_angle import bilinear_factors
+from fourbar_ros.mechanisms.four_bar.io_equations import (
+    from_half_angle,
+    io_equation,
+    PAIRS,
+    to_half_angle,
+)
 import mpmath as mp
 import numpy as np
 import pytest
 from support.reference import EPS, FreeBody, nine_by_nine, random_lengths
-from mechanisms.four_bar.test_motion import angle_difference
 
-from fourbar_ros import CROSSED, OPEN, Bodies, Body, FourBar, InvalidParameter, round_rod
-from fourbar_ros.mechanisms.four_bar import io_equations
-from fourbar_ros.mechanisms.four_bar.half_angle import bilinear_factors
-from fourbar_ros.mechanisms.four_bar.io_equations import (
-    PAIRS,
-    from_half_angle,
-    io_equation,
-    to_half_angle,
-)
+from mechanisms.four_bar.test_motion import angle_difference
 
 ALL_PAIRS = PAIRS + tuple((j, i) for i, j in PAIRS)
 OPPOSITE = {1: 3, 2: 4, 3: 1, 4: 2}

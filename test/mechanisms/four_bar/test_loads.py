@@ -4,11 +4,6 @@
 from dataclasses import astuple
 from math import cos, hypot, nan, sin
 
-import mpmath as mp
-import numpy as np
-import pytest
-from support.reference import EPS, free_bodies, nine_by_nine, pose, random_lengths, reactions
-
 from fourbar_ros import (
     Applied,
     Bodies,
@@ -22,6 +17,10 @@ from fourbar_ros import (
     OPEN,
     round_rod,
 )
+import mpmath as mp
+import numpy as np
+import pytest
+from support.reference import EPS, free_bodies, nine_by_nine, pose, random_lengths, reactions
 
 PAPER = FourBar(0.4, 1.2, 0.8, 1.0, mode=OPEN,
                 bodies=Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8))))

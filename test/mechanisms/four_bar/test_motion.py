@@ -7,12 +7,11 @@ The seeds' numbers, the loop, the number types, the symmetries.
 """
 from math import cos, hypot, inf, nan, nextafter, pi, radians, sin
 
+from fourbar_ros import CROSSED, FourBar, InvalidParameter, Motion, OPEN, OutOfRange, Toggle
 import mpmath as mp
 import numpy as np
 import pytest
 from support.reference import EPS, pose, random_lengths
-
-from fourbar_ros import CROSSED, OPEN, FourBar, InvalidParameter, Motion, OutOfRange, Toggle
 
 PAPER = (0.4, 1.2, 0.8, 1.0)         # m
 SLIDES_7_6 = (8.0, 14.0, 9.0, 17.0)

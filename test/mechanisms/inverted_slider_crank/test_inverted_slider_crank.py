@@ -7,13 +7,6 @@ Rocking block (crank input) and oscillating cylinder (slide input).
 """
 from math import inf, nan, nextafter, pi, radians, remainder, sin
 
-import mpmath as mp
-import numpy as np
-import pytest
-from support import slider_reference as reference
-from support.reference import EPS
-from support.slider_reference import exact
-
 from fourbar_ros import (
     Applied,
     Bodies,
@@ -32,6 +25,12 @@ from fourbar_ros.mechanics.moving_frames import (
 from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
 from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
 from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+import mpmath as mp
+import numpy as np
+import pytest
+from support import slider_reference as reference
+from support.reference import EPS
+from support.slider_reference import exact
 
 KINDS = [(InvertedSlider, CRANK), (InvertedSlider, SLIDE)]
 MASSES = Bodies(Body(1.0, 0.1, 0.02, 0.1), Body(2.0, 0.3, -0.1, 0.3), Body(1.5, 0.05, 0.1, 0.7))

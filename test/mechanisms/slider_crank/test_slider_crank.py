@@ -3,13 +3,6 @@
 """The slider-crank, driven by its crank or its slider."""
 from math import inf, nan, nextafter, pi, radians, remainder, sin
 
-import mpmath as mp
-import numpy as np
-import pytest
-from support import slider_reference as reference
-from support.reference import EPS
-from support.slider_reference import exact
-
 from fourbar_ros import (
     Applied,
     Bodies,
@@ -23,6 +16,12 @@ from fourbar_ros import (
 from fourbar_ros.mechanics.moving_frames import relative_acceleration, relative_velocity
 from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
 from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+import mpmath as mp
+import numpy as np
+import pytest
+from support import slider_reference as reference
+from support.reference import EPS
+from support.slider_reference import exact
 
 KINDS = [(SliderCrank, CRANK), (SliderCrank, SLIDE)]
 MASSES = Bodies(Body(1.0, 0.1, 0.02, 0.1), Body(2.0, 0.3, -0.1, 0.3), Body(1.5, 0.05, 0.1, 0.7))
