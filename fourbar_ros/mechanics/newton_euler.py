@@ -25,6 +25,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanics.bodies import NOT_APPLIED, Applied, Body
+from fourbar_ros.numerics.number_types import Function
 
 
 class LinkTerms(NamedTuple):
@@ -70,54 +71,56 @@ def with_pin(crank: LinkTerms, carried: LinkTerms, mass: Any, a1: Any) -> LinkTe
                           by_sine=crank.by_sine - a1 * carried.hold_x)
 
 
-def needs_of_pivoted(link: tuple[Any, ...], cosine: Any, sine: Any, square: Any,
-                     alpha: Any) -> tuple[Any, Any, Any]:
+def make_needs_of_pivoted(link: LinkTerms) -> Function:
     """
-    Return force (x, y) and moment of (N1), (N2) for a link that turns about a fixed joint.
+    Return the function (cosine, sine, square, alpha) -> F (x, y), M of (N1), (N2).
 
-    Parameters
-    ----------
-    link : tuple
-        Of the fields of :class:`LinkTerms`.
-    cosine, sine, square, alpha
-        Direction of the link, its rate squared and its acceleration.
-
+    For a link that turns about a fixed joint; cosine, sine: its direction, square: its rate squared.
     """
     along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = link
-    x, y = along * cosine - across * sine, along * sine + across * cosine
-    return (hold_x - alpha * y - square * x, hold_y + alpha * x - square * y,
-            inertia * alpha + by_cosine * cosine + by_sine * sine + couple)
+
+    def needs(cosine: Any, sine: Any, square: Any, alpha: Any) -> tuple[Any, Any, Any]:
+        x, y = along * cosine - across * sine, along * sine + across * cosine
+        return (hold_x - alpha * y - square * x, hold_y + alpha * x - square * y,       # (N1)
+                inertia * alpha + by_cosine * cosine + by_sine * sine + couple)         # (N2)
+    return needs
 
 
-def needs_of_crank_and_carried(crank: tuple[Any, ...], link: tuple[Any, ...], mass: Any, a1: Any,
-                               cos_x: Any, sin_x: Any, crank_square: Any, crank_alpha: Any,
-                               cosine: Any, sine: Any, square: Any, alpha: Any) -> tuple[Any, ...]:
+def make_needs_of_crank_and_carried(crank: LinkTerms, link: LinkTerms, mass: Any, a1: Any) -> Function:
     """
-    Return (N1), (N3), (N4), (N5) of a crank and of the link that it carries at its pin A, in parts that do not cancel.
+    Return the function for a crank and the link that it carries at its pin A, in parts that do not cancel.
 
     One function for both: a call takes as long as four products.
 
+    Parameters
+    ----------
+    crank, link : LinkTerms
+        Of the crank :func:`with_pin`.
+    mass, a1
+        Mass of the link [kg unit], length of the crank [unit].
+
     Returns
     -------
-    f1_x, f1_y, f2_x, f2_y
-        Sums of the joint forces of crank and link.
-    about_o1, about_a
-        M_O1 of both less M_A, and M_A: without the terms of a x r.
-    aside
-        a x r.
+    callable
+        (cos_x, sin_x, square1, alpha1 of the crank, cosine, sine, square, alpha of the link) ->
+        F1 (x, y), F2 (x, y) of (N1) and (N3); M_O1 of both less M_A, and M_A, without the terms of a x r; a x r.
 
     """
-    along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = crank
-    x, y = along * cos_x - across * sin_x, along * sin_x + across * cos_x
-    f1_x, f1_y = hold_x - crank_alpha * y - crank_square * x, hold_y + crank_alpha * x - crank_square * y     # (N1)
-    about_o1 = inertia * crank_alpha + by_cosine * cos_x + by_sine * sin_x + couple
-
+    along1, across1, inertia1, hold1_x, hold1_y, couple1, by_cosine1, by_sine1 = crank
     along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = link
-    x, y = along * cosine - across * sine, along * sine + across * cosine
-    at_x, at_y = a1 * cos_x, a1 * sin_x
-    ahead, aside = at_x * x + at_y * y, at_x * y - at_y * x
-    # (N3)
-    f2_x = hold_x - mass * (crank_alpha * at_y + crank_square * at_x) - alpha * y - square * x
-    f2_y = hold_y + mass * (crank_alpha * at_x - crank_square * at_y) + alpha * x - square * y
-    return (f1_x, f1_y, f2_x, f2_y, about_o1 + ahead * alpha,
-            inertia * alpha + ahead * crank_alpha + by_cosine * cosine + by_sine * sine + couple, aside)
+
+    def needs(cos_x: Any, sin_x: Any, square1: Any, alpha1: Any,
+              cosine: Any, sine: Any, square: Any, alpha: Any) -> tuple[Any, ...]:
+        x, y = along1 * cos_x - across1 * sin_x, along1 * sin_x + across1 * cos_x
+        f1_x = hold1_x - alpha1 * y - square1 * x                                       # (N1)
+        f1_y = hold1_y + alpha1 * x - square1 * y
+        about_o1 = inertia1 * alpha1 + by_cosine1 * cos_x + by_sine1 * sin_x + couple1
+
+        x, y = along * cosine - across * sine, along * sine + across * cosine
+        at_x, at_y = a1 * cos_x, a1 * sin_x
+        ahead, aside = at_x * x + at_y * y, at_x * y - at_y * x     # a . r, a x r
+        f2_x = hold_x - mass * (alpha1 * at_y + square1 * at_x) - alpha * y - square * x     # (N3)
+        f2_y = hold_y + mass * (alpha1 * at_x - square1 * at_y) + alpha * x - square * y
+        about_a = inertia * alpha + ahead * alpha1 + by_cosine * cosine + by_sine * sine + couple     # (N4)
+        return f1_x, f1_y, f2_x, f2_y, about_o1 + ahead * alpha, about_a, aside         # (N5)
+    return needs

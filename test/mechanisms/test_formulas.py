@@ -51,5 +51,5 @@ def test_equations_are_numbered_in_the_docstring_and_tagged_in_the_code(kind, wh
     source = inspect.getsource(module)
     tags = set(re.findall(r'# (?:.*?)(\([ML]\d+\))', source))
     numbered = re.findall(r'^ +(\([ML]\d+\))  ', module.__doc__, re.MULTILINE)
-    assert len(numbered) == len(set(numbered)) >= 5
+    assert len(numbered) == len(set(numbered)) >= 3
     assert tags <= set(numbered) and len(tags) >= 0.5 * len(numbered), (tags, numbered)

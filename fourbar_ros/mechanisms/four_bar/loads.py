@@ -31,8 +31,8 @@ from typing import Any, NamedTuple
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanics.newton_euler import (
     about_first_joint,
-    needs_of_crank_and_carried,
-    needs_of_pivoted,
+    make_needs_of_crank_and_carried,
+    make_needs_of_pivoted,
     with_pin,
 )
 from fourbar_ros.numerics.number_types import Function, NumberType
@@ -79,8 +79,8 @@ def make_loads(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any, bodies: Bodies
     coupler = about_first_joint(bodies.coupler, unit, gravity, external.coupler)
     output = about_first_joint(bodies.output, unit, gravity, external.output)
     crank = with_pin(about_first_joint(bodies.crank, unit, gravity), coupler, mass2, a1)
-    # as plain tuples, which Python takes apart faster than named ones
-    crank_terms, coupler_terms, output_terms = map(tuple, (crank, coupler, output))
+    needs_of_crank_and_carried = make_needs_of_crank_and_carried(crank, coupler, mass2, a1)
+    needs_of_pivoted = make_needs_of_pivoted(output)
 
     def loads(motion: tuple[Any, ...]) -> tuple[Any, ...]:
         (_, omega1, alpha1, _, omega2, _, _, _, _, _, omega4, alpha4, _, omega_beta, alpha_beta,
@@ -88,9 +88,9 @@ def make_loads(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any, bodies: Bodies
          cos_x, sin_x, cos_b, sin_b, cos_y, sin_y, _, sin_mu) = motion
         square = omega1 * omega1
         f1_x, f1_y, f2_x, f2_y, moment1, about_a, aside = needs_of_crank_and_carried(
-            crank_terms, coupler_terms, mass2, a1, cos_x, sin_x, square, alpha1,
+            cos_x, sin_x, square, alpha1,
             cos_b, sin_b, omega_beta * omega_beta, alpha_beta)
-        f3_x, f3_y, moment3 = needs_of_pivoted(output_terms, cos_y, sin_y, omega4 * omega4, alpha4)
+        f3_x, f3_y, moment3 = needs_of_pivoted(cos_y, sin_y, omega4 * omega4, alpha4)
 
         moment2 = about_a + aside * square
         from_output, from_coupler = moment3 / (a3 * sin_mu), moment2 / (a2 * sin_mu)

@@ -158,35 +158,24 @@ def _shape(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any) -> _Shape:
                   (a1 - a4) * (a1 + a4), f, 0.5 * y_near, 0.5 * y_far, 0.5 * b_near, 0.5 * b_far)
 
 
-def make_motion(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any, sign: Any) -> Function:
+def make_pose(n: NumberType, shape: _Shape, sign: Any) -> Function:
     """
-    Return the function (theta1, omega1, alpha1) -> fields of :class:`Motion` for fixed lengths.
+    Return the function theta1 -> (sin^2(x/2), cos^2(x/2), u, w, root, then cosines and sines).
 
-    ``sign`` is the sign of sin(theta4 - beta): +1 for mode 2 (open), -1 for mode 1 (crossed).
+    Those are cos x, sin x, cos mu, sin mu, cos y, sin y, sin(y - x), cos(b - x), sin(b - x).
     """
-    sin, cos, sqrt, atan2, fabs, where = n.sin, n.cos, n.sqrt, n.atan2, n.fabs, n.where
-    unit, infinitesimal, straight = n.power_of_two(a1, a2, a3, a4), n.infinitesimal, sign * pi
-    a1, a2, a3, a4 = a1 / unit, a2 / unit, a3 / unit, a4 / unit
-    (s1, c1, s2, c2, if_adds, if_not, m_y, m_yx, m_bx, e, f, y_near, y_far, b_near,
-     b_far) = _shape(n, a1, a2, a3, a4)
-    a14, four_a14, q_least, e_size = a1 * a4, 4.0 * a1 * a4, (a1 - a4)**2, fabs(e)
-    s1_a14, s2_a14 = 2.0 * a1 * a4 * s1, 2.0 * a1 * a4 * s2
-    per_theta2, per_theta3, per_y, per_b = -a4 / a2, a1 * a4 / (a2 * a3), -a1 / a3, -a1 / a2
-    by_a1, by_a2, by_a4 = sign * a1 / a3, sign * a2 / a3, sign * a4 / a3
+    sin, cos, sqrt, where, infinitesimal = n.sin, n.cos, n.sqrt, n.where, n.infinitesimal
+    s1, c1, s2, c2, if_adds, if_not, m_y, m_yx, m_bx = shape[:9]
 
-    def motion(theta1: Any, omega1: Any, alpha1: Any) -> tuple[Any, ...]:
+    def pose(theta1: Any) -> tuple[Any, ...]:
         half = 0.5 * theta1
         sh, ch = sin(half) + infinitesimal, cos(half)
         ss, cc, sc = sh * sh, ch * ch, sh * ch
-        cos_x, sin_x = cc - ss, sc + sc
         u, w = s1 * ss + c1 * cc, c2 * ss + s2 * cc                                     # (M3)
-        uw = u * w
-        root = sign * sqrt(uw)     # not real where the linkage cannot close
-        # 1/(4 a2 a3) with the roundings of u and w; the root makes cos_mu NaN where nothing is
-        # real
+        root = sign * sqrt(u * w)     # not real where the linkage cannot close
+        # 1/(4 a2 a3) with the roundings of u and w; NaN where the root is not real
         per = 1.0 / (u + w + 0.0 * root)
         cos_mu, sin_mu = (u - w) * per, (root + root) * per
-        mu = atan2(sin_mu, cos_mu)
         # What adds for one angle adds for all three.
         y_s, y_c, yx_s, yx_c, bx_s, bx_c, side = where((sc * root).real > 0.0, if_adds, if_not)
         signed = side * root
@@ -200,34 +189,55 @@ def make_motion(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any, sign: Any) ->
         hh = h * h
         per = 2.0 / (g * g + hh)
         cos_bx, sin_bx = side * (hh * per - 1.0), g * h * per
-        cos_b, sin_b = cos_x * cos_bx - sin_x * sin_bx, sin_x * cos_bx + cos_x * sin_bx
+        return (ss, cc, u, w, root, cc - ss, sc + sc, cos_mu, sin_mu, cos_y, sin_y,
+                sin_yx, cos_bx, sin_bx)
+    return pose
 
-        per = 1.0 / sin_mu
-        # (M4), (M5)
-        d_theta2, d_theta3 = per_theta2 * sin_y * per, per_theta3 * sin_x * per
-        # (M6), (M7)
-        velocity_ratio, coupler_ratio = per_y * sin_bx * per, per_b * sin_yx * per
-        condition = (by_a1 * fabs(cos_bx) + by_a2 + sign * fabs(cos_mu)
+
+def make_motion(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any, sign: Any) -> Function:
+    """
+    Return the function (theta1, omega1, alpha1) -> fields of :class:`Motion` for fixed lengths.
+
+    ``sign`` is the sign of sin(theta4 - beta): +1 for mode 2 (open), -1 for mode 1 (crossed).
+    """
+    atan2, fabs, where, straight = n.atan2, n.fabs, n.where, sign * pi
+    unit = n.power_of_two(a1, a2, a3, a4)
+    a1, a2, a3, a4 = a1 / unit, a2 / unit, a3 / unit, a4 / unit
+    shape = _shape(n, a1, a2, a3, a4)
+    pose, (e, f, y_near, y_far, b_near, b_far) = make_pose(n, shape, sign), shape[9:]
+    a14, four_a14, q_least, e_size = a1 * a4, 4.0 * a1 * a4, (a1 - a4)**2, fabs(e)
+    s1_a14, s2_a14 = 2.0 * a1 * a4 * shape.s1, 2.0 * a1 * a4 * shape.s2
+    per_theta2, per_theta3, per_y, per_b = -a4 / a2, a1 * a4 / (a2 * a3), -a1 / a3, -a1 / a2
+    by_a1, by_a2, by_a4 = sign * a1 / a3, sign * a2 / a3, sign * a4 / a3
+
+    def motion(theta1: Any, omega1: Any, alpha1: Any) -> tuple[Any, ...]:
+        (ss, cc, u, w, root, cos_x, sin_x, cos_mu, sin_mu, cos_y, sin_y, sin_yx,
+         cos_bx, sin_bx) = pose(theta1)
+        cos_b, sin_b = cos_x * cos_bx - sin_x * sin_bx, sin_x * cos_bx + cos_x * sin_bx
+        mu, per = atan2(sin_mu, cos_mu), 1.0 / sin_mu
+        d_theta2 = per_theta2 * sin_y * per                                             # (M4)
+        d_theta3 = per_theta3 * sin_x * per                                             # (M5)
+        velocity_ratio = per_y * sin_bx * per                                           # (M6)
+        coupler_ratio = per_b * sin_yx * per                                            # (M7)
+        condition = (by_a1 * fabs(cos_bx) + by_a2 + sign * fabs(cos_mu)                 # (M13)
                      + by_a4 * fabs(cos_b)) * per
 
         q = q_least + four_a14 * ss                                                     # (M8)
         per = 1.0 / q
-        turn = a14 * sin_x * where(q.real > e_size, (e + f * d_theta3) * per,
+        turn = a14 * sin_x * where(q.real > e_size, (e + f * d_theta3) * per,           # (M9)
                                    velocity_ratio + d_theta2)
-        dd_mu = (s2_a14 * cc * u - s1_a14 * ss * w) / (uw * root)                       # (M10)
+        dd_mu = (s2_a14 * cc * u - s1_a14 * ss * w) / (u * w * root)                    # (M10)
         dd_y = ((y_near * cc + y_far * ss) * dd_mu - turn) * per                        # (M11)
         dd_b = ((b_near * cc + b_far * ss) * dd_mu - turn) * per                        # (M12)
 
-        square = omega1 * omega1
-        theta2, omega2, alpha2 = (atan2(sin_bx, cos_bx), d_theta2 * omega1,
-                                  d_theta2 * alpha1 + dd_b * square)
-        theta3, omega3, alpha3 = (mu - straight, d_theta3 * omega1,
-                                  d_theta3 * alpha1 + dd_mu * square)
-        theta4, omega4, alpha4 = (atan2(sin_y, cos_y), velocity_ratio * omega1,
-                                  velocity_ratio * alpha1 + dd_y * square)
-        beta, omega_beta, alpha_beta = (atan2(sin_b, cos_b), coupler_ratio * omega1,
-                                        coupler_ratio * alpha1 + dd_b * square)
-        transmission_angle = sign * mu
+        square, transmission_angle = omega1 * omega1, sign * mu
+        theta2, omega2 = atan2(sin_bx, cos_bx), d_theta2 * omega1
+        theta3, omega3 = mu - straight, d_theta3 * omega1
+        theta4, omega4 = atan2(sin_y, cos_y), velocity_ratio * omega1
+        beta, omega_beta = atan2(sin_b, cos_b), coupler_ratio * omega1
+        alpha2, alpha3 = d_theta2 * alpha1 + dd_b * square, d_theta3 * alpha1 + dd_mu * square
+        alpha4 = velocity_ratio * alpha1 + dd_y * square
+        alpha_beta = coupler_ratio * alpha1 + dd_b * square
         return (theta1, omega1, alpha1, theta2, omega2, alpha2, theta3, omega3, alpha3,
                 theta4, omega4, alpha4, beta, omega_beta, alpha_beta,
                 transmission_angle, velocity_ratio, coupler_ratio, condition,

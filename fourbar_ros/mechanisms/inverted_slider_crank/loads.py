@@ -20,8 +20,8 @@ from typing import Any
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanics.newton_euler import (
     about_first_joint,
-    needs_of_crank_and_carried,
-    needs_of_pivoted,
+    make_needs_of_crank_and_carried,
+    make_needs_of_pivoted,
     with_pin,
 )
 from fourbar_ros.numerics.number_types import Function, NumberType
@@ -41,16 +41,16 @@ def make_loads(n: NumberType, a1: Any, a4: Any, h: Any, is_crank_driven: bool, b
     block = about_first_joint(bodies.coupler, unit, gravity, external.coupler)
     bar = about_first_joint(bodies.output, unit, gravity, external.output)
     crank = with_pin(about_first_joint(bodies.crank, unit, gravity), block, mass2, a1)
-    # as plain tuples, which Python takes apart faster than named ones
-    crank_terms, block_terms, bar_terms = map(tuple, (crank, block, bar))
+    needs_of_crank_and_carried = make_needs_of_crank_and_carried(crank, block, mass2, a1)
+    needs_of_pivoted = make_needs_of_pivoted(bar)
 
     def loads(motion: tuple[Any, ...]) -> tuple[Any, ...]:
         (_, omega1, alpha1, _, omega2, _, _, omega4, alpha4, slide, _, _,
          _, crank_ratio, output_ratio, _, _, cos_x, sin_x, cos_y, sin_y, _, sin_2) = motion
         square, square_4 = omega1 * omega1, omega4 * omega4
         f1_x, f1_y, f2_x, f2_y, moment1, about_a, aside = needs_of_crank_and_carried(
-            crank_terms, block_terms, mass2, a1, cos_x, sin_x, square, alpha1, cos_y, sin_y, square_4, alpha4)
-        f3_x, f3_y, moment3 = needs_of_pivoted(bar_terms, cos_y, sin_y, square_4, alpha4)
+            cos_x, sin_x, square, alpha1, cos_y, sin_y, square_4, alpha4)
+        f3_x, f3_y, moment3 = needs_of_pivoted(cos_y, sin_y, square_4, alpha4)
 
         moment2 = about_a + aside * square
         # (L4)

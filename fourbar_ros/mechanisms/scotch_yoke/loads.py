@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanics.newton_euler import (
     about_first_joint,
-    needs_of_crank_and_carried,
+    make_needs_of_crank_and_carried,
     with_pin,
 )
 from fourbar_ros.numerics.number_types import Function, NumberType
@@ -65,14 +65,14 @@ def make_loads(n: NumberType, a1: Any, e: Any, is_crank_driven: bool, bodies: Bo
     yoke = about_first_joint(bodies.output, unit, gravity, external.output)
     crank = with_pin(about_first_joint(bodies.crank, unit, gravity), block, mass2, a1)
     across, hold_x, f3_y, couple = yoke.across, yoke.hold_x, yoke.hold_y, yoke.by_cosine + yoke.couple
-    crank_terms, block_terms = map(tuple, (crank, block))
+    needs_of_crank_and_carried = make_needs_of_crank_and_carried(crank, block, mass2, a1)
 
     def loads(motion: tuple[Any, ...]) -> tuple[Any, ...]:
         (_, omega1, alpha1, _, _, _, slide, _, slide_acceleration, slot, _, _, _, crank_ratio, slide_ratio, _,
          cos_x, sin_x) = motion
         square = omega1 * omega1
         f1_x, f1_y, f2_x, f2_y, moment1, about_a, aside = needs_of_crank_and_carried(
-            crank_terms, block_terms, mass2, a1, cos_x, sin_x, square, alpha1, 0.0, 1.0, 0.0, 0.0)
+            cos_x, sin_x, square, alpha1, 0.0, 1.0, 0.0, 0.0)
         acceleration, moment2 = slide_acceleration * per_unit, about_a + aside * square
         f3_x, moment3 = mass3 * acceleration + hold_x, couple - across * acceleration
 

@@ -19,7 +19,7 @@ from typing import Any
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanics.newton_euler import (
     about_first_joint,
-    needs_of_crank_and_carried,
+    make_needs_of_crank_and_carried,
     with_pin,
 )
 from fourbar_ros.numerics.number_types import Function, NumberType
@@ -40,8 +40,7 @@ def make_loads(n: NumberType, a1: Any, a2: Any, e: Any, is_crank_driven: bool, b
     slider = about_first_joint(bodies.output, unit, gravity, external.output)
     crank = with_pin(about_first_joint(bodies.crank, unit, gravity), coupler, mass2, a1)
     across, hold_x, f3_y, couple = slider.across, slider.hold_x, slider.hold_y, slider.by_cosine + slider.couple
-    # as plain tuples, which Python takes apart faster than named ones
-    crank_terms, coupler_terms = map(tuple, (crank, coupler))
+    needs_of_crank_and_carried = make_needs_of_crank_and_carried(crank, coupler, mass2, a1)
 
     def loads(motion: tuple[Any, ...]) -> tuple[Any, ...]:
         (_, omega1, alpha1, _, omega2, _, _, _, _, slide, _, slide_acceleration,
@@ -49,7 +48,7 @@ def make_loads(n: NumberType, a1: Any, a2: Any, e: Any, is_crank_driven: bool, b
          cos_x, sin_x, cos_b, sin_b, _, sin_2) = motion
         square, square_b = omega1 * omega1, omega_beta * omega_beta
         f1_x, f1_y, f2_x, f2_y, moment1, about_a, aside = needs_of_crank_and_carried(
-            crank_terms, coupler_terms, mass2, a1, cos_x, sin_x, square, alpha1, cos_b, sin_b, square_b, alpha_beta)
+            cos_x, sin_x, square, alpha1, cos_b, sin_b, square_b, alpha_beta)
         acceleration = slide_acceleration * per_unit
         f3_x, moment3 = mass3 * acceleration + hold_x, couple - across * acceleration
 

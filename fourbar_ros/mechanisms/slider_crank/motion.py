@@ -105,54 +105,53 @@ def _starts(n: NumberType, a1: Any, a2: Any, e: Any) -> tuple[_Start, _Start, _S
                    -1.0))
 
 
-def make_crank_motion(n: NumberType, a1: Any, a2: Any, e: Any, sign: Any) -> Function:
-    """Return the function (theta1, omega1, alpha1) -> fields of :class:`SliderCrankMotion`."""
+def make_crank_motion(n: NumberType, a1: Any, a2: Any, e: Any, sign: Any,
+                      is_long: bool) -> Function:
+    """
+    Return the function (theta1, omega1, alpha1) -> fields of :class:`SliderCrankMotion`.
+
+    ``is_long``: whether the crank is, so that (M10) may hold.
+    """
     sin, cos, sqrt, atan2, fabs, where = n.sin, n.cos, n.sqrt, n.atan2, n.fabs, n.where
     unit = n.power_of_two(a1, a2, e)
     a1, a2, e = a1 / unit, a2 / unit, e / unit
     about_0, about_1, about_minus_1 = map(tuple, _starts(n, a1, a2, e))
-    per_a2, a1_e, two_a1_e = 1.0 / a2, a1 * e, 2.0 * a1 * e
-    level_square = where(a1 > 2.0 * a2, 0.25 * a2 * a2, 0.0)
+    per_a2, a1_e, two_a1_e, level_square = 1.0 / a2, a1 * e, 2.0 * a1 * e, 0.25 * a2 * a2
 
     def motion(theta1: Any, omega1: Any, alpha1: Any) -> tuple[Any, ...]:
         cos_x, sin_x = cos(theta1), sin(theta1)
         size = fabs(sin_x)
-        low = cos_x * cos_x / (1.0 + size)     # 1 - |sin x|
-        is_about_0 = size.real < 0.5
-        u, w, gap, start = where(is_about_0, about_0,
-                                 where(sin_x.real > 0.0, about_1, about_minus_1))
-        d, curve = where(is_about_0, (sin_x, a1_e * (1.0 + sin_x * sin_x)),
-                         (-start * low, a1_e * low * low))
+        low, is_about_0 = cos_x * cos_x / (1.0 + size), size.real < 0.5     # low: 1 - |sin x|
+        about = where(sin_x.real > 0.0, about_1, about_minus_1)
+        u, w, gap, start = where(is_about_0, about_0, about)
+        bulge = a1_e * (1.0 + sin_x * sin_x)
+        d, curve = where(is_about_0, (sin_x, bulge), (-start * low, a1_e * low * low))
         at_x, step, nn = a1 * cos_x, a1 * d, e - a1 * sin_x
-        over, under = a2 - nn, a2 + nn
-        # (M9), (M10)
-        u, w, by_sine, sine, curve = where((nn * nn).real < level_square,
-                                           (over, under, over * under, sin_x, at_x * nn * cos_x),
-                                           (u + step, w - step, gap, start + d, curve))
-        uw = u * w                                                                      # (M1)
-        root = sign * sqrt(uw)     # a2 cos b
+        u, w, by_sine, sine = u + step, w - step, gap, start + d                        # (M9)
+        if is_long:                                                                     # (M10)
+            up, down = a2 - nn, a2 + nn
+            u, w, by_sine, sine, curve = where(
+                (nn * nn).real < level_square, (up, down, up * down, sin_x, at_x * nn * cos_x),
+                (u, w, by_sine, sine, curve))
+        root = sign * sqrt(u * w)                                                       # (M1)
         cos_b, sin_b = root * per_a2, nn * per_a2 + 0.0 * root     # NaN too where nothing is real
         cos_2, sin_2 = cos_b * cos_x + sin_b * sin_x, sin_b * cos_x - cos_b * sin_x
         over, under = where((root * cos_x).real > 0.0, (at_x + root, 1.0),
                             (gap + two_a1_e * d, root - at_x))
-        s = over / under                                                                # (M2)
-        per = 1.0 / root
-        # (M3), (M4)
-        coupler_ratio, d_theta2 = -at_x * per, -s * per
+        s, per = over / under, 1.0 / root                                               # (M2)
+        coupler_ratio, d_theta2 = -at_x * per, -s * per                                 # (M3), (M4)
         d_s = a1 * (e * cos_x - s * sin_x) * per                                        # (M5)
-        bend = by_sine * sine + curve
-        dd_b = a1 * bend * per * per * per                                              # (M6)
+        dd_b = a1 * (by_sine * sine + curve) * per * per * per                          # (M6)
         dd_s = at_x * d_theta2 - nn * dd_b                                              # (M7)
-        condition = unit * ((a1 * fabs(cos_2) + a2 + fabs(e * sin_b)) * a2 * fabs(per))     # (M8)
-
-        square = omega1 * omega1
-        beta, omega_beta, alpha_beta = (atan2(sin_b, cos_b), coupler_ratio * omega1,
-                                        coupler_ratio * alpha1 + dd_b * square)
-        theta2, omega2, alpha2 = (atan2(sin_2, cos_2), d_theta2 * omega1,
-                                  d_theta2 * alpha1 + dd_b * square)
+        size = a1 * fabs(cos_2) + a2 + fabs(e * sin_b)
+        condition, square = unit * (size * a2 * fabs(per)), omega1 * omega1             # (M8)
+        theta2, omega2 = atan2(sin_2, cos_2), d_theta2 * omega1
+        beta, omega_beta = atan2(sin_b, cos_b), coupler_ratio * omega1
+        alpha2 = d_theta2 * alpha1 + dd_b * square
+        alpha_beta = coupler_ratio * alpha1 + dd_b * square
         theta3, omega3, alpha3 = -beta, -omega_beta, -alpha_beta
-        slide, slide_velocity, slide_acceleration = (unit * s, unit * (d_s * omega1),
-                                                     unit * (d_s * alpha1 + dd_s * square))
+        slide, slide_velocity = unit * s, unit * (d_s * omega1)
+        slide_acceleration = unit * (d_s * alpha1 + dd_s * square)
         crank_ratio, slide_ratio, transmission_angle = 1.0, unit * d_s, atan2(fabs(cos_b), sin_b)
         return (theta1, omega1, alpha1, theta2, omega2, alpha2, theta3, omega3, alpha3,
                 slide, slide_velocity, slide_acceleration, beta, omega_beta, alpha_beta,

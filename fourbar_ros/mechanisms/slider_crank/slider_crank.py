@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import asin, atan2, fsum, log1p, pi, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External
@@ -207,8 +207,18 @@ class SliderCrank(Mechanism):
 
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return the function (position, rate, acceleration) -> fields of MOTION for constants of a number type."""
-        make = make_crank_motion if self.input == CRANK else make_slider_motion
-        return make(numbers, *constants.lengths, constants.sign)
+        if self.input == CRANK:
+            return make_crank_motion(numbers, *constants.lengths, constants.sign, self._has_long_crank)
+        return make_slider_motion(numbers, *constants.lengths, constants.sign)
+
+    @property
+    def _has_long_crank(self) -> bool:
+        return self.a1 > 2.0 * self.a2
+
+    @property
+    def structure(self) -> tuple[Any, ...]:
+        """Return what mechanisms have in common whose formulas do the same with other numbers."""
+        return *super().structure, self._has_long_crank
 
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return the function (fields of MOTION) -> fields of LOADS for constants of a number type."""
