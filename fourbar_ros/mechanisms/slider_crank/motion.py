@@ -115,15 +115,14 @@ def make_crank_motion(n: NumberType, a1: Any, a2: Any, e: Any, sign: Any,
     sin, cos, sqrt, atan2, fabs, where = n.sin, n.cos, n.sqrt, n.atan2, n.fabs, n.where
     unit = n.power_of_two(a1, a2, e)
     a1, a2, e = a1 / unit, a2 / unit, e / unit
-    about_0, about_1, about_minus_1 = map(tuple, _starts(n, a1, a2, e))
+    about_0, about_up, about_down = map(tuple, _starts(n, a1, a2, e))
     per_a2, a1_e, two_a1_e, level_square = 1.0 / a2, a1 * e, 2.0 * a1 * e, 0.25 * a2 * a2
 
     def motion(theta1: Any, omega1: Any, alpha1: Any) -> tuple[Any, ...]:
         cos_x, sin_x = cos(theta1), sin(theta1)
         size = fabs(sin_x)
         low, is_about_0 = cos_x * cos_x / (1.0 + size), size.real < 0.5     # low: 1 - |sin x|
-        about = where(sin_x.real > 0.0, about_1, about_minus_1)
-        u, w, gap, start = where(is_about_0, about_0, about)
+        u, w, gap, start = where(is_about_0, about_0, where(sin_x.real > 0.0, about_up, about_down))
         bulge = a1_e * (1.0 + sin_x * sin_x)
         d, curve = where(is_about_0, (sin_x, bulge), (-start * low, a1_e * low * low))
         at_x, step, nn = a1 * cos_x, a1 * d, e - a1 * sin_x
