@@ -58,17 +58,16 @@ def make_sines(n: NumberType) -> Function:
         ss, cc, sc = sh * sh, ch * ch, sh * ch
         u, w = s1 + k * cc, s2 + k * ss
         root = sign * sqrt(fabs(u * w))       # at a toggle u or w may round to less than zero
-        m = yM * sc
-        num, den = where(m * root > 0.0, (yB * ss + yD * cc, m + root),
-                         (m - root, yA * ss + yC * cc))
-        scale = r42 / (num * num + den * den)
-        # a3 a4 cos(y), X - B
-        cy, XB = (den - num) * (den + num) * scale, 2.0 * num * den * scale
-        m = bM * sc
-        num, den = where(m * root < 0.0, (bB * ss + bD * cc, m - root),
-                         (m + root, bA * ss + bC * cc))
-        scale = r13 / (num * num + den * den)
-        cY, Y = (den - num) * (den + num) * scale, -2.0 * num * den * scale        # a1 a2 cos(x-b)
+        # as in the motion of a four-bar, (M1) and (M2): what adds for one angle adds for both
+        y_s, y_c, b_s, b_c, side = where(sc * root > 0.0, (yB, yD, bB, bD, 1.0),
+                                         (yA, yC, bA, bC, -1.0))
+        signed = side * root
+        p, q = y_s * ss + y_c * cc, yM * sc + signed
+        scale = r42 / (p * p + q * q)
+        cy, XB = side * (q - p) * (q + p) * scale, 2.0 * p * q * scale     # a3 a4 cos(y), X - B
+        p, q = b_s * ss + b_c * cc, bM * sc - signed
+        scale = r13 / (p * p + q * q)
+        cY, Y = side * (q - p) * (q + p) * scale, -2.0 * p * q * scale     # a1 a2 cos(x-b)
         cX, X = 0.5 * half * (u - w), half * root                      # a2 a3 cos(y-b)
         cx, YB = 0.5 * half * k * (cc - ss), half * k * sc             # a1 a4 cos(x), Y - B
         Xu = cX * YB
