@@ -17,12 +17,12 @@ import pytest
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recover import recover
-from fourbar_ros.bag.recorder import BITE, FLUSH_PERIOD
+from fourbar_ros.bag.recorder import FLUSH_PERIOD
 from support import TEST
 from bag.test_recorder import PATIENCE, assert_every_reader_takes, numbers
 
 # One flush, and the thread being woken: both wait for a processor, which on a busy machine takes a while.
-# The promise itself is FLUSH_PERIOD + BITE; bench/recording.py states what is really lost.
+# The promise itself is FLUSH_PERIOD; bench/recording.py states what is really lost.
 SLACK = 0.3
 RATE = {'busy': 1000.0, 'slow': 50.0, 'burst': None, 'silent': None, 'closing': None}
 FAST, SLOW = 8, 40
@@ -116,7 +116,7 @@ def kill_once(kind, seed):
         assert [raw.sequence for raw in Bag(child.path).raw()] == list(range(len(found)))
         # the last message may be in the bag before the child could note it
         lost = [t for t in times[len(found):] if t < moment]
-        assert all(moment - t <= FLUSH_PERIOD + BITE + SLACK for t in lost), moment - lost[0]
+        assert all(moment - t <= FLUSH_PERIOD + SLACK for t in lost), moment - lost[0]
         if kind == 'burst':
             assert len(found) == 30
         state = info(child.path, check=True)
