@@ -92,6 +92,5 @@ class Outputs:
         for output, data in packed:
             if output.is_heard:                          # it may be wanted for the bag alone
                 output.publish(data)
-        if recording.active:
-            for output, data in packed:
-                recording.write(output.name, data)
+        if packed and recording.active:
+            recording.write_all([(output.name, data) for output, data in packed])

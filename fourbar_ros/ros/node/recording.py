@@ -146,6 +146,12 @@ class Recording:
         if writer:
             writer.write(self._channels[topic], data)
 
+    def write_all(self, messages):
+        """Record the messages of a step, (topic, bytes), at one go; as :meth:`write`."""
+        writer, channels = self._writer, self._channels
+        if writer:
+            writer.write_all([(channels[topic], data) for topic, data in messages])
+
 
 def directory_of(scene):
     """Return where the bags of a scene go; ``~`` is a home."""
