@@ -13,7 +13,7 @@ _held = []      # a socket that is bound for as long as this run has its domain
 
 
 def _own_domain():
-    """Return a ROS domain, 1 to 101, in which no other test run and no participant is on this machine."""
+    """Return a ROS domain, 1 to 101, that nothing else on this machine uses."""
     for i in range(101):
         domain, held = 1 + (os.getpid() + i) % 101, socket.socket()
         with contextlib.suppress(OSError), socket.socket(type=socket.SOCK_DGRAM) as probe:

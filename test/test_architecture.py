@@ -1,4 +1,6 @@
-"""Who may import whom: layers, no circles, one place that names kinds, nothing private across modules."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Who may import whom: layers, no circles, one place naming kinds, nothing private."""
 import ast
 
 import pytest
@@ -16,15 +18,16 @@ LEVEL = {folder: level for level, folders in enumerate(LAYERS) for folder in fol
 LATERAL = {('report', 'scene'), ('reproduction', 'bag'), ('scene', 'report')}
 
 KINDS = tuple(path.parent.name for path in sorted(PACKAGE.glob('mechanisms/*/__init__.py')))
-# Where one kind may be named: the registry, the searches that are for the four-bar alone, its public
-# face, and the reproduction of documents about it.
+# Where one kind may be named: the registry, the searches that are for the four-bar alone, its
+# public face, and the reproduction of documents about it.
 MAY_NAME_KINDS = ('fourbar_ros', 'fourbar_ros.mechanisms.kinds', 'fourbar_ros.extrema.methods',
                   'fourbar_ros.extrema.batch', 'fourbar_ros.extrema.four_bar_rates',
                   'fourbar_ros.reproduction')
 # Third-party packages, and the lowest folders that may import them.
 THIRD_PARTY = {'yaml': ('scene', 'bag', 'reproduction', 'ros', 'cli'), 'mcap': ('bag',),
                'rich': ('report', 'cli', 'ros', 'reproduction'),
-               'matplotlib': ('report', 'bag', 'reproduction', 'cli'), 'rclpy': ('ros',), 'flint': ('numerics', 'extrema'),
+               'matplotlib': ('report', 'bag', 'reproduction', 'cli'), 'rclpy': ('ros',),
+               'flint': ('numerics', 'extrema'),
                'scipy': ('dynamics',)}
 
 
@@ -89,7 +92,8 @@ def test_a_kind_imports_no_other_kind_and_few_name_one():
     for module, imported, line in edges():
         kind = next((k for k in KINDS if imported.startswith(f'fourbar_ros.mechanisms.{k}')), None)
         own = module.startswith(f'fourbar_ros.mechanisms.{kind}')
-        may = any(module == place or module.startswith(place + '.') for place in MAY_NAME_KINDS[1:])
+        may = any(module == place or module.startswith(place + '.')
+                  for place in MAY_NAME_KINDS[1:])
         if kind and not own and not may and module != 'fourbar_ros':
             wrong.append(f'{module}:{line} imports {imported}')
     assert not wrong, '\n'.join(wrong)
@@ -98,7 +102,8 @@ def test_a_kind_imports_no_other_kind_and_few_name_one():
 def test_nothing_private_crosses_modules():
     wrong = [f'{module}:{line} imports {name}' for module, path in MODULES.items()
              for imported, name, line in imports_of(path)
-             if name and name.startswith('_') and not name.startswith('__') and imported.startswith('fourbar_ros')]
+             if name and name.startswith('_') and not name.startswith('__')
+             and imported.startswith('fourbar_ros')]
     for module, path in MODULES.items():
         tree = ast.parse(path.read_text())
         own = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)
@@ -107,9 +112,12 @@ def test_nothing_private_crosses_modules():
                 if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
         own |= {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
         for node in ast.walk(tree):
-            if (isinstance(node, ast.Attribute) and node.attr.startswith('_') and not node.attr.startswith('__')
-                    and getattr(node.value, 'id', '') not in ('self', 'cls')       # of its own base class
-                    and node.attr not in own and node.attr not in ('_fields', '_asdict', '_replace', '_make')):
+            if (isinstance(node, ast.Attribute) and node.attr.startswith('_')
+                and not node.attr.startswith('__')
+                    # of its own base class
+                    and getattr(node.value, 'id', '') not in ('self', 'cls')
+                    and node.attr not in own and node.attr not in ('_fields', '_asdict',
+                                                                   '_replace', '_make')):
                 wrong.append(f'{module}:{node.lineno} uses .{node.attr}')
     assert not wrong, '\n'.join(wrong)
 
@@ -130,7 +138,8 @@ def test_no_type_test_of_a_kind():
         if module == 'fourbar_ros.extrema.methods':
             continue
         for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.Call) and getattr(node.func, 'id', '') in ('isinstance', 'issubclass'):
+            if (isinstance(node, ast.Call) and getattr(node.func, 'id', '') in ('isinstance',
+                                                                                'issubclass')):
                 names = {n.id for n in ast.walk(node.args[1]) if isinstance(n, ast.Name)}
                 if names & {'FourBar', 'SliderCrank', 'InvertedSlider', 'ScotchYoke'}:
                     wrong.append(f'{module}:{node.lineno}')

@@ -83,7 +83,7 @@ def fields_in(owner, text):
 
 
 def types_in(owner, text):
-    """Return the message types, ``package/msg/Name``, of the fields that the text of one definition declares."""
+    """Return the message types, ``package/msg/Name``, that the text of a definition uses."""
     packages = (field.type.split('/') for field in fields_in(owner, text)
                 if field.type not in PRIMITIVES and field.type not in STRINGS)
     return [f'{package}/msg/{name}' for package, *_, name in packages]

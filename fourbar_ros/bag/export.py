@@ -101,7 +101,7 @@ def _by_table(block, fixed):
 
 
 def _in_order(places, parts):
-    """Return the rows of tables with the same columns as one, sorted by their places in the bag."""
+    """Return the rows of tables with equal columns as one, in the order of the bag."""
     if len(parts) == 1:
         return parts[0]
     order = np.argsort(np.concatenate(places))

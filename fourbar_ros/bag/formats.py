@@ -23,7 +23,7 @@ class Csv:
     @staticmethod
     def fixed(values):
         """Return what may not change within a column."""
-        return None
+        return
 
     def __init__(self, folder, name, columns):
         self.name, self.rows = name, 0

@@ -76,7 +76,7 @@ def _tell(result, number, done):
 
 
 def _attempted(work, bag):
-    """Return what the work returns, or the error that it ends in, as text that any process can read."""
+    """Return the result of the work, or its error as text that any process can read."""
     try:
         return work(bag)
     except (FourBarError, OSError) as error:

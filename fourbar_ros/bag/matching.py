@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Which output belongs to which motion of the driven joint, and whether each has one of every kind."""
+"""Match each output with its motion of the driven joint, and count missing ones."""
 from __future__ import annotations
 
 from typing import NamedTuple

@@ -180,7 +180,7 @@ def tells_its_times(chunk, times):
 
 
 def split(data):
-    """Yield (offset, opcode, start, end) of the records in the content of a chunk, the body being start:end."""
+    """Yield (offset, opcode, start, end) of the records of a chunk; the body is start:end."""
     at, size, unpack = 0, len(data), HEAD.unpack_from
     while at < size:
         if at + 9 > size:

@@ -232,13 +232,13 @@ class Scan:
         self._until = max(self._until, last)
 
     def is_followed_by_zeros(self):
-        """Return whether the file was not finished and only zeros follow, as a power cut leaves them."""
+        """Return whether an unfinished file ends in zeros, as a power cut leaves them."""
         self._file.seek(self.end)
         rest = self._file.read(_WINDOW) if not self.ending else b''
         return bool(rest) and not rest.strip(b'\0')
 
     def _is_sound(self, offset, opcode, body):
-        """Return whether a header can be read and metadata, whose checksum is its own, is as it was written."""
+        """Return whether a header can be read, or metadata match their own checksum."""
         try:
             if opcode == Opcode.HEADER:
                 self._is_ours = parse(opcode, body).library.startswith(OURS)
@@ -272,7 +272,7 @@ class Scan:
         return True
 
     def _record_at(self, offset, wait=False):
-        """Return (head, opcode, body) of the record at an offset, None if there is no whole one."""
+        """Return (head, opcode, body) of the record at an offset, None if it is not whole."""
         if not self._there(offset + HEAD.size, wait):
             return None
         self._file.seek(offset)
@@ -288,7 +288,7 @@ class Scan:
         return (head, opcode, body) if whole else None
 
     def _may_start(self, offset, size, opcode, length):
-        """Return whether a whole record can be here, asking the file for no more than its lengths."""
+        """Return whether a whole record can be here, judging by its lengths alone."""
         begin = offset + HEAD.size
         if begin + length > size or not self._may_be(offset, opcode, begin + length):
             return False
@@ -310,7 +310,7 @@ class Scan:
         return opcode in SHAPES or opcode == IS_MESSAGE and not self._chunked
 
     def _next(self, offset):
-        """Return where the first whole record behind a damaged one is, the offset itself if there is none."""
+        """Return where the first whole record after a damaged one is, else the offset itself."""
         size = self._limit or os.fstat(self._file.fileno()).st_size
         # its writer has just completed it
         if offset + HEAD.size > size or self._record_at(offset):
@@ -353,7 +353,7 @@ class Scan:
 
 
 def mark_as_being_written(file):
-    """Lock an open file; the lock goes with the process, so it tells a crashed bag from a living one."""
+    """Lock an open file; the lock ends with the process, which shows whether it crashed."""
     with contextlib.suppress(OSError):       # file systems without locks
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 

@@ -7,23 +7,34 @@ that never reached the disk and cannot be asked to forget them; it also takes 3 
 """
 from __future__ import annotations
 
+from collections import defaultdict
 import struct
 import zlib
-from collections import defaultdict
 
-import zstandard
 from mcap.opcode import Opcode
-from mcap.records import (Channel, Chunk, ChunkIndex, DataEnd, Footer, Header, Metadata, MetadataIndex, Schema,
-                          Statistics, SummaryOffset)
+from mcap.records import (
+    Channel,
+    Chunk,
+    ChunkIndex,
+    DataEnd,
+    Footer,
+    Header,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+    SummaryOffset,
+)
+import zstandard
 
 from fourbar_ros.bag.mcap_records import (
+    Damaged,
+    encoded,
     HEAD,
     IS_MESSAGE,
     MESSAGE,
-    SEAL,
-    Damaged,
-    encoded,
     parse,
+    SEAL,
     seal,
     split,
     tells_its_times,

@@ -115,7 +115,7 @@ def thinned(places, values, stretches):
 
 
 def _starts(bag):
-    """Return the first log time of a bag and the first stamp near its beginning [ns], None if there is none."""
+    """Return the first log time and the first stamp of a bag [ns], None without one."""
     found = next(bag.blocks(), [])
     begin = min((columns.times.min() for columns in found), default=0)
     headed = [columns for columns in found if columns.stamps is not None]

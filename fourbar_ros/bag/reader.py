@@ -340,7 +340,7 @@ class Bag:
             self._read += scan.end
 
     def _walk(self, file, scan, wanted, start):
-        """Return an iterator over the records of a file, only those that matter if it has an index."""
+        """Return an iterator over the records of a file; an index selects those that matter."""
         index = None if wanted is start is None else chunk_index(file, scan.ending)
         if not index or not self._here:
             return scan

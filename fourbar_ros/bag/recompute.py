@@ -183,7 +183,7 @@ class _Comparison:
                         float), np.array([values for _, values in found]).T
 
     def _held(self, status):
-        """Return of which inputs the outputs may show what was held from before this part of a bag."""
+        """Return the inputs whose outputs may hold values from before this part of a bag."""
         if not (self._is_cold and self._holds):
             return np.zeros(len(status), bool)
         good = np.flatnonzero(status == OK)

@@ -8,22 +8,22 @@ process the file holds everything older than that, after a power cut everything 
 """
 from __future__ import annotations
 
+from collections import deque
 import contextlib
 import json
 import os
 import shutil
 import threading
 import time
-from collections import deque
 
 from mcap import __version__ as mcap_version
 
 from fourbar_ros import __version__
 from fourbar_ros.bag import BagError, rosbag2
-from fourbar_ros.bag.mcap_writer import Container
 from fourbar_ros.bag.mcap_records import OURS
-from fourbar_ros.bag.rosbag2 import Channel
 from fourbar_ros.bag.mcap_scan import mark_as_being_written
+from fourbar_ros.bag.mcap_writer import Container
+from fourbar_ros.bag.rosbag2 import Channel
 from fourbar_ros.bag.splitting import Split, Splitter
 
 __all__ = ['BagError', 'BagWriter', 'Channel', 'Split', 'SteadyClock']

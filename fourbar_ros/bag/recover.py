@@ -3,8 +3,8 @@
 """Make a whole bag of what a crash, a full disk or a bad copy left."""
 from __future__ import annotations
 
-import json
 from functools import partial
+import json
 from math import inf
 from pathlib import Path
 
@@ -14,10 +14,10 @@ from mcap.records import Channel, Schema, Statistics
 
 from fourbar_ros import __version__
 from fourbar_ros.bag import BagError, rosbag2
-from fourbar_ros.bag.mcap_writer import Container
 from fourbar_ros.bag.info import missing_of
-from fourbar_ros.bag.mcap_records import LARGEST, MESSAGE, OURS, SEAL, Damaged, in_short, parse
-from fourbar_ros.bag.mcap_scan import Scan, is_being_written
+from fourbar_ros.bag.mcap_records import Damaged, in_short, LARGEST, MESSAGE, OURS, parse, SEAL
+from fourbar_ros.bag.mcap_scan import is_being_written, Scan
+from fourbar_ros.bag.mcap_writer import Container
 from fourbar_ros.bag.recover_parts import recover_parts
 from fourbar_ros.bag.recovered import Recovered
 from fourbar_ros.bag.whole import workshop
@@ -75,7 +75,7 @@ def beside(path):
 
 
 def first_of(numbers):
-    """Return the first of the sequence numbers [first, next] that a recorder tells, 0 if it does not."""
+    """Return the first of a recorder's sequence numbers [first, next], 0 if unknown."""
     told = isinstance(numbers, list) and numbers and isinstance(numbers[0], int)
     return numbers[0] if told else 0
 

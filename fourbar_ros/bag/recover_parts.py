@@ -14,7 +14,8 @@ from fourbar_ros.bag.recovered import Recovered
 
 def recover_parts(recover, path, out, progress=None):
     """
-    Recover every file of a split bag into the folder ``out`` by the function ``recover(file, folder, progress)``.
+    Recover every file of a split bag into the folder ``out`` by the function
+    ``recover(file, folder, progress)``.
 
     A part of which nothing is left is named among the damages; its number is not used again.
     """

@@ -31,7 +31,7 @@ _ENDLESS = {'sec': 9223372036, 'nsec': 854775807}
 
 
 class Channel(NamedTuple):
-    """A recorded topic: absolute name, type, schema text, type hash, depth of its queue, latched or not."""
+    """A recorded topic: name, type, schema text, type hash, queue depth, latched or not."""
 
     topic: str
     type: str
@@ -116,7 +116,7 @@ def loaded(text):
 
 
 def _check_depth(text):
-    """Raise BagError for lists within lists that would end the loader, which calls itself for each, by a fault."""
+    """Raise BagError for lists so deeply nested that the recursive loader would fail."""
     depth = 0
     for event in yaml.parse(text, Loader=_LOADER):
         depth += (isinstance(event, yaml.CollectionStartEvent)
@@ -160,7 +160,7 @@ def mapping_in(about, key):
 
 
 def repeated(about):
-    """Return the topics of which a later part of a split bag repeats a message at its beginning."""
+    """Return the topics whose newest message a later part of a split bag repeats."""
     try:
         return set(json.loads(about[REPEATS]))
     except (KeyError, TypeError, ValueError):
@@ -370,7 +370,7 @@ def about_beside(file):
 
 
 def packing_of(metadata, file):
-    """Return (compression_format, compression_mode) by rosbag2 metadata or those beside a file, if by message."""
+    """Return rosbag2's (compression_format, compression_mode) if messages are compressed."""
     for told in (metadata, _metadata_file(file.parent)):
         if str(told.get('compression_mode')).lower() == 'message':
             return str(told.get('compression_format')), 'message'

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""When a bag goes on in a new file, what that repeats so that it can be read alone, and which old ones may go."""
+"""Decide when a bag continues in a new file, what that repeats, which old ones may go."""
 from __future__ import annotations
 
 from typing import NamedTuple

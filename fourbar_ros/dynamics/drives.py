@@ -264,7 +264,7 @@ class Drive:
     source: Source
     rotor: float = 0.0
     flywheel: float = 0.0
-    shaft: Optional[Shaft] = None
+    shaft: Shaft | None = None
 
     def __post_init__(self) -> None:
         _check(self, not_negative=('rotor', 'flywheel'))

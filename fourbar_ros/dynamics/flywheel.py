@@ -85,7 +85,7 @@ def _angles() -> Array:
 
 
 def steady_turn(equation: Equation, rate: float, inertia: float) -> Flywheel:
-    """Return the periodic motion (W1) with a flywheel, at this mean of its largest and smallest rate."""
+    """Return the periodic motion (W1) with a flywheel, at this mean of its extreme rates."""
     position = _angles()
     terms = equation.terms(position)
     total, rates = terms.inertia + inertia, np.full(SAMPLES, rate)
@@ -109,7 +109,7 @@ def _integral(values: Array) -> Array:
 
 
 def _rates(gained: Array, total: Array, rate: float) -> Array:
-    """Return w from (W1), with E0 for which the mean of the largest and the smallest is ``rate``."""
+    """Return w from (W1), with E0 so that ``rate`` is the mean of its extrema."""
     def rates_at(energy: Any) -> Array:
         return np.sqrt(2.0 * np.maximum(energy + gained, 0.0) / total)
 

@@ -75,7 +75,7 @@ class FreeMotion:
             self._phase = float(np.arcsin(sine)) if rate >= 0.0 else pi - float(np.arcsin(sine))
             self._cycle = TURN
 
-    def _turning_points(self, mechanism: Any, rate: float) -> Optional[tuple[float, float]]:
+    def _turning_points(self, mechanism: Any, rate: float) -> tuple[float, float] | None:
         """Return the ends of the swing, or None for a crank that goes round."""
         if rate == 0.0:      # the start is one of them: which one, the force says
             pushes = self._equation.terms(self._start).force
@@ -92,7 +92,7 @@ class FreeMotion:
         return ends[0], ends[1]
 
     def _turning_point(self, mechanism: Any, side: float,
-                       at_rest: bool = False) -> Optional[float]:
+                       at_rest: bool = False) -> float | None:
         """Return the nearest turning point on one side of the start, or None."""
         reach = TURN
         if not mechanism.turns_fully:
@@ -151,7 +151,7 @@ class FreeMotion:
 
     @property
     def period(self) -> float:
-        """Return the time of a turn (two, if the mode changes once a turn), or of a swing to and fro [s]."""
+        """Return the time of a turn (two, if the mode alternates) or of a full swing [s]."""
         return float(self._cycle * self._series[0].real)
 
     def _time(self, u: Array) -> tuple[Array, Array]:

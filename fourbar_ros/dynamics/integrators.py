@@ -29,8 +29,8 @@ class Result(NamedTuple):
     evaluations: int
 
 
-def integrate(system: System, until: float, method: str, tolerance: float, wanted: Optional[Array],
-              also: Optional[Array] = None) -> Result:
+def integrate(system: System, until: float, method: str, tolerance: float, wanted: Array | None,
+              also: Array | None = None) -> Result:
     """
     Integrate from time 0.
 
@@ -81,11 +81,11 @@ class Task(NamedTuple):
     last: float
     method: str
     tolerance: float
-    wanted: Optional[Array]
-    also: Optional[Array]
+    wanted: Array | None
+    also: Array | None
 
 
-def _inside(times: Optional[Array], first: float, last: float) -> Optional[Array]:
+def _inside(times: Array | None, first: float, last: float) -> Array | None:
     return None if times is None else times[(times > first) & (times < last)]
 
 

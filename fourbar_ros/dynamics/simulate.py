@@ -96,7 +96,7 @@ class Run:
 
 
 def simulate(system: System, until: float, tolerance: float = 1e-8, method: str = 'auto',
-             times: Optional[Sequence[float]] = None, check: bool = True) -> Run:
+             times: Sequence[float] | None = None, check: bool = True) -> Run:
     """
     Integrate a system from time 0.
 
@@ -134,8 +134,8 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
 
 
 def _checked(system: System, until: float, asked: float, method: str,
-             wanted: Optional[Array]) -> Run:
-    """Integrate at two tolerances, ever tighter, until their difference is as small as asked for."""
+             wanted: Array | None) -> Run:
+    """Integrate at two tolerances, ever tighter, until their difference is small enough."""
     unit, evaluations = system.mechanism.input_unit, 0
     tolerance = max(FIRST * asked, LAST)
     while True:

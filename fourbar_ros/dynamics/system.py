@@ -44,7 +44,7 @@ class System:
     """
 
     def __init__(self, mechanism: Any, position: float, rate: float = 0.0,
-                 elements: Sequence[Element] = (), drive: Optional[Drive] = None) -> None:
+                 elements: Sequence[Element] = (), drive: Drive | None = None) -> None:
         self.drive, self._stroke = drive, mechanism.stroke
         # an integrator's trial steps go beyond the end at which the run stops
         mechanism = mechanism if mechanism.stroke is None else replace(mechanism, stroke=None)

@@ -1,4 +1,10 @@
-"""Extrema of the output's rate and acceleration of many linkages at once: :mod:`fourbar_ros.extrema.four_bar_rates.search` on arrays."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Extrema of the output's rate and acceleration of many linkages at once.
+
+:mod:`fourbar_ros.extrema.four_bar_rates.search` on arrays.
+"""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -7,16 +13,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fourbar_ros.extrema.four_bar_rates.input_paths import POINTS_PER_FEATURE, half_turn, phases
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.extrema.find import CONSTANT, MAXIMUM, find_extrema
+from fourbar_ros.extrema.find import CONSTANT, find_extrema, MAXIMUM
+from fourbar_ros.extrema.four_bar_rates.input_paths import half_turn, phases, POINTS_PER_FEATURE
+from fourbar_ros.extrema.four_bar_rates.search import (
+    POLISH,
+    SAMPLES,
+    sine_constants,
+    sines_of_arrays,
+)
 from fourbar_ros.extrema.methods import RATES
-from fourbar_ros.numerics.given import array
-from fourbar_ros.mechanisms.four_bar.motion import make_motion
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
+from fourbar_ros.mechanisms.four_bar.motion import make_motion
 from fourbar_ros.mechanisms.mechanism import CROSSED, OPEN
-from fourbar_ros.extrema.four_bar_rates.search import POLISH, SAMPLES, sine_constants, sines_of_arrays
 from fourbar_ros.numerics.exact_sums import difference_of_squares
+from fourbar_ros.numerics.given import array
 from fourbar_ros.numerics.number_types import ARRAY, power_of_two_of_arrays
 from fourbar_ros.numerics.roots import (
     EPS,
@@ -29,7 +40,8 @@ from fourbar_ros.numerics.roots import (
 
 # Linkages taken at a time: their samples stay in the cache.
 CHUNK = 4096
-# Of the longest link to the shortest, from where on values are computed again by the more accurate formulas.
+# Of the longest link to the shortest, from where on values are computed again by the more accurate
+# formulas.
 UNEQUAL = 10.0
 # Values nearer to each other than this part of them may be equal, as far as their conditions tell.
 NEARLY = 1e-8
@@ -39,8 +51,8 @@ class Extrema(NamedTuple):
     """
     Extrema of one quantity of many linkages, by linkage, then theta1; arrays of shape (extrema,).
 
-    Where a quantity is constant over a range (a parallelogram), the beginning of the range is listed, as a
-    maximum if no value is larger, else as a minimum.
+    Where a quantity is constant over a range (a parallelogram), the beginning of the range is
+    listed, as a maximum if no value is larger, else as a minimum.
 
     Parameters
     ----------
@@ -63,7 +75,11 @@ class Extrema(NamedTuple):
 
 
 def _exact_sum(terms):
-    """Return the sum of four arrays as math.fsum would: two exact pairs, their exact sum, the errors."""
+    """
+    Return the sum of four arrays as math.fsum would.
+
+    Two exact pairs, their exact sum, the errors.
+    """
     a, b, c, d = terms
     (one, e1), (other, e2) = _two_sum(a, b), _two_sum(c, d)
     total, e3 = _two_sum(one, other)
@@ -77,7 +93,8 @@ def _two_sum(a, b):
 
 
 # Lengths are arrays too: one linkage an element.
-_MANY = replace(ARRAY, name='arrays of linkages', exact_sum=_exact_sum, power_of_two=power_of_two_of_arrays)
+_MANY = replace(ARRAY, name='arrays of linkages', exact_sum=_exact_sum,
+                power_of_two=power_of_two_of_arrays)
 
 
 def find_extrema_many(a1, a2, a3, a4, mode=OPEN, rate=1.0, progress=None):
@@ -126,13 +143,15 @@ def find_extrema_many(a1, a2, a3, a4, mode=OPEN, rate=1.0, progress=None):
 
 
 def _decide_ties(name, part, lengths, mode, rate):
-    """Mark as global, where values are so near that their conditions decide, those that a single linkage has."""
+    """Mark as global, where conditions decide, the extrema that a single linkage has."""
     low, high = _of_each(np.minimum, part), _of_each(np.maximum, part)
     with np.errstate(invalid='ignore'):
         best = np.where(part.is_maximum, high, low)
-        near = ~part.is_global & np.isfinite(best) & (np.abs(part.value - best) <= NEARLY * np.abs(best))
+        near = ~part.is_global & np.isfinite(best) & (np.abs(part.value - best)
+                                                      <= NEARLY * np.abs(best))
     for j in np.unique(part.index[near]).tolist():
-        alone = find_extrema(FourBar(*lengths[:, j].tolist(), mode=int(mode[j])), name, float(rate[j]))
+        alone = find_extrema(FourBar(*lengths[:, j].tolist(), mode=int(mode[j])), name,
+                             float(rate[j]))
         rows = np.nonzero(part.index == j)[0]
         if rows.size == len(alone):
             part.is_global[rows] = [extremum.is_global for extremum in alone]
@@ -143,11 +162,12 @@ def _of_each(extreme, part):
     if not part.index.size:
         return part.value
     first = np.nonzero(np.concatenate(([True], part.index[1:] != part.index[:-1])))[0]
-    return np.repeat(extreme.reduceat(part.value, first), np.diff(np.append(first, part.index.size)))
+    return np.repeat(extreme.reduceat(part.value, first),
+                     np.diff(np.append(first, part.index.size)))
 
 
 def _search(lengths, sign, rate):
-    """Return for each quantity a list of tuples (index, theta1, value, is_maximum, side) of arrays."""
+    """Return lists of arrays (index, theta1, value, is_maximum, side), one a quantity."""
     with np.errstate(all='ignore'):
         scaled = np.ldexp(lengths, -np.frexp(lengths.max(axis=0))[1])
         closes = _closes(scaled) & (lengths > 0.0).all(axis=0)
@@ -170,23 +190,28 @@ def _search(lengths, sign, rate):
 
     found = ([], [])
     for index in np.nonzero(is_flat)[0].tolist():
-        for quantity, rows in zip(found, _at_change_point(index, lengths[:, index], sign[index], rate[index])):
+        for quantity, rows in zip(found, _at_change_point(index, lengths[:, index], sign[index],
+                                                          rate[index])):
             quantity += rows
     paths = list(_paths(constants, closes & ~is_flat, limits))
     for path in paths:
         for x, side, g, Y in path.toggles():
-            for quantity, up in zip(found, ((Y > 0.0) == (upward == forward)[path.row], (g > 0.0) == upward[path.row])):
-                quantity.append((path.row, fold(x), np.where(up, np.inf, -np.inf), up, np.full(x.size, side)))
+            for quantity, up in zip(found, ((Y > 0.0) == (upward == forward)[path.row],
+                                            (g > 0.0) == upward[path.row])):
+                quantity.append((path.row, fold(x), np.where(up, np.inf, -np.inf), up,
+                                 np.full(x.size, side)))
 
     # All roots of k at once; then those of g between them and the samples.
     if paths:
         with np.errstate(all='ignore'):
-            cells, *brackets = _stack(path.brackets_of_k(lambda x, row: k_at(x, row)[0]) for path in paths)
+            cells, *brackets = _stack(path.brackets_of_k(lambda x, row: k_at(x, row)[0])
+                                      for path in paths)
             rows, falls, x = brackets[0], brackets[3] >= 0.0, newton_roots(k_at, *brackets)
             g, gu, _, _, X, _ = at(x, rows)
             value = g / X**3
             _improve(scaled, sign, unequal, rows, x.copy(), value)
-            found[1].append((rows, fold(x), rate[rows]**2 * value, falls == upward[rows], np.zeros(x.size, int)))
+            found[1].append((rows, fold(x), rate[rows]**2 * value, falls == upward[rows],
+                             np.zeros(x.size, int)))
             ends = np.cumsum([path.number for path in paths])
             parts = (np.split(v, ends[:-1]) for v in (cells, rows, x, g, g * X / gu))
             brackets = _stack(path.brackets_of_g(*part) for path, *part in zip(paths, *parts))
@@ -194,31 +219,43 @@ def _search(lengths, sign, rate):
             _, _, k, _, X, Y = at(x, rows)
             value = Y / X
             _improve(scaled, sign, unequal, rows, x, value, k / X**5)
-            found[0].append((rows, fold(x), rate[rows] * value, (falls == upward[rows]) == forward[rows],
+            found[0].append((rows, fold(x), rate[rows] * value,
+                             (falls == upward[rows]) == forward[rows],
                              np.zeros(x.size, int)))
     return found
 
 
 def _closes(scaled):
-    """Return whether each linkage can be assembled: each link shorter than the other three together."""
-    signs = (-1.0, 1.0, 1.0, 1.0), (1.0, -1.0, 1.0, 1.0), (1.0, 1.0, -1.0, 1.0), (1.0, 1.0, 1.0, -1.0)
+    """
+    Return whether each linkage can be assembled.
+
+    Each link shorter than the other three together.
+    """
+    signs = (-1.0, 1.0, 1.0, 1.0), (1.0, -1.0, 1.0, 1.0), (1.0, 1.0, -1.0, 1.0), (1.0, 1.0, 1.0,
+                                                                                  -1.0)
     slack = [_exact_sum([s * a for s, a in zip(row, scaled)]) for row in signs]
     return np.all(np.array(slack) > 0.0, axis=0) & np.isfinite(scaled).all(axis=0)
 
 
 def _limits(lengths, s1, s2):
-    """Return theta1 of the toggles of each linkage, shape (2, n): near 0 and near pi; NaN where there is none."""
+    """
+    Return theta1 of the toggles of each linkage, shape (2, n): near 0 and near pi.
+
+    NaN where there is none.
+    """
     a1, a2, a3, a4 = lengths
-    return np.array((2.0 * np.arctan2(np.sqrt(-s2), np.sqrt(difference_of_squares(a1, a4, a2, -a3, _exact_sum))),
-                     2.0 * np.arctan2(np.sqrt(difference_of_squares(a2, a3, a1, -a4, _exact_sum)), np.sqrt(-s1))))
+    return np.array((2.0 * np.arctan2(np.sqrt(-s2),
+                                      np.sqrt(difference_of_squares(a1, a4, a2, -a3, _exact_sum))),
+                     2.0 * np.arctan2(np.sqrt(difference_of_squares(a2, a3, a1, -a4, _exact_sum)),
+                                      np.sqrt(-s1))))
 
 
 def _improve(lengths, sign, unequal, rows, x, value, third=None):
     """
     Where links are unequal, put more accurate values of an extremum in place of others.
 
-    Of the second derivative of theta4, or, with the ``third`` one, of the first, whose place is corrected too: as it
-    is done for one linkage.
+    Of the second derivative of theta4, or, with the ``third`` one, of the first, whose place is
+    corrected too: as it is done for one linkage.
     """
     i = np.nonzero(unequal[rows])[0]
     if not i.size:
@@ -237,14 +274,16 @@ def _stack(tuples):
 
 
 def _paths(constants, chosen, limits):
-    """Yield the :class:`_Path` of groups of linkages with one kind of input range and number of samples."""
+    """Yield the :class:`_Path` of each group with one kind of input range and sample count."""
     out, inside = constants[0] > 0.0, constants[1] > 0.0
     for crosses_out, crosses_in in ((False, False), (False, True), (True, False), (True, True)):
         rows = np.nonzero(chosen & (out == crosses_out) & (inside == crosses_in))[0]
         if not rows.size:
             continue
         period, _, _ = half_turn(*constants[:3, rows], crosses_out, crosses_in)
-        count = np.maximum(SAMPLES // 2, 2.0**(0.5 * np.ceil(2.0 * np.log2(POINTS_PER_FEATURE * period)))).astype(int)
+        count = (np.maximum(SAMPLES // 2,
+                            2.0**(0.5 * np.ceil(2.0 * np.log2(POINTS_PER_FEATURE
+                                                              * period)))).astype(int))
         for number in np.unique(count).tolist():
             group = rows[count == number]
             c = constants[:, group]
@@ -260,13 +299,15 @@ def _paths(constants, chosen, limits):
                 yield _Path(group, c, *other, step, False, limits)
             else:
                 both = (one, other) if crosses_in else (other, one)
-                yield _Path(group, c, *(np.concatenate(pair) for pair in zip(*both)), step, crosses_in and crosses_out,
+                yield _Path(group, c, *(np.concatenate(pair) for pair in zip(*both)), step,
+                            crosses_in and crosses_out,
                             limits)
 
 
 class _Path:
     """
-    Samples of linkages ``row`` along one path each; sh, ch = sin, cos(theta1/2): shape (samples, linkages).
+    Samples of linkages ``row`` along one path each; sh, ch = sin, cos(theta1/2): shape (samples,
+    linkages).
 
     ``step``: of u between samples, with the sign of X: shape (linkages,).
     """
@@ -282,7 +323,8 @@ class _Path:
 
     def toggles(self):
         """Return (theta1, side, g, Y) at the ends."""
-        return [] if self.is_closed else [(self._end(i), side, self.g[i], self.Y[i]) for i, side in ((0, 1), (-1, -1))]
+        return ([] if self.is_closed else [(self._end(i), side, self.g[i], self.Y[i])
+                                           for i, side in ((0, 1), (-1, -1))])
 
     def _end(self, i):
         """Return theta1 at an end from the lengths, without the roundings of the sample there."""
@@ -305,7 +347,7 @@ class _Path:
         return self.angle(i, column), g, g * self.X[i, column] / self.gu[i, column]
 
     def brackets_of_g(self, i, row, root, *g_there):
-        """Return (row, xa, xb, fa, guess) of the sign changes of g between samples and roots of k."""
+        """Return (row, xa, xb, fa, guess) of sign changes of g between samples, roots of k."""
         column, number = np.searchsorted(self.row, row), len(self.g)
         positive = self.g >= 0.0
         if self.is_closed:
@@ -318,7 +360,8 @@ class _Path:
         before, after = self._g(j, one), self._g((j + 1) % number, one)
         after = turn_after(after[0], before[0]), *after[1:]
         start = self.angle(i, column)
-        root = np.maximum(root + 2.0 * pi * np.round((start - root) / (2.0 * pi)), start)    # in its turn
+        # in its turn
+        root = np.maximum(root + 2.0 * pi * np.round((start - root) / (2.0 * pi)), start)
         key = np.concatenate((one * number + j, column * number + i, one * number + j))
         x, g, step = _stack((before, (root, *g_there), after))
         order = np.lexsort((x, key))
@@ -333,12 +376,14 @@ def _at_change_point(index, lengths, sign, rate):
     linkage = FourBar(*lengths.tolist(), mode=OPEN if sign > 0.0 else CROSSED)
     found = {name: [] for name in RATES}
     for extremum in find_extrema(linkage, RATES, float(rate)):
-        found[extremum.quantity].append((extremum.theta1, extremum.value, extremum.kind, extremum.side))
+        found[extremum.quantity].append((extremum.theta1, extremum.value, extremum.kind,
+                                         extremum.side))
     for rows in found.values():
         largest = max(value for _, value, _, _ in rows)
         rows = [(theta1, value, kind == MAXIMUM or kind == CONSTANT and value == largest, side)
                 for theta1, value, kind, side in rows]
-        yield [(np.full(len(rows), index), *(np.array(column) for column in zip(*rows)))] if rows else []
+        yield ([(np.full(len(rows), index), *(np.array(column) for column in zip(*rows)))] if rows
+               else [])
 
 
 def _collect(rows):
@@ -348,10 +393,12 @@ def _collect(rows):
         np.concatenate([row[i] for row in rows]) if rows else empty for i in range(5))
     index, is_maximum, side = index.astype(int), is_maximum.astype(bool), side.astype(int)
     order = np.lexsort((theta1, index))
-    index, theta1, value, is_maximum, side = (v[order] for v in (index, theta1, value, is_maximum, side))
+    index, theta1, value, is_maximum, side = (v[order] for v in (index, theta1, value, is_maximum,
+                                                                 side))
     part = Extrema(index, theta1, value, is_maximum, np.zeros(index.size, bool), side)
     low, high = _of_each(np.minimum, part), _of_each(np.maximum, part)
     with np.errstate(invalid='ignore'):
-        is_global = np.where(is_maximum, value >= high - np.where(np.isinf(high), 0.0, 64 * EPS * np.abs(high)),
+        is_global = np.where(is_maximum, value >= high - np.where(np.isinf(high), 0.0,
+                                                                  64 * EPS * np.abs(high)),
                              value <= low + np.where(np.isinf(low), 0.0, 64 * EPS * np.abs(low)))
     return part._replace(is_global=is_global)

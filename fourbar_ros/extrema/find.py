@@ -130,7 +130,7 @@ def find_extrema(linkage: Any, quantities: Any = (), rate: float = 1.0, accelera
 
 def _proved(methods: Methods, found: list[list[Found]], conditions: bool,
             check: Callable[[], None]) -> tuple[list[list[Found]], list[str]]:
-    """Return the extrema, searched for once more if a number is not the one proved, and the proofs in words."""
+    """Return the extrema, searched again if a count differs from the proof, and the proofs."""
     from fourbar_ros.extrema.proof import NOT_PROVED
 
     counts, texts = zip(*methods.prove(found, check))

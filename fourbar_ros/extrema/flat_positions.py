@@ -99,7 +99,7 @@ class FlatSide:
                 else difference)
 
     def distance(self, x: np.ndarray) -> np.ndarray:
-        """Return how far inputs, in the input's unit, are on this side, in units of the scale of the series."""
+        """Return the distances of inputs on this side, in units of the scale of the series."""
         return self.side * self._turned(x - self.place) / self._scale
 
     @cached_property
@@ -130,7 +130,7 @@ class FlatSide:
             return (self._mechanism.motion_formula(LAURENT, self._constants)(x, *map(series, self._rates)))
 
     def state(self, t: np.ndarray, with_loads: bool) -> list[np.ndarray]:
-        """Return the fields of motion and loads at distances in units of the scale, each of shape (fields, t.size)."""
+        """Return fields of motion and loads at scaled distances, each (fields, t.size)."""
         return [fields.at(t) for fields in (self.motion, self.loads)[:1 + with_loads]]
 
 

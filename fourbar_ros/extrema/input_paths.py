@@ -99,7 +99,7 @@ class InputPath(NamedTuple):
 
 
 def closer_points(end: End | None, count: int) -> Array:
-    """Return the parameters t of the points added at an end at t = 0, outwards, to ``count`` in [0, 1]."""
+    """Return the parameters t of points added at an end at t = 0, ``count`` in [0, 1]."""
     if end is None:
         return np.zeros(0)
     octaves = (0.5 * np.arange(1, 1 + FLAT_POINTS) if end.is_flat
@@ -108,7 +108,7 @@ def closer_points(end: End | None, count: int) -> Array:
 
 
 class TooNarrow(FourBarError, ValueError):
-    """The range of the input is so narrow beside the input itself that floats do not resolve it."""
+    """The range of the input is too narrow, compared with the input, for floats."""
 
     def __init__(self) -> None:
         super().__init__('the range of the input is too narrow, beside the input itself, to be '
@@ -131,7 +131,7 @@ class Kernels(NamedTuple):
     weights: Array
 
     def samples(self, phi: Array) -> tuple[Array, Array]:
-        """Return t and dt/dphi: t rises by the number of samples of all kernels in a turn of phi."""
+        """Return t and dt/dphi; t grows by the kernels' number of samples in a turn of phi."""
         half = 0.5 * (phi - self.centres)
         turns = np.round(half / pi)
         half = half - turns * pi                      # in [-pi/2, pi/2]
@@ -158,7 +158,7 @@ class Range(NamedTuple):
         return 0.5 * (self.high - self.low)
 
     def to_input(self, phi: Array) -> Array:
-        """Return x from the distance to the nearer end, on which quantities near a toggle depend."""
+        """Return x from the distance to the nearer end, which matters near a toggle."""
         return np.where(phi < 0.0, self.low + 2.0 * self.half * np.sin(0.5 * (phi + 0.5 * pi))**2,
                         self.high - 2.0 * self.half * np.sin(0.5 * (0.5 * pi - phi))**2)
 
@@ -275,7 +275,7 @@ def _kernels(singular: Array, points: int) -> Kernels:
 
 def _spread(kernels: Kernels, bounds: tuple[float, float],
             ends: Sequence[End]) -> tuple[Array, int, int]:
-    """Return the phi of equal steps between two bounds, half a step from them, and how many were added at each."""
+    """Return phi in equal steps, half a step inside two bounds, and how many were added."""
     begin, end = (kernels.samples(np.array([phi]))[0][0] for phi in bounds)
     count = int(np.ceil(end - begin))
     before, after = (closer_points(end, count) for end in ends or (None, None))

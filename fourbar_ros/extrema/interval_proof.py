@@ -63,7 +63,7 @@ def count_extrema(sampler, path, check=lambda: None):
 
 
 def _evaluator(sampler, flint):
-    """Return the function (ball of theta1, rows) -> enclosures of dQ/dtheta1 and half d2Q/dtheta1^2."""
+    """Return (ball of theta1, rows) -> enclosures of dQ/dtheta1 and half d2Q/dtheta1^2."""
     linkage = sampler.linkage
     numbers = ENCLOSURE_WITH_ANGLES if sampler.with_angles else ENCLOSURE
     constants = converted(linkage.constants, flint.arb)

@@ -108,7 +108,7 @@ class Methods:
         return bool(agrees.mean() > 0.8)      # an angle may jump by 2 pi at one of the points
 
     def search(self, density: int = 1, with_conditions: bool = True) -> list[list[Found]]:
-        """Return the extrema of each quantity, searched for with ``density`` times the usual number of samples."""
+        """Return the extrema of each quantity, with ``density`` times the usual samples."""
         found: list[list[Found]] = [[] for _ in self._quantities]
         if self._fast:
             for part in self._rate_extrema(density, with_conditions):

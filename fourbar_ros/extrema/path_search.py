@@ -89,7 +89,7 @@ def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True)
 
 
 def _constant_values(sampler: Sampler, samples: Samples) -> tuple[dict[int, float], Array]:
-    """Return {row: value} of the quantities that do not vary along a path, and how much is nothing for each sample."""
+    """Return {row: value} of quantities constant along a path, and the noise of each sample."""
     middle = np.median(samples.values, axis=1)
     noise = np.maximum(samples.noise, 64.0 * EPS * np.abs(middle)[:, None])
     varies = (np.abs(samples.values - middle[:, None]) > noise).any(axis=1)
@@ -132,7 +132,7 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array,
 
 
 def _smooth_slopes(sampler: Sampler, samples: Samples, rows: Array) -> Array:
-    """Return the derivatives of quantities at the samples, shape (n, rows), times a power of the sine that has no poles."""
+    """Return derivatives at the samples, (n, rows), times a power of the sine without poles."""
     sine = np.abs(sampler.linkage.transmission_sine(samples.state[0]))
     values = samples.values[rows]
     scale = np.where((values > 0.0).all(axis=1, keepdims=True), values * sine**(2 * POLE - 1),

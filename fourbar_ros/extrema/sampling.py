@@ -32,7 +32,7 @@ DIFFERENCE = 2.0**-6
 
 
 def _with_part(fields: Sequence[Values], chosen: Array, values: Array) -> Array:
-    """Return fields, of which some may be numbers, as arrays with other values in a part of them."""
+    """Return fields, numbers or arrays, as arrays with some values replaced."""
     whole = np.stack(np.broadcast_arrays(*fields, chosen)[:-1]).astype(values.dtype)
     whole[:, chosen] = values
     return whole
@@ -73,7 +73,7 @@ class Samples(NamedTuple):
 
 
 def needs_angles(quantity: Any) -> bool:
-    """Return whether a quantity may depend on angles themselves, not only on their sines, cosines and rates."""
+    """Return whether a quantity may depend on angles, not only on their sines and rates."""
     return not is_published(quantity) or is_position(quantity)
 
 
@@ -159,7 +159,7 @@ class Sampler:
         return values
 
     def next_to(self, reference: Array, values: Array, row: Array) -> Array:
-        """Return values of quantities ``row``, angles less than half a turn from those of a reference."""
+        """Return values of quantities ``row``, angles within half a turn of a reference."""
         if not self.is_angle.any():
             return values
         with np.errstate(invalid='ignore'):
@@ -251,7 +251,7 @@ class Sampler:
         return values.real, values.imag / STEP
 
     def at(self, x: Array, row: Array) -> tuple[Array, Array]:
-        """Return value and derivative of quantity ``row[i]`` at x[i], or, shape (n, linkages), at x[:, i]."""
+        """Return value and derivative of quantity ``row[i]`` at x[i], or at x[:, i]."""
         values = self.values(x + 1j * STEP)[row, ..., np.arange(row.size)]
         return values.real, values.imag / STEP
 
@@ -273,7 +273,7 @@ class Sampler:
         return self.at(x, row)[1]
 
     def newton(self, x: Array, row: Array, spacing: Array) -> tuple[Array, Array]:
-        """Return the derivative of quantity ``row[i]`` at x[i], and the step of Newton's method to its zero."""
+        """Return the derivative of quantity ``row[i]`` at x[i], and the Newton step to its zero."""
         turn = self.TURN * spacing
         here, there = np.split(self.slope(np.concatenate((x, x + turn)), np.tile(row, 2)), 2)
         with np.errstate(divide='ignore', invalid='ignore'):

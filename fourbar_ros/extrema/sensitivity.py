@@ -24,7 +24,7 @@ TURN = 2.0**-12
 
 
 def perturbed_lengths(mechanism: Any) -> tuple[list[float], list[tuple[float, ...]]]:
-    """Return a relative step for each length, and the lengths with that one changed by it, away from change points."""
+    """Return a relative step for each length, and the lengths changed by it."""
     size = min(LARGEST, max(SMALLEST, PART * mechanism.change_point_margin))
     signs, margin = min(zip(mechanism.MARGIN_SIGNS, mechanism.margins),
                         key=lambda pair: abs(pair[1]))

@@ -101,7 +101,7 @@ def range_of(record: Any) -> tuple[int, ...]:
 
 
 def _inputs(mechanism: Any, given: tuple) -> tuple[list[np.ndarray], tuple[int, ...]]:
-    """Return the inputs as arrays of real or (the position, for a complex step) complex doubles, and their common shape."""
+    """Return the inputs as arrays of (for a complex step, complex) doubles, and their shape."""
     names = mechanism.input_coordinate
     inputs = [array(name, value, name == names.position) for name, value in zip(names, given)]
     if not any(v.ndim for v in inputs[1:]):

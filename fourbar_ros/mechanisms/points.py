@@ -120,7 +120,7 @@ def crank_motion(motion):
 
 
 def make_point(n: NumberType, mechanism, link: str, along: float, across: float) -> Function:
-    """Return the function (motion) -> fields of :class:`PointMotion` for a point fixed to a link."""
+    """Return motion -> fields of :class:`PointMotion` for a point fixed to a link."""
     hypot, where = n.hypot, n.where
 
     def point(motion: Any) -> tuple[Any, ...]:

@@ -27,7 +27,7 @@ class UnknownQuantity(FourBarError, KeyError):
 
 
 class Function(NamedTuple):
-    """A number given as a function (Motion, Loads) -> value, for floats and arrays, real and complex."""
+    """A quantity: a function (Motion, Loads) -> value for floats and arrays."""
 
     name: str
     unit: str
@@ -37,21 +37,21 @@ class Function(NamedTuple):
 
 
 def point_speed(mechanism, link, along, across=0.0, name='point'):
-    """Return the speed [m/s] of a point fixed to a link, see :mod:`fourbar_ros.mechanisms.points`, as a quantity ``name.speed``."""
+    """Return the speed [m/s] of a point fixed to a link, the quantity ``name.speed``."""
     return Function(f'{name}.speed', 'm/s', f'speed of the point ({along:g}, {across:g}) m of the '
                                             f'{link}',
                     partial(_length, mechanism, link, along, across, 2))
 
 
 def point_acceleration(mechanism, link, along, across=0.0, name='point'):
-    """Return the magnitude of the acceleration [m/s^2] of such a point as a quantity ``name.acceleration``."""
+    """Return the acceleration's magnitude [m/s^2] of a point, ``name.acceleration``."""
     return Function(f'{name}.acceleration', 'm/s^2', f'acceleration of the point ({along:g}, '
                                                      f'{across:g}) m of the {link}',
                     partial(_length, mechanism, link, along, across, 4))
 
 
 def _length(mechanism, link, along, across, first, motion, loads):
-    """Return the length of a vector that :func:`.point_of` returns, of which x is its ``first`` number."""
+    """Return the length of a vector of :func:`.point_of` whose x is number ``first``."""
     x, y = point_of(link_motion(mechanism, motion, link), along, across)[first:first + 2]
     return np.sqrt(x * x + y * y)
 
@@ -89,13 +89,13 @@ POSITIONS = {quantity.name: quantity for quantity in (
 
 
 def known(mechanism, driven=CRANK):
-    """Return {name: Quantity} of what a mechanism, or a kind, has, driven at its crank or slide."""
+    """Return {name: Quantity} of a mechanism, or of a kind driven at its crank or slide."""
     return _known(mechanism.MOTION._fields, mechanism.LOADS._fields, mechanism.INPUTS[driven])
 
 
 @cache
 def _known(motion, loads, coordinate):
-    """Return {name: Quantity} of these fields, without what is given where a coordinate is driven, or zero."""
+    """Return {name: Quantity} of these fields, without those that are given or zero."""
     absent = {coordinate.rate, coordinate.acceleration,
               'driving_force' if coordinate.unit == 'rad' else 'driving_torque'}
     return {name: quantity for name, quantity in QUANTITIES.items()

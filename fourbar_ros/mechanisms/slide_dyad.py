@@ -136,7 +136,7 @@ def reach(p: float, r: float, e: float) -> tuple[float, float]:
 
 
 def slide_ranges(p: float, r: float, e: float) -> tuple[tuple[float, float], ...]:
-    """Return the ranges of s in which the triangle of :func:`make_triangle` closes, from below [m]."""
+    """Return the ranges of s in which the triangle closes, in rising order [m]."""
     unit = power_of_two(p, r, e)
     inner, outer = reach(p / unit, r / unit, e / unit)
     far = unit * sqrt(outer)

@@ -22,6 +22,6 @@ def difference_of_squares(a: Any, b: Any, c: Any, d: Any, exact_sum: Function = 
 
 
 def scaled(lengths: Sequence[float]) -> list[float]:
-    """Return lengths times the power of two, which rounds nothing, that makes the largest about one."""
+    """Return lengths times the power of two that makes the largest about one, exactly."""
     exponent = frexp(max(map(abs, lengths)))[1]
     return [ldexp(length, -exponent) for length in lengths]

@@ -95,7 +95,7 @@ def hypot_of_arrays(x: Any, y: Any, out: Any = None) -> Any:
     square = x * x
     square += y * y
     length = np.sqrt(square, out=out)
-    is_safe = length.size and 1e-140 < length.min() and length.max() < 1e150
+    is_safe = length.size and length.min() > 1e-140 and length.max() < 1e150
     return length if is_safe else np.hypot(x, y, out=out)
 
 
@@ -137,7 +137,7 @@ def columns_of(numbers: NumberType) -> NumberType:
 
 
 def converted(record: Any, number: Callable[[float], Any]) -> Any:
-    """Return a record, or nested ones, with ``number(value)`` in place of each float, unchecked."""
+    """Return a nested record with ``number(value)`` in place of each float, unchecked."""
     if isinstance(record, (float, int)):
         return number(record)
     if record is None:

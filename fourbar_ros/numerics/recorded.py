@@ -196,7 +196,7 @@ class Constants(NamedTuple):
 
 
 def _without_zeros(record: Record, zeros: frozenset[int]) -> tuple[list, list[int]]:
-    """Return the steps without products of zero and sums with zero, and for each place that of the same number."""
+    """Return the steps without products and sums of zero, and the new place of each number."""
     steps, same = list(record.steps), list(range(len(record.steps)))
     for place, step in enumerate(record.steps):
         if step is None or place in record.is_constant:
@@ -315,7 +315,7 @@ class Program:
         return found
 
     def run(self, inputs: Sequence[Any], constants: Constants, size: int) -> list[np.ndarray]:
-        """Return the results for arrays of inputs, each (size,) or a float, as arrays that own their memory."""
+        """Return the results for inputs, each (size,) or a float, as arrays with own memory."""
         values = [*inputs, *constants.values[3:]]
         for place, function, arguments in self._once:
             values[place] = function(*[values[i] for i in arguments])

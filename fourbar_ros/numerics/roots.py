@@ -47,7 +47,7 @@ def fold(x):
 
 
 def turns_back(f, rise):
-    """Return whether the Bernstein coefficient beside a sample has, or nearly has, the other sign."""
+    """Return whether the Bernstein coefficient at a sample (nearly) has the other sign."""
     return ((1.0 - CAUTION) * f + rise >= 0.0) != (f >= 0.0)
 
 

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""One scene, one input after the other, with what the scene wants where the linkage cannot be assembled."""
+"""One scene, one input after the other, with the scene's policy for inputs out of range."""
 from __future__ import annotations
 
 from math import nan, nextafter

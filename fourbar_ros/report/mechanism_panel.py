@@ -134,7 +134,7 @@ def _arms(mechanism, motion, points):
 
 
 def _extensions(mechanism, motion, points, centres, drawn_whole):
-    """Return lines of the links that reach beyond their joints, to points and centres of gravity."""
+    """Return lines of links that extend beyond their joints, to points and CGs."""
     reach = {link.name: [0.0] for link in mechanism.LINKS}
     for link, along, _ in points.values():
         reach[link].append(along)

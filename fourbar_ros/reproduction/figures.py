@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The figures of the two documents, drawn from our values, and the page of ``fourbar reproduce --html``."""
+"""Draw the documents' figures from our values, for ``fourbar reproduce --html``."""
 from __future__ import annotations
 
 from datetime import date

@@ -149,7 +149,7 @@ def _equation(row, symbols):
 
 
 def _evaluate(expression, symbols):
-    """Return the value of an expression of published.yaml, which knows these symbols and nothing else."""
+    """Return the value of an expression of published.yaml, which knows these symbols alone."""
     return float(eval(str(expression), {'__builtins__': {}}, symbols))
 
 

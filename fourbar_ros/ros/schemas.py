@@ -14,7 +14,7 @@ from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, QUEUE_DEPTH, WRENCHES
 
 
 def channel(topic, name):
-    """Return the bag's Channel of a :class:`~fourbar_ros.scene.topics.Topic` under its resolved name."""
+    """Return the bag's Channel of a :class:`.Topic` under its resolved name."""
     is_input = topic in INPUTS.values() or topic in WRENCHES.values()
     depth = 1 if topic.latched else INPUT_DEPTH if is_input else QUEUE_DEPTH
     return Channel(name, topic.type, definition(topic.type), type_hash(topic.type), depth,

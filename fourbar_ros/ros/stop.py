@@ -54,7 +54,7 @@ class Stop:
 
 @contextlib.contextmanager
 def _silent_race():
-    """Keep Python from printing a traceback for a signal that arrives while it changes from caught to ignored."""
+    """Suppress the traceback of a signal that arrives while its handler changes."""
     before = sys.unraisablehook
     sys.unraisablehook = lambda found: None if isinstance(found.exc_value,
                                                           OSError) else before(found)

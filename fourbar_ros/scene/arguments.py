@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Command lines: errors that name the nearest known word, numbers in their range, and the node's own arguments."""
+"""Command lines: errors name the nearest word, numbers have ranges; the node's arguments."""
 from __future__ import annotations
 
 import argparse
@@ -22,7 +22,7 @@ it, docs/node.md lists all parameters. Exit codes: 0 stopped by a signal; 2 a sc
 
 
 class Parser(argparse.ArgumentParser):
-    """An argument parser whose errors suggest the nearest word, and whose verbs refuse unknown options themselves."""
+    """An argument parser whose errors suggest the nearest word, also within verbs."""
 
     def __init__(self, *args, **kwargs):
         super().__init__(*args, **kwargs)

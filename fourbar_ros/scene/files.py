@@ -186,7 +186,7 @@ def scalar(text: str) -> bool | int | float | str:
 
 
 class _Loader(yaml.SafeLoader):
-    """YAML as rcl reads it; a key that comes twice in one mapping, no value and aliases are errors."""
+    """YAML as rcl reads it; duplicate keys, missing values and aliases are errors."""
 
     yaml_implicit_resolvers = {}
 

@@ -16,7 +16,7 @@ from fourbar_ros.mechanisms.parts import Link
 
 
 class KnownLength(NamedTuple):
-    """A length of any kind: its text, whether it may be zero or negative, whether every kind has it."""
+    """A length of any kind: text, whether it may be zero or negative, whether all have it."""
 
     text: str
     signed: bool

@@ -128,7 +128,7 @@ def _external(link, first_joint):
                                                         'component, constant'),
         Parameter(name + 'force_y', 'double', 0.0, 'N', f'external force on the {link}: y '
                                                         'component, constant'),
-        Parameter(name + 'along', 'double', 0.0, 'm', 
+        Parameter(name + 'along', 'double', 0.0, 'm',
                   f'point where the external force acts on the {link}: distance from '
                   f'{first_joint} along the link'),
         Parameter(name + 'across', 'double', 0.0, 'm',
@@ -216,7 +216,7 @@ PARAMETERS = {parameter.name: parameter for parameter in (
     Parameter('joint_states.ratios', 'doubles', [1.0] * 4, '',
               'ratio of each joint: published position = ratio * (angle or slide) + offset; '
               'negative: opposite direction', live=False),
-    Parameter('joint_states.offsets', 'doubles', [0.0] * 4, 'rad or m', 
+    Parameter('joint_states.offsets', 'doubles', [0.0] * 4, 'rad or m',
               'offset of each joint: published position = ratio * (angle or slide) + offset',
               live=False),
     Parameter('joint_states.when_unknown', 'string', 'skip', '',
@@ -229,7 +229,7 @@ PARAMETERS = {parameter.name: parameter for parameter in (
     Parameter('recording.name', 'string', '', '', 'name of the first bag; empty: a new name from '
                                                   'the clock',
               live=False),
-    Parameter('recording.split_size', 'double', 0.0, 'MB', 
+    Parameter('recording.split_size', 'double', 0.0, 'MB',
               'continue a bag in a new file when the current one exceeds this size; 0: never',
               low=0.0, live=False),
     Parameter('recording.split_duration', 'double', 0.0, 's',

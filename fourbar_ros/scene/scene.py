@@ -41,7 +41,7 @@ class DriveSettings(NamedTuple):
 
 
 class RecordingSettings(NamedTuple):
-    """Where and when to record, when to continue in a new file [MB], [s], and how much to keep [s]."""
+    """Where and when to record, when to split [MB], [s], and how much to keep [s]."""
 
     start: bool
     directory: str
@@ -123,7 +123,7 @@ class Scene(NamedTuple):
 
     @property
     def needs_loads(self):
-        """Return whether any output is a load (the drive's effort in joint_states alone is not)."""
+        """Return whether any output is a load; the effort in joint_states alone is not."""
         return any(topic.needs_loads for topic in self.topics.values())
 
     @property

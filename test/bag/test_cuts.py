@@ -417,7 +417,7 @@ def test_chunks_that_stand_twice_or_are_swapped_are_named(whole, tmp_path, state
 # --- definitions ---------------------------------------------------------------------------------
 
 def loose_bag(path, count=6):
-    """Write a bag whose definitions stand outside of its chunks and, as of a recorder, in its first two."""
+    """Write a bag with definitions outside of its chunks and in its first two."""
     data, _ = small_bag(path)
     first = chunk_places(data)[0][0]
     loose = b''.join(encoded(record)
@@ -442,7 +442,7 @@ def test_definitions_outside_of_chunks_cost_no_chunk_and_no_name(tmp_path):
 
 @pytest.mark.parametrize('hit', [0, 1])
 def test_what_recover_makes_keeps_its_definitions_under_the_checksums_of_two_chunks(tmp_path, hit):
-    """Cut a bag, hit the first of the two chunks that define everything, recover, cut and flip every byte again."""
+    """Cut a bag, damage its first chunk, recover it, cut and flip every byte again."""
     file = tmp_path / 'one_0.mcap'
     data, end = small_bag(file)
     everything = raws(file)

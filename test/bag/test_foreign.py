@@ -143,7 +143,7 @@ sys.exit(main({arguments!r}))
 
 
 def limited(arguments, memory):
-    """Run the command line with so much memory [bytes] on top of its imports, and 40 open files."""
+    """Run the command line with limited memory [bytes] after imports, and 40 open files."""
     return subprocess.run([sys.executable, '-c',
                            LIMITED.format(memory=memory, arguments=arguments)],
                           capture_output=True, text=True, timeout=120, check=False)

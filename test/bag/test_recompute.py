@@ -162,7 +162,7 @@ def test_the_last_step_of_a_cut_bag_need_not_be_whole(bag, tmp_path):
 # --- the driven joint ----------------------------------------------------------------------------
 
 def with_input(directory, name, given, scene, change=lambda k, motion: motion, stamps=None):
-    """Record inputs (position, velocity, acceleration) and what follows from them, the motion as it came."""
+    """Record inputs (position, velocity, acceleration) and the outputs of each."""
     topics = [DRIVEN, SCENE, INPUTS['motion'], *scene.topics.values()]
     resolved = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
     writer = BagWriter(directory, name, [bags.channel(resolved[t.name], t.type) for t in topics],

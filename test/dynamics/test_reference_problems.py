@@ -103,7 +103,7 @@ def test_free_motion_by_quadrature_agrees_with_the_references():
 
 @pytest.mark.slow
 def test_the_references_of_the_slider_crank_by_two_formulations():
-    """One equation in q; and x, p, q with Lagrange multipliers, of which the accelerations are solved."""
+    """One equation in q; and x, p, q with Lagrange multipliers, solved for accelerations."""
     from flint import arb
     from support.taylor import taylor
     half = arb(1) / 2

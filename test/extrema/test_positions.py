@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Extrema of positions: continuous angles, slide and transmission angle, against dead points and limits in closed form."""
+"""Extrema of positions against dead points and limits in closed form."""
 from math import pi
 
 from fourbar_ros import find_extrema, FourBar, InvertedSlider, SliderCrank
@@ -33,7 +33,7 @@ def test_theta4_of_a_crank_rocker_turns_back_at_its_dead_points(lengths, mode):
 
 
 def test_an_angle_that_swings_through_180_degrees_has_no_jump():
-    """Its least value is in [-pi, pi), the largest may be beyond: as input and output ranges are given."""
+    """The least value is in [-pi, pi), the largest may be beyond, as for ranges."""
     linkage = FourBar(4.0, 2.0, 3.0, 5.5, mode=1)
     (low, high), = linkage.output_ranges
     assert high > pi

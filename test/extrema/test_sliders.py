@@ -34,7 +34,7 @@ def random_bodies(rng):
 
 
 def random_mechanism(rng, kind, driven, least=1e-3):
-    """Return a mechanism with random lengths, masses, gravity and mode, not too near a change point."""
+    """Return a random mechanism with masses and gravity, not too near a change point."""
     while True:
         try:
             mechanism = kind(*rng.uniform(0.1, 1.0, 2).tolist(), float(rng.normal(0.0, 0.2)),
@@ -172,7 +172,7 @@ def test_a_slide_that_is_driven_has_a_place_and_a_crank_angle():
 @pytest.mark.parametrize('kind, driven', KINDS)
 @pytest.mark.parametrize('count', [1, pytest.param(5, marks=pytest.mark.slow)])
 def test_extrema_are_proved_complete(kind, driven, count):
-    """All but magnitudes of reactions, which may have a kink, or be too steep at a toggle to be decided."""
+    """All but magnitudes of reactions, which may have a kink or be too steep to decide."""
     pytest.importorskip('flint')
     rng = np.random.default_rng(12)
     for _ in range(count):

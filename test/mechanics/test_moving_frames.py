@@ -23,7 +23,7 @@ ORDERS = (0, 1, 2)
 
 
 def derivatives(function, t):
-    """Return value and first two derivatives of a function of time, real or complex, in doubles."""
+    """Return value and two derivatives of a function of time, real or complex."""
     return [complex(mp.diff(function, t, n)) if n else complex(function(t)) for n in ORDERS]
 
 

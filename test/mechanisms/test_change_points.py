@@ -122,7 +122,7 @@ def check(mechanism, rates):
 
 
 def check_that_kinds_alternate(mechanism, found):
-    """Along each path between two ends minima and maxima take turns, beginning and ending with the ends."""
+    """Minima and maxima alternate along each path, from end to end."""
     found = [e for e in found if e.kind != 'constant']
     key = (lambda e: e.slide) if mechanism.input == SLIDE else lambda e: e.theta1
     found.sort(key=lambda e: (key(e), e.side))
@@ -136,7 +136,7 @@ def check_that_kinds_alternate(mechanism, found):
 # --- change points -------------------------------------------------------------------------------
 
 def whole_change_points(most):
-    """Yield the lengths of all four-bars at a change point with different whole lengths without a common factor."""
+    """Yield change-point lengths: different whole numbers without a common factor."""
     for lengths in permutations(range(1, most + 1), 4):
         a = sorted(lengths)
         if a[0] + a[3] == a[1] + a[2] and gcd(*lengths) == 1:
@@ -256,7 +256,7 @@ FAST = [(FourBar, CRANK, (2.0, 4.0, 3.0, 5.0), pi), (FourBar, CRANK, (4.0, 2.0, 
 @pytest.mark.parametrize('kind, driven, lengths, place', FAST)
 @pytest.mark.parametrize('rate', [1e5, pytest.param(1e4, marks=pytest.mark.slow)])
 def test_extrema_next_to_the_flat_are_found(kind, driven, lengths, place, rate):
-    """The weight, little beside inertia at speed, makes poles so weak that extrema lie 1e-9 to 1e-3 from the flat."""
+    """Small weights make weak poles, with extrema 1e-9 to 1e-3 from the flat position."""
     rng = np.random.default_rng(3)
     bodies = Bodies(*(Body(*rng.uniform((0.1, 0.2, 0.0, 0.01), (2.0, 1.0, 0.0, 0.2)).tolist())
                       for _ in range(3)))

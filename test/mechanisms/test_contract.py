@@ -9,16 +9,8 @@ of kinds.
 """
 
 import json
-import pickle
 from math import inf, nan, pi
-
-import mpmath as mp
-import numpy as np
-import pytest
-from support import bags, contract
-from support.contract import ANGLE_BOUND, CASES, EPS, LOADS_BOUND, RATE_BOUND
-from support.references import REFERENCES
-from support.scans import check_against_scan
+import pickle
 
 from fourbar_ros import Applied, InvalidParameter, MissingBodies, OutOfRange, Toggle
 from fourbar_ros.cli.main import main
@@ -26,6 +18,13 @@ from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.points import link_motion, point_motion, point_of
 from fourbar_ros.mechanisms.quantities import known, point_acceleration, point_speed, select
 from fourbar_ros.scene import scene as scenes
+import mpmath as mp
+import numpy as np
+import pytest
+from support import bags, contract
+from support.contract import ANGLE_BOUND, CASES, EPS, LOADS_BOUND, RATE_BOUND
+from support.references import REFERENCES
+from support.scans import check_against_scan
 
 every_case = pytest.mark.parametrize('case', CASES, ids=contract.name_of)
 every_family = pytest.mark.parametrize(
@@ -637,7 +636,11 @@ def test_a_scene_keeps_every_digit(case):
 
 @every_case
 def test_messages_are_complete(case):
-    """Every number of the messages has a source; every joint and load of the mechanism is in one."""
+    """
+    Every number of the messages has a source.
+
+    Every joint and load of the mechanism is in one.
+    """
     for mechanism, given in contract.ordinary(case, 222, 2):
         scene = scenes.from_values(
             {

@@ -1,15 +1,21 @@
-"""The code of the formulas: results by name, every tag of an equation in the docstring it belongs to."""
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The code of the formulas.
+
+Results by name, every tag of an equation in the docstring it belongs to.
+"""
 import ast
 import inspect
 import re
 import textwrap
 
+from fourbar_ros.mechanisms.kinds import KINDS
 import pytest
 
-from fourbar_ros.mechanisms.kinds import KINDS
-
 FORMULAS = [(kind, what) for kind in KINDS.values() for what in ('MOTION', 'LOADS')]
-every_formula = pytest.mark.parametrize('kind, what', FORMULAS, ids=lambda v: getattr(v, '__name__', v))
+every_formula = pytest.mark.parametrize('kind, what', FORMULAS,
+                                        ids=lambda v: getattr(v, '__name__', v))
 
 
 def factories(kind, what):
@@ -17,7 +23,8 @@ def factories(kind, what):
     module = inspect.getmodule(kind)
     name = f'{module.__name__.rpartition(".")[0]}.{what.lower()}'
     formulas = __import__(name, fromlist=['x'])
-    functions = [f for n, f in vars(formulas).items() if re.fullmatch(r'make_(.+_)?(motion|loads)', n)
+    functions = [f for n, f in vars(formulas).items() if re.fullmatch(r'make_(.+_)?(motion|loads)',
+                                                                      n)
                  and inspect.getmodule(f) is formulas]
     return formulas, [ast.parse(textwrap.dedent(inspect.getsource(f))).body[0] for f in functions]
 

@@ -68,7 +68,7 @@ def draw(rng, kind, power):
 
 
 def values_of(rng, what, link, lengths):
-    """Return 24 numbers for :func:`pieces` of which only one source acts, of a size over many decades."""
+    """Return 24 numbers for :func:`pieces` with one source, of any size, acting."""
     i, values = LINKS[link], [0.0] * 24
     size = (max(map(abs, lengths)) if rng.random() < 0.5
             else min(lengths[:2])) * 10.0**rng.uniform(-8.0, 1.0)

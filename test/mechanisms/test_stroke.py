@@ -21,7 +21,7 @@ EPS = 2.0**-52
 
 
 def mechanisms(seed, count):
-    """Yield loaded mechanisms driven at their slide, each with a random stroke inside one of its ranges."""
+    """Yield loaded mechanisms driven at their slide, each with a random stroke."""
     from dataclasses import replace
     rng = np.random.default_rng(seed)
     for kind in slider_reference.KINDS:

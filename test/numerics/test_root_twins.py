@@ -20,7 +20,7 @@ EPS = 2.0**-52
 @pytest.mark.parametrize('is_closed', [True, False])
 @pytest.mark.parametrize('seed', range(40))
 def test_both_name_the_same_intervals(seed, is_closed):
-    """Random samples and slopes, among them zeros, tiny values and steep ones, where the closer look decides."""
+    """Random samples and slopes, with zeros, tiny and steep ones among them."""
     rng = np.random.default_rng(seed)
     f = rng.normal(size=24) * 10.0**rng.uniform(-6.0, 0.0, 24) * rng.choice([0.0, 1.0], 24,
                                                                             p=[0.1, 0.9])

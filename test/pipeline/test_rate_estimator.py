@@ -55,7 +55,7 @@ def test_constant_acceleration_is_exact_on_any_spacing_and_through_the_wrap(wind
 @pytest.mark.parametrize('rate', [500, 1000, 5000])
 @pytest.mark.parametrize('window', [3, 5])
 def test_the_torque_at_constant_speed_is_that_of_no_acceleration(window, rate, epoch):
-    """25 rad/s: what floats of seconds made of it was 3.4 rad/s2 at 1 kHz, and 3.9 N m of torque."""
+    """25 rad/s: floats of seconds made 3.4 rad/s2 of it at 1 kHz, and 3.9 N m."""
     linkage = scene.from_values({**PAPER, **RODS}).linkage
     k = np.arange(200)
     times, angles = epoch + k * (NS // rate), 25.0 * k / rate
@@ -266,7 +266,7 @@ def test_an_input_that_is_no_number_is_not_remembered(bad):
 
 @pytest.mark.parametrize('period', [math.tau, math.inf])
 def test_whatever_comes_it_goes_on(period):
-    """Stamps of messages and the edges of floats in every order, and afterwards the estimate is right again."""
+    """Take stamps and floats at their limits in any order; then the estimate recovers."""
     edges = [0.0, -0.0, 1.0, math.nan, math.inf, -math.inf, 5e-324, 1.7e308, -1.7e308, 1e154, 1e16]
     rng = np.random.default_rng(3)
     estimator = RateEstimator(period=period)

@@ -45,7 +45,7 @@ def bag(run_node, client, tmp_path):
 
 
 def plain(message, skip=('__msgtype__',)):
-    """Return a message of any library as nested plain values, NaN as text so that it equals itself."""
+    """Return a message of any library as nested plain values, NaN as text."""
     if hasattr(message, 'get_fields_and_field_types'):
         return {name: plain(getattr(message, name))
                 for name in message.get_fields_and_field_types()}
@@ -209,7 +209,7 @@ def test_recording_refuses_with_a_reason_and_the_stream_goes_on(run_node, client
 
 
 def recorder_of(client):
-    """Return (level, message, values) of the linkage's diagnostics, once the recorder is among them."""
+    """Return (level, message, values) of the diagnostics once the recorder is included."""
     found = []
 
     def heard(message):

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Loads go back along a chain of nodes, come from topics, fall silent, and compute again from the bag."""
+"""Loads pass back along a chain of nodes, fall silent, and recompute from the bag."""
 import math
 import time
 

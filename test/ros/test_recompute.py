@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Bags of a real node: split while they are written, the driven joint computed again from what the node received."""
+"""Bags of a real node: split while written, recomputed from the received inputs."""
 import math
 
 from fourbar_msgs.msg import Motion

@@ -5,25 +5,25 @@ The node cannot be broken from outside: garbage, floods, storms, restarts; nothi
 """
 import math
 import os
+from pathlib import Path
 import random
 import shutil
 import signal
 import struct
 import time
-from pathlib import Path
 
-import pytest
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import LinkageState, Motion
-from rclpy.serialization import serialize_message
-from sensor_msgs.msg import JointState
-
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.recompute import compare
 from fourbar_ros.scene import scene
+import pytest
+from rclpy.serialization import serialize_message
+from sensor_msgs.msg import JointState
 from support.faults import Faults
 from support.harness import ALL_OUTPUTS, NodeProcess
 from support.scenes import PAPER, RODS
+
 from ros.test_inputs import set_parameters
 
 SOAK = float(os.environ.get('SOAK_MINUTES', 0)) * 60.0

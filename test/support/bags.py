@@ -105,7 +105,7 @@ def copy(bag, directory, name, change):
 
 
 def with_old_memory(data, texts, rng):
-    """Return a message with random bytes in the padding behind these texts, as Fast CDR leaves it."""
+    """Return a message with random bytes in the padding, as Fast CDR leaves it."""
     data = bytearray(data)
     for text in texts:
         end = data.index(text.encode() + b'\0') + len(text) + 1

@@ -8,12 +8,12 @@ Drawn at random and from hard families.
 
 from typing import Any, NamedTuple
 
+from fourbar_ros import Applied, Bodies, Body, External, InvalidParameter
+from fourbar_ros.mechanisms.kinds import KINDS
 import mpmath as mp
 import numpy as np
 
-from fourbar_ros import Applied, Bodies, Body, External, InvalidParameter
-from fourbar_ros.mechanisms.kinds import KINDS
-from support.reference import EPS, condition
+from support.reference import condition, EPS
 from support.references import REFERENCES
 
 FAMILIES = (
@@ -85,7 +85,11 @@ class Case(NamedTuple):
 
 
 def modes_of(kind, driven):
-    """Return the assembly modes of a kind with this input: of one whose lengths are all one metre."""
+    """
+    Return the assembly modes of a kind with this input.
+
+    Of one whose lengths are all one metre.
+    """
     others = {'input': driven} if len(kind.INPUTS) > 1 else {}
     return tuple(kind(*[1.0 for _ in kind.LENGTHS], **others).modes)
 

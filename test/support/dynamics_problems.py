@@ -26,7 +26,7 @@ def sundials_slider_crank():
 
 
 def one_window():
-    """P3, N = 1: a parallelogram of rods of 1 m and 1 kg, posts upright, the upper rod at 1 m/s."""
+    """P3, N = 1: a parallelogram of rods, 1 m and 1 kg, upright, the upper at 1 m/s."""
     rod = Body(1.0, 0.5, 0.0, 1.0 / 12.0)
     parallelogram = FourBar(1.0, 1.0, 1.0, 1.0, bodies=Bodies(rod, rod, rod), gravity=(0.0, -9.81))
     return System(parallelogram, pi / 2, -1.0)

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""A slow disk and a clock that is set, for processes that are started under a small library of our own."""
+"""A slow disk and a clock that is set, by a small preloaded library."""
 import mmap
 import struct
 import subprocess

@@ -50,7 +50,7 @@ def cross(r, f):
 
 
 def pose(lengths, sign, x):
-    """Return the :class:`Pose` for theta1 = x, or None where the linkage cannot close or is at a toggle."""
+    """Return the :class:`Pose` for theta1 = x, or None at a toggle or out of range."""
     a1, a2, a3, a4 = map(mp.mpf, lengths)
     crank = a1 * mp.expj(x)
     diagonal = a4 - crank

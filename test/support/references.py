@@ -1,7 +1,8 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The reference of every kind of mechanism, in many digits; a new kind adds one entry to :data:`REFERENCES`.
+The reference of every kind of mechanism, in many digits; a new kind adds one entry to
+:data:`REFERENCES`.
 
 ``test_contract`` compares each kind with its reference and fails for a kind without one.
 """
@@ -18,19 +19,19 @@ class Reference(NamedTuple):
     """
     Exact values of one kind, by a formulation that shares nothing with the package.
 
-    All take (driven, lengths, sign, given): name of the input, lengths [m], +1 or -1 for the assembly mode,
-    input with its rate and acceleration, all as numbers for mpmath.
+    All take (driven, lengths, sign, given): name of the input, lengths [m], +1 or -1 for the
+    assembly mode, input with its rate and acceleration, all as numbers for mpmath.
 
     Parameters
     ----------
     motion : callable
-        Returns {field of the motion: mpf} of angles, travel, rates and accelerations; None where the
-        mechanism cannot close or is at a toggle.
+        Returns {field of the motion: mpf} of angles, travel, rates and accelerations; None where
+        the mechanism cannot close or is at a toggle.
     links : callable
         Returns {link: (place of its first joint [m], its direction)}, both complex.
     loads : callable
-        Takes (bodies, applied, gravity) too: four numbers a link, five for each link that can be loaded,
-        two. Returns {field of the loads: mpf, or mpc for a pair of fields NAME_x, NAME_y}.
+        Takes (bodies, applied, gravity) too: four numbers a link, five for each link that can be
+        loaded, two. Returns {field of the loads: mpf, or mpc for a pair of fields NAME_x, NAME_y}.
     families : mapping
         {name: function (rng) -> lengths} of hard cases beside those that all kinds share.
 
@@ -42,7 +43,7 @@ class Reference(NamedTuple):
     families: Mapping = {}
 
 
-# --- the four-bar ----------------------------------------------------------------------------------
+# --- the four-bar --------------------------------------------------------------------------------
 
 
 def _four_bar_motion(driven, lengths, sign, given):
@@ -84,7 +85,7 @@ def _with_drive_named(loads, driven):
     return {**loads, 'driving_torque': drive * is_crank, 'driving_force': drive * (not is_crank)}
 
 
-# --- the sliders -----------------------------------------------------------------------------------
+# --- the sliders ---------------------------------------------------------------------------------
 
 
 def _slider(kind, families):
@@ -162,7 +163,7 @@ _OF_SLIDERS = {
 }
 
 
-# --- the Scotch yoke -------------------------------------------------------------------------------
+# --- the Scotch yoke -----------------------------------------------------------------------------
 
 
 def _yoke_motion(driven, lengths, sign, given):

@@ -4,10 +4,10 @@
 
 from math import inf
 
-import numpy as np
-from support.reference import EPS
-
 from fourbar_ros import find_extrema
+import numpy as np
+
+from support.reference import EPS
 
 
 def place(mechanism, extremum):

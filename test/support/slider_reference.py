@@ -30,7 +30,7 @@ LOADS = ('f41', 'f21', 'f32', 'f43', 'guide_force', 'guide_couple', 'drive', 'sh
 
 
 class Exact(NamedTuple):
-    """Crank angle, angle of the other turning link and slide, with their rates and accelerations."""
+    """Crank angle, angle of the other turning link and slide, with rates, accelerations."""
 
     angle: tuple
     rate: tuple
@@ -102,7 +102,7 @@ def inverted_slider(lengths, is_crank, sign, given):
 
 
 def exact(kind, lengths, sign, given):
-    """Return the Exact of a kind (type, input), or None where it cannot close or is at a toggle."""
+    """Return the Exact of a kind (type, input), or None at a toggle or out of range."""
     function = slider_crank if kind[0] is SliderCrank else inverted_slider
     return function([mp.mpf(v) for v in lengths], kind[1] == 'crank', sign,
                     [mp.mpf(v) for v in given])
@@ -227,7 +227,7 @@ def small(rng, low, high):
 
 
 def draw(rng, kind, family):
-    """Return lengths, mode and input (value, rate, acceleration) of a case of a family that closes."""
+    """Return lengths, mode and input (value, rate, acceleration) of a case that closes."""
     while True:
         one, other = rng.uniform(0.1, 1.0, 2)
         offset = rng.uniform(-1.0, 1.0) * (one + other)

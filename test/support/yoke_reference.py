@@ -3,15 +3,18 @@
 """
 Reference for the Scotch yoke: many digits and another formulation.
 
-Positions from coordinates; rates by solving the differentiated loop; loads from the nine equations of three
-free bodies as one system. Nothing here is shared with the package.
+Positions from coordinates; rates by solving the differentiated loop; loads from the nine equations
+of three free bodies as one system. Nothing here is shared with the package.
 """
 import mpmath as mp
+
 from support.reference import cross
 
-FIELDS = ('theta1', 'theta2', 'slide', 'slot', 'omega1', 'omega2', 'slide_velocity', 'slot_velocity',
+FIELDS = ('theta1', 'theta2', 'slide', 'slot', 'omega1', 'omega2', 'slide_velocity',
+          'slot_velocity',
           'alpha1', 'alpha2', 'slide_acceleration', 'slot_acceleration')
-LOADS = ('f41', 'f21', 'f32', 'f43', 'guide_force', 'guide_couple', 'slot_couple', 'drive', 'shaking_force',
+LOADS = ('f41', 'f21', 'f32', 'f43', 'guide_force', 'guide_couple', 'slot_couple', 'drive',
+         'shaking_force',
          'shaking_moment')
 
 
@@ -39,24 +42,34 @@ def fields_of(driven, lengths, sign, given):
 
 
 def loads_of(driven, lengths, sign, given, bodies, applied, gravity):
-    """Return the values of LOADS, forces as mpc; unknown: F41, F21, N, slot couple, guide and its couple, drive."""
+    """
+    Return the values of LOADS, forces as mpc.
+
+    Unknown: F41, F21, N, slot couple, guide and its couple, drive.
+    """
     pin, (_, (w, _, _), (al, sa, _)) = exact(driven, lengths, sign, given)
     origin3, of_a = mp.mpc(pin.real, lengths[1]), mp.mpc(-w**2, al) * pin
-    frames = ((0, mp.mpc(-w**2, al), pin / lengths[0], al), (of_a, 0, mp.mpc(0, 1), 0), (mp.mpc(sa), 0, mp.mpc(1), 0))
+    frames = ((0, mp.mpc(-w**2, al), pin / lengths[0], al), (of_a, 0, mp.mpc(0, 1), 0),
+              (mp.mpc(sa), 0, mp.mpc(1), 0))
     right = []
-    for i, ((mass, along, across, inertia), (origin, spin, frame, alpha)) in enumerate(zip(bodies, frames)):
+    for i, ((mass, along, across, inertia), (origin, spin, frame,
+                                             alpha)) in enumerate(zip(bodies, frames)):
         force_x, force_y, at_along, at_across, couple = applied[i - 1] if i else (0,) * 5
         centre, push = frame * mp.mpc(along, across), mp.mpc(force_x, force_y)
         needed = mass * (origin + spin * centre - mp.mpc(*gravity))
-        right += [(needed - push).real, (needed - push).imag, inertia * alpha - couple + cross(centre, needed)
+        right += [(needed - push).real, (needed - push).imag, inertia * alpha - couple
+                  + cross(centre, needed)
                   - cross(frame * mp.mpc(at_along, at_across), push)]
     m = mp.zeros(9, 9)
-    m[0, 0] = m[1, 1] = m[0, 2] = m[1, 3] = 1                        # crank: F41 + F21, moment of F21
+    # crank: F41 + F21, moment of F21
+    m[0, 0] = m[1, 1] = m[0, 2] = m[1, 3] = 1
     m[2, 2], m[2, 3] = -pin.imag, pin.real
-    m[3, 2] = m[4, 3] = -1                                           # block: F12 + N along x, couple (5)
+    # block: F12 + N along x, couple (5)
+    m[3, 2] = m[4, 3] = -1
     m[3, 4] = m[5, 5] = 1
     arm = pin - origin3
-    m[6, 4], m[8, 4], m[8, 5] = -1, arm.imag, -1                     # yoke: minus both; guide (6), couple (7)
+    # yoke: minus both; guide (6), couple (7)
+    m[6, 4], m[8, 4], m[8, 5] = -1, arm.imag, -1
     m[7, 6] = m[8, 7] = 1
     m[2 if driven == 'crank' else 6, 8] = 1
     f = mp.lu_solve(m, mp.matrix(right))

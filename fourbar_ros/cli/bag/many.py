@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""An action on one bag, reported in full, or on several, reported in a table or as lines of JSON."""
+"""An action on one bag, reported in full, or on several, as a table or JSON lines."""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
@@ -28,7 +28,7 @@ def add_bags(parser):
 
 
 def run(arguments, work, text, report):
-    """Run ``work(bag, progress=...)`` on all bags of the arguments, report the results, return the exit code."""
+    """Run ``work(bag, progress=...)`` on all bags, report, return the exit code."""
     from fourbar_ros.bag.many import bags_below, each
     bags = bags_below(arguments.bags)
     if len(bags) == 1:

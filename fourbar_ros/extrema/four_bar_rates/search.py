@@ -231,7 +231,7 @@ def _extremum(linkage, motion, order, x, is_maximum, state, with_conditions):
 
 
 def _paths(constants, last_range, count):
-    """Return theta1 of the samples of each path, toggles included, their step in u, and whether it is closed."""
+    """Return theta1 of each path's samples with toggles, their step in u, if it is closed."""
     s1, s2, k, *_, half, sign = constants
     period, unit, at = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
     count = int(max(count, POINTS_PER_FEATURE * period))
@@ -251,6 +251,6 @@ def _paths(constants, last_range, count):
 
 @cache
 def _phases(*arguments):
-    """Return the pairs of :func:`~fourbar_ros.extrema.four_bar_rates.input_paths.phases` as floats, and the step."""
+    """Return the pairs of :func:`.input_paths.phases` as floats, and the step."""
     sines, cosines, step = phases(*arguments)
     return list(zip(sines.tolist(), cosines.tolist())), step

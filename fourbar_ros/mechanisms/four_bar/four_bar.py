@@ -57,7 +57,7 @@ class DeadPoint(NamedTuple):
 
 
 def _squares_of_half(one, other, a3, a4):
-    """Return 4 r a4 times (sin^2, cos^2) of half the angle at O1 of the triangle r = one + other, a3, a4."""
+    """Return 4 r a4 (sin^2, cos^2) of half the angle at O1 of r = one + other, a3, a4."""
     return (fsum((a3, -one, -other, a4)) * fsum((a3, one, other, -a4)),
             fsum((one, other, a4, -a3)) * fsum((one, other, a4, a3)))
 
@@ -243,11 +243,11 @@ class FourBar(Mechanism):
     # --- how it moves ---------------------------------------------------------------------------
 
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
-        """Return the function (position, rate, acceleration) -> fields of MOTION for constants of a number type."""
+        """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
         return make_motion(numbers, *constants.lengths, constants.sign)
 
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
-        """Return the function (fields of MOTION) -> fields of LOADS for constants of a number type."""
+        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
         return make_loads(numbers, *constants.lengths, constants.bodies, constants.gravity,
                           constants.external)
 
@@ -267,7 +267,7 @@ class FourBar(Mechanism):
         return motion.sin_mu
 
     def term_sizes(self, motion, rate, acceleration):
-        """Return {unit: size} of the terms that rates and accelerations are sums of, for noise bounds."""
+        """Return {unit: size} of the terms of rates and accelerations, for noise bounds."""
         gain = min(1.0, self.a1 / min(self.a2, self.a3))
         return {'rad/s': gain * abs(rate), 'rad/s^2': gain * (abs(acceleration) + rate**2)}
 

@@ -169,7 +169,7 @@ class IOEquation(NamedTuple):
         return _double_angle(p, r, m, root), _double_angle(p, r, m, -root)
 
     def _form(self, one, other):
-        """Return the bilinear form of (sin^2, cos^2, sin cos) of two half-angles or derivatives of them."""
+        """Return the bilinear form of (sin^2, cos^2, sin cos) of two half-angles."""
         return ((self.both * one[0] + self.second * one[1]) * other[0]
                 + (self.first * one[0] + self.constant * one[1]) * other[1]
                 + self.mixed * one[2] * other[2])
@@ -231,7 +231,7 @@ def from_half_angle(v, dv=0.0, ddv=0.0):
 
 
 def _powers(theta):
-    """Return (sin^2, cos^2, sin cos) of the half-angle and their first and second derivatives by theta."""
+    """Return (sin^2, cos^2, sin cos) of the half-angle and two derivatives by theta."""
     half = 0.5 * array('theta', theta)
     sine, cosine = np.sin(half), np.cos(half)
     square, rest, product = sine * sine, cosine * cosine, sine * cosine
@@ -240,7 +240,7 @@ def _powers(theta):
 
 
 def _double_angle(p, r, m, root):
-    """Return the angle whose half has the tangent (m + root)/p = r/(m - root), and m^2 - root^2 = p r."""
+    """Return the angle whose half has the tangent (m + root)/p = r/(m - root)."""
     adds = m * root > 0.0
     numerator, denominator = np.where(adds, m + root, r), np.where(adds, p, m - root)
     return np.arctan2(2.0 * numerator * denominator,

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The picture of an inverted slider-crank or cylinder, and its velocity and acceleration polygons."""
+"""Picture and velocity and acceleration polygons of an inverted slider-crank."""
 from __future__ import annotations
 
 from typing import Any

@@ -120,7 +120,7 @@ def make_crank_motion(n: NumberType, a1: Any, a4: Any, h: Any, sign: Any) -> Fun
 
 
 def make_slide_motion(n: NumberType, a1: Any, a4: Any, h: Any, sign: Any) -> Function:
-    """Return the function (slide, velocity, acceleration) -> fields of :class:`InvertedSliderMotion`."""
+    """Return (slide, velocity, acceleration) -> fields of :class:`InvertedSliderMotion`."""
     atan2, fabs = n.atan2, n.fabs
     unit = n.power_of_two(a1, a4, h)
     a1, a4, h, per_unit = a1 / unit, a4 / unit, h / unit, 1.0 / unit

@@ -86,7 +86,7 @@ def make_crank_motion(n: NumberType, a1: Any, e: Any, sign: Any) -> Function:
 
 
 def make_slide_motion(n: NumberType, a1: Any, e: Any, sign: Any) -> Function:
-    """Return the function (slide, velocity, acceleration) -> fields of :class:`ScotchYokeMotion`."""
+    """Return (slide, velocity, acceleration) -> fields of :class:`ScotchYokeMotion`."""
     sqrt, atan2, fabs = n.sqrt, n.atan2, n.fabs
     unit = n.power_of_two(a1, e)
     a1, e, per_unit = a1 / unit, e / unit, 1.0 / unit

@@ -142,12 +142,12 @@ class ScotchYoke(Mechanism):
                 else ())
 
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
-        """Return the function (position, rate, acceleration) -> fields of MOTION for constants of a number type."""
+        """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
         make = make_crank_motion if self.input == CRANK else make_slide_motion
         return make(numbers, *constants.lengths, constants.sign)
 
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
-        """Return the function (fields of MOTION) -> fields of LOADS for constants of a number type."""
+        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
         return make_loads(numbers, *constants.lengths, self.input == CRANK, constants.bodies,
                           constants.gravity, constants.external)
 

@@ -28,7 +28,7 @@ def velocity_polygon(mechanism: Any, motion: Any) -> list[Arrow]:
 
 
 def acceleration_polygon(mechanism: Any, motion: Any) -> list[Arrow]:
-    """Return the arrows of A_B = A_A + A_B/A, those of A and B/A in normal and tangential part [m/s^2]."""
+    """Return the arrows of A_B = A_A + A_B/A, with normal and tangential parts [m/s^2]."""
     crank, coupler = (link_motion(mechanism, motion, link) for link in ('crank', 'coupler'))
     a_a = point_motion(mechanism, motion, 'crank', mechanism.a1).acceleration
     a_b = point_motion(mechanism, motion, 'coupler', mechanism.a2).acceleration

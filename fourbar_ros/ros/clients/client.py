@@ -32,7 +32,7 @@ class NoAnswer(FourBarError):
 
 
 def name_on(node: str, entity: Topic | Service) -> str:
-    """Return the absolute name of a topic or service of a node, whose name may lack its leading slash."""
+    """Return the absolute name of a topic or service of a node, with or without a slash."""
     name = getattr(entity, 'service', None) or entity.topic
     return name.replace('~', f'/{node.strip("/")}')
 

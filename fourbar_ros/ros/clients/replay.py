@@ -35,7 +35,7 @@ FAREWELL = 2.0              # [s] for reliable readers to get the last messages
 
 
 def installed(type_name, recorded_hash):
-    """Return (class, '') of a message type, or (None, why its recorded bytes cannot be sent here)."""
+    """Return (class, '') of a message type, or (None, why it cannot be sent here)."""
     try:
         kind, here = resolve(type_name), type_hash(type_name)
     except (LookupError, ModuleNotFoundError, AttributeError, ValueError, OSError):

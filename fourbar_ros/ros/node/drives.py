@@ -1,21 +1,21 @@
 """What moves the input: a thread on the clock's grid, a timer of simulated time, or a subscription."""
 from __future__ import annotations
 
+from math import isnan, nan
 import threading
 import time
-from math import isnan, nan
 from traceback import format_exc
 
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS
 from fourbar_ros.pipeline import joints
-from fourbar_ros.pipeline.rate_estimator import estimator_of
 from fourbar_ros.pipeline.message_fields import is_time
-from fourbar_ros.ros.node import qos
+from fourbar_ros.pipeline.rate_estimator import estimator_of
 from fourbar_ros.ros.messages import resolve, sec_nanosec
+from fourbar_ros.ros.node import qos
 from fourbar_ros.ros.node.sequence import Sequence, WithInfo
+from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS
 
 SLEEP = 0.1            # [s] longest sleep: how soon a thread sees that it shall stop
 CATCH_UP = 1.0         # [s] a thread later than this skips the samples it missed
@@ -191,7 +191,9 @@ class TopicDrive(Drive):
 
     def apply(self, settings):
         """Take over settings; the estimate starts afresh."""
-        from fourbar_ros.ros.node.inputs import Reader  # only these drives need the definitions of messages
+        from fourbar_ros.ros.node.inputs import (
+            Reader,  # only these drives need the definitions of messages
+        )
 
         super().apply(settings)
         self._scale = joints.Scale(settings.joint_ratio, settings.joint_offset)

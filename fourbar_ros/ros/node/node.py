@@ -10,18 +10,18 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from fourbar_ros.scene.topics import FIND_EXTREMA, SERVICES
-from fourbar_ros.scene.arguments import NODE_HELP, check_node_arguments
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros.node import parameters, services
 from fourbar_ros.ros.node.diagnostics import Diagnostics
 from fourbar_ros.ros.node.drives import SimulatedTimerDrive, TimerDrive, TopicDrive
 from fourbar_ros.ros.node.quiet_log import QuietLog
 from fourbar_ros.ros.node.recording import Recording
-from fourbar_ros.ros.stop import Stop
-from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.ros.node.steady import SteadyTimers
+from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.ros.node.worker import Worker
+from fourbar_ros.ros.stop import Stop
+from fourbar_ros.scene.arguments import check_node_arguments, NODE_HELP
+from fourbar_ros.scene.topics import FIND_EXTREMA, SERVICES
 
 UnknownArguments = rclpy_implementation.UnknownROSArgsError
 # A file that rcl cannot parse, names that are none; another type for a parameter than rclpy has declared.

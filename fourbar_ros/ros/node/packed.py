@@ -59,7 +59,7 @@ def writer(output: str, message: Any, layout) -> tuple[Callable[..., bytes], boo
 
 def _packer(serialised, has_status: bool, used: Sequence[int],
             count: int) -> Callable[..., bytes] | None:
-    """Return the function that writes numbers into the bytes of one message, None if they are not found there."""
+    """Return the function that writes numbers into a message's bytes, None if not found."""
     probes = [_Given((0x1B2D3F41, 0x25374959), 0xA7, 0x5C, [k + 0.1 for k in range(count)]),
               _Given((0x6E5D4C3B, 0x2A190817), 0x39, 0xE2, [-k - 0.7 for k in range(count)])]
     made = [serialised(*probe) for probe in probes]
@@ -100,7 +100,7 @@ def _places(made: Sequence[bytes], parts: Sequence[bytes]) -> Iterator[int]:
 
 
 def _runs(numbers: Sequence[tuple[int, int]]) -> Iterator[tuple[Callable, int, Callable]]:
-    """Yield (pack_into, offset, function that picks the values) for doubles without a gap between them."""
+    """Yield (pack_into, offset, picker of the values) for runs of adjacent doubles."""
     size, begin = _NUMBER.size, 0
     for end in range(1, len(numbers) + 1):
         if end == len(numbers) or numbers[end][0] != numbers[end - 1][0] + size:

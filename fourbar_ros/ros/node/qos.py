@@ -48,7 +48,7 @@ def has_override(node, entity, topic, policy):
 
 
 def check(node, scene):
-    """Raise InvalidParameter for an override that nothing of the node will ask for, or that has no such value."""
+    """Raise InvalidParameter for an override of an unknown topic or with a bad value."""
     topics = _topics(node, scene)
     for name, parameter in node.get_parameters_by_prefix('').items():
         if name.startswith(PREFIX):

@@ -6,15 +6,15 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import platform
 from pathlib import Path
+import platform
 from typing import NamedTuple
 
 from fourbar_ros import __version__
-from fourbar_ros.pipeline import rate_estimator
-from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.optional import MissingPackage
+from fourbar_ros.pipeline import rate_estimator
+from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
 
 SOFTWARE = ('numpy', 'mcap', 'rclpy')       # whose versions a bag keeps, beside our own
 
@@ -160,7 +160,7 @@ def directory_of(scene):
 
 def software():
     """Return {name: version} of the software that makes a bag."""
-    from importlib.metadata import PackageNotFoundError, version     # 15 ms, and only bags ask
+    from importlib.metadata import PackageNotFoundError, version  # 15 ms, and only bags ask
 
     found = {'fourbar_ros': __version__, 'python': platform.python_version()}
     for name in SOFTWARE:

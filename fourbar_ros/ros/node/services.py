@@ -39,7 +39,7 @@ def create(node):
 
 
 def _answered(handler, node, request, response):
-    """Always answer: an unexpected exception goes to the caller and into the log, and the stream goes on."""
+    """Always answer; report an unexpected exception to the caller and in the log."""
     try:
         return handler(node, request, response)
     except Exception as error:

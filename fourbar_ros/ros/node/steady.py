@@ -17,7 +17,7 @@ PERIOD = 0.1        # [s] so finely are these timers spaced, and so often is the
 
 
 class SteadyTimers:
-    """Functions that are called periodically, in the thread of an executor, while :meth:`waking` it."""
+    """Functions called periodically in the thread of an executor, while :meth:`waking` it."""
 
     def __init__(self) -> None:
         self._timers: dict[object, tuple[float, Callable[[], None]]] = {}

@@ -37,7 +37,7 @@ THETA4_BOUND, ORDINARY = 3e-15, 6.0
 
 
 class Case(NamedTuple):
-    """Free parameters that make the four lengths (both in doubles and in mpmath), theta1, and the speed."""
+    """Free parameters of the four lengths (for doubles and mpmath), theta1, the speed."""
 
     parameters: tuple
     lengths: object     # parameters -> a1, a2, a3, a4
@@ -148,7 +148,7 @@ def near_kite(rng):
 
 
 def link_ratios(power):
-    """Return a family: lengths independently over 10^+-power, the two longest nearly equal if need be."""
+    """Return a family: lengths over 10^+-power, the two longest nearly equal if needed."""
     def family(rng):
         while True:
             lengths = 10.0**rng.uniform(-power, power, 4)

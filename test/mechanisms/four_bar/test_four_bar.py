@@ -83,7 +83,7 @@ CLASSES = {
 
 
 def test_eight_classes_by_brute_force():
-    """Who turns fully, and through which of 0 and pi the two ranges go, is seen by trying all angles."""
+    """Try all angles for which links turn fully and where the two ranges lie."""
     seen = set()
     for lengths in random_lengths(np.random.default_rng(41), 1500).tolist():
         linkage = FourBar(*lengths)

@@ -33,7 +33,7 @@ SLIDES_7_7 = (2.0, 6.0, 7.0, 5.0)
 
 
 class State:
-    """Angles 1..4 of a pose with their rates and accelerations, the same as v, and the slides' factors."""
+    """Angles 1..4 of a pose with rates and accelerations, also as v; the slides' factors."""
 
     def __init__(self, lengths, mode, theta1, omega1=3.0, alpha1=-2.0):
         self.lengths, m = lengths, FourBar(*lengths, mode=mode).motion(theta1, omega1, alpha1)
@@ -52,7 +52,7 @@ class State:
 
 @pytest.fixture(scope='module')
 def states():
-    """Poses of random linkages of all classes in both modes, away from toggles and from v = infinity."""
+    """Poses of random linkages of all classes, away from toggles and v = infinity."""
     rng, result = np.random.default_rng(21), []
     for k, lengths in enumerate(random_lengths(rng, 400).tolist()):
         linkage = FourBar(*lengths, mode=(CROSSED, OPEN)[k % 2])
@@ -351,7 +351,7 @@ def test_item_16_the_modes_are_mirror_images():
 
 
 def test_erratum_units_of_the_centripetal_acceleration():
-    """(94.2 rad/s)^2 (4/12 ft) = 2958 ft/s^2, and omega x (omega x R) = -omega^2 R as vectors, not in bars."""
+    """(94.2 rad/s)^2 (4/12 ft) = 2958 ft/s^2; omega x (omega x R) = -omega^2 R as vectors."""
     assert 94.2**2 * 4.0 / 12.0 == pytest.approx(2958.0, abs=0.5)
     omega, arm = np.array([0.0, 0.0, 94.2]), np.array([0.2, -0.3, 0.0])
     twice = np.cross(omega, np.cross(omega, arm))

@@ -27,7 +27,7 @@ PAPER = FourBar(0.4, 1.2, 0.8, 1.0, mode=OPEN,
 
 
 def random_loaded(seed, count):
-    """Yield random linkages of all classes in both modes with everything acting, and an input (x, w, a)."""
+    """Yield random loaded linkages of all classes and modes, and an input (x, w, a)."""
     rng = np.random.default_rng(seed)
     for i, lengths in enumerate(random_lengths(rng, count)):
         bodies = Bodies(*(Body(rng.uniform(0.1, 10.0), *rng.uniform(-1.0, 1.0, 2),

@@ -3,25 +3,24 @@
 """The Scotch yoke against many digits and a textbook's harmonic motion."""
 from math import cos, inf, pi, sin
 
-import mpmath as mp
-import numpy as np
-import pytest
-from support.reference import EPS, condition
-from support.slider_reference import pieces, random_masses
-from support.yoke_reference import FIELDS, LOADS, exact, fields_of, loads_of
-
 from fourbar_ros import (
     Applied,
     Bodies,
     Body,
     External,
+    find_extrema,
     InvalidParameter,
     OutOfRange,
     ScotchYoke,
     Toggle,
-    find_extrema,
 )
 from fourbar_ros.mechanisms.quantities import known
+import mpmath as mp
+import numpy as np
+import pytest
+from support.reference import condition, EPS
+from support.slider_reference import pieces, random_masses
+from support.yoke_reference import exact, FIELDS, fields_of, LOADS, loads_of
 
 INPUTS = ('crank', 'slide')
 BOUND = 5.0       # in eps cond, as of the other kinds
@@ -33,7 +32,8 @@ def build(driven, lengths, mode, masses=None):
     if masses is None:
         return ScotchYoke(*lengths, mode=mode, input=driven)
     bodies, applied, gravity = pieces(masses)
-    return ScotchYoke(*lengths, mode=mode, input=driven, bodies=Bodies(*(Body(*b) for b in bodies)),
+    return ScotchYoke(*lengths, mode=mode, input=driven,
+                      bodies=Bodies(*(Body(*b) for b in bodies)),
                       external=External(*(Applied(*a) for a in applied)), gravity=tuple(gravity))
 
 
@@ -48,7 +48,8 @@ def draw(rng, driven, family):
         share = rng.choice((-1.0, 1.0)) * (1.0 - 10.0**rng.uniform(-14, -1))
     elif family == 'near zero':
         share = rng.choice((-1.0, 1.0)) * 10.0**rng.uniform(-20, -1)
-    return (a1, e), mode, (float(share * (pi if driven == 'crank' else a1)), float(rng.normal()), float(rng.normal()))
+    return (a1, e), mode, (float(share * (pi if driven == 'crank' else a1)), float(rng.normal()),
+                           float(rng.normal()))
 
 
 FAMILIES = ('random', 'ratios 1e8', 'near a toggle', 'near zero')
@@ -74,7 +75,8 @@ def errors_of(driven, family, rng, with_loads):
         if isinstance(t, mp.mpc):
             value = mp.mpc(getattr(result, f'{name}_x'), getattr(result, f'{name}_y'))
         else:
-            value = result.driving_torque + result.driving_force if name == 'drive' else getattr(result, name)
+            value = (result.driving_torque + result.driving_force if name == 'drive'
+                     else getattr(result, name))
         error = abs(value - t)
         if name in ('theta1', 'theta2'):
             error, c = abs(mp.arg(mp.expj(error))), max(c, 1)
@@ -92,7 +94,11 @@ def test_motion_and_loads_to_five_eps_cond(driven, family):
 
 
 def test_harmonic_motion_of_a_textbook():
-    """Any textbook: s = r cos wt, v = -r w sin wt, a = -r w^2 cos wt; the frame takes m a of yoke and block."""
+    """
+    Any textbook: s = r cos wt, v = -r w sin wt, a = -r w^2 cos wt.
+
+    The frame takes m a of yoke and block.
+    """
     r, w = 0.1, 30.0
     yoke = ScotchYoke(r, bodies=MASSES)
     for t in (0.0, 0.01, 0.04, 0.07):
@@ -100,20 +106,29 @@ def test_harmonic_motion_of_a_textbook():
         assert motion.slide == pytest.approx(r * cos(w * t), abs=1e-16)
         assert motion.slide_velocity == pytest.approx(-r * w * sin(w * t), abs=1e-14)
         assert motion.slide_acceleration == pytest.approx(-r * w**2 * cos(w * t), abs=1e-12)
-        assert loads.shaking_force_x == pytest.approx((4.0 + 0.3) * r * w**2 * cos(w * t), abs=1e-11)
+        assert loads.shaking_force_x == pytest.approx((4.0 + 0.3) * r * w**2 * cos(w * t),
+                                                      abs=1e-11)
         assert loads.shaking_force_y == pytest.approx(0.3 * r * w**2 * sin(w * t), abs=1e-11)
-        assert loads.f32_x == pytest.approx(4.0 * r * w**2 * cos(w * t), abs=1e-11) and loads.f32_y == 0.0
-        assert loads.driving_torque == pytest.approx(0.5 * 4.0 * r**2 * w**2 * sin(2.0 * w * t), abs=1e-11)
+        assert (loads.f32_x == pytest.approx(4.0 * r * w**2 * cos(w * t), abs=1e-11)
+                and loads.f32_y == 0.0)
+        assert loads.driving_torque == pytest.approx(0.5 * 4.0 * r**2 * w**2 * sin(2.0 * w * t),
+                                                     abs=1e-11)
 
 
 def test_extrema_of_harmonic_motion():
-    """Two of the velocity and two of the acceleration, at quarters of a turn; torque at odd eighths."""
+    """
+    Two of the velocity and two of the acceleration, at quarters of a turn.
+
+    Torque at odd eighths.
+    """
     yoke = ScotchYoke(0.1, 0.02, bodies=MASSES)
     found = find_extrema(yoke, ('slide_velocity', 'slide_acceleration', 'driving_torque'), 30.0)
-    places = {name: sorted(e.theta1 for e in found if e.quantity == name) for name in {e.quantity for e in found}}
+    places = {name: sorted(e.theta1 for e in found if e.quantity == name)
+              for name in {e.quantity for e in found}}
     assert places['slide_velocity'] == pytest.approx([0.5 * pi, 1.5 * pi], abs=1e-12)
     assert places['slide_acceleration'] == pytest.approx([0.0, pi], abs=1e-12)
-    assert places['driving_torque'] == pytest.approx([(k + 0.5) * 0.5 * pi for k in range(4)], abs=1e-12)
+    assert places['driving_torque'] == pytest.approx([(k + 0.5) * 0.5 * pi for k in range(4)],
+                                                     abs=1e-12)
     largest = {'slide_velocity': 3.0, 'slide_acceleration': 90.0, 'driving_torque': 18.0}
     for extremum in found:
         assert abs(extremum.value) == pytest.approx(largest[extremum.quantity], rel=1e-14)
@@ -138,7 +153,8 @@ def test_extrema_against_a_scan(driven):
                 ours = [e.theta1 if driven == 'crank' else e.slide for e in found
                         if (e.quantity, e.kind) == (quantity.name, kind)]
                 for place in x[1:-1][is_top]:
-                    assert min((abs(yoke.distance(place, other)) for other in ours), default=inf) < 2 * (x[1] - x[0])
+                    assert min((abs(yoke.distance(place, other)) for other in ours),
+                               default=inf) < 2 * (x[1] - x[0])
 
 
 def test_toggles_modes_and_ranges():
@@ -168,7 +184,8 @@ def test_arrays_complex_steps_and_polygons(driven):
             assert all(values.shape == (2, 50) and np.abs(values - value).max() <= 1e-12 * scale
                        for value, values in zip(single, array))
         moved = yoke.motion(np.array([given[0]]) + 1e-40j, 1.0)
-        derivative = moved.slide_velocity.imag[0] / 1e-40 if driven == 'crank' else moved.omega1.imag[0] / 1e-40
+        derivative = (moved.slide_velocity.imag[0] / 1e-40 if driven == 'crank'
+                      else moved.omega1.imag[0] / 1e-40)
         second = moved.slide_acceleration if driven == 'crank' else moved.alpha1
         assert derivative == pytest.approx(second.real[0], rel=1e-12)
         motion = one[0]
@@ -176,4 +193,5 @@ def test_arrays_complex_steps_and_polygons(driven):
                              (yoke.acceleration_polygon(motion), ('A_A', 'A_{rel}'))):
             by_name = {arrow.label: arrow for arrow in arrows}
             tip = by_name[ends[1]].start + by_name[ends[1]].vector
-            assert np.abs(by_name[ends[0]].vector - tip).max() <= 1e-12 * max(1.0, np.abs(tip).max())
+            assert np.abs(by_name[ends[0]].vector
+                          - tip).max() <= 1e-12 * max(1.0, np.abs(tip).max())
