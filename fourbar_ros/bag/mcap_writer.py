@@ -37,7 +37,6 @@ from fourbar_ros.bag.mcap_records import (
     SEAL,
     seal,
     split,
-    tells_its_times,
     unpacked,
 )
 from fourbar_ros.bag.mcap_scan import MAGIC

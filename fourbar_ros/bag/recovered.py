@@ -3,6 +3,7 @@
 """The answer of a recovery."""
 from __future__ import annotations
 
+from pathlib import Path
 from typing import NamedTuple
 
 

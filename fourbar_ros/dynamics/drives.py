@@ -24,7 +24,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from dataclasses import dataclass
 from math import inf
-from typing import Any, ClassVar, Optional, Protocol, Sequence
+from typing import Any, ClassVar, Protocol, Sequence
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.given import number

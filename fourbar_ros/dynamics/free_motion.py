@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from math import pi
-from typing import Any, Optional
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from math import inf, nan, nextafter
-from typing import Any, Callable, NamedTuple, Optional
+from typing import Any, Callable, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray

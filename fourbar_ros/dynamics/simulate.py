@@ -16,7 +16,7 @@ finer one is returned.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Optional, Sequence
+from typing import Sequence
 
 import numpy as np
 from numpy.typing import NDArray

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import Any, Optional, Sequence
+from typing import Any, Sequence
 
 from fourbar_ros.dynamics.drives import Drive
 from fourbar_ros.dynamics.elements import Element

@@ -116,7 +116,7 @@ def find_extrema_many(a1, a2, a3, a4, mode=OPEN, rate=1.0, progress=None):
         For 'omega4' and 'alpha4'.
 
     """
-    given = dict(a1=a1, a2=a2, a3=a3, a4=a4, mode=mode, rate=rate)
+    given = {'a1': a1, 'a2': a2, 'a3': a3, 'a4': a4, 'mode': mode, 'rate': rate}
     columns = [array(name, value) for name, value in given.items()]
     try:
         a1, a2, a3, a4, mode, rate = (v.ravel() for v in np.broadcast_arrays(*columns))

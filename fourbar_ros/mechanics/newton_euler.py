@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanics.bodies import NOT_APPLIED, Applied, Body
+from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
 from fourbar_ros.numerics.number_types import Function
 
 

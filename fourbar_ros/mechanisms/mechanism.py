@@ -17,18 +17,12 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from fourbar_ros.errors import in_words, InvalidParameter, MissingBodies, OutOfRange, Toggle
+from fourbar_ros.mechanics.bodies import Applied, Bodies, Body, External, NOT_APPLIED
 from fourbar_ros.mechanisms.evaluation import evaluate, recorded
-from fourbar_ros.errors import InvalidParameter, MissingBodies, OutOfRange, Toggle, in_words
-from fourbar_ros.mechanics.bodies import NOT_APPLIED, Applied, Bodies, Body, External
 from fourbar_ros.mechanisms.parts import (  # noqa: F401
-    BETA,
-    SLOT,
-    THETA1,
-    THETA2,
-    THETA3,
-    THETA4,
-    TRAVEL,
     Arrow,
+    BETA,
     Coordinate,
     Diagram,
     Joint,
@@ -36,10 +30,15 @@ from fourbar_ros.mechanisms.parts import (  # noqa: F401
     Link,
     Output,
     Quantity,
+    SLOT,
+    THETA1,
+    THETA2,
+    THETA3,
+    THETA4,
+    TRAVEL,
 )
-from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.given import number, records
-from fourbar_ros.numerics.number_types import REAL, Function, NumberType, power_of_two
+from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two, REAL
 from fourbar_ros.numerics.recorded import Constants as ProgramConstants
 from fourbar_ros.numerics.recorded import Record
 

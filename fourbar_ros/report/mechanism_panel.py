@@ -7,7 +7,7 @@ To scale.
 """
 from __future__ import annotations
 
-from math import degrees, hypot, pi, remainder
+from math import degrees, pi, remainder
 import re
 
 import numpy as np
@@ -83,7 +83,7 @@ def draw_mechanism(axes, mechanism, motion, loads=None, points=None, names=None,
     _draw_joints(sheet, places, diagram.ground)
     for centre in centres.values():
         _draw_centre(sheet, centre)
-    for name, arm in arms.items():
+    for arm in arms.values():
         axes.plot(*arm[-1], 's', ms=4.5, color=POINT, zorder=7)
         sheet.occupy(arm[-1], arm[-1])
     torque = getattr(loads, 'driving_torque', 0.0) if loads else 0.0

@@ -130,7 +130,7 @@ def _filled(items: list[str], width: int) -> Iterator[str]:
     An item is broken only where a line cannot hold it.
     """
     line = ''
-    for item in (part for item in items for part in wrap(item, width, **WHOLE_WORDS)):
+    for item in (part for whole in items for part in wrap(whole, width, **WHOLE_WORDS)):
         if line and cell_len(line) + GAP + cell_len(item) > width:
             yield line
             line = ''

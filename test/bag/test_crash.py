@@ -4,22 +4,22 @@ in between, and what recover makes passes every reader.
 """
 import mmap
 import os
+from pathlib import Path
 import random
 import struct
 import subprocess
 import sys
 import tempfile
 import time
-from pathlib import Path
-
-import pytest
 
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.recover import recover
 from fourbar_ros.bag.recorder import FLUSH_PERIOD
+from fourbar_ros.bag.recover import recover
+import pytest
 from support import TEST
-from bag.test_recorder import PATIENCE, assert_every_reader_takes, numbers
+
+from bag.test_recorder import assert_every_reader_takes, numbers, PATIENCE
 
 # One flush, and the thread being woken: both wait for a processor, which on a busy machine takes a while.
 # The promise itself is FLUSH_PERIOD; bench/recording.py states what is really lost.

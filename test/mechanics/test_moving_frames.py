@@ -54,7 +54,7 @@ def test_velocity_and_acceleration_are_the_derivatives_of_the_place():
         origin, turn, inside = random_motion(rng)
         t = mp.mpf(float(rng.uniform(-2.0, 2.0)))
         _, v, a = derivatives(lambda s: origin(s) + mp.expj(turn(s)) * inside(s), t)
-        (_, v_a, a_a), (angle, omega,
+        (_, v_a, a_a), (_, omega,
                         alpha) = derivatives(origin, t), (z.real for z in derivatives(turn, t))
         r, v_rel, a_rel = (z * complex(mp.expj(turn(t))) for z in derivatives(inside, t))
         terms = acceleration_terms(vector(a_a), omega, alpha, vector(r), vector(v_rel),

@@ -61,8 +61,7 @@ def place_at(mechanism, given, link, point):
 def cases(count):
     yield from list(four_bars(121, count))[:count]
     for kind in slider_reference.KINDS:
-        for mechanism, given in slider_reference.random_loaded(kind, 122, count):
-            yield mechanism, given
+        yield from slider_reference.random_loaded(kind, 122, count)
 
 
 @pytest.mark.parametrize('link', LINKS)

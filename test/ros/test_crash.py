@@ -3,17 +3,16 @@ import random
 import signal
 import time
 
-import pytest
-
+from bag.test_crash import SLACK
+from bag.test_recorder import assert_every_reader_takes
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recompute import compare
-from fourbar_ros.bag.recover import recover
 from fourbar_ros.bag.recorder import FLUSH_PERIOD
+from fourbar_ros.bag.recover import recover
+import pytest
 from support.harness import ALL_OUTPUTS
 from support.scenes import PAPER, RODS
-from bag.test_crash import SLACK
-from bag.test_recorder import assert_every_reader_takes
 
 FAST, SLOW = 2, 8
 
@@ -118,6 +117,7 @@ def test_a_recording_that_dies_is_told_and_the_stream_goes_on(run_node, client, 
 
 def test_a_million_joints_on_the_input_neither_stop_the_node_nor_spoil_the_bag(run_node, client, tmp_path):
     from array import array
+
     from sensor_msgs.msg import JointState
     node = run_node({**PAPER, 'outputs': ['state'], 'drive.source': 'joint_state', 'drive.joint': 'crank',
                      'recording.directory': str(tmp_path / 'bags'), 'recording.name': 'run', 'recording.start': True})

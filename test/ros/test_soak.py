@@ -26,7 +26,7 @@ from support.scenes import PAPER, RODS
 
 from ros.test_inputs import set_parameters
 
-SOAK = float(os.environ.get('SOAK_MINUTES', 0)) * 60.0
+SOAK = float(os.environ.get('SOAK_MINUTES', '0')) * 60.0
 ROUNDS = 200 if not SOAK else 10_000            # malformed inputs of each kind
 RESTARTS = 5 if not SOAK else 200
 EDGES = [0.0, -0.0, 1.0, math.nan, math.inf, -math.inf, 5e-324, -5e-324, 1.7e308, -1.7e308, 1e154, 1e16, math.pi]

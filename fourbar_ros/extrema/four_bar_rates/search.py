@@ -17,7 +17,7 @@ roots between samples, and is looked at closely.
 from __future__ import annotations
 
 from functools import cache
-from math import atan2, cos, fabs, fsum, inf, nan, sin, sqrt
+from math import atan2, cos, fsum, inf, nan, sin
 from typing import NamedTuple
 
 import numpy as np

@@ -3,8 +3,6 @@
 """How the output's rate and acceleration of a four-bar change with its lengths, in closed form."""
 from __future__ import annotations
 
-from typing import Any
-
 
 def rate_changes(lengths, motion, third):
     """
@@ -28,7 +26,7 @@ def rate_changes(lengths, motion, third):
 
     """
     a1, a2, a3, a4 = lengths
-    y2, y1, b1, cos_x, sin_x, cos_b, sin_b, _, _, cos_mu, sin_mu = (motion[11], *motion[16:18],
+    y2, _, b1, cos_x, sin_x, cos_b, sin_b, _, _, cos_mu, sin_mu = (motion[11], *motion[16:18],
                                                                     *motion[19:])
     v = 1.0 / sin_mu
     cot, k = cos_mu * v, a1 / a2 * (a4 / a3)

@@ -17,7 +17,7 @@ from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.four_bar import diagram
 from fourbar_ros.mechanisms.four_bar.loads import Loads, make_loads
 from fourbar_ros.mechanisms.four_bar.motion import make_motion, Motion
-from fourbar_ros.mechanisms.mechanism import CRANK, CROSSED, Mechanism, OPEN
+from fourbar_ros.mechanisms.mechanism import Constants, CRANK, CROSSED, Mechanism, OPEN
 from fourbar_ros.mechanisms.parts import (
     BETA,
     Joint,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, atanh, fsum, pi, sqrt
+from math import atan2, atanh, pi, sqrt
 from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter

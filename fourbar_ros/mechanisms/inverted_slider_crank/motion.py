@@ -89,7 +89,7 @@ def make_crank_motion(n: NumberType, a1: Any, a4: Any, h: Any, sign: Any) -> Fun
         sh, ch = sin(half) + infinitesimal, cos(half)
         ss, cc, sc = sh * sh, ch * ch, sh * ch
         cos_x, sin_x = cc - ss, sc + sc
-        l = sign * sqrt(near * cc + far * ss)                                           # (M1)
+        l = sign * sqrt(near * cc + far * ss)  # (M1)  # noqa: E741, the slides' letter
         q = q_near * cc + q_far * ss
         per_q, per_l = 1.0 / q, 1.0 / l
         r_x, r_y = less * cc - more * ss, a1 * sin_x     # A - O4

@@ -14,33 +14,33 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External
-from fourbar_ros.mechanisms.mechanism import CRANK, OPEN, SLIDE, Constants, Mechanism
+from fourbar_ros.mechanisms.mechanism import Constants, CRANK, Mechanism, OPEN, SLIDE
 from fourbar_ros.mechanisms.parts import (
     BETA,
-    THETA1,
-    THETA2,
-    THETA3,
-    TRAVEL,
     Joint,
     Length,
     Link,
     Output,
+    THETA1,
+    THETA2,
+    THETA3,
+    TRAVEL,
 )
-from fourbar_ros.mechanisms.points import LinkMotion, crank_motion, point_of
-from fourbar_ros.mechanisms.slider_crank import diagram
+from fourbar_ros.mechanisms.points import crank_motion, LinkMotion, point_of
 from fourbar_ros.mechanisms.slide_dyad import (
-    SliderLoads,
     closes,
     margins,
     reach,
     singular_slides,
     slide_ranges,
+    SliderLoads,
 )
+from fourbar_ros.mechanisms.slider_crank import diagram
 from fourbar_ros.mechanisms.slider_crank.loads import make_loads
 from fourbar_ros.mechanisms.slider_crank.motion import (
-    SliderCrankMotion,
     make_crank_motion,
     make_slider_motion,
+    SliderCrankMotion,
 )
 from fourbar_ros.numerics.exact_sums import scaled
 from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two

@@ -10,7 +10,7 @@ same names.
 from __future__ import annotations
 
 from math import inf, nan
-from struct import error as StructError
+from struct import error as StructError  # noqa: N812, it is a class
 from struct import Struct
 from typing import Callable
 

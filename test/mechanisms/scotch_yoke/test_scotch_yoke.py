@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from support.reference import condition, EPS
 from support.slider_reference import pieces, random_masses
-from support.yoke_reference import exact, FIELDS, fields_of, LOADS, loads_of
+from support.yoke_reference import FIELDS, fields_of, LOADS, loads_of
 
 INPUTS = ('crank', 'slide')
 BOUND = 5.0       # in eps cond, as of the other kinds
