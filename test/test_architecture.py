@@ -156,7 +156,6 @@ def bodies():
                        body[-1].end_lineno - body[0].lineno + 1 if body else 0)
 
 
-@pytest.mark.xfail(strict=True, reason='the restructuring is under way')
 def test_functions_fit_on_a_screen_and_folders_stay_small():
     sizes = dict(bodies())
     longest = [f'{where}: {size}' for where, size in sizes.items() if size > 45]

@@ -168,11 +168,7 @@ def _of_each(extreme, part):
 
 def _search(lengths, sign, rate):
     """Return lists of arrays (index, theta1, value, is_maximum, side), one a quantity."""
-    with np.errstate(all='ignore'):
-        scaled = np.ldexp(lengths, -np.frexp(lengths.max(axis=0))[1])
-        closes = _closes(scaled) & (lengths > 0.0).all(axis=0)
-        constants = np.array(np.broadcast_arrays(*sine_constants(*scaled, sign, _exact_sum)))
-        limits = _limits(scaled, *constants[:2])
+    scaled, closes, constants, limits = _prepared(lengths, sign)
     unequal = scaled.max(axis=0) > UNEQUAL * scaled.min(axis=0)
     is_flat = closes & ((constants[0] == 0.0) | (constants[1] == 0.0))
     upward, forward = sign > 0.0, rate > 0.0
@@ -188,18 +184,9 @@ def _search(lengths, sign, rate):
         _, _, k, ku, X, _ = at(x, row)
         return k, k * X / ku
 
-    found = ([], [])
-    for index in np.nonzero(is_flat)[0].tolist():
-        for quantity, rows in zip(found, _at_change_point(index, lengths[:, index], sign[index],
-                                                          rate[index])):
-            quantity += rows
+    found = _at_change_points(np.nonzero(is_flat)[0].tolist(), lengths, sign, rate)
     paths = list(_paths(constants, closes & ~is_flat, limits))
-    for path in paths:
-        for x, side, g, Y in path.toggles():
-            for quantity, up in zip(found, ((Y > 0.0) == (upward == forward)[path.row],
-                                            (g > 0.0) == upward[path.row])):
-                quantity.append((path.row, fold(x), np.where(up, np.inf, -np.inf), up,
-                                 np.full(x.size, side)))
+    _add_toggles(found, paths, upward, forward)
 
     # All roots of k at once; then those of g between them and the samples.
     if paths:
@@ -223,6 +210,35 @@ def _search(lengths, sign, rate):
                              (falls == upward[rows]) == forward[rows],
                              np.zeros(x.size, int)))
     return found
+
+
+def _prepared(lengths, sign):
+    """Return lengths of about one, which linkages close, constants of the sines, toggles."""
+    with np.errstate(all='ignore'):
+        scaled = np.ldexp(lengths, -np.frexp(lengths.max(axis=0))[1])
+        closes = _closes(scaled) & (lengths > 0.0).all(axis=0)
+        constants = np.array(np.broadcast_arrays(*sine_constants(*scaled, sign, _exact_sum)))
+        return scaled, closes, constants, _limits(scaled, *constants[:2])
+
+
+def _at_change_points(indices, lengths, sign, rate):
+    """Return the rows of both quantities of the linkages at exact change points, one by one."""
+    found = ([], [])
+    for index in indices:
+        for quantity, rows in zip(found, _at_change_point(index, lengths[:, index], sign[index],
+                                                          rate[index])):
+            quantity += rows
+    return found
+
+
+def _add_toggles(found, paths, upward, forward):
+    """Add the infinite ends of all paths to the rows of both quantities."""
+    for path in paths:
+        for x, side, g, Y in path.toggles():
+            for quantity, up in zip(found, ((Y > 0.0) == (upward == forward)[path.row],
+                                            (g > 0.0) == upward[path.row])):
+                quantity.append((path.row, fold(x), np.where(up, np.inf, -np.inf), up,
+                                 np.full(x.size, side)))
 
 
 def _closes(scaled):

@@ -83,9 +83,7 @@ def draw_mechanism(axes, mechanism, motion, loads=None, points=None, names=None,
     _draw_joints(sheet, places, diagram.ground)
     for centre in centres.values():
         _draw_centre(sheet, centre)
-    for arm in arms.values():
-        axes.plot(*arm[-1], 's', ms=4.5, color=POINT, zorder=7)
-        sheet.occupy(arm[-1], arm[-1])
+    _draw_points(sheet, arms)
     torque = getattr(loads, 'driving_torque', 0.0) if loads else 0.0
     angles = _draw_angles(sheet, motion, diagram)
     for at, force in forces.values():
@@ -185,6 +183,13 @@ def _draw_joints(sheet, places, ground):
             sheet.occupy(at - (0.1 * sheet.inch, 0.19 * sheet.inch),
                          at + sheet.inch * np.array([0.1, -0.19]))
         sheet.axes.plot(*at, 'o', ms=5, mfc='w', mec='k', zorder=7)
+
+
+def _draw_points(sheet, arms):
+    """Mark the points at the ends of the lines that hold them."""
+    for arm in arms.values():
+        sheet.axes.plot(*arm[-1], 's', ms=4.5, color=POINT, zorder=7)
+        sheet.occupy(arm[-1], arm[-1])
 
 
 def _draw_centre(sheet, at):
