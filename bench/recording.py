@@ -119,9 +119,8 @@ def cost_table(channels, about, messages):
 
 def node_table():
     """Print the CPU of a node at RATE, recorder off and on, with every topic subscribed."""
-    import rclpy
-
     from bench.node import recorder
+    import rclpy
     rclpy.init()
     print('\nA node whose recorder is off and on in turns; on, the motion of the input is a sixth '
           'message:\n')

@@ -5,10 +5,9 @@ from __future__ import annotations
 
 from math import inf
 
-import numpy as np
-
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.scene.topics import APPLIED
+import numpy as np
 
 APPLIED_ON = {topic.name: link for link, topic in APPLIED.items()}
 UNSETTLED = 200_000_000  # [ns] around a change, in which a bag of rosbag2 does not tell the order

@@ -14,10 +14,9 @@ from struct import Struct
 from types import SimpleNamespace
 from typing import NamedTuple
 
-import numpy as np
-
 from fourbar_ros.bag import BagError
 from fourbar_ros.bag.definitions import Definition, PRIMITIVES
+import numpy as np
 
 DEPTH = 64                  # of definitions within each other
 FIELDS = 10_000             # that may take no byte of a message: empty arrays, structures
@@ -70,7 +69,8 @@ class Layout:
         try:
             self._tree = self._walk(definition.name, ())
         except (IndexError, ValueError):
-            raise BagError(f'{definition.name}: a message is shorter than its definition says') from None
+            raise BagError(f'{definition.name}: a message is shorter than its definition '
+                           'says') from None
         try:
             self.dtype = np.dtype({
                 'names': [leaf.name for leaf in self.leaves],

@@ -6,11 +6,10 @@ from __future__ import annotations
 import json
 from typing import NamedTuple
 
-import numpy as np
-
 from fourbar_ros.bag import BagError
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import Difference, distance
+import numpy as np
 
 
 class TopicDiff(NamedTuple):

@@ -9,11 +9,10 @@ from __future__ import annotations
 
 from math import inf, isnan, nan
 
-import numpy as np
-
 from fourbar_ros.pipeline import joints
 from fourbar_ros.pipeline.message_fields import driven_of, is_time
 from fourbar_ros.pipeline.rate_estimator import estimator_of
+import numpy as np
 
 FIELDS = ('position', 'velocity', 'acceleration')
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 import contextlib
 import json
 
-from mcap.opcode import Opcode
-from mcap.records import MetadataIndex, Statistics
-
 from fourbar_ros.bag import BagError, rosbag2
 from fourbar_ros.bag.mcap_records import Damaged, HEAD, parse
 from fourbar_ros.bag.mcap_scan import ending, Scan
+from mcap.opcode import Opcode
+from mcap.records import MetadataIndex, Statistics
 
 
 def metadata_in(path):

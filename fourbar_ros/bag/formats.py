@@ -10,9 +10,8 @@ from __future__ import annotations
 import csv
 import zipfile
 
-import numpy as np
-
 from fourbar_ros.bag import BagError
+import numpy as np
 
 ROWS = 1 << 16          # of a column are in memory at once when it goes into the .npz
 

@@ -7,6 +7,7 @@ from io import BytesIO
 from struct import Struct
 import zlib
 
+from fourbar_ros.bag import BagError
 import lz4.frame
 from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.opcode import Opcode
@@ -21,8 +22,6 @@ from mcap.records import (
     Statistics,
 )
 import zstandard
-
-from fourbar_ros.bag import BagError
 
 HEAD = Struct('<BQ')                # opcode and length of every record
 IS_MESSAGE = int(Opcode.MESSAGE)     # compares in a tenth of the time
@@ -80,7 +79,8 @@ def parse(opcode, body):
     try:
         record = TYPES[opcode].read(ReadDataStream(BytesIO(body)))
     except Exception as error:      # the library raises whatever the bytes lead it to
-        raise Damaged(f'{Opcode(opcode).name.lower()} cannot be read: {type(error).__name__}') from None
+        raise Damaged(f'{Opcode(opcode).name.lower()} cannot be read: '
+                      f'{type(error).__name__}') from None
     # The library takes what is left where a text should be longer; written again it is not the
     # same.
     if opcode == Opcode.METADATA and (record.metadata.get(SEAL) not in (None, seal(record))

@@ -19,9 +19,6 @@ from struct import Struct
 from typing import NamedTuple
 import zlib
 
-from mcap.opcode import Opcode
-from mcap.records import MetadataIndex, Statistics
-
 from fourbar_ros.bag import BagError
 from fourbar_ros.bag.mcap_records import (
     Damaged,
@@ -36,6 +33,8 @@ from fourbar_ros.bag.mcap_records import (
     TYPES,
     WRONG_TIMES,
 )
+from mcap.opcode import Opcode
+from mcap.records import MetadataIndex, Statistics
 
 MAGIC = b'\x89MCAP0\r\n'
 # what can be in a chunk as well

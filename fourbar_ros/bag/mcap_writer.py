@@ -11,6 +11,19 @@ from collections import defaultdict
 import struct
 import zlib
 
+from fourbar_ros.bag.mcap_records import (
+    Damaged,
+    encoded,
+    HEAD,
+    IS_MESSAGE,
+    MESSAGE,
+    parse,
+    SEAL,
+    seal,
+    split,
+    unpacked,
+)
+from fourbar_ros.bag.mcap_scan import MAGIC
 from mcap.opcode import Opcode
 from mcap.records import (
     Channel,
@@ -26,20 +39,6 @@ from mcap.records import (
     SummaryOffset,
 )
 import zstandard
-
-from fourbar_ros.bag.mcap_records import (
-    Damaged,
-    encoded,
-    HEAD,
-    IS_MESSAGE,
-    MESSAGE,
-    parse,
-    SEAL,
-    seal,
-    split,
-    unpacked,
-)
-from fourbar_ros.bag.mcap_scan import MAGIC
 
 CHUNK_SIZE = 1 << 20          # [bytes] a chunk is closed at this size, flush or not
 LEVEL = 1                     # of zstd: against 3, the default, 0.4 of the time and 1.03 of the size

@@ -6,12 +6,11 @@ from __future__ import annotations
 from difflib import get_close_matches
 import re
 
-import numpy as np
-
 from fourbar_ros.bag import BagError
 from fourbar_ros.bag.export import table
 from fourbar_ros.bag.origin import topic_types
 from fourbar_ros.bag.reader import Bag
+import numpy as np
 
 WIDTH, HEIGHT, DPI = 9.0, 2.4, 100      # [in] a picture, and each of its axes; pixels an inch
 # stretches of a curve that are drawn by their extremes: two a pixel

@@ -13,11 +13,6 @@ from dataclasses import replace
 from pathlib import Path
 import time
 
-from mcap.opcode import Opcode
-from mcap.reader import make_reader
-from mcap.records import Channel, Schema
-import numpy as np
-
 from fourbar_ros.bag import BagError, rosbag2
 from fourbar_ros.bag.cdr import Decoder
 from fourbar_ros.bag.file_metadata import metadata_in, repeats_in
@@ -33,6 +28,10 @@ from fourbar_ros.bag.mcap_records import (
 )
 from fourbar_ros.bag.mcap_scan import chunk_index, ending, is_being_written, MAGIC, Scan
 from fourbar_ros.bag.records import Columns, Raw, Record
+from mcap.opcode import Opcode
+from mcap.reader import make_reader
+from mcap.records import Channel, Schema
+import numpy as np
 
 BLOCK = 20_000          # messages that are decoded together: large for numpy, small for the memory
 BLOCK_BYTES = 1 << 24   # and no more bytes than these, but for one chunk: pictures are large
@@ -328,7 +327,8 @@ class Bag:
                     if opcode:
                         scan.spoil(offset, error)
                     raise BagError(f'{self.path if len(self.files) == 1 else path}: at byte '
-                                   f'{offset}: {error}; fourbar bag recover keeps the rest') from None
+                                   f'{offset}: {error}; fourbar bag recover keeps the '
+                                   'rest') from None
                 if found:
                     # told before the first message; the file may have been empty
                     if repeats is None:

@@ -15,8 +15,6 @@ import json
 from math import inf
 from operator import attrgetter
 
-import numpy as np
-
 from fourbar_ros.bag import rosbag2
 from fourbar_ros.bag.acting import Acting, UNSETTLED
 from fourbar_ros.bag.difference import Difference, distance, Recomputed
@@ -30,6 +28,7 @@ from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.scene.scene import from_values
 from fourbar_ros.scene.topics import DRIVEN, INPUTS
+import numpy as np
 
 __all__ = ['Difference', 'Recomputed', 'compare', 'distance', 'recompute', 'scene_of']
 
@@ -89,7 +88,8 @@ class _Comparison:
 
     def __init__(self, origin, about):
         self.counts, self.largest = {}, {}
-        self.inputs = self.compared = self.unmatched = self.missing = self.doubled = self.silent = self.uncertain = (0)
+        self.inputs = self.compared = self.unmatched = self.missing = self.doubled = 0
+        self.silent = self.uncertain = 0
         self.topics, self._name_of = (origin.topics,
                                       {topic: name for name, topic in origin.topics.items()})
         self._in_order, self._settled = origin.in_order, -inf

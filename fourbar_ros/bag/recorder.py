@@ -16,8 +16,6 @@ import shutil
 import threading
 import time
 
-from mcap import __version__ as mcap_version
-
 from fourbar_ros import __version__
 from fourbar_ros.bag import BagError, rosbag2
 from fourbar_ros.bag.mcap_records import OURS
@@ -25,6 +23,7 @@ from fourbar_ros.bag.mcap_scan import mark_as_being_written
 from fourbar_ros.bag.mcap_writer import Container
 from fourbar_ros.bag.rosbag2 import Channel
 from fourbar_ros.bag.splitting import Split, Splitter
+from mcap import __version__ as mcap_version
 
 __all__ = ['BagError', 'BagWriter', 'Channel', 'Split', 'SteadyClock']
 

@@ -8,10 +8,6 @@ import json
 from math import inf
 from pathlib import Path
 
-from mcap import __version__ as mcap_version
-from mcap.opcode import Opcode
-from mcap.records import Channel, Schema, Statistics
-
 from fourbar_ros import __version__
 from fourbar_ros.bag import BagError, rosbag2
 from fourbar_ros.bag.info import missing_of
@@ -21,6 +17,9 @@ from fourbar_ros.bag.mcap_writer import Container
 from fourbar_ros.bag.recover_parts import recover_parts
 from fourbar_ros.bag.recovered import Recovered
 from fourbar_ros.bag.whole import workshop
+from mcap import __version__ as mcap_version
+from mcap.opcode import Opcode
+from mcap.records import Channel, Schema, Statistics
 
 PROFILE = 'ros2'        # of a file whose header is damaged
 NO_END = 'without an end: a crash, a kill, a power cut or a full disk'

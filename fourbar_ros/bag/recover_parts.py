@@ -6,10 +6,9 @@ from __future__ import annotations
 import shutil
 import tempfile
 
-import yaml
-
 from fourbar_ros.bag import BagError, rosbag2
 from fourbar_ros.bag.recovered import Recovered
+import yaml
 
 
 def recover_parts(recover, path, out, progress=None):

@@ -10,9 +10,8 @@ import re
 import time
 from typing import NamedTuple
 
-import yaml
-
 from fourbar_ros.bag import BagError
+import yaml
 
 VERSION = 9
 NOT_STARTED = 2**63 - 1     # rosbag2's starting time of a bag without messages

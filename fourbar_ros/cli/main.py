@@ -17,10 +17,11 @@ from fourbar_ros.scene.arguments import Parser
 
 VERBS = (show, scene, bag, record, replay, draw, reproduce)
 DESCRIPTION = """\
-Motion, loads and extrema of planar four-bars, slider-cranks and inverted slider-cranks, and tools for
-recorded runs. Works without ROS, except for record and replay, which talk to a node.
+Motion, loads and extrema of planar four-bars, slider-cranks and inverted slider-cranks, and tools
+for recorded runs. Works without ROS, except for record and replay, which talk to a node.
 
-A scene is a ROS 2 parameter file or the name of a shipped one, e.g. paper. The same file starts the node:
+A scene is a ROS 2 parameter file or the name of a shipped one, e.g. paper. The same file starts
+the node:
   fourbar_node --ros-args --params-file SCENE
 """
 EPILOG = """\
@@ -35,8 +36,8 @@ examples:
   fourbar bag recompute bags/run               recompute every recorded output and compare
   fourbar replay bags/run --rate 2             publish a run again, twice as fast
 
-exit codes: 0 good; 1 an error, reported in one line; 2 bad arguments; 3 done, but the result is not good
-(see the help of the verb)
+exit codes: 0 good; 1 an error, reported in one line; 2 bad arguments; 3 done, but the result
+is not good (see the help of the verb)
 """
 
 

@@ -12,10 +12,10 @@ from fourbar_ros.scene.arguments import not_negative, positive
 
 REFRESH = 0.1       # [s] between two looks at the clock of the bag
 DESCRIPTION = """\
-Publish the messages of a bag again, with their original timing, topics and quality of service. BAG may be
-finished, cut off, or still being written. Requires ROS 2 and the packages of the message types; topics whose
-type is not installed are left out with a warning. In a terminal, space pauses, the right arrow publishes the
-next message, up and down change the rate by a tenth.
+Publish the messages of a bag again, with their original timing, topics and quality of service.
+BAG may be finished, cut off, or still being written. Requires ROS 2 and the packages of the
+message types; topics whose type is not installed are left out with a warning. In a terminal, space
+pauses, the right arrow publishes the next message, up and down change the rate by a tenth.
 """
 EPILOG = """\
 examples:
@@ -25,11 +25,12 @@ examples:
   fourbar replay bags/run --topics /joint_states
   fourbar replay bags/run --ros-args -r /joint_states:=/old/joint_states
 
-  fourbar bag scene bags/run > again.yaml              repeat the run with a live node
+  fourbar bag scene bags/run > again.yaml              repeat the run with a live node,
   fourbar_node --ros-args --params-file again.yaml &
-  fourbar replay bags/run --inputs-only                and compare its outputs with the recorded ones
+  fourbar replay bags/run --inputs-only                and compare its outputs
 
-exit codes: 0 good; 1 an error; 2 bad arguments; 3 with --inputs-only: an output differs or is missing
+exit codes: 0 good; 1 an error; 2 bad arguments; 3 with --inputs-only: an output differs or
+is missing
 """
 
 

@@ -13,7 +13,8 @@ examples:
   fourbar reproduce
   fourbar reproduce --html report.html      one page with the figures; requires matplotlib
 
-exit codes: 0 good; 1 an error; 2 bad arguments; 3 done, but a number differs without a known reason
+exit codes: 0 good; 1 an error; 2 bad arguments; 3 done, but a number differs without a
+known reason
 """
 
 

@@ -3,7 +3,8 @@
 """What dynamics needs of a mechanism: curves along which its links move, and what acts on them."""
 from __future__ import annotations
 
-from typing import Any, Callable, Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 from fourbar_ros.errors import MissingBodies
 from fourbar_ros.mechanics.bodies import Applied, Body

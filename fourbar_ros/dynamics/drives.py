@@ -22,6 +22,7 @@ Torque sources, w the speed of the output shaft:
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import Any, ClassVar, Protocol, Sequence

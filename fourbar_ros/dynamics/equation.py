@@ -31,15 +31,15 @@ differences. Sources: Eksergian, Dynamical analysis of machines, J. Franklin Ins
 """
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from math import atan2, cos, sin
-from typing import Any, Callable, NamedTuple, Sequence
-
-import numpy as np
+from typing import Any, NamedTuple
 
 from fourbar_ros.dynamics.contract import Curve, curves_of, CurvesOf, FIXED, loads_of_links
 from fourbar_ros.dynamics.elements import Attachment, Element, GROUND, Spring, TorsionSpring
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
+import numpy as np
 
 Vector = tuple[float, float]
 

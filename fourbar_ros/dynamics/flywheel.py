@@ -17,13 +17,12 @@ from __future__ import annotations
 from math import pi
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.given import number
 from fourbar_ros.optional import MissingPackage
+import numpy as np
+from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 SAMPLES = 1024

@@ -25,6 +25,8 @@ from fourbar_ros.dynamics.smooth import flat_positions
 from fourbar_ros.dynamics.statics import roots_of
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
+import numpy as np
+from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 MOST_SAMPLES = 2**17

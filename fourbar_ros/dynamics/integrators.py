@@ -3,6 +3,7 @@
 """scipy's integrators behind one function; between jumps of the torque each segment is a run."""
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf, nan, nextafter
 from typing import Any, Callable, NamedTuple
 
@@ -12,6 +13,8 @@ from numpy.typing import NDArray
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.optional import MissingPackage
+import numpy as np
+from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 METHODS = ('auto', 'DOP853', 'LSODA', 'Radau', 'RK45', 'BDF')

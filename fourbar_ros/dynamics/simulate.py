@@ -15,6 +15,7 @@ finer one is returned.
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Sequence
 
@@ -25,6 +26,8 @@ from fourbar_ros.dynamics.integrators import integrate, METHODS, Result
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.given import number
+import numpy as np
+from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 REACHED, LIMIT = 'reached the end', 'reached a limit of the input'

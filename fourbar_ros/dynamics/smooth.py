@@ -10,12 +10,12 @@ flat positions in which the input starts: it alternates from one interval to the
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import floor, pi
-from typing import Any, Sequence
-
-import numpy as np
+from typing import Any
 
 from fourbar_ros.dynamics.contract import Curve, curves_of, CurvesOf
+import numpy as np
 
 TURN = 2.0 * pi
 

@@ -14,10 +14,9 @@ from __future__ import annotations
 from math import nan, pi, sqrt
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.optional import MissingPackage
+import numpy as np
 
 SAMPLES = 2048      # in each range of the input; denser towards its ends
 TURN = 2.0 * pi

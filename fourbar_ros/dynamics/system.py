@@ -11,6 +11,7 @@ conservative, so that energy less W is constant whatever acts (not if nothing of
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, Sequence

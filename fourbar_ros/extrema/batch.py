@@ -11,8 +11,6 @@ from dataclasses import replace
 from math import pi
 from typing import NamedTuple
 
-import numpy as np
-
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import CONSTANT, find_extrema, MAXIMUM
 from fourbar_ros.extrema.four_bar_rates.input_paths import half_turn, phases, POINTS_PER_FEATURE
@@ -37,6 +35,7 @@ from fourbar_ros.numerics.roots import (
     newton_roots,
     turn_after,
 )
+import numpy as np
 
 # Linkages taken at a time: their samples stay in the cache.
 CHUNK = 4096

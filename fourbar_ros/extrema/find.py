@@ -13,8 +13,6 @@ from collections.abc import Callable, Sequence
 from math import isfinite, nan
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.methods import Methods
 from fourbar_ros.extrema.path_search import Found
@@ -22,6 +20,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Function, select
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.roots import EPS, fold
+import numpy as np
 
 MINIMUM, MAXIMUM, CONSTANT = 'minimum', 'maximum', 'constant'
 INTERIOR, LIMIT, ONE_SIDED = 'interior', 'limit', 'one-sided'

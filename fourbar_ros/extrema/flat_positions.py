@@ -13,8 +13,6 @@ from functools import cached_property
 from math import frexp, pi
 from typing import NamedTuple
 
-import numpy as np
-
 from fourbar_ros.extrema.input_paths import InputPath
 from fourbar_ros.mechanisms.mechanism import Constants
 from fourbar_ros.numerics.laurent import (
@@ -27,6 +25,7 @@ from fourbar_ros.numerics.laurent import (
     TERMS,
 )
 from fourbar_ros.numerics.number_types import converted
+import numpy as np
 
 # Series are used up to this part of their scale, which is one to two times the distance of the
 # next singularity:
@@ -127,7 +126,8 @@ class FlatSide:
         with many_digits():
             start = quarter_turns(round(self.place / (0.5 * pi)) if self._is_angle else 0)
             x = self._mechanism.input_unit * (start + self.side * self._scale * T)
-            return (self._mechanism.motion_formula(LAURENT, self._constants)(x, *map(series, self._rates)))
+            motion = self._mechanism.motion_formula(LAURENT, self._constants)
+            return motion(x, *map(series, self._rates))
 
     def state(self, t: np.ndarray, with_loads: bool) -> list[np.ndarray]:
         """Return fields of motion and loads at scaled distances, each (fields, t.size)."""

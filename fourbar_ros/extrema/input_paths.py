@@ -19,10 +19,9 @@ from collections.abc import Callable, Sequence
 from math import pi
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.numerics.arrays import Array
+import numpy as np
 
 # Samples of a kernel; widths of the kernels of a singular point; the least that is resolved.
 PER_KERNEL, WIDER, NARROWEST = 16, 4.0, 1e-12

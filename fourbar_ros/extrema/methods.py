@@ -25,8 +25,6 @@ from collections.abc import Callable, Sequence
 from math import inf
 from typing import Any
 
-import numpy as np
-
 from fourbar_ros.extrema.four_bar_rates.input_paths import input_paths as elliptic_paths
 from fourbar_ros.extrema.four_bar_rates.search import rate_extrema
 from fourbar_ros.extrema.four_bar_rates.search import SAMPLES as RATE_SAMPLES
@@ -36,6 +34,7 @@ from fourbar_ros.extrema.sampling import DifferenceSampler, Sampler
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.mechanisms.quantities import is_published
 from fourbar_ros.numerics.roots import fold
+import numpy as np
 
 # Points of a full turn, at least; those of a path that the trial of a function leaves out.
 SAMPLES, TRIAL = 128, 12

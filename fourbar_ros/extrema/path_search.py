@@ -14,13 +14,12 @@ from collections.abc import Callable
 from math import comb, inf, nan
 from typing import NamedTuple
 
-import numpy as np
-
 from fourbar_ros.extrema.input_paths import End, InputPath
 from fourbar_ros.extrema.sampling import DifferenceSampler, Sampler, Samples
 from fourbar_ros.extrema.sensitivity import sampled_conditions
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.roots import EPS, find_brackets, newton_roots, rises
+import numpy as np
 
 # Power of sin(mu) by which derivatives grow at toggles (that of the acceleration; forces grow
 # faster by one, rates more slowly). With it they are smooth, that of a magnitude |F| only when

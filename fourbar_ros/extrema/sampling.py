@@ -14,8 +14,6 @@ from itertools import repeat
 from math import pi, sqrt
 from typing import Any, ClassVar, NamedTuple
 
-import numpy as np
-
 from fourbar_ros.errors import InvalidParameter, MissingBodies
 from fourbar_ros.extrema.flat_positions import flat_sides, FlatSide, REACH
 from fourbar_ros.extrema.input_paths import InputPath
@@ -23,6 +21,7 @@ from fourbar_ros.mechanisms.quantities import is_position, is_published, Quantit
 from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.number_types import ARRAY, columns_of, COMPLEX, COMPLEX_WITH_ANGLES
 from fourbar_ros.numerics.roots import EPS, fold
+import numpy as np
 
 # Complex step: its square vanishes beside one, and it is nothing beside the distance of any sample
 # from a toggle or a flat position.
@@ -273,7 +272,7 @@ class Sampler:
         return self.at(x, row)[1]
 
     def newton(self, x: Array, row: Array, spacing: Array) -> tuple[Array, Array]:
-        """Return the derivative of quantity ``row[i]`` at x[i], and the Newton step to its zero."""
+        """Return the derivative of quantity ``row[i]`` at x[i], and a Newton step to its zero."""
         turn = self.TURN * spacing
         here, there = np.split(self.slope(np.concatenate((x, x + turn)), np.tile(row, 2)), 2)
         with np.errstate(divide='ignore', invalid='ignore'):

@@ -11,10 +11,9 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.numerics.arrays import Array
+import numpy as np
 
 # Relative steps of a length: at most the first; a part of the distance to the next change point,
 # where everything changes; but never lost in rounding.

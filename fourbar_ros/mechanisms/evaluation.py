@@ -13,8 +13,6 @@ from itertools import chain, repeat
 from math import prod
 from typing import Any
 
-import numpy as np
-
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.given import array
 from fourbar_ros.numerics.number_types import (
@@ -25,6 +23,7 @@ from fourbar_ros.numerics.number_types import (
     REAL,
 )
 from fourbar_ros.numerics.recorded import Constants, program, Record
+import numpy as np
 
 # Samples for which numpy's calls of all operations of a formula take as long as the formula with
 # floats does:

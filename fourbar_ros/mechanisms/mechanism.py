@@ -1,8 +1,10 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 The contract of a mechanism: what it states about itself, and what it can then do.
 
-A mechanism gives its formulas for any :class:`~fourbar_ros.numerics.number_types.NumberType`; here they are
-called for floats and arrays, with the same rules for all.
+A mechanism gives its formulas for any :class:`~fourbar_ros.numerics.number_types.NumberType`; here
+they are called for floats and arrays, with the same rules for all.
 """
 from __future__ import annotations
 
@@ -41,6 +43,7 @@ from fourbar_ros.numerics.given import number, records
 from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two, REAL
 from fourbar_ros.numerics.recorded import Constants as ProgramConstants
 from fourbar_ros.numerics.recorded import Record
+import numpy as np
 
 CROSSED, OPEN = 1, 2     # assembly modes: sin(theta4 - beta) < 0, > 0 of a 4R linkage
 CRANK, SLIDE = 'crank', 'slide'     # inputs
@@ -66,11 +69,12 @@ class Constants(NamedTuple):
 
 class Mechanism(ABC):
     """
-    Base of a frozen dataclass with its lengths, ``mode``, ``input``, ``bodies``, ``gravity``, ``external``.
+    Base of a frozen dataclass with its lengths, ``mode``, ``input``, ``bodies``, ``gravity``,
+    ``external``.
 
-    Everything outside of a mechanism's own folder asks these names, of an instance: a kind has them as
-    attributes of its class, a mechanism put together at run time as attributes of its own. How many links,
-    joints, loads and outputs there are is known nowhere else.
+    Everything outside of a mechanism's own folder asks these names, of an instance: a kind has
+    them as attributes of its class, a mechanism put together at run time as attributes of its own.
+    How many links, joints, loads and outputs there are is known nowhere else.
 
     Attributes
     ----------
@@ -91,14 +95,16 @@ class Mechanism(ABC):
     INPUTS : mapping
         {name of the input: its Coordinate}.
     OUTPUTS : mapping
-        {name of the input: tuple of :class:`Output`, the one that is published as ``output`` first}.
+        {name of the input: tuple of :class:`Output`, the one that is published as ``output``
+        first}.
     MOTION, LOADS : NamedTuple types
-        Of the results. A motion has ``transmission_angle`` and ``condition``, loads have ``shaking_force_x``,
-        ``_y``, ``shaking_force``, ``shaking_moment``.
+        Of the results. A motion has ``transmission_angle`` and ``condition``, loads have
+        ``shaking_force_x``, ``_y``, ``shaking_force``, ``shaking_moment``.
     WATCHED : tuple of str
         Two loads or more, of which one is not finite if any load is not.
     BODIES, EXTERNAL : NamedTuple types
-        Of ``bodies`` and ``external``: a field for each link, and for each link that can be loaded.
+        Of ``bodies`` and ``external``: a field for each link, and for each link that can be
+        loaded.
     MARGIN_SIGNS : tuple of tuple
         How the sizes of the lengths enter each of :attr:`margins`.
     MODES : mapping
@@ -133,16 +139,16 @@ class Mechanism(ABC):
 
     @abstractmethod
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
-        """Return the function (position, rate, acceleration) -> fields of MOTION for constants of a number type."""
+        """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
 
     @abstractmethod
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
-        """Return the function (fields of MOTION) -> fields of LOADS for constants of a number type."""
+        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
 
     @property
     @abstractmethod
     def closing_ranges(self):
-        """Return the ranges of the input in which the links close, (low, high) each, from below [rad] or [m]."""
+        """Return the ranges (low, high) of the input in which the links close [rad or m]."""
 
     @property
     @abstractmethod
@@ -150,8 +156,9 @@ class Mechanism(ABC):
         """
         Return the complex inputs where the dyad is in line, or quantities have a pole, as a list.
 
-        As far as their real part and the size of their imaginary part go: toggles (real), flat positions of
-        change points (real) and others. Extrema are searched for with samples that crowd there.
+        As far as their real part and the size of their imaginary part go: toggles (real), flat
+        positions of change points (real) and others. Extrema are searched for with samples that
+        crowd there.
         """
 
     @property
@@ -216,22 +223,30 @@ class Mechanism(ABC):
 
     @cached_property
     def input_ranges(self):
-        """Return the ranges of the input, from low to high: :attr:`closing_ranges`, as far as they lie in the stroke."""
+        """
+        Return the ranges of the input, from low to high.
+
+        :attr:`closing_ranges`, as far as they lie in the stroke.
+        """
         return self._within_stroke(self.closing_ranges)
 
     @property
     def dead_points(self):
-        """Return where the output turns back at any speed of the input: NamedTuples, the input first."""
+        """
+        Return where the output turns back at any speed of the input.
+
+        NamedTuples, the input first.
+        """
         return ()
 
     @property
     def ranges_of_both_modes(self):
-        """Return {position of an output: its ranges over both modes}, as far as they are known in closed form."""
+        """Return {position of an output: its ranges over both modes}, if known in closed form."""
         return {}
 
     @property
     def modes(self):
-        """Return {assembly mode: its name as text}, of which one input may have fewer than another."""
+        """Return {assembly mode: its name}; one input may have fewer than another."""
         return self.MODES
 
     @property
@@ -244,7 +259,11 @@ class Mechanism(ABC):
         return find_link(self.LINKS, name)
 
     def loads_of_links(self):
-        """Return {name of a link: (Body, Applied)}: what is given for each; nothing without masses."""
+        """
+        Return {name of a link: (Body, Applied)}: what is given for each.
+
+        Nothing without masses.
+        """
         given = self.external._asdict()
         return {name: (body, given.get(name, NOT_APPLIED))
                 for name, body in (self.bodies._asdict().items() if self.bodies else ())}
@@ -263,18 +282,20 @@ class Mechanism(ABC):
 
     @cached_property
     def _made(self) -> dict:
-        """Return what was made by :meth:`make_motion`, :meth:`make_loads`, by name and number type."""
+        """Return the formulas made by :meth:`make_motion` and :meth:`make_loads`."""
         return {}
 
     def make_motion(self, numbers: NumberType) -> Function:
         """
-        Return the function (position, rate, acceleration) -> fields of MOTION for a type of numbers.
+        Return the function (position, rate, acceleration) -> fields of MOTION for a type of
+        numbers.
 
         Out of range it gives NaN, or ValueError where numbers are floats.
         """
         if ('motion', numbers) not in self._made:
             formula = self.motion_formula(numbers, self.constants)
-            self._made['motion', numbers] = formula if self.stroke is None else self._within(formula, numbers)
+            self._made['motion', numbers] = (formula if self.stroke is None
+                                             else self._within(formula, numbers))
         return self._made['motion', numbers]
 
     def make_loads(self, numbers: NumberType) -> Function:
@@ -284,7 +305,7 @@ class Mechanism(ABC):
         return self._made['loads', numbers]
 
     def _within(self, motion: Function, numbers: NumberType) -> Function:
-        """Return the function of motion that answers outside of the stroke as where the links cannot close."""
+        """Return the function of motion that has no pose outside of the stroke."""
         low, high = self.stroke
 
         def within_one(position, rate, acceleration):
@@ -296,7 +317,8 @@ class Mechanism(ABC):
             fields = motion(position, rate, acceleration)
             outside = (position.real < low) | (position.real > high)
             given = position, rate, acceleration
-            return tuple(field if any(field is value for value in given) else np.where(outside, nan, field)
+            return tuple(field if any(field is value for value in given)
+                         else np.where(outside, nan, field)
                          for field in fields) if outside.any() else fields
         return within_one if numbers is REAL else within
 
@@ -313,7 +335,8 @@ class Mechanism(ABC):
         object.__setattr__(self, 'stroke', (low, high))
         if not self.input_ranges:
             raise InvalidParameter('stroke', self.stroke, 'the links cannot close anywhere in it: '
-                                   f'they do in {in_words(self.closing_ranges, self.input_coordinate.unit)}')
+                                   'they do in '
+                                   f'{in_words(self.closing_ranges, self.input_coordinate.unit)}')
 
     def _within_stroke(self, ranges):
         """Return the parts of ranges of the input that lie in the stroke."""
@@ -328,11 +351,16 @@ class Mechanism(ABC):
 
     @cached_property
     def _of_one(self) -> tuple[Any, ...]:
-        """Return what a single step needs: functions of motion and loads, places watched, types; or MissingBodies."""
+        """
+        Return what a single step needs: functions of motion and loads, places watched, types.
+
+        Or MissingBodies.
+        """
         if self.bodies is None:
             raise MissingBodies
         one, other, *rest = map(self.LOADS._fields.index, self.WATCHED)
-        return self._motion_of_one, self.make_loads(REAL), one, other, rest, self.MOTION, self.LOADS
+        return (self._motion_of_one, self.make_loads(REAL), one, other, rest, self.MOTION,
+                self.LOADS)
 
     @cached_property
     def record_of_motion(self) -> tuple[Record, ProgramConstants]:
@@ -345,22 +373,35 @@ class Mechanism(ABC):
         return recorded(self, True)
 
     def prepare(self):
-        """Make the functions of one sample, as the first would; ArithmeticError or ValueError where numbers overflow."""
+        """
+        Make the functions of one sample, as the first would.
+
+        ArithmeticError or ValueError where numbers overflow.
+        """
         return self._motion_of_one, self.bodies and self.make_loads(REAL)
 
     def _check(self):
-        """Refuse what no mechanism can have: lengths that are not positive, or if signed not finite, and so on."""
-        given = {name: number(name, getattr(self, name), 'a length must be a positive number', above=0.0)
+        """
+        Refuse what no mechanism can have.
+
+        Lengths that are not positive, or if signed not finite, and so on.
+        """
+        given = {name: number(name, getattr(self, name), 'a length must be a positive number',
+                              above=0.0)
                  for name, _, signed in self.LENGTHS if not signed}
-        given.update((name, number(name, getattr(self, name))) for name, _, signed in self.LENGTHS if signed)
+        given.update((name, number(name, getattr(self, name))) for name, _, signed in self.LENGTHS
+                     if signed)
         for name, value in given.items():
             if abs(value) >= LONGEST:
-                raise InvalidParameter(name, value, f'must be shorter than {LONGEST:.3g} m: sums of lengths overflow')
+                raise InvalidParameter(name, value, f'must be shorter than {LONGEST:.3g} m: sums '
+                                                    'of lengths overflow')
         if self.input not in self.INPUTS:
             raise InvalidParameter('input', self.input, f'must be one of {", ".join(self.INPUTS)}')
         if isinstance(self.mode, bool) or self.mode not in self.modes:
-            raise InvalidParameter('mode', self.mode, 'must be 1 (crossed) or 2 (open)' if len(self.modes) > 1 else
-                                   f'must be {min(self.modes)}: driven at its {self.input} it has one assembly mode')
+            raise InvalidParameter('mode', self.mode, 'must be 1 (crossed) or 2 (open)'
+                                   if len(self.modes) > 1 else
+                                   f'must be {min(self.modes)}: driven at its {self.input} it has '
+                                   'one assembly mode')
         given.update(mode=int(self.mode), gravity=_two_numbers('gravity', self.gravity),
                      external=records('external', self.external, Applied, self.EXTERNAL))
         if self.bodies is not None:
@@ -369,7 +410,11 @@ class Mechanism(ABC):
             object.__setattr__(self, name, value)
 
     def __getstate__(self):
-        """Return what was given: functions made on the way are made again where they are needed."""
+        """
+        Return what was given.
+
+        Functions made on the way are made again where they are needed.
+        """
         return {field.name: getattr(self, field.name) for field in fields_of(self)}
 
     @property
@@ -382,12 +427,18 @@ class Mechanism(ABC):
         return self if mode == self.mode else replace(self, mode=mode)
 
     def with_external(self, external):
-        """Return the same mechanism with another :class:`~fourbar_ros.mechanics.bodies.External`; what does not depend on it is shared."""
+        """
+        Return the same mechanism with another :class:`~fourbar_ros.mechanics.bodies.External`.
+
+        What does not depend on it is shared.
+        """
         other = object.__new__(type(self))
-        other.__dict__.update(self.__dict__, external=external)      # what else is in it was checked
+        # what else is in it was checked
+        other.__dict__.update(self.__dict__, external=external)
         for name in ('constants', '_of_one', 'record_of_motion', 'record_with_loads'):
             other.__dict__.pop(name, None)
-        other.__dict__['_made'] = {key: made for key, made in self._made.items() if key[0] == 'motion'}
+        other.__dict__['_made'] = {key: made for key, made in self._made.items()
+                                   if key[0] == 'motion'}
         return other
 
     @property
@@ -415,14 +466,19 @@ class Mechanism(ABC):
         return self.stroke is None or self.stroke[0] <= position <= self.stroke[1]
 
     def distance(self, one, other):
-        """Return the signed distance of two inputs: the short way round of angles [rad], or [m]."""
+        """
+        Return the signed distance of two inputs.
+
+        The short way round of angles [rad], or [m].
+        """
         return one - other if self.is_driven_by_slide else remainder(one - other, 2.0 * pi)
 
     def term_sizes(self, motion, rate, acceleration):
-        """Return {unit: size} of the terms that rates and accelerations are sums of, for noise bounds."""
+        """Return {unit: size} of the terms of rates and accelerations, for noise bounds."""
         angles = [joint.coordinate for joint in self.JOINTS if joint.coordinate.unit == 'rad']
         omega = sum(abs(getattr(motion, joint.rate).real) for joint in angles)
-        alpha = omega * omega + sum(abs(getattr(motion, joint.acceleration).real) for joint in angles)
+        alpha = omega * omega + sum(abs(getattr(motion, joint.acceleration).real)
+                                    for joint in angles)
         size = max(map(abs, self.lengths))
         return {'rad/s': omega, 'rad/s^2': alpha, 'm/s': size * omega, 'm/s^2': size * alpha}
 
@@ -439,23 +495,25 @@ class Mechanism(ABC):
         Parameters
         ----------
         position, rate, acceleration : float or array_like
-            Crank angle [rad] (any number of turns), [rad/s], [rad/s^2], or slide [m], [m/s], [m/s^2], as
-            ``input`` says; arrays are broadcast. Three floats take the fast scalar path; so do the samples of
-            short arrays (some twenty), those of longer ones may differ from it in their last bits.
+            Crank angle [rad] (any number of turns), [rad/s], [rad/s^2], or slide [m], [m/s],
+            [m/s^2], as ``input`` says; arrays are broadcast. Three floats take the fast scalar
+            path; so do the samples of short arrays (some twenty), those of longer ones may differ
+            from it in their last bits.
         fields : sequence of str, optional
-            Names of fields of the result: these alone, computed with no more than they need, as a tuple in
-            this order.
+            Names of fields of the result: these alone, computed with no more than they need, as a
+            tuple in this order.
 
         Raises
         ------
         InvalidParameter, OutOfRange, Toggle
-            For a single value that is not finite, out of range, at a toggle. In arrays such samples
-            are NaN in every field that depends on it.
+            For a single value that is not finite, out of range, at a toggle. In arrays such
+            samples are NaN in every field that depends on it.
 
         Examples
         --------
         >>> from fourbar_ros import FourBar
-        >>> theta4, alpha4 = FourBar(0.4, 1.2, 0.8, 1.0).motion([0.5, 1.0], 25.0, fields=('theta4', 'alpha4'))
+        >>> theta4, alpha4 = FourBar(0.4, 1.2, 0.8, 1.0).motion([0.5, 1.0], 25.0, fields=('theta4',
+        'alpha4'))
         >>> alpha4.shape
         (2,)
 
@@ -479,10 +537,11 @@ class Mechanism(ABC):
 
     def step(self, position, rate=0.0, acceleration=0.0, fields=None):
         """
-        Return (motion, loads) together, at the cost of one; arguments and errors as in :meth:`motion`.
+        Return (motion, loads) together, at the cost of one; arguments and errors as in
+        :meth:`motion`.
 
-        ``fields``: names of fields of motion and loads, which alone are then computed and returned. MissingBodies
-        where loads are wanted of a mechanism without masses.
+        ``fields``: names of fields of motion and loads, which alone are then computed and
+        returned. MissingBodies where loads are wanted of a mechanism without masses.
         """
         if fields is not None:
             return self._only(fields, (position, rate, acceleration), True)
@@ -490,7 +549,8 @@ class Mechanism(ABC):
         if not (type(position) is type(rate) is type(acceleration) is float):
             if _are_numbers(position, rate, acceleration):
                 return self.step(*self._numbers(position, rate, acceleration))
-            rows, count = evaluate(self, (position, rate, acceleration), None, True), len(self.MOTION._fields)
+            rows, count = evaluate(self, (position, rate, acceleration), None,
+                                   True), len(self.MOTION._fields)
             return _new(self.MOTION, rows[:count]), _new(self.LOADS, rows[count:])
         if (position + rate * rate + acceleration) * 0.0 != 0.0:
             self._require_finite(position, rate, acceleration)
@@ -499,15 +559,18 @@ class Mechanism(ABC):
             loads = loads_of(motion)
         except (ValueError, ZeroDivisionError):
             raise self._why_no_motion(position) from None
-        if (loads[one] + loads[other]) * 0.0 != 0.0 or rest and sum([loads[i] for i in rest]) * 0.0 != 0.0:
-            raise InvalidParameter(self.input_coordinate.rate, rate, 'so fast, or with such masses, that loads overflow')
+        if ((loads[one] + loads[other]) * 0.0 != 0.0 or rest and sum([loads[i] for i in rest])
+            * 0.0 != 0.0):
+            raise InvalidParameter(self.input_coordinate.rate, rate,
+                                   'so fast, or with such masses, that loads overflow')
         return _new(as_motion, motion), _new(as_loads, loads)
 
     def _require_finite(self, *values):
         for name, value in zip(self.input_coordinate, values):
             if not isfinite(value):
                 raise InvalidParameter(name, value, 'must be a finite number')
-        raise InvalidParameter(self.input_coordinate.rate, values[1], 'so fast that its square overflows')
+        raise InvalidParameter(self.input_coordinate.rate, values[1],
+                               'so fast that its square overflows')
 
     def _numbers(self, *values):
         return [number(name, value) for name, value in zip(self.input_coordinate, values)]
@@ -519,7 +582,8 @@ class Mechanism(ABC):
         tolerance = 4.0 * EPS * abs(position)
         toggles = self.input_ranges if self.stroke is None else self.closing_ranges
         if self.is_in_stroke(position) and any(
-                abs(self.distance(position, end)) <= tolerance for bounds in toggles for end in bounds):
+                abs(self.distance(position, end)) <= tolerance for bounds in toggles
+                for end in bounds):
             return Toggle(name, position, unit)
         return OutOfRange(name, position, self.input_ranges, unit)
 
@@ -542,12 +606,13 @@ def find_link(links, name):
     for link in links:
         if link.name == name:
             return link
-    raise InvalidParameter('link', name, f'must be one of {", ".join(link.name for link in links)}')
+    raise InvalidParameter('link', name, 'must be one of '
+                                         f'{", ".join(link.name for link in links)}')
 
 
 @cache
 def _places(motion, loads, fields):
-    """Return the places of fields among those of motion and loads (of these types), and whether any is a load."""
+    """Return the places of fields among those of motion and loads, and if any is a load."""
     known = motion._fields + (loads._fields if loads else ())
     for name in fields if isinstance(fields, tuple) else (fields,):
         if name not in known or not isinstance(fields, tuple):

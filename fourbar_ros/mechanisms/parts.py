@@ -10,9 +10,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from fourbar_ros.mechanics.moving_frames import acceleration_terms
+import numpy as np
 
 
 class Coordinate(NamedTuple):

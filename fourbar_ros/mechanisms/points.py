@@ -13,10 +13,9 @@ from __future__ import annotations
 from math import nan
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, REAL
+import numpy as np
 
 
 class LinkMotion(NamedTuple):

@@ -3,16 +3,16 @@
 """What can be asked for by name: searched for extrema, tabulated, plotted."""
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache, partial
-from typing import Callable, NamedTuple
-
-import numpy as np
+from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError, nearest
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.mechanism import CRANK
 from fourbar_ros.mechanisms.parts import Quantity
 from fourbar_ros.mechanisms.points import link_motion, point_of
+import numpy as np
 
 
 class UnknownQuantity(FourBarError, KeyError):

@@ -13,9 +13,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from fourbar_ros.numerics.arrays import Values
+import numpy as np
 
 
 def landen_steps(m1: Values) -> list[tuple[Values, Values]]:

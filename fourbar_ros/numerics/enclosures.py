@@ -9,7 +9,8 @@ rounding.
 """
 from __future__ import annotations
 
-from typing import Any, Callable
+from collections.abc import Callable
+from typing import Any
 
 from fourbar_ros.numerics.number_types import choose, INFINITESIMAL, NumberType
 

@@ -12,9 +12,8 @@ from math import inf, isfinite
 from numbers import Real
 from typing import Any
 
-import numpy as np
-
 from fourbar_ros.errors import InvalidParameter
+import numpy as np
 
 
 def number(name: str, value: Any, allowed: str = 'must be a finite number', least: float = -inf,

@@ -13,10 +13,10 @@ so that the data of a mechanism, taken to the last bit, decide what vanishes and
 """
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import contextmanager
 from decimal import Context, Decimal, localcontext
 import math
-from typing import Iterator
 
 from fourbar_ros.numerics.number_types import choose, NumberType, power_of_two
 

@@ -22,10 +22,11 @@ compares real parts, ``x.real > 0.0``, which floats, arrays and complex numbers 
 """
 from __future__ import annotations
 
+from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, fields, replace
 import math
-from typing import Any, Callable
+from typing import Any
 
 import numpy as np
 

@@ -22,8 +22,6 @@ import math
 import operator
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from fourbar_ros.numerics.number_types import (
     choose,
     converted,
@@ -31,6 +29,7 @@ from fourbar_ros.numerics.number_types import (
     NumberType,
     power_of_two,
 )
+import numpy as np
 
 CHUNK = 12288     # most samples at a time
 

@@ -11,9 +11,8 @@ from __future__ import annotations
 from math import isfinite, nan, pi
 from typing import Any
 
-import numpy as np
-
 from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, REAL
+import numpy as np
 
 EPS = 2.0**-52
 # Below this angle [rad] roots are found to an absolute tolerance: 0 has no last bit.

@@ -6,9 +6,8 @@ from __future__ import annotations
 from functools import cache
 from math import isfinite, isinf, isnan, nan
 
-import numpy as np
-
 from fourbar_ros.errors import InvalidParameter, OutOfRange, Toggle
+import numpy as np
 
 # The same numbers as the STATUS_ constants of fourbar_msgs/LinkageState (a test compares them).
 OK, OUT_OF_RANGE, INVALID_INPUT, TOGGLE, RATES_UNKNOWN, INPUT_TIMEOUT, LOADS_UNKNOWN = range(7)

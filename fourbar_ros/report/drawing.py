@@ -11,12 +11,11 @@ from math import hypot
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.parts import ORIGIN
 from fourbar_ros.report.mechanism_panel import draw_mechanism, renamed, significant
 from fourbar_ros.report.sheet import Sheet
+import numpy as np
 
 STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 11,
          'svg.hashsalt': 'fourbar_ros',

@@ -10,11 +10,10 @@ from __future__ import annotations
 from math import degrees, pi, remainder
 import re
 
-import numpy as np
-
 from fourbar_ros.mechanics.moving_frames import turned
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.report.sheet import Sheet
+import numpy as np
 
 LEAST_FORCE = 0.1      # forces shorter than this share of the longest have no arrow
 ARROW = 0.4            # length of the longest force over the size of the mechanism
@@ -216,8 +215,9 @@ def _draw_angles(sheet, motion, diagram):
         sheet.occupy(*base)
         for point in arc[::4]:
             sheet.occupy(point, point)
+        directions = list(_directions(angle * np.array([0.5, 0.35, 0.65, 0.8, 0.2])))
         found.append((_symbol(name), [at + out * radius * direction for out in (1.5, 1.8, 2.1)
-                                      for direction in _directions(angle * np.array([0.5, 0.35, 0.65, 0.8, 0.2]))]))
+                                      for direction in directions]))
     return found
 
 

@@ -85,7 +85,7 @@ class Sheet:
                 for distance in (0.18, -0.18, 0.26, -0.26, 0.36, -0.36)]
 
     def scale(self, unit, factor=1.0, place=0.0):
-        """Draw a bar of a round number of units, each ``factor`` long, at ``place`` of the width."""
+        """Draw a bar of a round number of units, each ``factor`` long, at ``place`` in width."""
         length = nice(1.3 * self.inch / factor)
         start, y = self.left + 0.1 * self.inch + place * self.width, self.bottom + 0.05 * self.inch
         self.axes.plot([start, start + length * factor], [y, y], color='k', lw=1.2, marker='|',

@@ -5,10 +5,9 @@ from __future__ import annotations
 
 from math import degrees, tau
 
-import numpy as np
-
 from fourbar_ros.report.poses import number, shown
 from fourbar_ros.report.terminal import plain_table
+import numpy as np
 
 SAMPLES, END, FULL_TURN = 721, 1e-14, tau * (1.0 - 1e-9)
 SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the range is approached
@@ -77,8 +76,8 @@ def what_it_is(linkage, title):
             rows.append(('output', _ranges(coordinate, output_ranges(linkage, coordinate))
                          + ', in this mode'))
         elif coordinate.position in linkage.ranges_of_both_modes:
-            rows.append(('output', _ranges(coordinate, linkage.ranges_of_both_modes[coordinate.position])
-                         + ', in both modes: they meet'))
+            ranges = linkage.ranges_of_both_modes[coordinate.position]
+            rows.append(('output', _ranges(coordinate, ranges) + ', in both modes: they meet'))
     rows += [('dead point' + (f', {"stretched" if point.stretched else "folded"}'
                               if hasattr(point, 'stretched') else ''),
               ', '.join(f'{coordinate.position} {shown(coordinate, value)}'

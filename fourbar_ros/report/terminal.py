@@ -7,8 +7,8 @@ They wrap text, or stack rows.
 """
 from __future__ import annotations
 
+from collections.abc import Iterator
 from textwrap import wrap
-from typing import Iterator
 
 from rich.cells import cell_len
 from rich.console import Console, ConsoleOptions

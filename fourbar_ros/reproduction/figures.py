@@ -10,8 +10,6 @@ from math import tau
 from pathlib import Path
 import re
 
-import numpy as np
-
 from fourbar_ros import __version__
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.mechanism import CROSSED, OPEN
@@ -27,16 +25,22 @@ from fourbar_ros.reproduction.verdicts import (
     VERDICTS,
     WRONG,
 )
+import numpy as np
 
 CSS = """\
-body { font: 15px/1.45 system-ui, sans-serif; max-width: 64em; margin: 2em auto; padding: 0 1em; color: #222; }
+body { font: 15px/1.45 system-ui, sans-serif; max-width: 64em; margin: 2em auto; padding: 0 1em;
+  color: #222; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 div.wide { overflow-x: auto; }
-th, td { padding: 0.15em 0.9em 0.15em 0; text-align: left; border-bottom: 1px solid #ddd; vertical-align: top; }
+th, td { padding: 0.15em 0.9em 0.15em 0; text-align: left; border-bottom: 1px solid #ddd;
+  vertical-align: top; }
 td.number, th.number { text-align: right; white-space: nowrap; }
-tr.wrong td { background: #fbeee6; } tr.copy td, tr.assumed td { background: #eef3f8; } tr.differs td { background: #f6c6c6; }
-td.part { padding-left: 1.2em; } nav ul { columns: 2; } dt { font-weight: 600; } dd { margin: 0 0 0.3em 1.5em; }
-figure { margin: 1em 0; } svg { max-width: 100%; height: auto; } figcaption, ol { color: #555; font-size: 0.92em; }
+tr.wrong td { background: #fbeee6; } tr.copy td, tr.assumed td { background: #eef3f8; }
+  tr.differs td { background: #f6c6c6; }
+td.part { padding-left: 1.2em; } nav ul { columns: 2; } dt { font-weight: 600; } dd { margin: 0 0
+  0.3em 1.5em; }
+figure { margin: 1em 0; } svg { max-width: 100%; height: auto; } figcaption, ol { color: #555;
+  font-size: 0.92em; }
 @media print { section { break-inside: avoid; } nav { break-after: page; } }
 """
 STYLES = {MISPRINT: 'wrong', WRONG: 'wrong', GARBLED: 'copy', ASSUMED: 'assumed',
@@ -182,7 +186,8 @@ def page(sections, when=None):
             'documents, recomputed</h1>\n<p>Lecture slide set 7 (Hayes, Irani, Afagh, Langlois) '
             'and the paper of Hayes, Hninn and Irani: printed value, ours, difference, verdict. '
             f'{summary(sections)}.</p>\n<p>fourbar_ros {__version__}, '
-            f'{when or date.today().isoformat()}.</p>\n<h2>Verdicts</h2>\n<dl>{legend}</dl>\n<nav><h2>Contents</h2>\n<ul>{contents}</ul></nav>\n{body}\n</body></html>\n')
+            f'{when or date.today().isoformat()}.</p>\n<h2>Verdicts</h2>\n<dl>{legend}</dl>\n'
+            f'<nav><h2>Contents</h2>\n<ul>{contents}</ul></nav>\n{body}\n</body></html>\n')
 
 
 SYMBOL = re.compile(r'\b(theta|omega|alpha)(\d)')

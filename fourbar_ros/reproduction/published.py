@@ -11,8 +11,6 @@ from __future__ import annotations
 
 from math import degrees, hypot, pi, radians
 
-import numpy as np
-
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanics.bodies import Bodies, Body, round_rod
 from fourbar_ros.mechanics.moving_frames import acceleration_terms
@@ -23,6 +21,7 @@ from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import I
 from fourbar_ros.mechanisms.mechanism import CROSSED, OPEN
 from fourbar_ros.mechanisms.points import acceleration_image, link_motion, point_motion
 from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+import numpy as np
 
 INCH, FOOT = 0.0254, 0.3048
 RPM = pi / 30.0

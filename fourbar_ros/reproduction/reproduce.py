@@ -11,8 +11,6 @@ from math import isnan, nan
 from pathlib import Path
 from typing import NamedTuple
 
-import yaml
-
 from fourbar_ros.report.terminal import make_console, plain_table
 from fourbar_ros.reproduction import published
 from fourbar_ros.reproduction.verdicts import (
@@ -27,6 +25,7 @@ from fourbar_ros.reproduction.verdicts import (
     VERDICTS,
     WRONG,
 )
+import yaml
 
 DOCUMENTS = Path(__file__).with_name('published.yaml')
 EXACT = 1e-12      # of the sum of the terms: more than rounding, less than any slip

@@ -7,7 +7,6 @@ from importlib import import_module
 from math import nan
 
 from builtin_interfaces.msg import Time
-
 from fourbar_ros.pipeline.message_fields import PASSIVE_EFFORT
 
 Stamp = tuple[int, int]         # as in a message, without making one: seconds, nanoseconds

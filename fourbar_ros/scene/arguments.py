@@ -16,8 +16,9 @@ NODE_USAGE = 'fourbar_node --ros-args --params-file SCENE'
 NODE_HELP = f"""\
 usage: {NODE_USAGE} [-p NAME:=VALUE ...] [-r FROM:=TO ...]
 
-The node of one linkage. SCENE is a parameter file, as config/paper.yaml; fourbar scene check SCENE explains
-it, docs/node.md lists all parameters. Exit codes: 0 stopped by a signal; 2 a scene that cannot be.
+The node of one linkage. SCENE is a parameter file, e.g. config/paper.yaml; fourbar scene check
+SCENE explains it, docs/node.md lists all parameters. Exit codes: 0 stopped by a signal; 2 the
+scene is invalid.
 """
 
 

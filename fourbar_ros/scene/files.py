@@ -12,9 +12,8 @@ from pathlib import Path
 import re
 from typing import Any
 
-import yaml
-
 from fourbar_ros.errors import FourBarError, nearest
+import yaml
 
 NODE = '/fourbar'
 BOOLS = {word: value for value, words in ((True, 'y yes true on'), (False, 'n no false off'))
@@ -107,7 +106,8 @@ def sections(path: str | Path) -> dict[str, dict]:
     except OSError as error:
         raise SceneError(f'{path}: {error.strerror}') from None
     except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
-        raise SceneError(f'{path}: not YAML that ROS reads: {" ".join(str(error).split())}') from None
+        text = ' '.join(str(error).split())
+        raise SceneError(f'{path}: not YAML that ROS reads: {text}') from None
     found = dict(_sections(document)) if isinstance(document, dict) else {}
     if not found:
         raise SceneError(f'{path}: not a scene: expected "/**:" with "ros__parameters:" below it')

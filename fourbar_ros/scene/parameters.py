@@ -117,7 +117,8 @@ def _body(link, first_joint):
                   f'centre of gravity of the {link}: distance from {first_joint} along the link; '
                   'default: half its length (0 for a link without a length)'),
         Parameter(name + 'cg_across', 'double', 0.0, 'm',
-                  f'centre of gravity of the {link}: distance to the left of the line of the link'),
+                  f'centre of gravity of the {link}: distance to the left of the line of the '
+                  'link'),
     )
 
 
@@ -246,8 +247,8 @@ PARAMETERS = {parameter.name: parameter for parameter in (
 POINT = {parameter.name: parameter for parameter in (
     Parameter('points.NAME.link', 'string', 'coupler', '', 'link to which the point NAME is fixed',
               choices=tuple(of_kinds.LINKS)),
-    Parameter('points.NAME.along', 'double', 0.0, 'm', 'position of the point NAME: distance from '
-                                                       'the first joint of its link along the link'),
+    Parameter('points.NAME.along', 'double', 0.0, 'm', 'position of the point NAME: distance '
+              'from the first joint of its link along the link'),
     Parameter('points.NAME.across', 'double', 0.0, 'm',
               'position of the point NAME: distance to the left of the line of its link'),
 )}

@@ -180,7 +180,8 @@ def kind_of(data, place):
                 < data.find(b'crc32', at) + 5):
                 return f"{name} body, 'crc32'"
             head = 40 + int.from_bytes(data[at + 37:at + 41], 'little')
-            return (f'{name} {"body" if opcode != Opcode.CHUNK else "head" if within < head else "content"}')
+            part = 'body' if opcode != Opcode.CHUNK else 'head' if within < head else 'content'
+            return f'{name} {part}'
         at = end
     return 'magic'
 
@@ -356,7 +357,8 @@ def chunk_places(data):
 
 @pytest.mark.parametrize('state', ['finished', 'cut'])
 @pytest.mark.parametrize('which', [0, 1, 35, -1])
-def test_a_lost_chunk_at_either_end_or_between_is_in_the_recovered_bag_and_in_its_verdict(whole, tmp_path, which, state):
+def test_a_lost_chunk_at_either_end_or_between_is_in_the_recovered_bag_and_in_its_verdict(
+        whole, tmp_path, which, state):
     data, everything = bytearray((whole / 'run_0.mcap').read_bytes()), raws(whole)
     places = chunk_places(data)
     if state == 'cut':
@@ -379,7 +381,8 @@ def test_a_lost_chunk_at_either_end_or_between_is_in_the_recovered_bag_and_in_it
         assert not found.damage and 'wrong checksum' in found.lost
 
 
-def test_a_recovered_bag_of_a_cut_one_knows_what_it_lacks_when_it_is_recovered_again(whole, tmp_path):
+def test_a_recovered_bag_of_a_cut_one_knows_what_it_lacks_when_it_is_recovered_again(
+        whole, tmp_path):
     data = bytearray((whole / 'run_0.mcap').read_bytes())
     places = chunk_places(data)
     data[places[3][0] + CRC] ^= 1

@@ -35,7 +35,8 @@ def held(blocks):
     for i, found in enumerate(blocks):
         if i == {after}:
             print('waiting', flush=True)
-            for _ in range(round({patience} / 0.01)):       # a signal just before a long sleep would wait for its end
+            # a signal just before a long sleep would wait for its end
+            for _ in range(round({patience} / 0.01)):
                 time.sleep(0.01)
         yield found
 real, walk = reader.Bag.blocks, scan.Scan.__iter__
@@ -136,7 +137,8 @@ def test_a_file_that_is_removed_while_it_is_recorded_is_noticed(tmp_path, monkey
     from fourbar_ros.bag import recorder as writer_module
     monkeypatch.setattr(writer_module, 'SPACE_PERIOD', 0.0)
     for name, spoil in (('removed', lambda path: (path / f'{path.name}_0.mcap').unlink()),
-                        ('replaced', lambda path: (path / 'other').rename(path / f'{path.name}_0.mcap')),
+                        ('replaced',
+                         lambda path: (path / 'other').rename(path / f'{path.name}_0.mcap')),
                         ('moved', lambda path: path.rename(tmp_path / 'elsewhere'))):
         told = []
         writer = BagWriter(tmp_path, name, [MOTION], {}, tell=told.append)

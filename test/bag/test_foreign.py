@@ -135,7 +135,8 @@ from fourbar_ros.bag import diff, export, info, plot, recompute, recover
 from fourbar_ros.cli.main import main
 if {arguments!r}[-1] == "parquet":
     import pyarrow.parquet
-taken = next(int(line.split()[1]) << 10 for line in open('/proc/self/status') if line.startswith('VmSize'))
+taken = next(int(line.split()[1]) << 10 for line in open('/proc/self/status')
+             if line.startswith('VmSize'))
 resource.setrlimit(resource.RLIMIT_AS, (taken + {memory}, taken + {memory}))
 resource.setrlimit(resource.RLIMIT_NOFILE, (40, 40))
 sys.exit(main({arguments!r}))
@@ -376,8 +377,8 @@ def test_false_heads_take_a_time_in_proportion_to_the_size_of_the_file(tmp_path)
         """Heads of chunks that would reach to the end; what their lengths tell does not fit."""
         return start + b''.join(HEAD.pack(6, size - 9 * i - 9) for i in range(size // 9))
     seconds_for(heads(30_000), tmp_path / 'warm.mcap')
-    few, many = seconds_for(heads(100_000), tmp_path / 'few.mcap'), seconds_for(heads(800_000),
-                                                                                tmp_path / 'many.mcap')
+    few = seconds_for(heads(100_000), tmp_path / 'few.mcap')
+    many = seconds_for(heads(800_000), tmp_path / 'many.mcap')
     # 8 times as long; 64 times if each looked at all that follows
     assert many < 24 * few
 
@@ -388,6 +389,6 @@ def test_many_channels_take_a_time_in_proportion_to_their_number(tmp_path):
                                 Schema(1, b'string data', 'ros2msg', STRING))
                 + b''.join(encoded(Channel(i, f'/t{i}', 'cdr', {}, 1)) for i in range(count)))
     seconds_for(defined(500), tmp_path / 'warm.mcap')
-    few, many = seconds_for(defined(2000), tmp_path / 'few.mcap'), seconds_for(defined(16_000),
-                                                                               tmp_path / 'many.mcap')
+    few = seconds_for(defined(2000), tmp_path / 'few.mcap')
+    many = seconds_for(defined(16_000), tmp_path / 'many.mcap')
     assert many < 24 * few

@@ -195,8 +195,8 @@ def test_a_disk_that_hangs_never_holds_up_the_caller_and_drops_are_counted(tmp_p
     found = info(path)
     assert (found.dropped == found.missing == 900 and not found.is_sound and found.ended
             == 'stopped')
-    assert [topic.missing for topic in found.topics] == [topic.missing
-                                                         for topic in info(path, check=True).topics]
+    checked = info(path, check=True)
+    assert [topic.missing for topic in found.topics] == [topic.missing for topic in checked.topics]
 
 
 def test_dropped_messages_leave_a_gap_that_info_counts(tmp_path, monkeypatch):
@@ -216,7 +216,8 @@ def test_dropped_messages_leave_a_gap_that_info_counts(tmp_path, monkeypatch):
                 and found.dropped == 7)
 
 
-def test_a_jointstate_of_a_million_joints_is_recorded_or_dropped_never_fatal(tmp_path, monkeypatch):
+def test_a_jointstate_of_a_million_joints_is_recorded_or_dropped_never_fatal(
+        tmp_path, monkeypatch):
     import numpy as np
     count = 1_000_000
     data = bags.encode('sensor_msgs/msg/JointState', header=bags.stamp(1), name=[''] * count,
@@ -266,7 +267,8 @@ k = 0
 end = time.monotonic() + 30
 while not writer.error and time.monotonic() < end:
     writer.write(0, bags.encode('fourbar_msgs/msg/Motion', header=bags.stamp(k), position=float(k),
-                                velocity=float(int.from_bytes(os.urandom(7), 'big')), acceleration=0.0))
+                                velocity=float(int.from_bytes(os.urandom(7), 'big')),
+                                acceleration=0.0))
     flushed = sum(writer._container.counts.values())
     k += 1
     time.sleep(0.0001)
@@ -279,7 +281,8 @@ except BagError as error:
 '''
 
 
-def test_a_full_disk_is_told_once_the_caller_lives_and_the_bag_holds_all_that_was_flushed(tmp_path):
+def test_a_full_disk_is_told_once_the_caller_lives_and_the_bag_holds_all_that_was_flushed(
+        tmp_path):
     done = subprocess.run([sys.executable, '-c', FULL.format(test=str(TEST), path=str(tmp_path))],
                           capture_output=True, text=True, timeout=60, check=False, env=os.environ)
     assert done.returncode == 0, done.stderr

@@ -289,8 +289,8 @@ def test_a_split_bag_being_written_is_followed_into_its_next_parts(tmp_path):
     writer = BagWriter(tmp_path, 'run', [channel], {}, flush_period=0.01, sync_period=0.0,
                        split=Split(duration=0.02))
     heard = []
-    reader = (threading.Thread(target=lambda: heard.extend(raw.sequence
-                                                           for raw in Bag(tmp_path / 'run').raw(follow=True))))
+    reader = threading.Thread(target=lambda: heard.extend(
+        raw.sequence for raw in Bag(tmp_path / 'run').raw(follow=True)))
     writer.write(0, bags.motion(0))
     reader.start()
     for k in range(1, 300):

@@ -113,8 +113,8 @@ def test_scenes_are_found_by_name_anywhere(tmp_path, monkeypatch, capsys):
 
 @pytest.mark.parametrize('name', ['mid-dle', '1st', 'm d', 'ä-b'])
 def test_a_bad_name_of_a_point_is_explained(name, tmp_path, capsys):
-    _, _, err = said(capsys, 'scene', 'check', scene_with(tmp_path, '    points: '
-                                                                    f'{{"{name}": {{link: crank}}}}\n'))
+    points = f'    points: {{"{name}": {{link: crank}}}}\n'
+    _, _, err = said(capsys, 'scene', 'check', scene_with(tmp_path, points))
     assert (f"{name!r} is not a valid point name: use letters, digits and _" in err and len(err)
             < 200)
 
@@ -160,7 +160,8 @@ def test_the_nearest_quantity_is_named(name, suggestion):
     ('show', 'paper', '--acceleration', 'nan')])
 def test_numbers_that_make_no_sense_are_refused_at_once(arguments, capsys):
     code, out, err = said(capsys, *arguments)
-    assert (code, out) == (2, '') and f"{arguments[-1 if arguments[0] != 'draw' else 3]!r} must be" in err
+    bad = arguments[-1 if arguments[0] != 'draw' else 3]
+    assert (code, out) == (2, '') and f'{bad!r} must be' in err
 
 
 @pytest.mark.parametrize('verb', [('show',), ('draw', '-o', 'x.png')])
@@ -171,7 +172,8 @@ def test_numbers_that_make_no_sense_are_refused_at_once(arguments, capsys):
 def test_asked_in_degrees_answered_in_degrees(verb, scene_name, at, text, capsys):
     pytest.importorskip('matplotlib')
     code, out, err = said(capsys, *verb, scene_name, '--at', at)
-    assert (code, out) == (1, '') and text in err and ' rad' not in err and len(err.splitlines()) == 1
+    assert (code, out) == (1, '')
+    assert text in err and ' rad' not in err and len(err.splitlines()) == 1
 
 
 def test_show_tells_the_whole_of_example_7_6(capsys):
@@ -263,8 +265,8 @@ def test_the_output_does_not_change_from_run_to_run():
 def test_make_run_checks_what_it_is_asked_for_first(arguments, text):
     done = subprocess.run([ROOT / 'scripts/check_run.sh', *arguments], capture_output=True,
                           text=True, check=False)
-    assert (done.returncode
-            == 0) == (not text) and text in done.stderr and len(done.stderr.splitlines()) == bool(text)
+    assert (done.returncode == 0) == (not text)
+    assert text in done.stderr and len(done.stderr.splitlines()) == bool(text)
 
 
 def test_a_picture_is_where_it_is_said_to_be(tmp_path, capsys):

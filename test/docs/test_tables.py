@@ -34,8 +34,9 @@ def test_every_field_of_every_message_has_its_unit_or_meaning():
     for file in (ROOT / 'msg_defs').glob('*/*.*'):
         if file.suffix in ('.msg', '.srv'):
             for line in file.read_text().splitlines():
-                assert not line or line.startswith('---') or '#' in line or '=' in line or line.split()[1] in (
-                    'state', 'loads', 'success'), f'{file.name}: {line}'
+                assert (not line or line.startswith('---') or '#' in line or '=' in line
+                        or line.split()[1] in ('state', 'loads', 'success')), (
+                            f'{file.name}: {line}')
 
 
 def test_every_module_and_message_field_is_named_as_in_the_core():

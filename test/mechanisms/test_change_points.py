@@ -303,7 +303,8 @@ def test_nearly_equal_links_have_as_few_extrema_as_others(order, gap):
 
 @pytest.mark.parametrize('ratio', [1.2, 1.02, 1.001])
 @pytest.mark.parametrize('mode', [1, 2])
-def test_in_the_parallel_mode_all_forces_of_a_parallelogram_without_weight_are_constant(ratio, mode):
+def test_in_the_parallel_mode_all_forces_of_a_parallelogram_without_weight_are_constant(
+        ratio, mode):
     """
     Crank and output link alike, the coupler only carried.
 

@@ -274,7 +274,7 @@ def test_differences_of_positions_are_rates(case):
 
 
 def needed(mechanism, motion):
-    """Return force, moment about O1 and power that all links need beside gravity and loads, and their sizes."""
+    """Return force, moment about O1 and power that the links need, and their sizes."""
     total, sizes, gravity = np.zeros(4), np.zeros(3), complex(*mechanism.gravity)
     for link, body in mechanism.bodies._asdict().items():
         at, push = (
@@ -562,7 +562,7 @@ def everything(mechanism, rng):
 
 
 def mechanisms_for_extrema(case, seed, count):
-    """Yield random mechanisms with masses and gravity, not too near a change point, at any place."""
+    """Yield random loaded mechanisms, not too near a change point."""
     rng = np.random.default_rng(seed)
     while count:
         lengths, _ = contract.draw(rng, case)

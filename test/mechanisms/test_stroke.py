@@ -81,7 +81,8 @@ def test_extrema_in_a_stroke_are_those_inside_and_its_ends():
             assert [(e.slide, e.side) for e in ends] == [(low, 1), (high, -1)]
             for e in ends:
                 motion, loads = mechanism.step(e.slide, 0.7, 0.3)
-                assert (e.value == pytest.approx(next(q for q in select([name], mechanism)).of(motion, loads), rel=1e-12))
+                quantity = next(q for q in select([name], mechanism))
+                assert e.value == pytest.approx(quantity.of(motion, loads), rel=1e-12)
 
 
 def test_global_extrema_in_a_stroke_bound_a_fine_grid():

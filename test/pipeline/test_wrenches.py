@@ -44,8 +44,9 @@ def test_a_wrench_from_a_topic_is_that_of_the_scene_to_the_last_bit(link):
         given = random.uniform(-9, 9), random.uniform(-30, 30), random.uniform(-90, 90)
         stepper.act(link, wrench)
         status, values = stepper.step(*given, True, False)
-        fixed = scenes.from_values({**LOADED, **place, **{f'external.{link}.{name}': number
-                                                          for name, number in wrench._asdict().items()}})
+        given_loads = {f'external.{link}.{name}': number
+                       for name, number in wrench._asdict().items()}
+        fixed = scenes.from_values({**LOADED, **place, **given_loads})
         assert status == OK and values == Stepper(fixed).step(*given, True, False)[1]
 
 

@@ -89,8 +89,8 @@ def test_pictures_have_equal_scales_and_all_labels(mechanism, value):
     assert {f'${name}$' for name in mechanism.diagram(motion).joints} <= set(words[0])
     assert any(f'{significant(loads.f41)} N' in text for text in words[0])
     for arrow in mechanism.velocity_polygon(motion):
-        assert (f'${arrow.label}$' in words[1] and f'${arrow.label}$ = '
-                                                   f'{significant(hypot(*arrow.vector))}' in words[1])
+        size = significant(hypot(*arrow.vector))
+        assert f'${arrow.label}$' in words[1] and f'${arrow.label}$ = {size}' in words[1]
 
 
 def test_an_arrow_is_as_long_as_its_scale_bar_says():

@@ -223,7 +223,8 @@ def recorder_of(client):
     return found[-1]
 
 
-def test_a_name_that_is_taken_does_not_stop_the_node_it_records_under_the_next_free_one(run_node, client, tmp_path):
+def test_a_name_that_is_taken_does_not_stop_the_node_it_records_under_the_next_free_one(
+        run_node, client, tmp_path):
     for name in ('run', 'run_2'):
         (tmp_path / 'bags' / name).mkdir(parents=True)
     node = run_node({**PAPER, 'outputs': ['state'], 'recording.start': True,

@@ -89,7 +89,8 @@ class Loaded:
         """Return the driving torque of the core under a wrench, in the place of the scene."""
         given = getattr(self.scene.linkage.external, self.link)
         applied = Applied(*numbers[:2], given.along, given.across, numbers[2])
-        return (self.scene.linkage.with_external(External(**{self.link: applied})).loads(position, 2.0, 3.0).driving_torque)
+        loaded = self.scene.linkage.with_external(External(**{self.link: applied}))
+        return loaded.loads(position, 2.0, 3.0).driving_torque
 
 
 @pytest.mark.parametrize('link', ['coupler', 'output'])
@@ -167,7 +168,8 @@ def test_loads_go_back_along_a_chain_and_both_bags_compute_again(run_node, clien
         torque = scene.from_values(second).linkage.loads(between.theta4, between.omega4,
                                                          between.alpha4).driving_torque
         alone = scene.from_values(first).linkage
-        together = (alone.with_external(External(output=Applied(couple=-torque))).loads(angle, 2.0, 3.0).driving_torque)
+        loaded = alone.with_external(External(output=Applied(couple=-torque)))
+        together = loaded.loads(angle, 2.0, 3.0).driving_torque
         assert (client.received['loads'][-1].driving_torque == together
                 != alone.loads(angle, 2.0, 3.0).driving_torque)
     for node in nodes:

@@ -23,7 +23,8 @@ motion = linkage.FourBar.motion
 linkage.FourBar.motion = lambda self, *a: calls.append('motion') or motion(self, *a)
 
 rclpy.init()
-node = FourBarNode(parameter_overrides=[Parameter(k, value=v) for k, v in json.loads(sys.argv[1]).items()])
+node = FourBarNode(parameter_overrides=[Parameter(k, value=v)
+                                        for k, v in json.loads(sys.argv[1]).items()])
 listener = rclpy.create_node('listener')
 from fourbar_msgs.msg import LinkageState
 def until(heard):
@@ -32,7 +33,8 @@ def until(heard):
         rclpy.spin_once(node, timeout_sec=0.02)
 
 if sys.argv[2] != 'not heard':
-    subscription = listener.create_subscription(LinkageState, '/fourbar/state', lambda message: None, 10)
+    subscription = listener.create_subscription(LinkageState, '/fourbar/state',
+                                                lambda message: None, 10)
     until(True)
 if sys.argv[2] == 'left':
     listener.destroy_subscription(subscription)
@@ -41,8 +43,10 @@ for k in range(5):
     node.stream.step(sec_nanosec(k), 0.1 * k, 1.0, 0.0)
 topics = sorted(name for name, _ in node.get_publisher_names_and_types_by_node('fourbar', '/'))
 print(json.dumps({'calls': calls, 'topics': topics,
-                  'bag': [m for m in sys.modules if m.startswith(('fourbar_ros.bag', 'fourbar_ros.ros.node.inputs'))],
-                  'imported': [m for m in ('scipy', 'mcap', 'matplotlib', 'rich', 'fourbar_ros.extrema.find',
+                  'bag': [m for m in sys.modules
+                          if m.startswith(('fourbar_ros.bag', 'fourbar_ros.ros.node.inputs'))],
+                  'imported': [m for m in ('scipy', 'mcap', 'matplotlib', 'rich',
+                                        'fourbar_ros.extrema.find',
                                         'importlib.metadata', 'fourbar_ros.bag.recorder')
                                if m in sys.modules]}))
 node.close()

@@ -19,7 +19,8 @@ from launch.actions import IncludeLaunchDescription
 from launch.launch_description_sources import PythonLaunchDescriptionSource
 service = LaunchService()
 service.include_launch_description(LaunchDescription([IncludeLaunchDescription(
-    PythonLaunchDescriptionSource(sys.argv[1]), launch_arguments=[each.split(':=') for each in sys.argv[2:]])]))
+    PythonLaunchDescriptionSource(sys.argv[1]),
+    launch_arguments=[each.split(':=') for each in sys.argv[2:]])]))
 sys.exit(service.run())
 """
 

@@ -147,4 +147,5 @@ def test_points_are_changed_live_and_refused_with_a_reason(run_node, client):
     client.until(lambda: client.received['points/tip'][-1].normal_acceleration
                  == pytest.approx(9.0 * 0.4, rel=1e-12),
                  'the point on the crank')
-    assert ('must be one of crank, coupler, output' in set_parameters(client, {'points.tip.link': 'rocker'})[0].reason)
+    refused = set_parameters(client, {'points.tip.link': 'rocker'})[0]
+    assert 'must be one of crank, coupler, output' in refused.reason

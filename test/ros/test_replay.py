@@ -50,7 +50,8 @@ def test_replay_sends_every_message_again_as_it_was(client, bag):
     client.listen([*ALL_OUTPUTS, 'driven'], depth=20_000)     # a busy machine reads late
     late = []
     client.node.create_subscription(String, '/fourbar/scene', late.append,
-                                    QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+                                    QoSProfile(depth=1,
+                                               durability=DurabilityPolicy.TRANSIENT_LOCAL))
     process = fourbar('replay', bag, '--loop', '--rate', '2')
     client.until(lambda: all(len(m) > 2 * STEPS for m in client.received.values()), 'two rounds')
     process.send_signal(signal.SIGINT)

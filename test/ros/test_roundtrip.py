@@ -75,7 +75,8 @@ def test_ours_mcap_and_rosbags_read_every_field_as_it_was_sent(bag):
     for record in records(path):
         ours[record.topic].append(plain(record.message))
     with open(path / 'trip_0.mcap', 'rb') as file:
-        for item in (make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages()):
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        for item in reader.iter_decoded_messages():
             theirs[item.channel.topic].append(plain(item.decoded_message))
     with AnyReader([path]) as reader:
         for connection, _, data in reader.messages():

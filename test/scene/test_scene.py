@@ -120,7 +120,8 @@ def test_scene_check_lists_what_was_given_in_units_of_what_is_driven(tmp_path, c
                                                                    'source: timer '))
     assert main(['scene', 'check', str(file)]) == 0
     said = capsys.readouterr().out
-    assert ('inverted slider-crank, Grashof crank-rocker, driven at its slide, mode 2' in ' '.join(said.split()))
+    name = 'inverted slider-crank, Grashof crank-rocker, driven at its slide, mode 2'
+    assert name in ' '.join(said.split())
     assert 'drive.start = 0 m is outside [1, 1.8] m' in said
     rows = dict(line.split(maxsplit=1) for line in said.splitlines()
                 if line.startswith(('linkage.', 'drive.speed')))

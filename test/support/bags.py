@@ -10,7 +10,6 @@ from fourbar_ros.scene import scene as scenes
 from fourbar_ros.scene.topics import DRIVEN, SCENE
 import numpy as np
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
-
 from support import ROOT
 
 STORE = get_typestore(Stores.ROS2_JAZZY)

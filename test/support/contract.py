@@ -12,7 +12,6 @@ from fourbar_ros import Applied, Bodies, Body, External, InvalidParameter
 from fourbar_ros.mechanisms.kinds import KINDS
 import mpmath as mp
 import numpy as np
-
 from support.reference import condition, EPS
 from support.references import REFERENCES
 
@@ -75,7 +74,7 @@ class Case(NamedTuple):
         return self.kind(*lengths, mode=self.mode, **others)
 
     def pieces(self, values):
-        """Split a flat list into bodies (four numbers each), applied loads (five each) and gravity."""
+        """Split a flat list into bodies (four numbers), applied loads (five) and gravity."""
         count, first = len(self.bodies._fields), 4 * len(self.bodies._fields)
         return (
             [values[4 * i : 4 * i + 4] for i in range(count)],
@@ -161,7 +160,7 @@ def _position(rng, case, mechanism, family):
 
 
 def draw(rng, case, family='random'):
-    """Return lengths [m] and (input, rate, acceleration) of a mechanism of a family that closes there."""
+    """Return lengths [m] and (input, rate, acceleration) of a mechanism that closes."""
     for _ in range(TRIES):
         lengths = tuple(_lengths(rng, case, family).tolist())
         try:
@@ -267,7 +266,7 @@ def motion_errors(case, lengths, given):
 
 
 def load_errors(case, lengths, given, masses):
-    """Return {field, or beginning of a pair: error in eps cond}, the larger one of a value and of an array."""
+    """Return {field or stem of a pair: error in eps cond}, of a value and of an array."""
     n = len(lengths)
     truth, cond = values_and_conditions(
         lambda at, v: case.reference.loads(case.driven, v[:n], case.sign, at, *case.pieces(v[n:])),

@@ -20,7 +20,7 @@ SOURCE = r'''
 #include <time.h>
 #include <unistd.h>
 #define LOOK 100000000      /* [ns] how soon a waiting thread sees that the clock was set */
-/* The file $FAULTS: step of the system clock, delays of fsync and of write to a regular file [ns]. */
+/* The file $FAULTS: step of the system clock, delays of fsync and of write to a file [ns]. */
 static volatile const int64_t *faults;
 static int (*real_time)(clockid_t, struct timespec *);
 static int (*real_fsync)(int), (*real_fdatasync)(int);
@@ -51,10 +51,12 @@ int clock_gettime(clockid_t which, struct timespec *now) {
     }
     return done;
 }
-/* A wait until a time of the system clock ends when that clock says so: after it was set back, much later. */
-int pthread_cond_timedwait(pthread_cond_t *condition, pthread_mutex_t *mutex, const struct timespec *until) {
+/* A wait until a time of the system clock ends by that clock: much later if it is set back. */
+int pthread_cond_timedwait(pthread_cond_t *condition, pthread_mutex_t *mutex,
+                           const struct timespec *until) {
     if (!real_wait) begin();
-    if (until->tv_sec < 1000000000) return real_wait(condition, mutex, until);       /* of another clock */
+    if (until->tv_sec < 1000000000)             /* of another clock */
+        return real_wait(condition, mutex, until);
     for (;;) {
         struct timespec now, next;
         clock_gettime(CLOCK_REALTIME, &now);
@@ -72,7 +74,8 @@ int fsync(int file) { if (faults[1]) wait_for(faults[1]); return real_fsync(file
 int fdatasync(int file) { if (faults[1]) wait_for(faults[1]); return real_fdatasync(file); }
 ssize_t write(int file, const void *data, size_t size) {
     struct stat about;
-    if (faults && faults[2] && fstat(file, &about) == 0 && S_ISREG(about.st_mode)) wait_for(faults[2]);
+    if (faults && faults[2] && fstat(file, &about) == 0 && S_ISREG(about.st_mode))
+        wait_for(faults[2]);
     return real_write(file, data, size);
 }
 '''

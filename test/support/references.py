@@ -11,7 +11,6 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import mpmath as mp
-
 from support import reference, slider_reference, yoke_reference
 
 

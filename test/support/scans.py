@@ -6,7 +6,6 @@ from math import inf
 
 from fourbar_ros import find_extrema
 import numpy as np
-
 from support.reference import EPS
 
 
@@ -15,7 +14,7 @@ def place(mechanism, extremum):
 
 
 def tops_of_a_scan(mechanism, quantities, rate, acceleration, points):
-    """Yield (quantity, kind, input, step) of every extremum that stands out of the rounding of a dense scan."""
+    """Yield (quantity, kind, input, step) of the extrema of a dense scan above rounding."""
     for low, high in mechanism.input_ranges:
         step = (high - low) / points
         x = low + step * (np.arange(-1, points + 1) + 0.5)

@@ -14,7 +14,6 @@ from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import I
 from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
 import mpmath as mp
 import numpy as np
-
 from support.reference import cross
 
 KINDS = ((SliderCrank, 'crank'), (SliderCrank, 'slide'), (InvertedSlider, 'crank'),

@@ -7,7 +7,6 @@ Positions from coordinates; rates by solving the differentiated loop; loads from
 of three free bodies as one system. Nothing here is shared with the package.
 """
 import mpmath as mp
-
 from support.reference import cross
 
 FIELDS = ('theta1', 'theta2', 'slide', 'slot', 'omega1', 'omega2', 'slide_velocity',

@@ -8,9 +8,9 @@ from fourbar_ros.cli.common import add_verb
 
 ACTIONS = (info, recover, recompute, export, plot, diff, scene)
 DESCRIPTION = """\
-Inspect, repair, check and convert recorded runs. BAG is the folder of a bag or its .mcap file: finished,
-cut off by a crash, or still being written. No action changes a bag or overwrites a file. info and recompute
-accept several bags and folders of bags, and process them in parallel.
+Inspect, repair, check and convert recorded runs. BAG is the folder of a bag or its .mcap file:
+finished, cut off by a crash, or still being written. No action changes a bag or overwrites a
+file. info and recompute accept several bags and folders of bags, and process them in parallel.
 """
 EPILOG = """\
 examples:
@@ -23,12 +23,12 @@ examples:
   fourbar bag plot bags/run state.theta4 loads.f41 -o run.png
   fourbar bag diff bags/run bags/other --tolerance 1e-12
 
-exit codes: 0 good; 1 an error, reported in one line; 2 bad arguments; 130, 143 interrupted by Ctrl-C or
-SIGTERM, with no partial output left; 3 done, but
+exit codes: 0 good; 1 an error, reported in one line; 2 bad arguments; 130, 143 interrupted by
+Ctrl-C or SIGTERM, with no partial output left; 3 done, but
   info       the bag is unfinished or damaged, or messages are missing
   recover    data were lost or damaged
-  recompute  a value differs by more than the tolerance, an output is missing, duplicated or without its
-             input, or nothing could be compared
+  recompute  a value differs by more than the tolerance, an output is missing, duplicated or
+             without its input, or nothing could be compared
   diff       the bags differ
 """
 

@@ -20,13 +20,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import pi
 
-import numpy as np
-
 from fourbar_ros.extrema.input_paths import closer_points, End, InputPath
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.elliptic_functions import jacobi, landen_steps
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
+import numpy as np
 
 # At a change point itself the period of u is infinite. There the branches are smooth in x, so the
 # points of a linkage that clears the flat position by this much (of 4 a1 a4) serve.

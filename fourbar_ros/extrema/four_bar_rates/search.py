@@ -20,8 +20,6 @@ from functools import cache
 from math import atan2, cos, fsum, inf, nan, sin
 from typing import NamedTuple
 
-import numpy as np
-
 from fourbar_ros.extrema.four_bar_rates.input_paths import half_turn, phases, POINTS_PER_FEATURE
 from fourbar_ros.extrema.four_bar_rates.sensitivity import rate_changes
 from fourbar_ros.mechanisms.four_bar.half_angle import half_angle_coefficients
@@ -36,6 +34,7 @@ from fourbar_ros.numerics.roots import (
     newton_root,
     turn_after,
 )
+import numpy as np
 
 # Of a full turn, at least. Half as many have missed nothing in 280 000 linkages of all kinds.
 SAMPLES = 24

@@ -25,11 +25,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.four_bar.half_angle import bilinear_factors
 from fourbar_ros.numerics.given import array, number
+import numpy as np
 
 # For each pair the factors of v_i^2 v_j^2, v_i^2, v_j^2, 1; the lengths in the coefficient of v_i
 # v_j, and that coefficient over their product: Eqs. (17), (18), (16), (19), (20), (21) of the

@@ -5,11 +5,10 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from fourbar_ros.mechanics.moving_frames import acceleration_terms, turned
 from fourbar_ros.mechanisms.parts import around, Arrow, Bar, Block, chain, Diagram, ORIGIN, total
 from fourbar_ros.mechanisms.points import link_motion, point_motion
+import numpy as np
 
 BEYOND = 0.14      # length of the bar beyond its block, over the size of the mechanism
 

@@ -1,8 +1,10 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Loads of the inverted slider-crank: Newton-Euler in closed form, one system solved by hand.
 
-With F1, F2, F3 and M1, M2, M3 as for the 4R (link 2 the block, link 3 the bar), N the force of the bar on the block
-to the left of the bar, and P the driving force along it:
+With F1, F2, F3 and M1, M2, M3 as for the 4R (link 2 the block, link 3 the bar), N the force of the
+bar on the block to the left of the bar, and P the driving force along it:
 
     (L1)  crank driven:  l N = -(M2 + M3)
     (L2)  slide driven:  a4 sin x N = h M1/a1 - (M2 + M3) sin(theta2)
@@ -10,8 +12,9 @@ to the left of the bar, and P the driving force along it:
     (L4)  drive = M1 theta1' + (M2 + M3) y'
     (L5)  shaking force = -(F1 + F2 + F3),   shaking moment about O1 = -(M1 + M2 + M3 + a4 F3_y)
 
-Assumed as for the 4R (:mod:`fourbar_ros.mechanisms.four_bar.loads`); the bar transmits to the block, without
-friction, a force square to it and a couple. The drive is a pure torque on the crank, or a force along the slide.
+Assumed as for the 4R (:mod:`fourbar_ros.mechanisms.four_bar.loads`); the bar transmits to the
+block, without friction, a force square to it and a couple. The drive is a pure torque on the
+crank, or a force along the slide.
 """
 from __future__ import annotations
 
@@ -32,8 +35,8 @@ def make_loads(n: NumberType, a1: Any, a4: Any, h: Any, is_crank_driven: bool, b
     """
     Return the function (fields of InvertedSliderMotion) -> fields of :class:`.SliderLoads`.
 
-    The force between block and bar from the moments of both about O4 and, for a driven slide, of the
-    crank; the drive from virtual power.
+    The force between block and bar from the moments of both about O4 and, for a driven slide, of
+    the crank; the drive from virtual power.
     """
     hypot, unit = n.hypot, n.power_of_two(a1, a4, h)
     a1, a4, h, per_unit = a1 / unit, a4 / unit, h / unit, 1.0 / unit
@@ -70,7 +73,8 @@ def make_loads(n: NumberType, a1: Any, a4: Any, h: Any, is_crank_driven: bool, b
         f21_x, f21_y = f32_x - f2_x, f32_y - f2_y
         f43_x, f43_y = f3_x + f32_x, f3_y + f32_y
         f41_x, f41_y = f1_x - f21_x, f1_y - f21_y
-        f41, f21, f32, f43 = hypot(f41_x, f41_y), hypot(f21_x, f21_y), hypot(f32_x, f32_y), hypot(f43_x, f43_y)
+        f41, f21, f32, f43 = (hypot(f41_x, f41_y), hypot(f21_x, f21_y), hypot(f32_x, f32_y),
+                              hypot(f43_x, f43_y))
         guide_couple = unit * moment2
         shaking_force_x, shaking_force_y = -(f1_x + f2_x + f3_x), -(f1_y + f2_y + f3_y)     # (L5)
         shaking_force = hypot(shaking_force_x, shaking_force_y)

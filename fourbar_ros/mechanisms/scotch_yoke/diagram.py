@@ -5,10 +5,9 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from fourbar_ros.mechanisms.parts import around, Arrow, Bar, Block, chain, Diagram, ORIGIN, total
 from fourbar_ros.mechanisms.points import link_motion, point_motion
+import numpy as np
 
 X, Y = np.array([1.0, 0.0]), np.array([0.0, 1.0])
 

@@ -1,16 +1,21 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Loads of the slider-crank: Newton-Euler in closed form, one system solved by hand.
 
-With F1, F2, F3 and M1, M2, M3 as for the 4R (M3 about B), and e_x, e_b the directions of crank and coupler:
+With F1, F2, F3 and M1, M2, M3 as for the 4R (M3 about B), and e_x, e_b the directions of crank and
+coupler:
 
     (L1)  crank driven:  F32_x = -F3_x,   a2 (cos b F32_y - sin b F32_x) = M2
     (L2)  slide driven:  F32 = (M1/a1 e_b - M2/a2 e_x) / sin(theta2)
     (L3)  F21 = F32 - F2,   F41 = F1 - F21,   F43 = (driving force, F3_y + F32_y)
     (L4)  drive = M1 theta1' + M2 b' + F3_x s'
-    (L5)  shaking force = -(F1 + F2 + F3),   shaking moment about O1 = -(M1 + M2 + M3 + s F3_y - e F3_x)
+    (L5)  shaking force = -(F1 + F2 + F3),   shaking moment about O1 = -(M1 + M2 + M3 + s F3_y - e
+    F3_x)
 
-Assumed as for the 4R (:mod:`fourbar_ros.mechanisms.four_bar.loads`); the guide transmits, without friction, a
-force square to it and a couple. The drive is a pure torque on the crank, or a force along the slide.
+Assumed as for the 4R (:mod:`fourbar_ros.mechanisms.four_bar.loads`); the guide transmits, without
+friction, a force square to it and a couple. The drive is a pure torque on the crank, or a force
+along the slide.
 """
 from __future__ import annotations
 
@@ -30,8 +35,9 @@ def make_loads(n: NumberType, a1: Any, a2: Any, e: Any, is_crank_driven: bool, b
     """
     Return the function (fields of SliderCrankMotion) -> fields of :class:`.SliderLoads`.
 
-    The force at B from the moment of the coupler and, for a driven crank, the slider's own equation along
-    the guide, for a driven slider the moment of the crank; the drive from virtual power.
+    The force at B from the moment of the coupler and, for a driven crank, the slider's own
+    equation along the guide, for a driven slider the moment of the crank; the drive from virtual
+    power.
     """
     hypot, unit = n.hypot, n.power_of_two(a1, a2, e)
     a1, a2, e, per_unit = a1 / unit, a2 / unit, e / unit, 1.0 / unit
@@ -39,7 +45,8 @@ def make_loads(n: NumberType, a1: Any, a2: Any, e: Any, is_crank_driven: bool, b
     coupler = about_first_joint(bodies.coupler, unit, gravity, external.coupler)
     slider = about_first_joint(bodies.output, unit, gravity, external.output)
     crank = with_pin(about_first_joint(bodies.crank, unit, gravity), coupler, mass2, a1)
-    across, hold_x, f3_y, couple = slider.across, slider.hold_x, slider.hold_y, slider.by_cosine + slider.couple
+    across, hold_x, f3_y, couple = (slider.across, slider.hold_x, slider.hold_y,
+                                    slider.by_cosine + slider.couple)
     needs_of_crank_and_carried = make_needs_of_crank_and_carried(crank, coupler, mass2, a1)
 
     def loads(motion: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -67,12 +74,14 @@ def make_loads(n: NumberType, a1: Any, a2: Any, e: Any, is_crank_driven: bool, b
         f21_x, f21_y = f32_x - f2_x, f32_y - f2_y                                       # (L3)
         f43_x, f43_y = driving_force, f3_y + f32_y
         f41_x, f41_y = f1_x - f21_x, f1_y - f21_y
-        f41, f21, f32, f43 = hypot(f41_x, f41_y), hypot(f21_x, f21_y), hypot(f32_x, f32_y), hypot(f43_x, f43_y)
+        f41, f21, f32, f43 = (hypot(f41_x, f41_y), hypot(f21_x, f21_y), hypot(f32_x, f32_y),
+                              hypot(f43_x, f43_y))
         guide_force, guide_couple = f43_y, unit * moment3
         shaking_force_x, shaking_force_y = -(f1_x + f2_x + f3_x), -(f1_y + f2_y + f3_y)     # (L5)
         shaking_force = hypot(shaking_force_x, shaking_force_y)
         shaking_moment = unit * (aside * (omega2 * (omega1 + omega_beta))
-                                 - (moment1 + about_a + moment3 + (slide * per_unit) * f3_y - e * f3_x))
+                                 - (moment1 + about_a + moment3 + (slide * per_unit) * f3_y
+                                    - e * f3_x))
         return (f41_x, f41_y, f21_x, f21_y, f32_x, f32_y, f43_x, f43_y, f41, f21, f32, f43,
                 guide_force, guide_couple, driving_torque, driving_force,
                 shaking_force_x, shaking_force_y, shaking_force, shaking_moment)

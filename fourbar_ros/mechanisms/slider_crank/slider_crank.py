@@ -206,9 +206,10 @@ class SliderCrank(Mechanism):
         return tuple(sorted(points))
 
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
-        """Return the function (position, rate, acceleration) -> fields of MOTION for constants of a number type."""
+        """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
         if self.input == CRANK:
-            return make_crank_motion(numbers, *constants.lengths, constants.sign, self._has_long_crank)
+            return make_crank_motion(numbers, *constants.lengths, constants.sign,
+                                     self._has_long_crank)
         return make_slider_motion(numbers, *constants.lengths, constants.sign)
 
     @property
@@ -221,7 +222,7 @@ class SliderCrank(Mechanism):
         return *super().structure, self._has_long_crank
 
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
-        """Return the function (fields of MOTION) -> fields of LOADS for constants of a number type."""
+        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
         return make_loads(numbers, *constants.lengths, self.input == CRANK, constants.bodies,
                           constants.gravity, constants.external)
 

@@ -11,15 +11,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 import time
 
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.ros.messages import resolve
+from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, Service, SERVICES, Topic
 import rclpy
 import rclpy.client
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
-
-from fourbar_ros.errors import FourBarError
-from fourbar_ros.ros.messages import resolve
-from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, Service, SERVICES, Topic
 
 NODE = '/fourbar'           # default name of the node
 # [s] to find the node and to get an answer; discovery alone takes up to 4 s

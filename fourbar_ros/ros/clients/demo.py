@@ -11,9 +11,6 @@ import sys
 import time
 
 from fourbar_msgs.msg import Extremum
-from rich.live import Live
-import yaml
-
 from fourbar_ros.bag.recompute import recompute
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.pipeline.status import STATUS_NAMES
@@ -25,6 +22,8 @@ from fourbar_ros.scene.arguments import Parser, positive
 from fourbar_ros.scene.files import find
 from fourbar_ros.scene.scene import load
 from fourbar_ros.scene.topics import INPUTS
+from rich.live import Live
+import yaml
 
 PATIENCE = 20.0        # [s] for the node to start, be found and answer
 SWING = 0.95           # share of a limited input range that the demonstration swings through

@@ -5,6 +5,12 @@ from __future__ import annotations
 
 import time
 
+from fourbar_ros.bag import BagError
+from fourbar_ros.bag.playback import Pace, play, TICK
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.ros.messages import resolve, to_stamp
+from fourbar_ros.ros.schemas import type_hash
+from fourbar_ros.ros.stop import Stop
 import rclpy
 from rclpy.duration import Duration
 from rclpy.qos import (
@@ -16,13 +22,6 @@ from rclpy.qos import (
 )
 from rclpy.signals import SignalHandlerOptions
 from rosgraph_msgs.msg import Clock
-
-from fourbar_ros.bag import BagError
-from fourbar_ros.bag.playback import Pace, play, TICK
-from fourbar_ros.bag.reader import Bag
-from fourbar_ros.ros.messages import resolve, to_stamp
-from fourbar_ros.ros.schemas import type_hash
-from fourbar_ros.ros.stop import Stop
 
 # of volatile publishers: a late replay sends bursts that the original did not
 DEPTH = 1000

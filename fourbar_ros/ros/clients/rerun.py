@@ -12,11 +12,6 @@ import struct
 import time
 from typing import NamedTuple
 
-import numpy as np
-from rclpy.parameter import Parameter
-from rclpy.parameter_client import AsyncParameterClient
-from rclpy.qos import QoSProfile
-
 from fourbar_ros.bag import BagError
 from fourbar_ros.bag.origin import origin_of
 from fourbar_ros.bag.playback import Pace, play
@@ -28,6 +23,10 @@ from fourbar_ros.ros.messages import resolve
 from fourbar_ros.scene import parameters
 from fourbar_ros.scene.scene import from_values
 from fourbar_ros.scene.topics import INPUTS
+import numpy as np
+from rclpy.parameter import Parameter
+from rclpy.parameter_client import AsyncParameterClient
+from rclpy.qos import QoSProfile
 
 QUIET = 1.0             # [s] without an answer: no more will come
 BLOCK = 2000            # pairs of messages that are compared at once

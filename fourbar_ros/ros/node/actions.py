@@ -5,11 +5,10 @@ from __future__ import annotations
 
 from traceback import format_exc
 
-from rclpy.action import ActionServer, CancelResponse
-
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.node.extrema import Canceled, Search
 from fourbar_ros.scene.topics import FIND_EXTREMA
+from rclpy.action import ActionServer, CancelResponse
 
 
 class ExtremaServer(ActionServer):

@@ -7,7 +7,6 @@ from math import isnan
 import time
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-
 from fourbar_ros.pipeline.status import OK, STATUS_NAMES
 
 PERIOD = 1.0               # [s]

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """What moves the input: a thread on the clock's grid, a timer of simulated time, or a subscription."""
 from __future__ import annotations
 
@@ -6,9 +8,6 @@ import threading
 import time
 from traceback import format_exc
 
-from rclpy.event_handler import SubscriptionEventCallbacks
-from rclpy.qos import QoSProfile, ReliabilityPolicy
-
 from fourbar_ros.pipeline import joints
 from fourbar_ros.pipeline.message_fields import is_time
 from fourbar_ros.pipeline.rate_estimator import estimator_of
@@ -16,6 +15,8 @@ from fourbar_ros.ros.messages import resolve, sec_nanosec
 from fourbar_ros.ros.node import qos
 from fourbar_ros.ros.node.sequence import Sequence, WithInfo
 from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 SLEEP = 0.1            # [s] longest sleep: how soon a thread sees that it shall stop
 CATCH_UP = 1.0         # [s] a thread later than this skips the samples it missed
@@ -47,10 +48,11 @@ class Drive:
 
 class TimerDrive(Drive):
     """
-    Constant speed on the wall clock: sample k belongs to start + k / rate, whatever the scheduler does.
+    Constant speed on the wall clock: sample k belongs to start + k / rate, whatever the scheduler
+    does.
 
-    An own thread, not a ROS timer: rclpy's timers drop the ticks they miss and slip their grid. The
-    angle comes from the time of the sample, never from adding up.
+    An own thread, not a ROS timer: rclpy's timers drop the ticks they miss and slip their grid.
+    The angle comes from the time of the sample, never from adding up.
     """
 
     COUNTED = ('late', 'missed', 'clock_steps')
@@ -69,7 +71,8 @@ class TimerDrive(Drive):
     def _guarded(self):
         try:
             self._run()
-        except Exception as error:                       # a fault of ours: never a silent end of the stream
+        # a fault of ours: never a silent end of the stream
+        except Exception as error:
             self._node.failure = error
 
     def _run(self):
@@ -84,7 +87,8 @@ class TimerDrive(Drive):
                 continue
             if wait > 0.0:
                 time.sleep(wait)
-            elif wait < -CATCH_UP:                       # suspended, or a rate this machine cannot do
+            # suspended, or a rate this machine cannot do
+            elif wait < -CATCH_UP:
                 skipped = int(-wait / period)
                 self.counts['missed'] += skipped
                 sample += skipped
@@ -97,7 +101,8 @@ class TimerDrive(Drive):
             now = angle + settings.speed * elapsed
             self._stream.step(sec_nanosec(round(moment * 1e9) + offset), now, settings.speed, 0.0)
             sample += 1
-            if self.settings is not settings:            # go on from here at the new speed and rate
+            # go on from here at the new speed and rate
+            if self.settings is not settings:
                 settings, angle, began, sample = self.settings, now, moment, 1
                 period = 1.0 / settings.rate
 
@@ -143,7 +148,8 @@ class SimulatedTimerDrive(Drive):
         now = self._node.get_clock().now().nanoseconds
         if now == 0:
             return                                       # no /clock yet
-        if self._began is None or now < self._last:      # the first tick, or the simulation starts again
+        # the first tick, or the simulation starts again
+        if self._began is None or now < self._last:
             if self._began is not None:
                 self.counts['clock_steps'] += 1
                 self._node.get_logger().warning('simulated time went back: starting again')
@@ -157,7 +163,8 @@ class SimulatedTimerDrive(Drive):
 class TopicDrive(Drive):
     """Every input message makes one step, stamped as the message; missing rates are estimated."""
 
-    COUNTED = ('received', 'lost', 'malformed', 'without_joint', 'bad_stamps', 'future', 'late', 'estimate_restarts',
+    COUNTED = ('received', 'lost', 'malformed', 'without_joint', 'bad_stamps', 'future', 'late',
+               'estimate_restarts',
                'timeouts', 'deadlines_missed', 'faults')
 
     def start(self):
@@ -171,7 +178,8 @@ class TopicDrive(Drive):
         profile = QoSProfile(depth=INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         self._sequence = Sequence(lambda: self._subscription.get_publisher_count())
         self._subscription = qos.create(
-            self._node, 'subscription', resolve(self._topic.type), self._topic.topic, WithInfo(self._receive),
+            self._node, 'subscription', resolve(self._topic.type), self._topic.topic,
+            WithInfo(self._receive),
             profile, raw=True, event_callbacks=self._events())
         self._timer = self._node.steady_timers.add(SLEEP, self._watch)
 
@@ -207,18 +215,21 @@ class TopicDrive(Drive):
         return self._now() - self._heard
 
     def _now(self):
-        return self._node.get_clock().now().nanoseconds * 1e-9 if self._simulated else time.monotonic()
+        return (self._node.get_clock().now().nanoseconds * 1e-9 if self._simulated
+                else time.monotonic())
 
     def state(self):
         """Return (values, problems): how good an estimated acceleration is."""
         self.counts.update(lost=self._sequence.lost, late=self.estimator.late,
                            estimate_restarts=self.estimator.restarts)
-        lost = {} if self._sequence.is_numbered else {'lost': 'unknown: the middleware gives no numbers'}
+        lost = ({} if self._sequence.is_numbered
+                else {'lost': 'unknown: the middleware gives no numbers'})
         if isnan(self.estimator.lag) or not self._estimated:
             return lost, []
         unit = 'm/s^2' if self._stream.scene.linkage.is_driven_by_slide else 'rad/s^2'
         noise = self.estimator.noise
-        return ({**lost, f'noise of the estimated acceleration [{unit}]': 'unknown' if isnan(noise) else f'{noise:.3g}',
+        return ({**lost, f'noise of the estimated acceleration [{unit}]': 'unknown' if isnan(noise)
+                 else f'{noise:.3g}',
                  'lag of the estimated acceleration [s]': f'{self.estimator.lag:.3g}'},
                 ['the estimated acceleration is noise'] if self.estimator.is_noise else [])
 
@@ -226,7 +237,8 @@ class TopicDrive(Drive):
         try:
             self._sequence.take(info['publication_sequence_number'])
             self._take(data)
-        except Exception:                                # a fault of ours: told, and the next message is taken
+        # a fault of ours: told, and the next message is taken
+        except Exception:
             self._note('faults', f'a fault in taking an input: {format_exc()}')
 
     def _take(self, data):
@@ -234,12 +246,16 @@ class TopicDrive(Drive):
         self._heard, self._waiting = self._now(), True
         try:
             stamp, given = self._read(data)
-        except Exception:                                # whatever a foreign writer sends, the node goes on
-            self._note('malformed', f'{self._topic.topic}: a message that is no {self._topic.type}')
-            return                                       # nor does a bag hold it: its readers would stumble
+        # whatever a foreign writer sends, the node goes on
+        except Exception:
+            self._note('malformed', f'{self._topic.topic}: a message that is no '
+                                    f'{self._topic.type}')
+            # nor does a bag hold it: its readers would stumble
+            return
         self._recording.write(self._topic.name, data)
         if given is None:
-            self._note('without_joint', f'joint {self.settings.joint!r} is not in the input message')
+            self._note('without_joint', f'joint {self.settings.joint!r} is not in the input '
+                                        'message')
             return
         stamp, time_of = self._stamp(*stamp)
         if self.settings.source == 'joint_state':
@@ -252,7 +268,11 @@ class TopicDrive(Drive):
         self._stream.step(stamp, position, velocity, acceleration)
 
     def _stamp(self, sec, nanosec):
-        """Return the stamp of an input, (sec, nanosec), and in ns: the time of now for one without, or with a bad one."""
+        """
+        Return the stamp of an input, (sec, nanosec), and in ns.
+
+        The time of now for one without, or with a bad one.
+        """
         time_of = sec * 10**9 + nanosec
         is_good = is_time(sec, nanosec)
         if time_of and is_good:
@@ -260,7 +280,8 @@ class TopicDrive(Drive):
                 self._look_ahead(time_of)
             return (sec, nanosec), time_of
         if not is_good:
-            self._note('bad_stamps', f'input stamped {sec} s, {nanosec} ns, which is no time: stamped on arrival')
+            self._note('bad_stamps', f'input stamped {sec} s, {nanosec} ns, which is no time: '
+                                     'stamped on arrival')
         time_of = self._node.get_clock().now().nanoseconds
         return sec_nanosec(time_of), time_of
 
@@ -268,7 +289,8 @@ class TopicDrive(Drive):
         now = self._node.get_clock().now().nanoseconds
         self._horizon = now + round(FUTURE * 1e9)
         if time_of > self._horizon:
-            self._note('future', f'input stamped {(time_of - now) * 1e-9:.3f} s ahead of the clock')
+            self._note('future', f'input stamped {(time_of - now) * 1e-9:.3f} s ahead of the '
+                                 'clock')
 
     def _note(self, what, text):
         self.counts[what] += 1

@@ -9,12 +9,10 @@ same names.
 """
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf, nan
 from struct import error as StructError  # noqa: N812, it is a class
 from struct import Struct
-from typing import Callable
-
-from rclpy.serialization import deserialize_message
 
 from fourbar_ros.bag import BagError
 from fourbar_ros.bag.cdr import Layout
@@ -22,6 +20,7 @@ from fourbar_ros.bag.definitions import Definition
 from fourbar_ros.pipeline.message_fields import driven_of
 from fourbar_ros.ros.messages import resolve, Stamp
 from fourbar_ros.ros.schemas import definition
+from rclpy.serialization import deserialize_message
 
 LAYOUTS = 32           # so many are kept: senders with ever new names are read by ROS alone
 _CODES = {'i4': ('i', 4), 'u4': ('I', 4), 'f8': ('d', 8)}

@@ -1,14 +1,9 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """fourbar_node: one linkage, driven by the clock or by messages; publishes, answers, records."""
 from __future__ import annotations
 
 import sys
-
-import rclpy
-from rclpy.exceptions import NameValidationException, ParameterException
-from rclpy.experimental import EventsExecutor
-from rclpy.impl.implementation_singleton import rclpy_implementation
-from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros.node import parameters, services
@@ -22,17 +17,31 @@ from fourbar_ros.ros.node.worker import Worker
 from fourbar_ros.ros.stop import Stop
 from fourbar_ros.scene.arguments import check_node_arguments, NODE_HELP
 from fourbar_ros.scene.topics import FIND_EXTREMA, SERVICES
+import rclpy
+from rclpy.exceptions import NameValidationException, ParameterException
+from rclpy.experimental import EventsExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 
 UnknownArguments = rclpy_implementation.UnknownROSArgsError
-# A file that rcl cannot parse, names that are none; another type for a parameter than rclpy has declared.
-ROS_ERRORS = (rclpy_implementation.RCLError, UnknownArguments, NameValidationException, ParameterException)
-SWITCH = 0.001  # [s] how long a busy service may keep the interpreter from the stream (default 0.005)
+# A file that rcl cannot parse, names that are none; another type for a parameter than rclpy has
+# declared.
+ROS_ERRORS = (rclpy_implementation.RCLError, UnknownArguments, NameValidationException,
+              ParameterException)
+# [s] how long a busy service may keep the interpreter from the stream (default 0.005)
+SWITCH = 0.001
 PATIENCE = 0.5  # [s] for a search to see that it is abandoned: it looks every few milliseconds
-SPIN = 0.2      # [s] the events executor must be given a finite time: endless, it can hang (see docs/node.md)
+# [s] the events executor must be given a finite time: endless, it can hang (see docs/node.md)
+SPIN = 0.2
 
 
 class FourBarNode(Node):
-    """The node; see docs/node.md for its topics, services and parameters; ``arguments``: the command line."""
+    """
+    The node; see docs/node.md for its topics, services and parameters.
+
+    ``arguments``: the command line.
+    """
 
     def __init__(self, arguments=(), **kwargs):
         super().__init__('fourbar', automatically_declare_parameters_from_overrides=True, **kwargs)
@@ -71,8 +80,10 @@ class FourBarNode(Node):
         try:
             from fourbar_ros.ros.node.actions import ExtremaServer
             return ExtremaServer(self)
-        except ModuleNotFoundError as error:             # messages of an older version are installed
-            self.get_logger().warning(f'no action {FIND_EXTREMA.service}: {error}; build fourbar_msgs again')
+        # messages of an older version are installed
+        except ModuleNotFoundError as error:
+            self.get_logger().warning(f'no action {FIND_EXTREMA.service}: {error}; build '
+                                      'fourbar_msgs again')
             return None
 
     def apply(self, scene):
@@ -106,7 +117,11 @@ class FourBarNode(Node):
 
 
 def main(args=None, stop=None):
-    """Run the node until SIGINT, SIGTERM or SIGHUP; exit code 0, or 2 for a scene that cannot be."""
+    """
+    Run the node until SIGINT, SIGTERM or SIGHUP.
+
+    Exit code 0, or 2 for a scene that cannot be.
+    """
     given = sys.argv[1:] if args is None else args[1:]
     if given in (['-h'], ['--help']):
         print(NODE_HELP, end='')

@@ -8,14 +8,14 @@ numbers, and what was packed must read back through ROS as the message that was 
 """
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from math import inf, nan
 from operator import itemgetter
 from struct import Struct
-from typing import Any, Callable, Iterator, NamedTuple, Sequence
-
-from rclpy.serialization import deserialize_message, serialize_message
+from typing import Any, NamedTuple
 
 from fourbar_ros.ros.messages import filler, Stamp
+from rclpy.serialization import deserialize_message, serialize_message
 
 _STAMP, _STATUS, _NUMBER = Struct('<iI'), Struct('<BB'), Struct('<d')
 _HARD = (nan, -0.0, inf, -inf, 5e-324, -1.7976931348623157e308, 0.1)
@@ -105,7 +105,8 @@ def _runs(numbers: Sequence[tuple[int, int]]) -> Iterator[tuple[Callable, int, C
     for end in range(1, len(numbers) + 1):
         if end == len(numbers) or numbers[end][0] != numbers[end - 1][0] + size:
             places = [place for _, place in numbers[begin:end]]
-            pick = itemgetter(*places) if len(places) > 1 else lambda values, place=places[0]: (values[place],)
+            pick = (itemgetter(*places) if len(places) > 1
+                    else lambda values, place=places[0]: (values[place],))
             yield Struct(f'<{len(places)}d').pack_into, numbers[begin][0], pick
             begin = end
 

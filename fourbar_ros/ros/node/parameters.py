@@ -5,18 +5,17 @@ from __future__ import annotations
 
 from math import inf
 
+from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.ros.node import qos
+from fourbar_ros.scene import overrides
+from fourbar_ros.scene.parameters import find
+from fourbar_ros.scene.scene import from_values
 from rcl_interfaces.msg import (
     IntegerRange,
     ParameterDescriptor,
     ParameterType,
     SetParametersResult,
 )
-
-from fourbar_ros.errors import FourBarError, InvalidParameter
-from fourbar_ros.ros.node import qos
-from fourbar_ros.scene import overrides
-from fourbar_ros.scene.parameters import find
-from fourbar_ros.scene.scene import from_values
 
 # Parameters that rclpy itself owns.
 SWITCHES = ('use_sim_time', 'start_type_description_service')
@@ -49,7 +48,8 @@ def scene(node, arguments=()):
         if type(every.get(name, True)) is not bool:
             raise InvalidParameter(name, every[name], 'must be a bool')
     given = {name: value for name, value in every.items() if not name.startswith(BUILT_IN)}
-    for name, (value, where) in (overrides.asked(arguments, node.get_fully_qualified_name()).items()):
+    asked = overrides.asked(arguments, node.get_fully_qualified_name())
+    for name, (value, where) in asked.items():
         if name in given and overrides.is_ignored(value, given[name]):
             node.get_logger().warning(f'{name} = {value!r} ({where}), though ROS 2 would keep '
                                       f'{given[name]!r}, which is of another type')

@@ -5,11 +5,10 @@ from __future__ import annotations
 
 from math import isnan
 
-from rclpy.event_handler import PublisherEventCallbacks, UnsupportedEventTypeError
-
 from fourbar_ros.ros.messages import resolve, set_constants
 from fourbar_ros.ros.node import packed, qos
 from fourbar_ros.scene.topics import OUTPUTS, QUEUE_DEPTH
+from rclpy.event_handler import PublisherEventCallbacks, UnsupportedEventTypeError
 
 
 class TopicPublisher:

@@ -7,6 +7,8 @@ Qos_overrides.TOPIC.publisher.reliability and so on.
 """
 from __future__ import annotations
 
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.scene.topics import APPLIED, DRIVEN, INPUTS, OUTPUTS, SCENE, topics_of, WRENCHES
 from rclpy.qos import (
     DurabilityPolicy,
     HistoryPolicy,
@@ -15,9 +17,6 @@ from rclpy.qos import (
     ReliabilityPolicy,
 )
 from rclpy.qos_overriding_options import QoSOverridingOptions
-
-from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.scene.topics import APPLIED, DRIVEN, INPUTS, OUTPUTS, SCENE, topics_of, WRENCHES
 
 PREFIX = 'qos_overrides.'
 _WORDS = {'reliability': ReliabilityPolicy, 'durability': DurabilityPolicy,

@@ -9,9 +9,9 @@ a wait of 0.1 s takes an hour: no timer runs, and no signal is seen.
 """
 from __future__ import annotations
 
+from collections.abc import Callable
 from threading import Event, Thread
 import time
-from typing import Callable
 
 PERIOD = 0.1        # [s] so finely are these timers spaced, and so often is the executor woken
 

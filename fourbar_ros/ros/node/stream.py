@@ -6,10 +6,6 @@ from __future__ import annotations
 from math import nan, sin
 import threading
 
-from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.serialization import serialize_message
-from std_msgs.msg import String
-
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK
 from fourbar_ros.pipeline.stepper import Stepper
@@ -17,6 +13,9 @@ from fourbar_ros.ros.node import qos
 from fourbar_ros.ros.node.outputs import Outputs
 from fourbar_ros.ros.node.status_log import StatusLog
 from fourbar_ros.scene.topics import SCENE
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.serialization import serialize_message
+from std_msgs.msg import String
 
 
 class Stream:

@@ -6,13 +6,12 @@ from __future__ import annotations
 from functools import partial
 import time
 
-from geometry_msgs.msg import WrenchStamped
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.serialization import deserialize_message, serialize_message
-
 from fourbar_ros.pipeline.wrenches import in_silence, Wrench
 from fourbar_ros.ros.node import qos
 from fourbar_ros.scene.topics import APPLIED, INPUT_DEPTH, WRENCHES
+from geometry_msgs.msg import WrenchStamped
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message, serialize_message
 
 PERIOD = 0.1           # [s] how often silence is looked for
 

@@ -251,7 +251,8 @@ def test_offset_at_and_past_its_limit(kind):
 # --- what is refused -----------------------------------------------------------------------------
 
 def test_errors_name_the_input():
-    with pytest.raises(OutOfRange, match=r'^theta1 = 0.1 rad is outside the input range \[') as caught:
+    with pytest.raises(OutOfRange,
+                       match=r'^theta1 = 0.1 rad is outside the input range \[') as caught:
         InvertedSlider(4.0, 3.0, 2.0).motion(0.1)
     assert (caught.value.name == 'theta1' and caught.value.ranges
             == InvertedSlider(4.0, 3.0, 2.0).input_ranges)

@@ -110,8 +110,8 @@ def test_mirror_images(kind):
         a1, a2, e = mechanism.lengths
         mode = mechanism.mode if kind[1] == CRANK else 3 - mechanism.mode
         given = (-value, -rate, -acceleration) if kind[1] == CRANK else (value, rate, acceleration)
-        one, other = mechanism.motion(value, rate, acceleration), SliderCrank(a1, a2, -e, mode,
-                                                                              kind[1]).motion(*given)
+        one = mechanism.motion(value, rate, acceleration)
+        other = SliderCrank(a1, a2, -e, mode, kind[1]).motion(*given)
         assert other.beta == -one.beta and other.omega1 == -one.omega1 and other.slide == one.slide
         assert (other.slide_acceleration == one.slide_acceleration and other.alpha_beta
                 == -one.alpha_beta)
@@ -259,7 +259,8 @@ def test_offset_at_and_past_its_limit(kind):
 # --- what is refused -----------------------------------------------------------------------------
 
 def test_errors_name_the_input():
-    with pytest.raises(OutOfRange, match=r'^theta1 = 1.5 rad is outside the input range \[') as caught:
+    with pytest.raises(OutOfRange,
+                       match=r'^theta1 = 1.5 rad is outside the input range \[') as caught:
         SliderCrank(4.0, 2.0, 0.0).motion(1.5)
     assert (caught.value.name == 'theta1' and caught.value.ranges
             == SliderCrank(4.0, 2.0, 0.0).input_ranges)
