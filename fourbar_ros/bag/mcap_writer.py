@@ -1,8 +1,10 @@
 """
 Write an MCAP file that is whole up to the last flush, whatever happens after it.
 
-The record types are the mcap library's, the order is ours: one append per flush, undone if the disk
-refuses it, so that the file can always be finished in place. (The library's own Writer counts messages
+The record types are the mcap library's, the order is ours: one append per flush, undone if the
+disk
+refuses it, so that the file can always be finished in place. (The library's own Writer counts
+messages
 that never reached the disk and cannot be asked to forget them; it also takes 3 us a message.)
 """
 from __future__ import annotations
@@ -41,7 +43,8 @@ from mcap.records import (
 import zstandard
 
 CHUNK_SIZE = 1 << 20          # [bytes] a chunk is closed at this size, flush or not
-LEVEL = 1                     # of zstd: against 3, the default, 0.4 of the time and 1.03 of the size
+# of zstd: against 3, the default, 0.4 of the time and 1.03 of the size
+LEVEL = 1
 # So many chunks hold a schema or channel: under their checksum, and if one is hit, in the other.
 TOLD = 2
 _MESSAGE = struct.Struct('<BQHIQQ')
@@ -61,14 +64,18 @@ class Container:
         self._crc = 0
         self.schemas, self.channels = {}, {}
         self.counts = defaultdict(int)                 # messages in the file, by channel
-        self.start, self.end = None, 0                 # [ns] log times of the first and the last of them
+        # [ns] log times of the first and the last of them
+        self.start, self.end = None, 0
         # Encoded, since an hour has 36 000 of them: 5 MB, as objects it would be 40.
         self._chunk_indices, self._chunks = bytearray(), 0
         self._metadata_indices = []
         self._compressor = zstandard.ZstdCompressor(level=LEVEL)
-        self.first, self.last = {}, {}                 # oldest and newest sequence number, by channel
-        self._pending = {}                             # {encoded definition: chunks that hold it}, up to TOLD
-        self._unchecked = set()                        # encoded definitions that no checksum covered
+        # oldest and newest sequence number, by channel
+        self.first, self.last = {}, {}
+        # {encoded definition: chunks that hold it}, up to TOLD
+        self._pending = {}
+        # encoded definitions that no checksum covered
+        self._unchecked = set()
         self._clear()
         self._append(MAGIC + encoded(Header(profile, library)))
 
@@ -79,7 +86,10 @@ class Container:
         return schema.id
 
     def add_channel(self, topic, schema, metadata):
-        """Return the number of a new channel of CDR messages; it is written with the next messages."""
+        """
+        Return the number of a new channel of CDR messages; it is written with the next
+        messages.
+        """
         channel = Channel(len(self.channels) + 1, topic, 'cdr', metadata, schema)
         self._define(self.channels, channel)
         return channel.id
@@ -88,7 +98,8 @@ class Container:
         """
         Take a Schema or Channel of another file under the number it has; again is no error.
 
-        One that a checksum covers (``checked``) takes the place of one that none did, as long as no message
+        One that a checksum covers (``checked``) takes the place of one that none did, as long as
+        no message
         was written under it; returns whether it did. Any other difference raises Damaged.
         """
         known = self.schemas if isinstance(record, Schema) else self.channels
@@ -101,14 +112,18 @@ class Container:
             return False
         replaces = other is not None and checked and self._forget(encoded(other))
         if other is not None and not replaces:
-            raise Damaged(f'{type(record).__name__.lower()} {record.id} is another one than before')
+            raise Damaged(
+                f'{type(record).__name__.lower()} {record.id} is another one than before')
         if not checked:
             self._unchecked.add(data)
         self._define(known, record)
         return replaces
 
     def _forget(self, data):
-        """Forget an encoded definition that no checksum covered and no chunk holds; return whether it is one."""
+        """
+        Forget an encoded definition that no checksum covered and no chunk holds; return
+        whether it is one.
+        """
         is_free = data in self._unchecked and self._pending.get(data) == 0 and not self._index
         if is_free:
             del self._pending[data]
@@ -124,7 +139,7 @@ class Container:
         self._metadata_indices.append(MetadataIndex(offset, len(record), name))
 
     def add_message(self, channel, sequence, time, data, published=None):
-        """Take a message; arguments are trusted. It is in the file after the next :meth:`flush`."""
+        """Take a message; arguments are trusted. The next :meth:`flush` has it in the file."""
         self.add_messages(time, ((channel, sequence, data),), published)
 
     def add_messages(self, time, messages, published=None):
@@ -145,7 +160,10 @@ class Container:
             self.flush()
 
     def flush(self):
-        """Write what was taken as one chunk; on OSError the file is as before and the messages are gone."""
+        """
+        Write what was taken as one chunk; on OSError the file is as before and the messages
+        are gone.
+        """
         if not self._index:
             return
         content, index = b''.join(self._parts), self._index
@@ -158,7 +176,8 @@ class Container:
         """
         Write a chunk of another file, its index and times made anew.
 
-        ``admit(chunk, log times)`` is called before anything is written. Returns the definitions in it that
+        ``admit(chunk, log times)`` is called before anything is written. Returns the definitions
+        in it that
         took the place of damaged ones; raises Damaged before anything is written.
         """
         chunk = parse(Opcode.CHUNK, body)
@@ -190,10 +209,14 @@ class Container:
         return replaced
 
     def finish(self):
-        """Write the end: statistics and indices. On OSError the file is as before, without an end."""
+        """
+        Write the end: statistics and indices. On OSError the file is as before, without an
+        end.
+        """
         self.flush()
         if not self._chunks:
-            self._append(self._front())                # no message, but a reader may ask for the topics
+            # no message, but a reader may ask for the topics
+            self._append(self._front())
         end = encoded(DataEnd(self._crc))
         start = self.size + len(end)
         parts, offsets = bytearray(), []
@@ -204,7 +227,8 @@ class Container:
             message_start_time=self.start or 0, message_end_time=self.end)
         for opcode, content in ((Opcode.SCHEMA, encoded(*self.schemas.values())),
                                 (Opcode.CHANNEL, encoded(*self.channels.values())),
-                                (Opcode.STATISTICS, encoded(statistics)), (Opcode.CHUNK_INDEX, self._chunk_indices),
+                                (Opcode.STATISTICS, encoded(statistics)), (Opcode.CHUNK_INDEX,
+                                self._chunk_indices),
                                 (Opcode.METADATA_INDEX, encoded(*self._metadata_indices))):
             if content:
                 offsets.append(SummaryOffset(opcode, start + len(parts), len(content)))
@@ -222,11 +246,15 @@ class Container:
         self._parts, self._length, self._index = [front], len(front), defaultdict(list)
 
     def _front(self, without=()):
-        """Return the definitions that the next chunk has to hold, but for those that are in it already."""
+        """
+        Return the definitions that the next chunk has to hold, but for those that are in it
+        already.
+        """
         return b''.join(data for data in self._pending if data not in without)
 
     def _chunk(self, content):
-        return Chunk('zstd', self._compressor.compress(content), 0, 0, zlib.crc32(content), len(content))
+        return Chunk('zstd', self._compressor.compress(content),
+                     0, 0, zlib.crc32(content), len(content))
 
     def _define(self, known, record):
         self.flush()
@@ -238,7 +266,10 @@ class Container:
         self._clear()
 
     def _append_chunk(self, chunk, index):
-        """Write a Chunk, its times, and its message index {channel: [time, offset, time, offset, ...]}."""
+        """
+        Write a Chunk, its times, and its message index {channel: [time, offset, time, offset,
+        ...]}.
+        """
         times = times_of(index)
         chunk.message_start_time, chunk.message_end_time = min(times), max(times)
         record = encoded(chunk)

@@ -27,24 +27,31 @@ from mcap import __version__ as mcap_version
 
 __all__ = ['BagError', 'BagWriter', 'Channel', 'Split', 'SteadyClock']
 
-# [s] A kill costs what was recorded since the last flush, so this bounds it; half of it is the mean.
+# [s] A kill costs what was recorded since the last flush, so this bounds it; half of it is the
+# mean.
 FLUSH_PERIOD = 0.1
-# [s] A robot's off switch is a power cut, and the kernel may keep data for 30 s. The sync has a thread of
+# [s] A robot's off switch is a power cut, and the kernel may keep data for 30 s. The sync has a
+# thread of
 # its own, so a slow disk delays neither the flush nor the caller. 0: never.
 SYNC_PERIOD = 1.0
-# The thread takes so many messages at a time: a bite holds the interpreter, and with it the thread that drives
+# The thread takes so many messages at a time: a bite holds the interpreter, and with it the thread
+# that drives
 # the crank, for less than a microsecond a message.
 BITE = 50
 SPACE_PERIOD = 1.0          # [s] between two looks at the free space
 SPACE_LEFT = 32 * 2**20     # [bytes] a bag is closed while its end still fits on the disk
-QUEUE_MESSAGES = 100_000    # more than that, or more bytes, waits for no disk: the newest are dropped
+# more than that, or more bytes, waits for no disk: the newest are dropped
+QUEUE_MESSAGES = 100_000
 QUEUE_BYTES = 128 * 2**20
 SPLIT = 'split'             # why a part ended that another one follows
 CDR_HEADER = 4              # [bytes] the shortest message
 
 
 class SteadyClock:
-    """Nanoseconds of the wall clock that never step back: its time at the start plus a monotonic one."""
+    """
+    Nanoseconds of the wall clock that never step back: its time at the start plus a monotonic
+    one.
+    """
 
     def __init__(self):
         self._offset = time.time_ns() - time.monotonic_ns()
@@ -61,7 +68,8 @@ class BagWriter:
     Parameters
     ----------
     directory, name : str
-        The bag is directory/name; an empty name takes a fresh one from the clock. An existing bag is
+        The bag is directory/name; an empty name takes a fresh one from the clock. An existing bag
+        is
         never touched.
     channels : list of Channel
     about : dict of str
@@ -71,15 +79,18 @@ class BagWriter:
     split : Split, optional
         When the bag goes on in a new file, and whether old ones are removed.
     tell : callable, optional
-        Called with one line of text when recording stops by itself and when messages are first dropped.
+        Called with one line of text when recording stops by itself and when messages are first
+        dropped.
 
     Attributes
     ----------
     path : Path
         The folder of the bag.
     accepted, dropped : int
-        Messages that are or will be in the bag, and those that found the queue full or the disk refused.
-        Each dropped one leaves a gap in the sequence numbers of its channel; the bag tells how many numbers
+        Messages that are or will be in the bag, and those that found the queue full or the disk
+        refused.
+        Each dropped one leaves a gap in the sequence numbers of its channel; the bag tells how
+        many numbers
         were given, so that a gap at its end is seen too.
     error : str or None
         Why recording has stopped by itself; later messages are not accepted.
@@ -87,27 +98,40 @@ class BagWriter:
     Raises
     ------
     BagError
-        The name is taken or leaves the directory, the directory cannot be written, or an argument is bad.
+        The name is taken or leaves the directory, the directory cannot be written, or an argument
+        is bad.
 
     """
 
-    def __init__(self, directory, name, channels, about, flush_period=FLUSH_PERIOD, sync_period=SYNC_PERIOD,
-                 tell=None, split=Split()):
+    def __init__(
+    self,
+    directory,
+    name,
+    channels,
+    about,
+    flush_period=FLUSH_PERIOD,
+    sync_period=SYNC_PERIOD,
+    tell=None,
+     split=Split()):
         rosbag2.check_channels(channels)
         if not flush_period > 0.0 or not sync_period >= 0.0:
             raise BagError(f'flush_period = {flush_period!r}, sync_period = {sync_period!r}: '
                            'must be positive, and not negative')
         self.clock = SteadyClock()
         self.accepted, self.dropped, self.error = 0, 0, None
-        self.flush_period, self.sync_period, self._tell = flush_period, sync_period, tell or (lambda text: None)
+        self.flush_period, self.sync_period, self._tell = flush_period, sync_period, tell or (
+            lambda text: None)
         self._about = {str(key): str(value) for key, value in about.items()}
         self._channels, self._topics = channels, [channel.topic for channel in channels]
         self._sequences = [0] * len(channels)          # next number of every channel
-        self._splitter = Splitter(split, {i for i, channel in enumerate(channels) if channel.latched}) \
-            if split.is_wanted else None
-        # Of the part that is written: first numbers, messages that it repeats; metadata of those before; files to sync.
-        self._firsts, self._repeats, self._done, self._unsynced = [0] * len(channels), [], [], deque()
-        self._recorded, self._lost = 0, {}             # messages in the parts before; dropped ones by topic
+        self._splitter = Splitter(split, {i for i, channel in enumerate(
+            channels) if channel.latched}) if split.is_wanted else None
+        # Of the part that is written: first numbers, messages that it repeats;
+        # metadata of those before; files to sync.
+        self._firsts, self._repeats, self._done, self._unsynced = [
+            0] * len(channels), [], [], deque()
+        # messages in the parts before; dropped ones by topic
+        self._recorded, self._lost = 0, {}
         self._ended = ''
         self._queue, self._lock = deque(), threading.Lock()
         self._bytes_in = self._bytes_out = 0           # each changed by one side of the queue only
@@ -127,7 +151,11 @@ class BagWriter:
             raise BagError(f'{self.path}: {getattr(error, "strerror", None) or error}') from None
         self._threads = [threading.Thread(target=self._run, name='bag', daemon=True)]
         if sync_period > 0.0:
-            self._threads.append(threading.Thread(target=self._keep_synced, name='bag sync', daemon=True))
+            self._threads.append(
+    threading.Thread(
+        target=self._keep_synced,
+        name='bag sync',
+         daemon=True))
         for thread in self._threads:
             thread.start()
 
@@ -147,17 +175,22 @@ class BagWriter:
 
         """
         if type(channel) is not int or not 0 <= channel < len(self._sequences):
-            raise BagError(f'channel {channel!r}: must be a number from 0 to {len(self._sequences) - 1}')
+            raise BagError(
+                f'channel {channel!r}: must be a number from 0 to {len(self._sequences) - 1}')
         if type(data) is not bytes:
             if not isinstance(data, (bytearray, memoryview)):
-                raise BagError(f'data of type {type(data).__name__}: must be the bytes of a message')
+                raise BagError(
+                    f'data of type {type(data).__name__}: must be the bytes of a message')
             data = bytes(data)                          # its owner may change it
         if len(data) < CDR_HEADER:
             raise BagError(f'data of {len(data)} bytes: a message has at least {CDR_HEADER}')
         return self.write_all([(channel, data)])
 
     def write_all(self, messages):
-        """Take messages, (channel, bytes), of one step, or drop them all; arguments are trusted, else as write."""
+        """
+        Take messages, (channel, bytes), of one step, or drop them all; arguments are trusted,
+        else as write.
+        """
         count, size, sequences = len(messages), 0, self._sequences
         with self._lock:
             if self._closed or self.error:
@@ -188,7 +221,10 @@ class BagWriter:
         return self._taken_in - self._taken_out
 
     def close(self, why='stopped'):
-        """Write what waits, finish the file and its metadata, which say why; returns the path of the bag."""
+        """
+        Write what waits, finish the file and its metadata, which say why; returns the path of
+        the bag.
+        """
         with self._lock:
             first, self._closed = not self._closed, True
         self._stop.set()
@@ -228,7 +264,8 @@ class BagWriter:
             self._give_up(self._gone() or getattr(error, 'strerror', None) or str(error))
 
     def _give_up(self, why):
-        with self._lock:                # a write that is under way still counts; later ones see the error
+        # a write that is under way still counts; later ones see the error
+        with self._lock:
             self.error, self._ended = f'recording stopped: {why}', why
         self._queue.clear()
         try:
@@ -236,10 +273,12 @@ class BagWriter:
                 self._container.flush()
             self._count()
             self._end()
-            self.error += f'; the bag is whole, {self.accepted} messages' if self._has_a_name() else ''
+            if self._has_a_name():
+                self.error += f'; the bag is whole, {self.accepted} messages'
         except Exception:               # the disk takes nothing more
             self._count()
-            self.error += '; what was flushed is in the file: fourbar bag recover' if self._has_a_name() else ''
+            if self._has_a_name():
+                self.error += '; what was flushed is in the file: fourbar bag recover'
             with contextlib.suppress(OSError):         # there may be room for the reason
                 self._write_metadata_file()
         self._tell(f'{self.path}: {self.error}')
@@ -253,8 +292,10 @@ class BagWriter:
         self.dropped = sum(self._sequences) - self.accepted
 
     def _drain(self):
-        queue, add, bite = self._queue, self._add_and_split if self._splitter else self._container.add_messages, 0
-        for _ in range(len(queue)):                    # what comes meanwhile waits for the next flush
+        queue, bite = self._queue, 0
+        add = self._add_and_split if self._splitter else self._container.add_messages
+        for _ in range(
+    len(queue)):                    # what comes meanwhile waits for the next flush
             stamp, size, messages = queue.popleft()
             add(stamp, messages)
             self._bytes_out += size
@@ -274,7 +315,10 @@ class BagWriter:
             self._container.add_messages(stamp, (message,))
 
     def _next_part(self, stamp):
-        """End this file and go on in a new one, which begins with what is needed to read it alone."""
+        """
+        End this file and go on in a new one, which begins with what is needed to read it
+        alone.
+        """
         self._container.flush()
         path, file = rosbag2.create_part(self.path, self._splitter.number + 1)
         try:
@@ -324,7 +368,8 @@ class BagWriter:
     def _flush(self):
         before = self._container.start
         self._container.flush()
-        if before != self._container.start:            # rosbag2 plays from the start that stands there
+        # rosbag2 plays from the start that stands there
+        if before != self._container.start:
             self._write_metadata_file()
 
     def _look_at_the_disk(self):
@@ -372,19 +417,25 @@ class BagWriter:
             self._sync_error = error                   # the other thread acts on it
 
     def _metadata(self):
-        return rosbag2.describe(self._file_path.name, self._container, {**self._about, **self._numbers()})
+        return rosbag2.describe(
+    self._file_path.name, self._container, {
+        **self._about, **self._numbers()})
 
     def _write_metadata_file(self):
         rosbag2.write_metadata_file(self.path, rosbag2.merged([*self._done, self._metadata()]))
 
     def _numbers(self):
-        """Return what custom_data say of the sequence numbers and of the end, once there is one."""
+        """Return the entries of custom_data about sequence numbers and the end, if any."""
         told = {}
         if self._done:
-            told[rosbag2.REPEATS] = json.dumps([self._topics[channel] for channel, *_ in self._repeats])
+            told[rosbag2.REPEATS] = json.dumps([self._topics[channel]
+                                               for channel, *_ in self._repeats])
         if not self._ended:
-            return {**told, rosbag2.NUMBERS: json.dumps({topic: (first, None) for topic, first in zip(
-                self._topics, self._firsts)})}
+            return {**told,
+    rosbag2.NUMBERS: json.dumps({topic: (first,
+    None) for topic,
+    first in zip( self._topics,
+     self._firsts)})}
         given = self._nexts()
         told |= {rosbag2.ENDED: self._ended,
                  rosbag2.NUMBERS: json.dumps(dict(zip(self._topics, zip(self._firsts, given))))}
@@ -399,14 +450,26 @@ class BagWriter:
         return [last.get(i, first - 1) + 1 for i, first in enumerate(self._firsts, 1)]
 
     def _dropped(self, nexts):
-        """Return {topic: how many messages were dropped} up to these numbers, in the parts before as well."""
+        """
+        Return {topic: how many messages were dropped} up to these numbers, in the parts before
+        as well.
+        """
         counts, repeated = self._container.counts, {channel for channel, *_ in self._repeats}
-        found = {topic: self._lost.get(topic, 0) + after - first - counts.get(i + 1, 0) + (i in repeated)
-                 for i, (topic, first, after) in enumerate(zip(self._topics, self._firsts, nexts))}
+        found = {topic: self._lost.get(topic,
+    0) + after - first - counts.get(i + 1,
+    0) + (i in repeated) for i,
+    (topic,
+    first,
+    after) in enumerate(zip(self._topics,
+    self._firsts,
+     nexts))}
         return {topic: count for topic, count in found.items() if count}
 
     def _describe(self):
-        self._container.add_metadata(rosbag2.RECORD, {rosbag2.KEY: rosbag2.dumped(self._metadata())})
+        self._container.add_metadata(
+    rosbag2.RECORD, {
+        rosbag2.KEY: rosbag2.dumped(
+            self._metadata())})
 
     def _new_container(self, file):
         mark_as_being_written(file)
@@ -420,7 +483,10 @@ class BagWriter:
 
 
 def sync_folders(path):
-    """Bring the entries of a new folder and its parent to the disk: a file without a name is lost."""
+    """
+    Bring the entries of a new folder and its parent to the disk: a file without a name is
+    lost.
+    """
     for folder in (path, path.parent):
         number = os.open(folder, os.O_RDONLY)
         try:

@@ -18,9 +18,6 @@ from functools import cached_property
 from math import pi
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from fourbar_ros.dynamics.smooth import flat_positions
 from fourbar_ros.dynamics.statics import roots_of
 from fourbar_ros.dynamics.system import System

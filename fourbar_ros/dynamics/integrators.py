@@ -5,10 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import inf, nan, nextafter
-from typing import Any, Callable, NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any, NamedTuple
 
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError

@@ -17,10 +17,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Sequence
-
-import numpy as np
-from numpy.typing import NDArray
 
 from fourbar_ros.dynamics.integrators import integrate, METHODS, Result
 from fourbar_ros.dynamics.system import System

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any, Sequence
+from typing import Any
 
 from fourbar_ros.dynamics.drives import Drive
 from fourbar_ros.dynamics.elements import Element

@@ -17,8 +17,6 @@ from math import fsum, isfinite, nan, pi, remainder
 from numbers import Real
 from typing import Any, ClassVar, NamedTuple
 
-import numpy as np
-
 from fourbar_ros.errors import in_words, InvalidParameter, MissingBodies, OutOfRange, Toggle
 from fourbar_ros.mechanics.bodies import Applied, Bodies, Body, External, NOT_APPLIED
 from fourbar_ros.mechanisms.evaluation import evaluate, recorded

@@ -1,5 +1,6 @@
 """
-kill -9 at random moments: nothing older than one flush period plus one flush is lost, nothing is missing
+kill -9 at random moments: nothing older than one flush period plus one flush is lost, nothing is
+missing
 in between, and what recover makes passes every reader.
 """
 import mmap
@@ -21,7 +22,8 @@ from support import TEST
 
 from bag.test_recorder import assert_every_reader_takes, numbers, PATIENCE
 
-# One flush, and the thread being woken: both wait for a processor, which on a busy machine takes a while.
+# One flush, and the thread being woken: both wait for a processor, which on a busy machine takes a
+# while.
 # The promise itself is FLUSH_PERIOD; bench/recording.py states what is really lost.
 SLACK = 0.3
 RATE = {'busy': 1000.0, 'slow': 50.0, 'burst': None, 'silent': None, 'closing': None}
@@ -76,8 +78,14 @@ class Child:
         log.write_bytes(bytes(16 * 70_000))
         with open(log, 'r+b') as file:
             self._log = mmap.mmap(file.fileno(), 0)
-        code = CHILD.format(test=str(TEST), path=str(folder), log=str(log), kind=kind, rate=RATE[kind])
-        self.process = subprocess.Popen([sys.executable, '-c', code], stderr=subprocess.PIPE, env=os.environ)
+        code = CHILD.format(
+    test=str(TEST),
+    path=str(folder),
+    log=str(log),
+    kind=kind,
+     rate=RATE[kind])
+        self.process = subprocess.Popen(
+            [sys.executable, '-c', code], stderr=subprocess.PIPE, env=os.environ)
 
     @property
     def count(self):
@@ -88,7 +96,8 @@ class Child:
         """Wait until the child has come to a mark."""
         end = time.monotonic() + PATIENCE
         while struct.unpack_from('<q', self._log, 8)[0] < mark:
-            assert self.process.poll() is None and time.monotonic() < end, self.process.stderr.read()
+            assert self.process.poll() is None, self.process.stderr.read()
+            assert time.monotonic() < end
             time.sleep(0.001)
 
     def kill(self):
@@ -107,12 +116,14 @@ def kill_once(kind, seed):
     with tempfile.TemporaryDirectory(prefix='fourbar_crash_') as folder:
         child = Child(Path(folder), kind)
         child.wait_for(2 if kind in ('burst', 'closing') else 1)
-        time.sleep({'busy': wait(0.2, 1.5), 'slow': wait(0.2, 1.5), 'burst': wait(FLUSH_PERIOD + SLACK, 0.8),
-                    'silent': wait(0.0, 0.3), 'closing': wait(0.0, 0.02)}[kind])
+        waits = {'busy': (0.2, 1.5), 'slow': (0.2, 1.5), 'burst': (FLUSH_PERIOD + SLACK, 0.8),
+                 'silent': (0.0, 0.3), 'closing': (0.0, 0.02)}
+        time.sleep(wait(*waits[kind]))
         times, moment = child.kill()
         found = numbers(child.path)
         expected = [k % 4000 for k in range(len(found))]
-        assert found == expected                                           # in order, without a gap
+        # in order, without a gap
+        assert found == expected
         assert [raw.sequence for raw in Bag(child.path).raw()] == list(range(len(found)))
         # the last message may be in the bag before the child could note it
         lost = [t for t in times[len(found):] if t < moment]
@@ -128,7 +139,13 @@ def kill_once(kind, seed):
 
 
 def kinds(kills):
-    return [pytest.param(list(RATE)[i % len(RATE)], i, id=f'{list(RATE)[i % len(RATE)]}-{i}') for i in range(kills)]
+    return [
+    pytest.param(
+        list(RATE)[
+            i %
+            len(RATE)],
+            i,
+             id=f'{list(RATE)[i % len(RATE)]}-{i}') for i in range(kills)]
 
 
 @pytest.mark.parametrize(('kind', 'seed'), kinds(FAST))

@@ -18,20 +18,30 @@ FAST, SLOW = 2, 8
 
 
 def recording_node(run_node, tmp_path, **parameters):
-    return run_node({**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 500.0, 'outputs': ALL_OUTPUTS,
-                     'recording.directory': str(tmp_path / 'bags'), 'recording.name': 'run', 'recording.start': True,
-                     **parameters})
+    return run_node({**PAPER,
+    **RODS,
+    'drive.speed': 25.0,
+    'drive.rate': 500.0,
+    'outputs': ALL_OUTPUTS,
+    'recording.directory': str(tmp_path / 'bags'),
+    'recording.name': 'run',
+    'recording.start': True,
+     **parameters})
 
 
 def whole_steps(path):
-    """Return the stamps of the driven joint in a bag; every step but the last has all its outputs."""
+    """
+    Return the stamps of the driven joint in a bag; every step but the last has all its
+    outputs.
+    """
     stamps = {}
     for record in records(path):
         if record.topic != '/fourbar/scene':
             stamp = record.message.header.stamp
             stamps.setdefault((stamp.sec, stamp.nanosec), []).append(record.topic)
     kept = list(stamps.values())
-    assert all(len(topics) == 1 + len(ALL_OUTPUTS) and topics[0] == '/fourbar/driven' for topics in kept[:-1])
+    assert all(len(topics) == 1 + len(ALL_OUTPUTS)
+               and topics[0] == '/fourbar/driven' for topics in kept[:-1])
     return list(stamps)
 
 
@@ -54,15 +64,18 @@ def kill_node(run_node, client, tmp_path, seed):
     assert lost <= FLUSH_PERIOD + SLACK
     period = 1.0 / 500.0
     steps = [(b[0] - a[0]) + (b[1] - a[1]) * 1e-9 for a, b in zip(stamps, stamps[1:])]
-    assert all(abs(step - period) < 1e-6 for step in steps)                       # on the grid, none missing
+    # on the grid, none missing
+    assert all(abs(step - period) < 1e-6 for step in steps)
     recovered = recover(path)
     found = compare(recovered.path)
-    assert max(d.largest for d in found.differences) == 0.0 and found.inputs == len(stamps) and not found.cut
+    assert max(d.largest for d in found.differences) == 0.0 and found.inputs == len(
+        stamps) and not found.cut
     assert_every_reader_takes(recovered.path, recovered.messages)
 
 
 @pytest.mark.parametrize('seed', range(FAST))
-def test_a_killed_node_leaves_all_but_the_newest_and_it_recomputes_exactly(run_node, client, tmp_path, seed):
+def test_a_killed_node_leaves_all_but_the_newest_and_it_recomputes_exactly(
+    run_node, client, tmp_path, seed):
     kill_node(run_node, client, tmp_path, seed)
 
 
@@ -79,7 +92,8 @@ def test_a_signal_closes_the_bag_whole(run_node, client, tmp_path, number):
     client.until(lambda: len(client.received['driven']) > 50, 'the stream')
     assert node.stop(number) == 0
     found = info(tmp_path / 'bags/run', check=True)
-    assert found.is_sound and len({t.messages for t in found.topics if t.topic != '/fourbar/scene'}) == 1
+    assert found.is_sound and len(
+        {t.messages for t in found.topics if t.topic != '/fourbar/scene'}) == 1
     assert_every_reader_takes(tmp_path / 'bags/run', sum(t.messages for t in found.topics))
     assert max(d.largest for d in compare(tmp_path / 'bags/run').differences) == 0.0
 
@@ -98,7 +112,8 @@ def test_a_bag_can_be_read_while_the_node_writes_it(run_node, client, tmp_path):
 def test_a_recording_that_dies_is_told_and_the_stream_goes_on(run_node, client, tmp_path):
     import resource
     limit = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (400_000, limit[1]))     # the node inherits it: a full disk
+    # the node inherits it: a full disk
+    resource.setrlimit(resource.RLIMIT_FSIZE, (400_000, limit[1]))
     try:
         node = recording_node(run_node, tmp_path)
     finally:
@@ -112,15 +127,23 @@ def test_a_recording_that_dies_is_told_and_the_stream_goes_on(run_node, client, 
     path = tmp_path / 'bags/run'
     assert max(d.largest for d in compare(path).differences) == 0.0 and compare(path).inputs > 50
     assert recover(path, tmp_path / 'again').messages > 300
-    assert client.call('start_recording', name='small').success and client.call('stop_recording').success
+    assert client.call(
+    'start_recording',
+     name='small').success and client.call('stop_recording').success
 
 
-def test_a_million_joints_on_the_input_neither_stop_the_node_nor_spoil_the_bag(run_node, client, tmp_path):
+def test_a_million_joints_on_the_input_neither_stop_the_node_nor_spoil_the_bag(
+    run_node, client, tmp_path):
     from array import array
 
     from sensor_msgs.msg import JointState
-    node = run_node({**PAPER, 'outputs': ['state'], 'drive.source': 'joint_state', 'drive.joint': 'crank',
-                     'recording.directory': str(tmp_path / 'bags'), 'recording.name': 'run', 'recording.start': True})
+    node = run_node({**PAPER,
+    'outputs': ['state'],
+    'drive.source': 'joint_state',
+    'drive.joint': 'crank',
+    'recording.directory': str(tmp_path / 'bags'),
+    'recording.name': 'run',
+     'recording.start': True})
     client.listen(['state'])
     publisher = client.publisher('joint_state')
     small = JointState(name=['crank'], position=[0.5], velocity=[1.0])
@@ -131,12 +154,24 @@ def test_a_million_joints_on_the_input_neither_stop_the_node_nor_spoil_the_bag(r
     sent = iter(range(1, 10_000))
     client.handshake(lambda: send(small, next(sent)))
     zeros = array('d', bytes(8_000_000))
-    huge = JointState(name=['crank'] + [''] * 999_999, position=zeros, velocity=zeros, effort=zeros)
+    huge = JointState(
+    name=['crank'] +
+    [''] *
+    999_999,
+    position=zeros,
+    velocity=zeros,
+     effort=zeros)
     send(huge, next(sent))
     mark = next(sent)
-    client.until(lambda: (send(small, next(sent)), client.executor.spin_once(timeout_sec=0.05),
-                          any(m.header.stamp.sec >= mark for m in client.received['state']))[-1], 'the next input')
+
+    def is_answered():
+        send(small, next(sent))
+        client.executor.spin_once(timeout_sec=0.05)
+        return any(m.header.stamp.sec >= mark for m in client.received['state'])
+
+    client.until(is_answered, 'the next input')
     assert node.stop() == 0
     path = tmp_path / 'bags/run'
     found = compare(path)
-    assert info(path, check=True).state == 'finished' and max(d.largest for d in found.differences) == 0.0
+    assert info(path, check=True).state == 'finished' and max(
+        d.largest for d in found.differences) == 0.0

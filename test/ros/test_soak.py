@@ -36,7 +36,9 @@ EDGES = [0.0, -0.0, 1.0, math.nan, math.inf, -math.inf, 5e-324, -5e-324, 1.7e308
 
 
 def usage(process):
-    """Return (resident memory [MB], threads, file descriptors, shared-memory maps) of a process."""
+    """
+    Return (resident memory [MB], threads, file descriptors, shared-memory maps) of a process.
+    """
     proc = Path(f'/proc/{process.pid}')
     status = dict(line.split(':', 1) for line in (proc / 'status').read_text().splitlines())
     shared = sum('/dev/shm/' in line for line in (proc / 'maps').read_text().splitlines())

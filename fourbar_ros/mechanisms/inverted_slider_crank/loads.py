@@ -54,7 +54,6 @@ def make_loads(n: NumberType, a1: Any, a4: Any, h: Any, is_crank_driven: bool, b
         f1_x, f1_y, f2_x, f2_y, moment1, about_a, aside = needs_of_crank_and_carried(
             cos_x, sin_x, square, alpha1, cos_y, sin_y, square_4, alpha4)
         f3_x, f3_y, moment3 = needs_of_pivoted(cos_y, sin_y, square_4, alpha4)
-
         moment2 = about_a + aside * square
         # (L4)
         drive = unit * (moment1 * crank_ratio + (about_a + moment3) * output_ratio

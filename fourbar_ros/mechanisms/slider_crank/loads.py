@@ -58,9 +58,7 @@ def make_loads(n: NumberType, a1: Any, a2: Any, e: Any, is_crank_driven: bool, b
             cos_x, sin_x, square, alpha1, cos_b, sin_b, square_b, alpha_beta)
         acceleration = slide_acceleration * per_unit
         f3_x, moment3 = mass3 * acceleration + hold_x, couple - across * acceleration
-
-        # (L4)
-        drive = (unit * (moment1 * crank_ratio + about_a * coupler_ratio
+        drive = (unit * (moment1 * crank_ratio + about_a * coupler_ratio             # (L4)
                          - aside * (omega_beta * omega2) * crank_ratio) + f3_x * slide_ratio)
         along_x = -(about_a + aside * square) / a2
         if is_crank_driven:

@@ -122,8 +122,7 @@ def make_crank_motion(n: NumberType, a1: Any, a2: Any, e: Any, sign: Any,
         cos_x, sin_x = cos(theta1), sin(theta1)
         size = fabs(sin_x)
         low, is_about_0 = cos_x * cos_x / (1.0 + size), size.real < 0.5     # low: 1 - |sin x|
-        u, w, gap, start = where(is_about_0, about_0,
-                                 where(sin_x.real > 0.0, about_up, about_down))
+        u, w, gap, start = where(is_about_0, about_0, where(sin_x.real > 0.0, about_up, about_down))
         bulge = a1_e * (1.0 + sin_x * sin_x)
         d, curve = where(is_about_0, (sin_x, bulge), (-start * low, a1_e * low * low))
         at_x, step, nn = a1 * cos_x, a1 * d, e - a1 * sin_x
@@ -139,8 +138,7 @@ def make_crank_motion(n: NumberType, a1: Any, a2: Any, e: Any, sign: Any,
         over, under = where((root * cos_x).real > 0.0, (at_x + root, 1.0),
                             (gap + two_a1_e * d, root - at_x))
         s, per = over / under, 1.0 / root                                               # (M2)
-        # (M3), (M4)
-        coupler_ratio, d_theta2 = -at_x * per, -s * per
+        coupler_ratio, d_theta2 = -at_x * per, -s * per                     # (M3), (M4)
         d_s = a1 * (e * cos_x - s * sin_x) * per                                        # (M5)
         dd_b = a1 * (by_sine * sine + curve) * per * per * per                          # (M6)
         dd_s = at_x * d_theta2 - nn * dd_b                                              # (M7)

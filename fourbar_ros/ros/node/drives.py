@@ -1,6 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What moves the input: a thread on the clock's grid, a timer of simulated time, or a subscription."""
+"""
+What moves the input: a thread on the clock's grid, a timer of simulated time, or a
+subscription.
+"""
 from __future__ import annotations
 
 from math import isnan, nan
