@@ -17,8 +17,9 @@ functions of angles use the same polynomial homogeneous in sin and cos(theta/2),
 >>> import math
 >>> equation = io_equation((8.0, 14.0, 9.0, 17.0), 1, 4)
 >>> crossed, open_ = equation.solve(math.radians(60.0))
->>> round(math.degrees(open_), 4), round(10.0 * float(equation.ratio(math.radians(60.0), open_)),
-4) (84.5689, 7.1781)
+>>> rate = 10.0 * float(equation.ratio(math.radians(60.0), open_))
+>>> round(math.degrees(open_), 4), round(rate, 4)
+(84.5689, 7.1781)
 """
 from __future__ import annotations
 

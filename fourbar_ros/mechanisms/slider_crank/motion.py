@@ -120,9 +120,9 @@ def make_crank_motion(n: NumberType, a1: Any, a2: Any, e: Any, sign: Any,
 
     def motion(theta1: Any, omega1: Any, alpha1: Any) -> tuple[Any, ...]:
         cos_x, sin_x = cos(theta1), sin(theta1)
-        size = fabs(sin_x)
-        low, is_about_0 = cos_x * cos_x / (1.0 + size), size.real < 0.5     # low: 1 - |sin x|
-        u, w, gap, start = where(is_about_0, about_0, where(sin_x.real > 0.0, about_up, about_down))
+        low, is_about_0 = cos_x * cos_x / (1.0 + fabs(sin_x)), fabs(sin_x).real < 0.5   # 1 - |sin x|
+        u, w, gap, start = where(is_about_0, about_0,
+                                 where(sin_x.real > 0.0, about_up, about_down))
         bulge = a1_e * (1.0 + sin_x * sin_x)
         d, curve = where(is_about_0, (sin_x, bulge), (-start * low, a1_e * low * low))
         at_x, step, nn = a1 * cos_x, a1 * d, e - a1 * sin_x
@@ -142,15 +142,15 @@ def make_crank_motion(n: NumberType, a1: Any, a2: Any, e: Any, sign: Any,
         d_s = a1 * (e * cos_x - s * sin_x) * per                                        # (M5)
         dd_b = a1 * (by_sine * sine + curve) * per * per * per                          # (M6)
         dd_s = at_x * d_theta2 - nn * dd_b                                              # (M7)
-        size = a1 * fabs(cos_2) + a2 + fabs(e * sin_b)
-        condition, square = unit * (size * a2 * fabs(per)), omega1 * omega1             # (M8)
+        condition = unit * ((a1 * fabs(cos_2) + a2 + fabs(e * sin_b)) * a2 * fabs(per))     # (M8)
+        square = omega1 * omega1
         theta2, omega2 = atan2(sin_2, cos_2), d_theta2 * omega1
         beta, omega_beta = atan2(sin_b, cos_b), coupler_ratio * omega1
-        alpha2 = d_theta2 * alpha1 + dd_b * square
-        alpha_beta = coupler_ratio * alpha1 + dd_b * square
+        bent = dd_b * square
+        alpha2, alpha_beta = d_theta2 * alpha1 + bent, coupler_ratio * alpha1 + bent
         theta3, omega3, alpha3 = -beta, -omega_beta, -alpha_beta
-        slide, slide_velocity = unit * s, unit * (d_s * omega1)
-        slide_acceleration = unit * (d_s * alpha1 + dd_s * square)
+        slide, slide_velocity, slide_acceleration = (unit * s, unit * (d_s * omega1),
+                                                     unit * (d_s * alpha1 + dd_s * square))
         crank_ratio, slide_ratio, transmission_angle = 1.0, unit * d_s, atan2(fabs(cos_b), sin_b)
         return (theta1, omega1, alpha1, theta2, omega2, alpha2, theta3, omega3, alpha3,
                 slide, slide_velocity, slide_acceleration, beta, omega_beta, alpha_beta,

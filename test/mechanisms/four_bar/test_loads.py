@@ -292,9 +292,9 @@ def test_scaling_all_lengths_by_a_power_of_two_changes_no_bit(power):
 
 
 def test_loads_without_masses_are_refused():
-    with pytest.raises(MissingBodies, match='masses'):
+    with pytest.raises(MissingBodies, match='mass properties'):
         FourBar(*PAPER.lengths).loads(0.3, 25.0)
-    with pytest.raises(MissingBodies, match='masses'):
+    with pytest.raises(MissingBodies, match='mass properties'):
         FourBar(*PAPER.lengths).step(np.zeros(3), 25.0)
 
 

@@ -262,7 +262,7 @@ def test_errors_name_the_input():
         InvertedSlider(2.5, 6.0, input=SLIDE).motion(8.5, 1.0)
     with pytest.raises(InvalidParameter, match='^slide_acceleration = inf'):
         InvertedSlider(2.5, 6.0, input=SLIDE).motion(5.0, 1.0, inf)
-    with pytest.raises(MissingBodies, match='masses'):
+    with pytest.raises(MissingBodies, match='mass properties'):
         InvertedSlider(2.5, 6.0).step(0.3)
 
 

@@ -271,7 +271,7 @@ def test_errors_name_the_input():
         SliderCrank(2.5, 6.0, input=SLIDE).motion(8.5, 1.0)
     with pytest.raises(InvalidParameter, match='^slide_velocity = nan'):
         SliderCrank(2.5, 6.0, input=SLIDE).motion(5.0, nan)
-    with pytest.raises(MissingBodies, match='masses'):
+    with pytest.raises(MissingBodies, match='mass properties'):
         SliderCrank(2.5, 6.0).loads(0.3)
 
 
