@@ -163,7 +163,7 @@ def test_functions_fit_on_a_screen():
     assert sorted(sizes.values())[len(sizes) // 2] <= 6
 
 
-@pytest.mark.xfail(strict=True, reason='bag holds 22 %: its file formats want a folder of their own')
+@pytest.mark.xfail(strict=True, reason='bag holds 22 %: its formats want a folder')
 def test_no_folder_is_large():
     lines = {}
     for module, path in MODULES.items():

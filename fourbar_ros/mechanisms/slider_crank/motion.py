@@ -120,7 +120,7 @@ def make_crank_motion(n: NumberType, a1: Any, a2: Any, e: Any, sign: Any,
 
     def motion(theta1: Any, omega1: Any, alpha1: Any) -> tuple[Any, ...]:
         cos_x, sin_x = cos(theta1), sin(theta1)
-        low, is_about_0 = cos_x * cos_x / (1.0 + fabs(sin_x)), fabs(sin_x).real < 0.5   # 1 - |sin x|
+        low, is_about_0 = cos_x * cos_x / (1.0 + fabs(sin_x)), fabs(sin_x).real < 0.5
         u, w, gap, start = where(is_about_0, about_0,
                                  where(sin_x.real > 0.0, about_up, about_down))
         bulge = a1_e * (1.0 + sin_x * sin_x)
