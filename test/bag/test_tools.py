@@ -460,7 +460,7 @@ def test_a_file_that_is_no_bag_is_not_said_to_be_cut(tmp_path, capsys):
     for length in range(len(MAGIC) + 1):
         (tmp_path / 'short.mcap').write_bytes(MAGIC[:length])
         assert main(['bag', 'info', str(tmp_path / 'short.mcap')]) == 3
-        assert 'it was cut' in capsys.readouterr().out
+        assert 'cut off' in capsys.readouterr().out
 
 
 def test_a_foreign_bag_is_not_recomputed_but_said_to_be_foreign(tmp_path):
@@ -624,7 +624,7 @@ def test_only_the_topics_that_are_drawn_are_decoded(bag, monkeypatch):
         self, messages))
     monkeypatch.setattr(reader, 'BLOCK', 100)
     series(bag, ['state.theta4'])
-    assert decoded.count('fourbar_msgs/msg/LinkageState') > 3
+    assert decoded.count('fourbar_msgs/msg/LinkageState') > 1
     assert decoded.count('fourbar_msgs/msg/LinkageLoads') <= 1          # where the time begins
 
 
