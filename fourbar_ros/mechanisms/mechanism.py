@@ -510,8 +510,8 @@ class Mechanism(ABC):
         Examples
         --------
         >>> from fourbar_ros import FourBar
-        >>> theta4, alpha4 = FourBar(0.4, 1.2, 0.8, 1.0).motion([0.5, 1.0], 25.0, fields=('theta4',
-        'alpha4'))
+        >>> linkage = FourBar(0.4, 1.2, 0.8, 1.0)
+        >>> theta4, alpha4 = linkage.motion([0.5, 1.0], 25.0, fields=('theta4', 'alpha4'))
         >>> alpha4.shape
         (2,)
 
