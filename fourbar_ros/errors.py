@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 
 def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str:
@@ -22,11 +23,11 @@ def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str:
 class FourBarError(Exception):
     """Base of every error this package raises on purpose; they pass from process to process."""
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return _again, (type(self), self.args, self.__dict__)
 
 
-def _again(kind, args, kept):
+def _again(kind: type[FourBarError], args: tuple[Any, ...], kept: dict[str, Any]) -> FourBarError:
     """
     Return an error that was pickled, from its message and what it keeps.
 
@@ -41,13 +42,13 @@ def _again(kind, args, kept):
 class InvalidParameter(FourBarError, ValueError):
     """A parameter has a value that is not allowed; ``name``, ``value``, ``allowed`` are kept."""
 
-    def __init__(self, name, value, allowed):
+    def __init__(self, name: str, value: Any, allowed: str):
         self.name, self.value, self.allowed = name, value, allowed
         super().__init__(f'{name}: {allowed}' if value is None
                          else f'{name} = {_short(value)}: {allowed}')
 
 
-def _short(value):
+def _short(value: Any) -> str:
     """
     Return a value as text.
 
@@ -57,7 +58,7 @@ def _short(value):
     return text if len(text) <= 100 else f'{text[:60]} ... {text[-30:]}'
 
 
-def in_words(ranges, unit):
+def in_words(ranges: Iterable[tuple[float, float]], unit: str) -> str:
     """Return the ranges of an input as text."""
     return f'{" or ".join(f"[{low:.9g}, {high:.9g}]" for low, high in ranges)} {unit}'
 
@@ -69,7 +70,7 @@ class OutOfRange(FourBarError, ValueError):
     Its ``name``, ``value``, ``ranges`` are kept.
     """
 
-    def __init__(self, name, value, ranges, unit):
+    def __init__(self, name: str, value: float, ranges: Iterable[tuple[float, float]], unit: str):
         self.name, self.value, self.ranges = name, value, ranges
         super().__init__(f'{name} = {value!r} {unit} is outside the input range '
                          f'{in_words(ranges, unit)}')
@@ -82,7 +83,7 @@ class Toggle(FourBarError, ArithmeticError):
     ``name`` and ``value`` of the input are kept.
     """
 
-    def __init__(self, name, value, unit):
+    def __init__(self, name: str, value: float, unit: str):
         self.name, self.value = name, value
         super().__init__(f'{name} = {value!r} {unit} is a toggle position: rates and loads are '
                          'unbounded')
@@ -91,5 +92,5 @@ class Toggle(FourBarError, ArithmeticError):
 class MissingBodies(FourBarError, ValueError):
     """Loads were requested from a mechanism without masses."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         super().__init__('loads require mass properties: construct the mechanism with bodies=...')

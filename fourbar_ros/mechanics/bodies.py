@@ -32,7 +32,7 @@ class Body:
     cg_across: float = 0.0
     inertia: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name in ('mass', 'inertia'):
             value = number(name, getattr(self, name), 'must be a finite number, zero or more',
                            least=0.0)
@@ -66,7 +66,7 @@ class Applied:
     across: float = 0.0
     couple: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name in ('force_x', 'force_y', 'along', 'across', 'couple'):
             object.__setattr__(self, name, number(name, getattr(self, name)))
 
@@ -74,7 +74,7 @@ class Applied:
 NOT_APPLIED = Applied()
 
 
-def round_rod(length, density, radius):
+def round_rod(length: float, density: float, radius: float) -> Body:
     """
     Body of a uniform round rod between its two joints.
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 from math import inf
 from typing import NamedTuple
 
+from fourbar_ros.numerics.arrays import Array, Values
 import numpy as np
 
 
@@ -37,7 +38,7 @@ class RollingContact(NamedTuple):
     contact_acceleration: np.ndarray    # [m/s^2] the rolling acceleration of Eq. (14)
 
 
-def turned(rate, r):
+def turned(rate: Values, r: Values) -> Array:
     """
     Return rate x r, the vector r turned by a right angle and scaled.
 
@@ -56,12 +57,14 @@ def turned(rate, r):
     return np.stack(np.broadcast_arrays(-rate * r[..., 1], rate * r[..., 0]), axis=-1)
 
 
-def scaled(factor, r):
+def scaled(factor: Values, r: Values) -> Array:
     """Return factor * r for a factor of shape (...) and vectors of shape (..., 2)."""
-    return np.asarray(factor)[..., None] * np.asarray(r)
+    result: Array = np.asarray(factor)[..., None] * np.asarray(r)
+    return result
 
 
-def relative_velocity(v_a, omega, r, v_rel=(0.0, 0.0)):
+def relative_velocity(v_a: Values, omega: Values, r: Values,
+                      v_rel: Values = (0.0, 0.0)) -> Array:
     """
     Return V_B = V_A + omega x r + V_rel (slides, before Eq. (9)).
 
@@ -82,10 +85,12 @@ def relative_velocity(v_a, omega, r, v_rel=(0.0, 0.0)):
         [m/s]
 
     """
-    return np.asarray(v_a) + turned(omega, r) + np.asarray(v_rel)
+    velocity: Array = np.asarray(v_a) + turned(omega, r) + np.asarray(v_rel)
+    return velocity
 
 
-def acceleration_terms(a_a, omega, alpha, r, v_rel=(0.0, 0.0), a_rel=(0.0, 0.0)):
+def acceleration_terms(a_a: Values, omega: Values, alpha: Values, r: Values,
+                       v_rel: Values = (0.0, 0.0), a_rel: Values = (0.0, 0.0)) -> AccelerationTerms:
     """
     Return the :class:`AccelerationTerms` of Eq. (9), for polygons and for who asks how large each
     is.
@@ -104,27 +109,33 @@ def acceleration_terms(a_a, omega, alpha, r, v_rel=(0.0, 0.0), a_rel=(0.0, 0.0))
                              scaled(-np.square(omega), r), coriolis_acceleration(omega, v_rel))
 
 
-def relative_acceleration(a_a, omega, alpha, r, v_rel=(0.0, 0.0), a_rel=(0.0, 0.0)):
+def relative_acceleration(a_a: Values, omega: Values, alpha: Values, r: Values,
+                          v_rel: Values = (0.0, 0.0), a_rel: Values = (0.0, 0.0)) -> Array:
     """
     Return A_B, Eqs.
 
     (9) and (10), with (6) as the case of a B fixed in the frame; see acceleration_terms.
     """
     terms = acceleration_terms(a_a, omega, alpha, r, v_rel, a_rel)
-    return (terms.of_origin + terms.relative) + (terms.tangential + terms.normal) + terms.coriolis
+    of_frame = terms.tangential + terms.normal
+    total: Array = (terms.of_origin + terms.relative) + of_frame + terms.coriolis
+    return total
 
 
-def coriolis_acceleration(omega, v_rel):
+def coriolis_acceleration(omega: Values, v_rel: Values) -> Array:
     """Return 2 omega x V_rel: V_rel turned by 90 deg in the sense of omega [m/s^2]."""
     return turned(2.0 * np.asarray(omega), v_rel)
 
 
-def coincident_acceleration(a_p, omega, v_rel, a_rel=(0.0, 0.0)):
+def coincident_acceleration(a_p: Values, omega: Values, v_rel: Values,
+                            a_rel: Values = (0.0, 0.0)) -> Array:
     """Return A_B from that of the point P of the frame that B passes over, Eq. (11) [m/s^2]."""
-    return np.asarray(a_p) + coriolis_acceleration(omega, v_rel) + np.asarray(a_rel)
+    acceleration: Array = np.asarray(a_p) + coriolis_acceleration(omega, v_rel) + np.asarray(a_rel)
+    return acceleration
 
 
-def path_acceleration(tangent, speed, growth, curvature):
+def path_acceleration(tangent: Values, speed: Values, growth: Values,
+                      curvature: Values) -> Array:
     """
     Return the acceleration along a path, Eq. (2): growth along it, speed^2 curvature to its left.
 
@@ -141,12 +152,13 @@ def path_acceleration(tangent, speed, growth, curvature):
     return scaled(growth, tangent) + turned(np.square(speed) * curvature, tangent)
 
 
-def apparent_angular_acceleration(alpha3, alpha2):
+def apparent_angular_acceleration(alpha3: Values, alpha2: Values) -> Values:
     """Return alpha_3/2 = alpha3 - alpha2 of link 3 as seen from link 2, Eq. (12) [rad/s^2]."""
     return alpha3 - alpha2
 
 
-def rolling_contact(omega, alpha, radius, normal, ground_radius=inf):
+def rolling_contact(omega: Values, alpha: Values, radius: float, normal: Values,
+                    ground_radius: float = inf) -> RollingContact:
     """
     Return the :class:`RollingContact` of a disc that rolls without slip on fixed ground, Eqs.
     (13)-(15).

@@ -3,10 +3,10 @@
 """The type of numpy arrays in annotations."""
 from __future__ import annotations
 
-from typing import Any, Union
+from typing import Any
 
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
 # A number or an array of numbers: for formulas that take either.
-Values = Union[float, Array, Any]
+Values = Any

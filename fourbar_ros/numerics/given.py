@@ -67,7 +67,8 @@ def array(name: str, value: Any, with_complex: bool = False) -> np.ndarray:
 
     """
     if isinstance(value, np.ma.MaskedArray):
-        value = (value.astype(complex if value.dtype.kind == 'c' else float).filled(np.nan)
+        masked: Any = value
+        value = (masked.astype(complex if value.dtype.kind == 'c' else float).filled(np.nan)
                  if value.dtype.kind in 'iufc' else value.data)
     try:
         given = np.asarray(value)
@@ -90,7 +91,7 @@ def _first_that_is_no_number(given: np.ndarray) -> str:
     return 'of type object'
 
 
-def records(name: str, value: Any, kind: type, whole: type) -> Any:
+def records(name: str, value: Any, kind: type, whole: Any) -> Any:
     """
     Return several records of one kind as ``whole``, a NamedTuple of as many fields.
 

@@ -13,10 +13,11 @@ so that the data of a mechanism, taken to the last bit, decide what vanishes and
 """
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from decimal import Context, Decimal, localcontext
 import math
+from typing import Any
 
 from fourbar_ros.numerics.number_types import choose, NumberType, power_of_two
 
@@ -37,8 +38,11 @@ def many_digits() -> Iterator[None]:
 
 def _sum(terms: list[Decimal]) -> Decimal:
     """Return a sum, zero if nothing but rounding is left."""
-    total = sum(terms)
-    return total if abs(total) > NOTHING * sum(map(abs, terms)) else Decimal(0)
+    total = sum(terms, Decimal(0))
+    return total if abs(total) > NOTHING * sum(map(abs, terms), Decimal(0)) else Decimal(0)
+
+
+Operand = Any      # Laurent, Decimal, float
 
 
 class Laurent:
@@ -60,7 +64,7 @@ class Laurent:
         while c and not c[-1]:
             c.pop()
         if not c:
-            self.order = end if end < math.inf else 0
+            self.order = int(end) if end < math.inf else 0
         self.c, self.end = c, end
 
     def _at(self, i: int) -> Decimal:
@@ -86,7 +90,7 @@ class Laurent:
     def real(self) -> Laurent:
         return self
 
-    def __add__(self, other):
+    def __add__(self, other: Operand) -> Laurent:
         other = series(other)
         end = min(self.end, other.end)
         low = min(self.order, other.order)
@@ -94,16 +98,16 @@ class Laurent:
         return Laurent([_sum([self._at(i), other._at(i)])
                         for i in range(low, int(min(high, end)))], low, end)
 
-    def __neg__(self):
+    def __neg__(self) -> Laurent:
         return Laurent([-v for v in self.c], self.order, self.end)
 
-    def __sub__(self, other):
+    def __sub__(self, other: Operand) -> Laurent:
         return self + -series(other)
 
-    def __rsub__(self, other):
+    def __rsub__(self, other: Operand) -> Laurent:
         return series(other) + -self
 
-    def __mul__(self, other):
+    def __mul__(self, other: Operand) -> Laurent:
         other = series(other)
         if self._is_nothing() or other._is_nothing():
             return Laurent([])
@@ -111,7 +115,7 @@ class Laurent:
         number = (int(min(len(self.c) + len(other.c) - 1, end - order, TERMS + 1)) if self.c
                   and other.c else 0)
         one, two = ([(i, v) for i, v in enumerate(s.c) if v] for s in (self, other))
-        terms = [[] for _ in range(number)]
+        terms: list[list[Decimal]] = [[] for _ in range(number)]
         for i, a in one:
             for j, b in two:
                 if i + j >= number:
@@ -119,15 +123,15 @@ class Laurent:
                 terms[i + j].append(a * b)
         return Laurent([_sum(row) if row else Decimal(0) for row in terms], order, end)
 
-    def __truediv__(self, other):
+    def __truediv__(self, other: Operand) -> Laurent:
         return self * series(other)._inverse()
 
-    def __rtruediv__(self, other):
+    def __rtruediv__(self, other: Operand) -> Laurent:
         return series(other) * self._inverse()
 
     __radd__, __rmul__ = __add__, __mul__
 
-    def __pow__(self, exponent: int):
+    def __pow__(self, exponent: int) -> Laurent:
         return math.prod([self] * exponent, start=series(1.0))
 
     def _inverse(self) -> Laurent:
@@ -164,16 +168,16 @@ class Laurent:
         rest = self - Laurent([_QUARTER * quarters])
         if rest.c and rest.order < 1:
             raise ValueError('an angle of which only multiples of pi/2 are expected')
-        slope, sine, cosine = [rest._at(i + 1) * (i + 1)
-                               for i in range(TERMS)], [Decimal(0)], [Decimal(1)]
+        slope = [rest._at(i + 1) * (i + 1) for i in range(TERMS)]
+        sine, cosine, zero = [Decimal(0)], [Decimal(1)], Decimal(0)
         for k in range(TERMS):      # s' = c phi', c' = -s phi'
-            sine, cosine = (sine + [sum(slope[i] * cosine[k - i] for i in range(k + 1)) / (k + 1)],
-                            cosine + [-sum(slope[i] * sine[k - i] for i in range(k + 1))
-                                      / (k + 1)])
-        sine, cosine = (Laurent(c[:TERMS], 0, TERMS) for c in (sine, cosine))
+            growth = sum([slope[i] * cosine[k - i] for i in range(k + 1)], zero) / (k + 1)
+            fall = sum([slope[i] * sine[k - i] for i in range(k + 1)], zero) / (k + 1)
+            sine, cosine = [*sine, growth], [*cosine, -fall]
+        one, other = Laurent(sine[:TERMS], 0, TERMS), Laurent(cosine[:TERMS], 0, TERMS)
         for _ in range(quarters % 4):
-            sine, cosine = cosine, -sine
-        return sine, cosine
+            one, other = other, -one
+        return one, other
 
     def sin(self) -> Laurent:
         return self._sine_and_cosine()[0]
@@ -181,23 +185,23 @@ class Laurent:
     def cos(self) -> Laurent:
         return self._sine_and_cosine()[1]
 
-    def __abs__(self):
+    def __abs__(self) -> Laurent:
         return -self if self < 0.0 else self
 
-    def __float__(self):
+    def __float__(self) -> float:
         return float(self._at(0))
 
-    def __lt__(self, other):
+    def __lt__(self, other: Operand) -> bool:
         difference = self - other
         return bool(difference.c) and difference.c[0] < 0
 
-    def __gt__(self, other):
+    def __gt__(self, other: Operand) -> bool:
         return series(other) < self
 
-    def __ge__(self, other):
+    def __ge__(self, other: Operand) -> bool:
         return not self < other
 
-    def __le__(self, other):
+    def __le__(self, other: Operand) -> bool:
         return not self > other
 
     def derivative(self) -> Laurent:
@@ -234,13 +238,14 @@ def quarter_turns(number: int) -> Laurent:
     return Laurent([_QUARTER * number])
 
 
-def _atan2(y, x) -> Laurent:
+def _atan2(y: Operand, x: Operand) -> Laurent:
     """Return the angle of two series: its derivative is (x y' - y x') / (x^2 + y^2)."""
     y, x = series(y), series(x)
     rate = (x * y.derivative() - y * x.derivative()) / (x * x + y * y)
     low = min(s.order for s in (x, y) if s.c)
     sine, cosine = (float(s._at(low)) for s in (y, x))
-    return rate.integral() + math.atan2(sine or (-0.0 if y < 0.0 else 0.0), cosine)
+    angle: Laurent = rate.integral() + math.atan2(sine or (-0.0 if y < 0.0 else 0.0), cosine)
+    return angle
 
 
 def _power_of_two(*lengths: Laurent) -> Laurent:
@@ -248,7 +253,7 @@ def _power_of_two(*lengths: Laurent) -> Laurent:
     return series(power_of_two(*map(float, lengths)))
 
 
-def _sum_of(terms) -> Laurent:
+def _sum_of(terms: Iterable[Laurent]) -> Laurent:
     return sum(terms, Laurent([]))
 
 

@@ -16,7 +16,7 @@ masses, is recorded too, and what depends on that alone is computed once for eac
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cache
 import math
 import operator
@@ -25,6 +25,7 @@ from typing import Any, NamedTuple
 from fourbar_ros.numerics.number_types import (
     choose,
     converted,
+    Function,
     hypot_of_arrays,
     NumberType,
     power_of_two,
@@ -32,6 +33,8 @@ from fourbar_ros.numerics.number_types import (
 import numpy as np
 
 CHUNK = 12288     # most samples at a time
+Step = Any        # (name of the operation, places of its arguments), or None for what is given
+
 
 def _where(condition: np.ndarray, one: Any, other: Any, out: np.ndarray) -> None:
     np.copyto(out, other)
@@ -40,7 +43,7 @@ def _where(condition: np.ndarray, one: Any, other: Any, out: np.ndarray) -> None
 
 # For each operation the function of floats and that of arrays, whose last argument is where the
 # result goes; lengths are no arrays.
-_OPERATIONS: dict[str, tuple[Callable, Callable | None]] = {
+_OPERATIONS: dict[str, tuple[Function, Function | None]] = {
     'add': (operator.add, np.add), 'sub': (operator.sub, np.subtract),
     'mul': (operator.mul, np.multiply),
     'truediv': (operator.truediv, np.true_divide), 'neg': (operator.neg, np.negative),
@@ -71,7 +74,7 @@ class Number:
         raise TypeError('formulas choose with where(), not with if')
 
 
-def _method(name: str, is_reflected: bool) -> Callable:
+def _method(name: str, is_reflected: bool) -> Function:
     if is_reflected:
         return lambda self, other: self.record.add(name, other, self)
     return lambda self, *others: self.record.add(name, self, *others)
@@ -83,7 +86,7 @@ for _name in ('add', 'sub', 'mul', 'truediv', 'neg', 'pow', 'gt', 'lt'):
         setattr(Number, f'__r{_name}__', _method(_name, True))
 
 
-def _function(name: str) -> Callable:
+def _function(name: str) -> Function:
     def call(*values: Any) -> Any:
         known = [value for value in values if isinstance(value, Number)]
         return known[0].record.add(name, *values) if known else _OPERATIONS[name][0](*values)
@@ -99,8 +102,8 @@ def _choice(condition: Any, one: Any, other: Any) -> Any:
 
 
 _exact_sum = _function('exact_sum')
-RECORDED = NumberType('recorded', *map(_function, ('sin', 'cos', 'sqrt', 'atan2', 'hypot',
-                                                   'fabs')), _choice,
+RECORDED = NumberType('recorded', _function('sin'), _function('cos'), _function('sqrt'),
+                      _function('atan2'), _function('hypot'), _function('fabs'), _choice,
                       lambda terms: _exact_sum(*terms), _function('power_of_two'))
 
 
@@ -123,8 +126,8 @@ class Record:
 
     """
 
-    def __init__(self, make_formulas: Callable, data: Any):
-        self.steps: list[tuple[str, tuple[int, ...]] | None] = []
+    def __init__(self, make_formulas: Function, data: Any):
+        self.steps: list[Step] = []
         self.known: dict[int, float] = {}
         given: Any = [self._given() for _ in range(3)]
         data = converted(data, lambda value: self._given())
@@ -158,8 +161,8 @@ class Record:
         for place in sorted(self.is_constant):
             name, arguments = self.steps[place]
             values[place] = _OPERATIONS[name][0](*[values[i] for i in arguments])
-        return (Constants(values, frozenset([place for place in self._used if values[place]
-                                             == 0.0])))
+        zeros = [place for place in self._used if values[place] == 0.0]
+        return Constants(values, frozenset(zeros))
 
     def add(self, name: str, *values: Any) -> Number:
         """Write down an operation and return its result."""
@@ -172,8 +175,9 @@ class Record:
 
     def _place(self, value: Any) -> int:
         if not isinstance(value, Number):
-            value, number = self._given(), value
-            self.known[value.place] = number
+            place = self._given().place
+            self.known[place] = value
+            return place
         return value.place
 
 
@@ -194,7 +198,7 @@ class Constants(NamedTuple):
     zeros: frozenset[int]
 
 
-def _without_zeros(record: Record, zeros: frozenset[int]) -> tuple[list, list[int]]:
+def _without_zeros(record: Record, zeros: frozenset[int]) -> tuple[list[Step], list[int]]:
     """Return the steps without products and sums of zero, and the new place of each number."""
     steps, same = list(record.steps), list(range(len(record.steps)))
     for place, step in enumerate(record.steps):
@@ -212,7 +216,7 @@ def _without_zeros(record: Record, zeros: frozenset[int]) -> tuple[list, list[in
     return steps, same
 
 
-def _carriers(steps: list, places: Sequence[int]) -> list[frozenset[int]]:
+def _carriers(steps: list[Step], places: Sequence[int]) -> list[frozenset[int]]:
     """
     Return for each result the inputs and roots it depends on.
 
@@ -223,12 +227,12 @@ def _carriers(steps: list, places: Sequence[int]) -> list[frozenset[int]]:
         if step is None:
             found.append(frozenset((place,)) if place < 3 else frozenset())
         else:
-            carried = frozenset().union(*[found[i] for i in step[1]])
+            carried = frozenset[int]().union(*[found[i] for i in step[1]])
             found.append(carried | {place} if step[0] == 'sqrt' else carried)
     return [found[place] & _pose(steps) for place in places]
 
 
-def _pose(steps: list) -> frozenset[int]:
+def _pose(steps: list[Step]) -> frozenset[int]:
     """
     Return the places of the position and of all roots.
 
@@ -282,11 +286,11 @@ class Program:
                 left += steps[place][1]
         return sorted(needed)
 
-    def _once_step(self, place: int) -> tuple[int, Callable, tuple[int, ...]]:
+    def _once_step(self, place: int) -> tuple[int, Function, tuple[int, ...]]:
         name, arguments = self._steps[place]
         return place, _OPERATIONS[name][0], arguments
 
-    def _allocate(self, places: list[int]) -> list[tuple[Callable, Callable]]:
+    def _allocate(self, places: list[int]) -> list[tuple[Any, Function]]:
         """
         Return (numpy's function, what takes its arguments from the values) of all steps.
 
@@ -294,7 +298,10 @@ class Program:
         """
         size = len(self._record.steps)
         last = {i: place for place in places for i in self._steps[place][1]}
-        results, where, free, found = set(self._places), {}, [], []
+        results: set[int] = set(self._places)
+        free: list[int] = []
+        where: dict[int, int] = {}
+        found: list[tuple[Any, Function]] = []
         for place in places:
             name, arguments = self._steps[place]
             done = [where[i] for i in dict.fromkeys(arguments) if i in where and last[i] == place]
@@ -320,7 +327,7 @@ class Program:
             values[place] = function(*[values[i] for i in arguments])
         rows = [np.empty(size) for _ in self._places]
         count = -(-size // -(-size // CHUNK)) if size else 1     # chunks of equal size
-        buffers = [np.empty(count, kind) for kind in self._buffers]
+        buffers: list[Any] = [np.empty(count, kind) for kind in self._buffers]
         many = [i for i in range(3) if not self._is_single[i]]
         for start in range(0, size, count):
             part = slice(start, start + count)
@@ -332,7 +339,7 @@ class Program:
         return rows
 
     def _replay(self, values: list[Any], rows: list[np.ndarray]) -> None:
-        own = {}
+        own: dict[int, np.ndarray] = {}
         for place, row in zip(self._places, rows):
             if self._steps[place] is not None and not self._is_single[place]:
                 own.setdefault(place, row)

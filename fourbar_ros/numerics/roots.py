@@ -8,9 +8,11 @@ later.
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import isfinite, nan, pi
 from typing import Any
 
+from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, REAL
 import numpy as np
 
@@ -31,12 +33,12 @@ DEEP = 0.25
 HALVINGS = 26
 
 
-def turn_after(x, start):
+def turn_after(x: Values, start: Values) -> Values:
     """Return the angle x as the one that comes after ``start``, less than half a turn away."""
     return x + 2.0 * pi * (x < start - pi)
 
 
-def fold(x):
+def fold(x: Values) -> Values:
     """Return angles, an array or a float of at most a turn less or more, in [0, 2 pi)."""
     if isinstance(x, float):
         x = x + 2.0 * pi if x < 0.0 else x - 2.0 * pi if x >= 2.0 * pi else x + 0.0
@@ -45,12 +47,12 @@ def fold(x):
     return np.where(x < 2.0 * pi, x, 0.0)
 
 
-def turns_back(f, rise):
+def turns_back(f: Values, rise: Values) -> Values:
     """Return whether the Bernstein coefficient at a sample (nearly) has the other sign."""
     return ((1.0 - CAUTION) * f + rise >= 0.0) != (f >= 0.0)
 
 
-def intervals_with_roots(f, rise, is_closed):
+def intervals_with_roots(f: Array, rise: Array, is_closed: bool) -> tuple[Array, Array, Array]:
     """
     Return (i, column, is_plain) of the intervals between samples that have roots, or may have two
     more.
@@ -86,7 +88,8 @@ def intervals_with_roots(f, rise, is_closed):
     return i, column, ~doubtful[i, column]
 
 
-def intervals_of_one(f, rise, is_closed):
+def intervals_of_one(f: Sequence[float], rise: Sequence[float],
+                     is_closed: bool) -> list[tuple[int, bool]]:
     """
     Return (i, is_plain) as :func:`intervals_with_roots`, of one function in plain floats.
 
@@ -96,7 +99,8 @@ def intervals_of_one(f, rise, is_closed):
     # one way or the other
     turning = [abs(r) >= (1.0 - CAUTION) * abs(v) for v, r in zip(f, rise)]
     following = [*range(1, len(f)), *[0] * is_closed]
-    found, small = [], set()
+    found: list[tuple[int, bool]] = []
+    small: set[int] = set()
     for i, j in enumerate(following):
         one = turning[i] and turns_back(f[i], rise[i])
         other = turning[j] and turns_back(f[j], -rise[j])
@@ -111,22 +115,23 @@ def intervals_of_one(f, rise, is_closed):
             for i, j in enumerate(following) if i in plain or i in small or j in small]
 
 
-def rises(f, is_closed):
+def rises(f: Array, is_closed: bool) -> Array:
     """Return a third of the slopes of samples at equal steps, each from five of them."""
     if is_closed:
         f = np.concatenate((f[-2:], f, f[:2]))
     else:
         f = np.concatenate((_beyond(f)[::-1], f, _beyond(f[::-1])))
-    return (8.0 * (f[3:-1] - f[1:-3]) - (f[4:] - f[:-4])) / 36.0
+    slopes: Array = (8.0 * (f[3:-1] - f[1:-3]) - (f[4:] - f[:-4])) / 36.0
+    return slopes
 
 
-def _beyond(f):
+def _beyond(f: Array) -> Array:
     """Return the two samples before the first, by cubics."""
     one = 4.0 * (f[0] + f[2]) - 6.0 * f[1] - f[3]
     return np.stack((one, 4.0 * (one + f[1]) - 6.0 * f[0] - f[2]))
 
 
-def look_closer(function, row, xa, xb):
+def look_closer(function: Function, row: Array, xa: Array, xb: Array) -> list[Array]:
     """
     Return brackets (which, xa, xb, fa, fb) of the roots in intervals that may have several.
 
@@ -144,6 +149,8 @@ def look_closer(function, row, xa, xb):
     found = [(which, x[i + 1, which], x[i + 2, which], f[i + 1, which], f[i + 2, which])]
     i, which = np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] < size[2:]) & ~changes[1:]
                           & ~changes[:-1])
+    xs: Any     # places and values of three samples
+    fs: Any
     xs, fs = ([v[i + j, which] for j in range(3)] for v in (x, f))
     for _ in range(HALVINGS):
         going = _may_touch(xs, fs)
@@ -165,7 +172,7 @@ def look_closer(function, row, xa, xb):
     return [np.concatenate(parts) for parts in zip(*found)]
 
 
-def _may_touch(xs, fs):
+def _may_touch(xs: Sequence[Array], fs: Sequence[Array]) -> Any:
     """
     Return whether the function may have roots between three samples of one sign.
 
@@ -203,7 +210,8 @@ first_guess = make_first_guess(REAL)
 first_guesses = make_first_guess(ARRAY)
 
 
-def find_brackets(function, x, f, rise, is_closed):
+def find_brackets(function: Function, x: Function, f: Array, rise: Array,
+                  is_closed: bool) -> Sequence[Array]:
     """
     Return brackets (i, row, xa, xb, fa, guess) of all roots of sampled functions, hidden pairs
     included.
@@ -235,11 +243,12 @@ def find_brackets(function, x, f, rise, is_closed):
     return [np.concatenate((v[is_plain], w)) for v, w in zip(brackets, others)]
 
 
-def _guessed(xa, xb, fa, fb):
+def _guessed(xa: Array, xb: Array, fa: Array, fb: Array) -> tuple[Array, Array, Array, Array]:
     return xa, xb, fa, first_guesses(xa, xb, fa, fb, nan, nan)
 
 
-def newton_roots(function, row, xa, xb, fa, x):
+def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array,
+                 x: Array) -> Array:
     """
     Return the root of a function in each bracket, to the last bits of x, all together.
 
@@ -257,8 +266,9 @@ def newton_roots(function, row, xa, xb, fa, x):
         Where f changes its sign, its value at the first of them, and a first guess.
 
     """
-    root, todo, width = x.copy(), np.arange(x.size), xb - xa
-    positive, last = fa >= 0.0, width
+    root: Array = x.copy()
+    todo: Array = np.arange(x.size)
+    width, positive, last = xb - xa, fa >= 0.0, xb - xa
     while todo.size:
         f, step = function(x, row)
         before = (f >= 0.0) == positive
@@ -279,7 +289,8 @@ def newton_roots(function, row, xa, xb, fa, x):
     return root
 
 
-def newton_root(function, xa, xb, fa, x):
+def newton_root(function: Function, xa: float, xb: float, fa: float,
+                x: float) -> tuple[float, Any]:
     """
     Return as :func:`newton_roots`, in plain floats.
 
