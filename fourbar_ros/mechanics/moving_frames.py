@@ -90,7 +90,8 @@ def relative_velocity(v_a: Values, omega: Values, r: Values,
 
 
 def acceleration_terms(a_a: Values, omega: Values, alpha: Values, r: Values,
-                       v_rel: Values = (0.0, 0.0), a_rel: Values = (0.0, 0.0)) -> AccelerationTerms:
+                       v_rel: Values = (0.0, 0.0),
+                       a_rel: Values = (0.0, 0.0)) -> AccelerationTerms:
     """
     Return the :class:`AccelerationTerms` of Eq. (9), for polygons and for who asks how large each
     is.
