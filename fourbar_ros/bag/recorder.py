@@ -294,8 +294,7 @@ class BagWriter:
     def _drain(self):
         queue, bite = self._queue, 0
         add = self._add_and_split if self._splitter else self._container.add_messages
-        for _ in range(
-    len(queue)):                    # what comes meanwhile waits for the next flush
+        for _ in range(len(queue)):          # messages that come meanwhile wait for the next flush
             stamp, size, messages = queue.popleft()
             add(stamp, messages)
             self._bytes_out += size
