@@ -10,7 +10,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 sys.path.insert(0, str(Path(__file__).parent.parent / 'test'))
-from fourbar_ros.dynamics.free_motion import FreeMotion  # noqa: E402
+from fourbar_ros.dynamics.free_motion import FreeMotion  # noqa: E402, I100
 from fourbar_ros.dynamics.simulate import simulate  # noqa: E402
 from support.dynamics_problems import (  # noqa: E402
     near_lock_up,

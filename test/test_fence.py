@@ -16,7 +16,7 @@ def run(code):
 
 
 def test_the_core_works_with_everything_but_numpy_blocked():
-    done = run(f'''
+    done = run(f"""
 import sys
 for name in {HEAVY!r}:
     sys.modules[name] = None                 # any import of it raises ImportError
@@ -29,18 +29,18 @@ motion, loads = linkage.step(0.10962848, 25.0)
 assert isclose(loads.shaking_force, 2512.318373, rel_tol=1e-9)
 assert linkage.step([0.1, 0.2], 25.0)[1].f41.shape == (2,)
 assert len(find_extrema(linkage, (), 25.0)) > 20
-''')
+""")
     assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize('name', ['mechanisms.kinds', 'scene.scene', 'pipeline.message_fields',
                                   'cli.main', 'scene.topics', 'scene.parameters'])
 def test_ros_scipy_mcap_and_matplotlib_are_not_imported_by(name):
-    done = run(f'''
+    done = run(f"""
 import sys
 import fourbar_ros.{name}
 print([m for m in ('rclpy', 'scipy', 'mcap', 'matplotlib') if m in sys.modules])
-''')
+""")
     assert done.stdout.strip() == '[]', done.stdout + done.stderr
 
 
@@ -69,12 +69,12 @@ def test_every_public_name_exists():
 
 
 def test_the_node_catches_signals_before_anything_long_is_imported():
-    done = run('''
+    done = run("""
 import sys
 import fourbar_ros.ros.node.start
 import fourbar_ros.ros.stop
 print([name for name in ('numpy', 'rclpy', 'yaml') if name in sys.modules])
 from fourbar_ros import *
 print(FourBar.__name__, set(fourbar_ros.__all__) <= set(dir(fourbar_ros)))
-''')
+""")
     assert done.stdout.split('\n')[:2] == ['[]', 'FourBar True'], done.stdout + done.stderr

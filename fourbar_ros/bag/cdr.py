@@ -130,7 +130,7 @@ class Layout:
 
     @cached_property
     def _struct(self):
-        """The same layout for the struct module: quicker than numpy for a single message."""
+        """Return the same layout for struct, quicker than numpy for a single message."""
         parts, at, self._places, number = [self._order], 0, [], 0
         for leaf in self.leaves:
             count = leaf.shape[0] if leaf.shape else 1
@@ -262,8 +262,9 @@ class Decoder:
 
     def arrays(self, messages):
         """
-        Yield (layout, rows, records) for a list of serialised messages, all of one layout at a
-        time.
+        Yield (layout, rows, records) for a list of serialised messages.
+
+        All of one layout at a time.
 
         ``rows`` are their places in the list, ``records`` a numpy array of the layout's dtype.
         """

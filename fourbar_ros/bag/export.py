@@ -22,8 +22,9 @@ FORMATS = ('csv', 'npz', 'parquet')
 
 def export(path, out, format_='csv', topics=None, progress=None):
     """
-    Write every topic of a bag as a table: log time [ns], then one column for every number and
-    text.
+    Write every topic of a bag as a table.
+
+    Log time [ns], then one column for every number and text.
 
     Array elements are columns of their own, ``position[0]``; of a JointState they carry the
     joint's name, ``position[crank]``. Arrays of bytes are one column. If the columns of a topic

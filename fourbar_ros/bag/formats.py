@@ -82,8 +82,9 @@ class Parquet:
 
 class Npz:
     """
-    Every column grows in a file of its own; they go into the .npz at the end, each being removed
-    then.
+    Every column grows in a file of its own.
+
+    They go into the .npz at the end, each being removed then.
 
     Texts are as wide as the longest of their column. Bytes of all rows stand one after the other,
     and ``COLUMN.ends`` says where those of each row end.

@@ -14,8 +14,9 @@ from fourbar_ros.errors import FourBarError
 
 def bags_below(paths):
     """
-    Return the bags that are meant by paths: bags themselves, or folders that hold bags at any
-    depth.
+    Return the bags that are meant by paths.
+
+    Bags themselves, or folders that hold bags at any depth.
 
     A bag that is in several of them is named once. Raises BagError where there is none.
     """
@@ -43,8 +44,9 @@ def _bags_in(path):
 
 def each(work, bags, jobs=0, done=None):
     """
-    Return ``work(bag)`` for every bag in order, from ``jobs`` processes; an error takes the place
-    of its result.
+    Return ``work(bag)`` for every bag in order, from ``jobs`` processes.
+
+    An error takes the place of its result.
 
     Parameters
     ----------

@@ -25,13 +25,13 @@ class Window(NamedTuple):
     def followed_by(self, new):
         """Return both."""
         return Window(*(np.concatenate(pair, axis=-1) for pair in zip(self[:-1], new[:-1])),
-                       {name: np.concatenate((seen, new.seen[name]))
-                        for name, seen in self.seen.items()})
+                      {name: np.concatenate((seen, new.seen[name]))
+                       for name, seen in self.seen.items()})
 
     def from_(self, begin):
         """Return it without the oldest."""
         return Window(*(part[..., begin:] for part in self[:-1]),
-                       {name: seen[begin:] for name, seen in self.seen.items()})
+                      {name: seen[begin:] for name, seen in self.seen.items()})
 
     def source_of(self, places, stamps):
         """

@@ -53,8 +53,9 @@ class Damaged(BagError):
 
 def filled(opcode, size, read):
     """
-    Return how long the lengths inside a body of this size say that it is, -1 if it ends before
-    them.
+    Return the size of a body by the lengths inside it.
+
+    -1 if it ends before them.
 
     ``read(struct, place)`` returns the number at a place of the body.
     """

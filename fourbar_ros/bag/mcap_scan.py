@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Walk through an MCAP file record by record: finished, cut by a crash, still being written, or
-damaged.
+Walk through an MCAP file record by record.
+
+Finished, cut by a crash, still being written, or damaged.
 
 The library's readers want the index at the end of a file, which a crash never writes; its stream
 reader takes 4 us a message, this one less than 1. Neither asks whether a record is what it says.
@@ -99,10 +100,10 @@ def ending(file):
 
 def chunk_index(file, end):
     """
-    Return [(offset, first log time, last log time, channels)] of the chunks of a file with a sound
-    Ending.
+    Return [(offset, first log time, last log time, channels)] of the chunks.
 
-    None if there is no index of all chunks, or messages lie outside of them.
+    For a file with a sound Ending. None if there is no index of all chunks, or messages lie
+    outside of them.
     """
     told = end.of(Statistics) if end and not end.damage else []
     if not told or not told[0].chunk_count:
@@ -212,8 +213,9 @@ class Scan:
 
     def admit(self, offset, chunk, times):
         """
-        Note what is wrong with the place of a sound Chunk and with the times it tells, given its
-        log times.
+        Note what is wrong with the place of a sound Chunk and with the times it tells.
+
+        Given its log times.
 
         Raises Damaged for a copy of an earlier one. Our recorder's log times never go back.
         """
@@ -345,7 +347,7 @@ class Scan:
                 at = match.start()
                 found = HEAD.unpack_from(part, at) if at + HEAD.size <= len(part) else None
                 if (found and self._may_start(begin + at, size, *found)
-                    and self._record_at(begin + at)):
+                        and self._record_at(begin + at)):
                     return begin + at
             begin, window = begin + window, min(2 * window, _WINDOW)
         return 0

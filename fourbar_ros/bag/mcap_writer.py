@@ -86,10 +86,7 @@ class Container:
         return schema.id
 
     def add_channel(self, topic, schema, metadata):
-        """
-        Return the number of a new channel of CDR messages; it is written with the next
-        messages.
-        """
+        """Return the number of a new channel of CDR messages, written with the next ones."""
         channel = Channel(len(self.channels) + 1, topic, 'cdr', metadata, schema)
         self._define(self.channels, channel)
         return channel.id
@@ -121,8 +118,9 @@ class Container:
 
     def _forget(self, data):
         """
-        Forget an encoded definition that no checksum covered and no chunk holds; return
-        whether it is one.
+        Forget an encoded definition that no checksum covered and no chunk holds.
+
+        Return whether it is one.
         """
         is_free = data in self._unchecked and self._pending.get(data) == 0 and not self._index
         if is_free:
@@ -161,8 +159,9 @@ class Container:
 
     def flush(self):
         """
-        Write what was taken as one chunk; on OSError the file is as before and the messages
-        are gone.
+        Write what was taken as one chunk.
+
+        On OSError the file is as before and the messages are gone.
         """
         if not self._index:
             return
@@ -209,10 +208,7 @@ class Container:
         return replaced
 
     def finish(self):
-        """
-        Write the end: statistics and indices. On OSError the file is as before, without an
-        end.
-        """
+        """Write the end: statistics and indices; on OSError the file stays as it was."""
         self.flush()
         if not self._chunks:
             # no message, but a reader may ask for the topics
@@ -247,8 +243,9 @@ class Container:
 
     def _front(self, without=()):
         """
-        Return the definitions that the next chunk has to hold, but for those that are in it
-        already.
+        Return the definitions that the next chunk has to hold.
+
+        But for those that are in it already.
         """
         return b''.join(data for data in self._pending if data not in without)
 
@@ -267,8 +264,9 @@ class Container:
 
     def _append_chunk(self, chunk, index):
         """
-        Write a Chunk, its times, and its message index {channel: [time, offset, time, offset,
-        ...]}.
+        Write a Chunk, its times and its message index.
+
+        Index: {channel: [time, offset, time, offset, ...]}.
         """
         times = times_of(index)
         chunk.message_start_time, chunk.message_end_time = min(times), max(times)

@@ -20,8 +20,9 @@ FASTER = 1.1        # one press of a key, as of ros2 bag play
 
 class Pace:
     """
-    How the time of a bag passes: at a rate, not at all, or message by message; can be changed at
-    any moment.
+    How the time of a bag passes: at a rate, not at all, or message by message.
+
+    Can be changed at any moment.
 
     Parameters
     ----------

@@ -95,8 +95,9 @@ class _Curve:
 
 def thinned(places, values, stretches):
     """
-    Return which points of a curve to keep: the smallest and the largest value of each stretch,
-    NaN, both ends.
+    Return which points of a curve to keep.
+
+    The smallest and the largest value of each stretch, NaN, both ends.
 
     Stretches are equally long in ``places``, which ascend, so that a curve can be thinned again
     when it has grown.

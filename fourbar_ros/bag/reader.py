@@ -164,8 +164,9 @@ class Bag:
 
     def blocks(self, topics=None, apart=None, progress=None):
         """
-        Yield lists of :class:`Columns`, each of about BLOCK messages that follow each other in the
-        bag.
+        Yield lists of :class:`Columns`.
+
+        Each of about BLOCK messages that follow each other in the bag.
 
         Within a list those of one topic may lie between each other, where its messages change to
         and fro between layouts (lengths of texts and sequences): ``places`` tell the order.

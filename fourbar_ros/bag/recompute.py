@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Compute every recorded output again from the recorded motion of the driven joint and the scene;
-compare.
+Compute every recorded output again from the recorded motion of the driven joint and the scene.
+
+Compare.
 
 Both are in the bag: the motion as messages, the scene as its first message and again after every
 change.
@@ -166,7 +167,7 @@ class _Comparison:
         if not self._in_order:
             known &= self._acting.is_settled(times)
         new = Window(places, stamps, status, known, values,
-                      {name: np.zeros(len(places), np.int64) for name in self._outputs})
+                     {name: np.zeros(len(places), np.int64) for name in self._outputs})
         self._window = new if self._window is None else self._window.followed_by(new)
 
     def _evaluated(self, places, motions):

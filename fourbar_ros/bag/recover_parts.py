@@ -13,10 +13,10 @@ import yaml
 
 def recover_parts(recover, path, out, progress=None):
     """
-    Recover every file of a split bag into the folder ``out`` by the function
-    ``recover(file, folder, progress)``.
+    Recover every file of a split bag into the folder ``out``.
 
-    A part of which nothing is left is named among the damages; its number is not used again.
+    By the function ``recover(file, folder, progress)``. A part of which nothing is left is named
+    among the damages; its number is not used again.
     """
     if out.exists():
         raise BagError(f'{out}: exists already; nothing is overwritten')

@@ -209,6 +209,7 @@ def dumped(value):
 
 
 class _NoAliases(getattr(yaml, 'CSafeDumper', yaml.SafeDumper)):
+
     def ignore_aliases(self, data):
         return True
 
@@ -296,7 +297,7 @@ def check_name(name):
     Raises BagError if it could lead out of the recording directory.
     """
     if (not isinstance(name, str) or name in ('.', '..') or '/' in name
-        or not (name + 'x').isprintable()):
+            or not (name + 'x').isprintable()):
         raise BagError(f'bag name {name!r}: must be a plain name inside the recording directory')
     return name
 
@@ -315,8 +316,9 @@ def file_of(path):
 
 def files_of(path):
     """
-    Return the .mcap files of a bag in order: of a split bag its parts NAME_0.mcap, NAME_1.mcap,
-    ...
+    Return the .mcap files of a bag in order.
+
+    Of a split bag its parts NAME_0.mcap, NAME_1.mcap, ...
 
     The folder is asked, not metadata.yaml alone: after a crash it may not know the newest part.
     """

@@ -15,8 +15,9 @@ from fourbar_ros.bag import BagError
 @contextlib.contextmanager
 def workshop(out):
     """
-    Give a hidden folder beside ``out`` to build it in; move it to ``out`` from there when it is
-    whole.
+    Give a hidden folder beside ``out`` to build it in.
+
+    Move it to ``out`` from there when it is whole.
 
     Whatever happens, the folder is gone afterwards. An OSError becomes a BagError.
     """

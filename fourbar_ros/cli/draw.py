@@ -38,6 +38,7 @@ def _draw(arguments):
     unit = rate_unit(linkage)
     title = ', '.join([class_name(linkage), pose, f'{speed:g} {unit}',
                        *([f'{arguments.acceleration:g} {unit}^2']
-if arguments.acceleration else []), f'assembly mode {mode_name(linkage)}'])
+                         if arguments.acceleration else []),
+                       f'assembly mode {mode_name(linkage)}'])
     points = {name: tuple(point) for name, point in scene.points.items()}
     print(save(make_figure(linkage, motion, loads, title, points), arguments.out))

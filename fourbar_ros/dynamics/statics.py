@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Static equilibria: where Q + T = 0, whether they are stable, and how fast the linkage swings about
-them.
+Static equilibria, their stability and the frequency of small swings.
+
+An equilibrium is where Q + T = 0.
 
 A small motion x about an equilibrium obeys J x.. + D x. + K x = 0 with K = -dQ/dq (dots are
 derivatives with respect to time): stable where K > 0, with the natural frequency

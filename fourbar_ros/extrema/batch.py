@@ -321,8 +321,9 @@ def _paths(constants, chosen, limits):
 
 class _Path:
     """
-    Samples of linkages ``row`` along one path each; sh, ch = sin, cos(theta1/2): shape (samples,
-    linkages).
+    Samples of linkages ``row`` along one path each.
+
+    Sh, ch = sin, cos(theta1/2): shape (samples, linkages).
 
     ``step``: of u between samples, with the sign of X: shape (linkages,).
     """

@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Which search, which sample points and which proof serve which quantity of which mechanism: chosen
-here, once a request.
+Which search, which sample points and which proof serve which quantity of which mechanism.
+
+Chosen here, once a request.
 
 =============================  ============================================
 ============================== quantity                       search

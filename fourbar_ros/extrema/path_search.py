@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Extrema of arbitrary quantities along one input path: interior ones, ends, ranges where they are
-constant.
+Extrema of arbitrary quantities along one input path.
+
+Interior ones, ends, ranges where they are constant.
 
 Quantities are sampled with their derivatives on the points of
 :mod:`fourbar_ros.extrema.input_paths`. Sign changes of the derivative, hidden pairs of them too,

@@ -256,8 +256,9 @@ class Sampler:
 
     def values_and_noise(self, x: Array, row: Array) -> tuple[Array, Array]:
         """
-        Return quantity ``row[i]`` at x[i], zero where it is less than its rounding error, and a
-        bound of that.
+        Return quantity ``row[i]`` at x[i], zero where it is less than its rounding error.
+
+        Also return a bound of that error.
 
         At exact change points that is not known: zero.
         """
@@ -350,8 +351,7 @@ class DifferenceSampler(Sampler):
 
     def polish(self, x: Array, row: Array, sense: Array) -> Array:
         """
-        Return x, or where the quantity has a kink the place of the extremum by golden section
-        around x.
+        Return x; at a kink of the quantity, the place of the extremum by golden section.
 
         By hand, as scipy.optimize.minimize_scalar takes one bracket at a time: this takes all of
         them, each of another quantity, with one evaluation of motion and loads a step.

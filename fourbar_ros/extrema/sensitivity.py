@@ -36,8 +36,9 @@ def perturbed_lengths(mechanism: Any) -> tuple[list[float], list[tuple[float, ..
 def sampled_conditions(sampler: Sampler, x: Array, row: Array,
                        spacing: Array) -> tuple[Array, Array]:
     """
-    Return the conditions of place [rad] and relative value, each of shape (n,), of the extrema of
-    a sampler's quantities.
+    Return the conditions of place [rad] and relative value, each of shape (n,).
+
+    Of the extrema of a sampler's quantities.
 
     Parameters
     ----------

@@ -93,8 +93,9 @@ def acceleration_terms(a_a: Values, omega: Values, alpha: Values, r: Values,
                        v_rel: Values = (0.0, 0.0),
                        a_rel: Values = (0.0, 0.0)) -> AccelerationTerms:
     """
-    Return the :class:`AccelerationTerms` of Eq. (9), for polygons and for who asks how large each
-    is.
+    Return the :class:`AccelerationTerms` of Eq.
+
+    (9), for polygons and for who asks how large each is.
 
     Parameters
     ----------
@@ -162,6 +163,7 @@ def rolling_contact(omega: Values, alpha: Values, radius: float, normal: Values,
                     ground_radius: float = inf) -> RollingContact:
     """
     Return the :class:`RollingContact` of a disc that rolls without slip on fixed ground, Eqs.
+
     (13)-(15).
 
     The contact point has no tangential acceleration: all of it is the rolling acceleration, along

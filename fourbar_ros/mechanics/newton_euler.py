@@ -67,8 +67,9 @@ def about_first_joint(body: Body, unit: Any, gravity: tuple[Any, Any],
 
 def with_pin(crank: LinkTerms, carried: LinkTerms, mass: Any, a1: Any) -> LinkTerms:
     """
-    Return the :class:`LinkTerms` of the crank, with moments about O1 that count what it carries at
-    its pin A.
+    Return the :class:`LinkTerms` of the crank.
+
+    Its moments about O1 include what it carries at its pin A.
 
     That is the mass [kg unit] of the next link and the force that holds that link at rest, in (N5)
     the terms m a^2 alpha1 and -a x W. ``a1``: length of the crank in the unit.
@@ -97,8 +98,9 @@ def make_needs_of_pivoted(link: LinkTerms) -> Function:
 def make_needs_of_crank_and_carried(crank: LinkTerms, link: LinkTerms, mass: Any,
                                     a1: Any) -> Function:
     """
-    Return the function for a crank and the link that it carries at its pin A, in parts that do not
-    cancel.
+    Return the function for a crank and the link that it carries at its pin A.
+
+    In parts that do not cancel.
 
     One function for both: a call takes as long as four products.
 

@@ -67,8 +67,9 @@ class Constants(NamedTuple):
 
 class Mechanism(ABC):
     """
-    Base of a frozen dataclass with its lengths, ``mode``, ``input``, ``bodies``, ``gravity``,
-    ``external``.
+    Base of a frozen dataclass with its lengths.
+
+    Also ``mode``, ``input``, ``bodies``, ``gravity``, ``external``.
 
     Everything outside of a mechanism's own folder asks these names, of an instance: a kind has
     them as attributes of its class, a mechanism put together at run time as attributes of its own.
@@ -285,8 +286,7 @@ class Mechanism(ABC):
 
     def make_motion(self, numbers: NumberType) -> Function:
         """
-        Return the function (position, rate, acceleration) -> fields of MOTION for a type of
-        numbers.
+        Return (position, rate, acceleration) -> fields of MOTION for a number type.
 
         Out of range it gives NaN, or ValueError where numbers are floats.
         """
@@ -535,8 +535,9 @@ class Mechanism(ABC):
 
     def step(self, position, rate=0.0, acceleration=0.0, fields=None):
         """
-        Return (motion, loads) together, at the cost of one; arguments and errors as in
-        :meth:`motion`.
+        Return (motion, loads) together, at the cost of one.
+
+        Arguments and errors as in :meth:`motion`.
 
         ``fields``: names of fields of motion and loads, which alone are then computed and
         returned. MissingBodies where loads are wanted of a mechanism without masses.
@@ -558,7 +559,7 @@ class Mechanism(ABC):
         except (ValueError, ZeroDivisionError):
             raise self._why_no_motion(position) from None
         if ((loads[one] + loads[other]) * 0.0 != 0.0 or rest and sum([loads[i] for i in rest])
-            * 0.0 != 0.0):
+                * 0.0 != 0.0):
             raise InvalidParameter(self.input_coordinate.rate, rate,
                                    'so fast, or with such masses, that loads overflow')
         return _new(as_motion, motion), _new(as_loads, loads)

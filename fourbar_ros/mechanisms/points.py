@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Any point fixed to any link of any mechanism: path, velocity, acceleration, and its polygon's
-image.
+Any point fixed to any link of any mechanism.
+
+Path, velocity, acceleration, and its polygon's image.
 
 A point is given as a centre of gravity is: along the link from its first joint, and across to its
 left.

@@ -120,8 +120,9 @@ def is_position(quantity):
 
 def select(names, mechanism, others=()):
     """
-    Return the quantities of these names, or all rates, accelerations and loads that a mechanism
-    has data for.
+    Return the quantities of these names.
+
+    Or all rates, accelerations and loads that a mechanism has data for.
 
     ``others``: more quantities that have a name, as those of a scene's points; of no names these
     are part too.

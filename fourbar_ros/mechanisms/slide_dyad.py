@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What the mechanisms with a sliding joint share: the triangle of which one side slides, and their
-loads by name.
+What the mechanisms with a sliding joint share.
+
+The triangle of which one side slides, and their loads by name.
 
 The triangle is the dyad of every mechanism that is driven by its slide: a slider-crank driven by
 its slider, and, for an observer on its bar, an inverted one driven by its cylinder.

@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Jacobi's elliptic functions by the descending Landen transformation, in the complementary
-parameter.
+Jacobi's elliptic functions by the descending Landen transformation.
+
+Their argument is the complementary parameter, m1 = 1 - m.
 
 Sources: NIST Digital Library of Mathematical Functions, section 22.7(i); Abramowitz and Stegun,
 section 16.12.
@@ -19,13 +20,13 @@ import numpy as np
 
 def landen_steps(m1: Values) -> list[tuple[Values, Values]]:
     """
-    Return the steps of the descending Landen transformation for the complementary parameter m1 = 1
-    - m.
+    Return the steps of the descending Landen transformation.
 
-    ``m1`` is a float or an array, in (0, 1]. Each step is the modulus k it leads to and that
-    modulus' complement k' before it; the last step first, as :func:`jacobi` needs them. Written in
-    the complementary modulus, with sums of positive terms only, it loses nothing for m1 -> 0. It
-    ends where k' is 1 to 1e-3, and errors are of this size: the functions only place samples.
+    ``m1`` = 1 - m, the complementary parameter, is a float or an array, in (0, 1]. Each step is
+    the modulus k it leads to and that modulus' complement k' before it; the last step first, as
+    :func:`jacobi` needs them. Written in the complementary modulus, with sums of positive terms
+    only, it loses nothing for m1 -> 0. It ends where k' is 1 to 1e-3, and errors are of this size:
+    the functions only place samples.
     """
     steps: list[tuple[Values, Values]] = []
     modulus, smallest = m1**0.5, float(np.min(m1))**0.5

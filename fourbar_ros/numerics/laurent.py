@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Laurent series of one variable t > 0, t -> 0, to many digits: a number type in which 0/0 is a
-quotient.
+Laurent series of one variable t > 0, t -> 0, to many digits.
+
+A number type in which 0/0 is a quotient.
 
 At the flat position of an exact change point all that moves is a quotient of numbers that vanish
 there.

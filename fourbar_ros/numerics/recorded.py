@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A formula recorded once and replayed on arrays: only what was asked for, in buffers that stay in
-the cache.
+A formula recorded once and replayed on arrays.
+
+Only what was asked for, in buffers that stay in the cache.
 
 :class:`Number` is one more kind of number for the formulas: arithmetic with it writes down what is
 done. From that record a :class:`Program` takes the operations that some results need, does those
@@ -34,6 +35,7 @@ import numpy as np
 
 CHUNK = 12288     # most samples at a time
 Step = Any        # (name of the operation, places of its arguments), or None for what is given
+
 
 
 def _where(condition: np.ndarray, one: Any, other: Any, out: np.ndarray) -> None:
@@ -281,7 +283,7 @@ class Program:
         while left:
             place = left.pop()
             if (place not in needed and steps[place] is not None
-                and place not in self._record.is_constant):
+                    and place not in self._record.is_constant):
                 needed.add(place)
                 left += steps[place][1]
         return sorted(needed)

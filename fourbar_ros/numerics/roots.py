@@ -54,8 +54,9 @@ def turns_back(f: Values, rise: Values) -> Values:
 
 def intervals_with_roots(f: Array, rise: Array, is_closed: bool) -> tuple[Array, Array, Array]:
     """
-    Return (i, column, is_plain) of the intervals between samples that have roots, or may have two
-    more.
+    Return (i, column, is_plain) of the intervals between samples that have roots.
+
+    Or may have two more.
 
     Hermite's cubic through two samples has as many roots as its Bernstein coefficients change
     sign, or less by two. One root is plain; where there could be more, also if the inner
@@ -213,8 +214,9 @@ first_guesses = make_first_guess(ARRAY)
 def find_brackets(function: Function, x: Function, f: Array, rise: Array,
                   is_closed: bool) -> Sequence[Array]:
     """
-    Return brackets (i, row, xa, xb, fa, guess) of all roots of sampled functions, hidden pairs
-    included.
+    Return brackets (i, row, xa, xb, fa, guess) of all roots of sampled functions.
+
+    Hidden pairs included.
 
     Parameters
     ----------

@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Number of real roots of a polynomial with integer coefficients in an interval: Sturm's theorem,
-exact.
+Number of real roots of a polynomial with integer coefficients in an interval.
+
+Sturm's theorem, exact.
 
 Source: Basu, Pollack, Roy, Algorithms in Real Algebraic Geometry, section 2.2. The optional
 python-flint has such polynomials too, but an exact count is to be there without it, and takes

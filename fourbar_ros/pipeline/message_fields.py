@@ -119,7 +119,7 @@ def layout(given, points=(), with_effort=True, own_joints=False, with_drive=Fals
     names += ((wrenches.NAMES if with_drive else ()) + (joints.names(len(given.joints))
                                                         if own_joints else ()))
     return FieldMap(fields, absent, {name: i for i, name in enumerate(names)},
-                  tuple((joint, _EFFORTS.get(joint)) for joint in given.joints))
+                    tuple((joint, _EFFORTS.get(joint)) for joint in given.joints))
 
 
 def _joint_states(coordinates, with_effort, own):

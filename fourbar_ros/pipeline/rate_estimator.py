@@ -87,6 +87,7 @@ class Estimate:
             variance += q * q / self._curve_norm
         return (y - foretold) / sqrt(variance)
 
+
 KEY, VERSION = 'estimator', 2      # bags keep which version their rates were estimated by
 
 

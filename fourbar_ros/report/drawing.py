@@ -59,9 +59,9 @@ def draw_polygon(axes, arrows, title, unit, names=None):
     sums = [arrow for arrow in arrows if arrow.is_sum]
     shown = [arrow for arrow in arrows if hypot(*arrow.vector) > LEAST * longest
              and (arrow.is_sum or not any(
-        np.allclose(arrow.vector, other.vector, 0.0, LEAST * longest)
-        and np.allclose(arrow.start, other.start)
-        for other in sums))]
+                 np.allclose(arrow.vector, other.vector, 0.0, LEAST * longest)
+                 and np.allclose(arrow.start, other.start)
+                 for other in sums))]
     sheet = Sheet(axes, [ORIGIN] + [point for arrow in shown
                                     for point in (arrow.start, arrow.start + arrow.vector)],
                   f'{title} [{unit}]')

@@ -45,8 +45,9 @@ def significant(value):
 def draw_mechanism(axes, mechanism, motion, loads=None, points=None, names=None, unit=('m', 1.0),
                    title='mechanism'):
     """
-    Draw links and joints, centres of gravity, points, and with loads the force on a link at every
-    joint and the drive.
+    Draw links and joints, centres of gravity, points.
+
+    With loads also the force on a link at every joint, and the drive.
 
     Parameters
     ----------

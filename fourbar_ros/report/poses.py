@@ -61,8 +61,9 @@ def position_of(linkage: Mechanism, at: float) -> float:
 
 def evaluate_at(linkage: Mechanism, at: float, speed: float, acceleration: float) -> Pose:
     """
-    Return the :class:`Pose` at an input [degrees] or [m], its rate and acceleration [rad/s],
-    [m/s], ...
+    Return the :class:`Pose` at an input, its rate and acceleration.
+
+    Input in [degrees] or [m], rate in [rad/s] or [m/s], ...
 
     Raises
     ------

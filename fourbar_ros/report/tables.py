@@ -38,8 +38,9 @@ def _ranges(coordinate, ranges):
 
 def output_ranges(linkage, coordinate=None):
     """
-    Return the ranges of an output coordinate in the mode of a linkage, one for each range of the
-    input.
+    Return the ranges of an output coordinate in the mode of a linkage.
+
+    One for each range of the input.
 
     The output turns back at dead points only, so these and the ends of the input are where it is
     extreme.
@@ -82,8 +83,9 @@ def what_it_is(linkage, title):
                               if hasattr(point, 'stretched') else ''),
               ', '.join(f'{coordinate.position} {shown(coordinate, value)}'
                         for coordinate, value in zip(
-                  (linkage.input_coordinate, *(output.coordinate for output in linkage.outputs)),
-                  point)))
+                            (linkage.input_coordinate,
+                             *(output.coordinate for output in linkage.outputs)),
+                            point)))
              for point in linkage.dead_points]
     rows.append(('change-point margin', f'{linkage.change_point_margin:.6g} of the perimeter'))
     if linkage.bodies:

@@ -110,7 +110,7 @@ def paper_figure_3():
     return (_curves([[(theta1, motion.omega4, '', '-', 'C0')],
                      [(theta1, motion.alpha4, '', '-', 'C3')]],
                     [r'$\omega_4$ [rad/s]', r'$\alpha_4$ [rad/s$^2$]'], marks),
-            'The paper\'s Figure 3: assembly mode 2 at 25 rad/s. Circles: the extrema of Table 2.')
+            "The paper's Figure 3: assembly mode 2 at 25 rad/s. Circles: the extrema of Table 2.")
 
 
 def paper_figure_4():
@@ -130,8 +130,9 @@ def paper_figure_4():
 
 def _curves(panels, titles, marks=(), with_logarithmic=False):
     """
-    Return a Figure with one panel for each list of (x, y, label, line style, color) over theta1
-    [rad].
+    Return a Figure with one panel for each list of curves over theta1 [rad].
+
+    A curve: (x, y, label, line style, color).
 
     ``marks``: places (x, y) to circle, of each panel; ``with_logarithmic``: all again below, so.
     """

@@ -42,7 +42,7 @@ RODS = [round_rod(length, 7750.0, 0.01) for length in PAPER_LENGTHS[:3]]
 PAPER = FourBar(*PAPER_LENGTHS, bodies=Bodies(*RODS))
 THIN = FourBar(*PAPER_LENGTHS,
                bodies=Bodies(*(Body(rod.mass, rod.cg_along, 0.0, rod.mass * length**2 / 12.0)
-                              for rod, length in zip(RODS, PAPER_LENGTHS))))
+                               for rod, length in zip(RODS, PAPER_LENGTHS))))
 
 
 def example_7_2():
@@ -75,7 +75,7 @@ def example_7_3():
 
 
 def example_7_4():
-    """The rod at 45 deg, 50 rad/s ccw, the slider 0.5 m out and moving outwards at 30 m/s."""
+    """Take the rod at 45 deg, 50 rad/s ccw, the slider 0.5 m out and moving outwards at 30 m/s."""
     out = np.array([np.cos(pi / 4.0), np.sin(pi / 4.0)])
     terms = acceleration_terms((0.0, 0.0), 50.0, 0.0, 0.5 * out, 30.0 * out)
     total = sum(terms)
@@ -171,8 +171,9 @@ def literal_moment(motion, loads):
 
 def wrong_curves():
     """
-    Return theta1 [rad] and three magnitudes from Eq. (9) with m v in place of m a, thin rods,
-    every 0.1 deg.
+    Return theta1 [rad] and three magnitudes from Eq.
+
+    (9) with m v in place of m a, thin rods, every 0.1 deg.
 
     "Shaking force" and "moment" as the paper prints them, to the last digit: the moment with an
     arm of 0.01 m along x. Then the moment with r34 of Fig. 2, which is not what it prints.
@@ -188,8 +189,9 @@ def wrong_curves():
 
 def solve_eq_9(linkage, motion, with_velocities=False):
     """
-    Return the nine unknowns of the paper's Eq. (9), shape (n, 9): F41, F21, F32, F43 (x, y each),
-    T41.
+    Return the nine unknowns of the paper's Eq.
+
+    (9), shape (n, 9): F41, F21, F32, F43 (x, y each), T41.
 
     ``with_velocities``: the force rows hold m v in place of m a.
     """
@@ -227,9 +229,10 @@ def eq_9():
 
 def vectors():
     """
-    Return the symbols of the slides' vector equations: (6), of B and C of Example 7.3; (7) and
-    what follows, of Example 7.2 with theta2, theta3 of its crank and coupler; (9)-(11), of A and
-    the bar of Example 7.5. The points on both sides are reached over different links.
+    Return the symbols of the slides' vector equations: (6), of B and C of Example 7.3.
+
+    (7) and what follows, of Example 7.2 with theta2, theta3 of its crank and coupler; (9)-(11),
+    of A and the bar of Example 7.5. The points on both sides are reached over different links.
     """
     m, four_bar = EXAMPLE_7_3.motion(*GIVEN_7_3), EXAMPLE_7_3
     b, c = point_motion(four_bar, m, 'crank', four_bar.a1), point_motion(four_bar, m, 'output',

@@ -83,8 +83,9 @@ class UsageError(FourBarError):
 
 def check_node_arguments(arguments: list[str]) -> None:
     """
-    Refuse arguments that ROS would ignore, and scene files that it would read in another way than
-    we do.
+    Refuse arguments that ROS would ignore.
+
+    And scene files that it would read in another way than we do.
 
     Parameters
     ----------
@@ -126,7 +127,7 @@ def _name_of(inside):
     name, namespace = NODE[1:], ''
     for option, value in zip(inside, inside[1:]):
         if (option in ('-r', '--remap')
-            and (match := re.fullmatch(r'(?:\w+:)?__(node|name|ns):=(.*)', value))):
+                and (match := re.fullmatch(r'(?:\w+:)?__(node|name|ns):=(.*)', value))):
             if match[1] == 'ns':
                 namespace = '/' + match[2].strip('/') if match[2].strip('/') else ''
             else:

@@ -46,8 +46,9 @@ def folder() -> Path:
 
 def find(name: str | Path) -> Path:
     """
-    Return the path of a scene: a file, or the name of one that comes with this software, as
-    ``paper``.
+    Return the path of a scene.
+
+    A file, or the name of one that comes with this software, as ``paper``.
 
     Raises
     ------

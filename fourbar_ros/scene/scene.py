@@ -286,8 +286,9 @@ def _body(values, link, given):
 
 def load(path):
     """
-    Return the Scene of a ROS 2 parameter file (``/**: ros__parameters: ...``), or of one by name
-    (``paper``).
+    Return the Scene of a ROS 2 parameter file (``/**: ros__parameters: ...``).
+
+    Or of one by name (``paper``).
 
     Raises
     ------

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """
 The single table of topics, services and actions of the node: names, types, quality of service.
+
 Imports no ROS.
 
 Names starting with ``~/`` are below the node's name; the others are relative to its namespace.

@@ -1,7 +1,8 @@
 """
-kill -9 at random moments: nothing older than one flush period plus one flush is lost, nothing is
-missing
-in between, and what recover makes passes every reader.
+kill -9 at random moments.
+
+Nothing older than one flush period plus one flush is lost, nothing is missing in between, and
+what recover makes passes every reader.
 """
 import mmap
 import os
@@ -13,14 +14,13 @@ import sys
 import tempfile
 import time
 
+from bag.test_recorder import assert_every_reader_takes, numbers, PATIENCE
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recorder import FLUSH_PERIOD
 from fourbar_ros.bag.recover import recover
 import pytest
 from support import TEST
-
-from bag.test_recorder import assert_every_reader_takes, numbers, PATIENCE
 
 # One flush, and the thread being woken: both wait for a processor, which on a busy machine takes a
 # while.
@@ -30,7 +30,7 @@ RATE = {'busy': 1000.0, 'slow': 50.0, 'burst': None, 'silent': None, 'closing': 
 FAST, SLOW = 8, 40
 
 # The child writes numbered messages; behind each, number and time go to memory it shares with us.
-CHILD = '''
+CHILD = """
 import mmap, struct, sys, time
 sys.path.insert(0, {test!r})
 from support import bags
@@ -66,7 +66,7 @@ else:
     for k in range(60000):
         time.sleep(max(0.0, began + k / rate - time.monotonic()))
         write(k)
-'''
+"""
 
 
 class Child:
@@ -79,11 +79,11 @@ class Child:
         with open(log, 'r+b') as file:
             self._log = mmap.mmap(file.fileno(), 0)
         code = CHILD.format(
-    test=str(TEST),
-    path=str(folder),
-    log=str(log),
-    kind=kind,
-     rate=RATE[kind])
+            test=str(TEST),
+            path=str(folder),
+            log=str(log),
+            kind=kind,
+            rate=RATE[kind])
         self.process = subprocess.Popen(
             [sys.executable, '-c', code], stderr=subprocess.PIPE, env=os.environ)
 
@@ -140,12 +140,12 @@ def kill_once(kind, seed):
 
 def kinds(kills):
     return [
-    pytest.param(
-        list(RATE)[
-            i %
-            len(RATE)],
+        pytest.param(
+            list(RATE)[
+                i %
+                len(RATE)],
             i,
-             id=f'{list(RATE)[i % len(RATE)]}-{i}') for i in range(kills)]
+            id=f'{list(RATE)[i % len(RATE)]}-{i}') for i in range(kills)]
 
 
 @pytest.mark.parametrize(('kind', 'seed'), kinds(FAST))

@@ -9,6 +9,7 @@ from collections import Counter
 import random
 import shutil
 
+from bag.test_recorder import assert_every_reader_takes, numbers
 from fourbar_ros.bag import BagError, rosbag2
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.mcap_records import encoded, HEAD
@@ -23,8 +24,6 @@ from mcap.writer import CompressionType, Writer
 import pytest
 from support import bags
 from support.bags import MOTION, motion
-
-from bag.test_recorder import assert_every_reader_takes, numbers
 
 COUNT = 700
 
@@ -177,7 +176,7 @@ def kind_of(data, place):
             if within < 0:
                 return f'{name} {"opcode" if place == at else "length"}'
             if (opcode == Opcode.METADATA and data.find(b'crc32', at) <= place
-                < data.find(b'crc32', at) + 5):
+                    < data.find(b'crc32', at) + 5):
                 return f"{name} body, 'crc32'"
             head = 40 + int.from_bytes(data[at + 37:at + 41], 'little')
             part = 'body' if opcode != Opcode.CHUNK else 'head' if within < head else 'content'
@@ -425,8 +424,8 @@ def loose_bag(path, count=6):
     first = chunk_places(data)[0][0]
     loose = b''.join(encoded(record)
                      for record in (Schema(1, b'string data', 'ros2msg', 'std_msgs/msg/String'),
-                                   Channel(1, '/a', 'cdr', {'a': 'b'}, 1),
-                                   Channel(2, '/b', 'cdr', {'a': 'b'}, 1)))
+                                    Channel(1, '/a', 'cdr', {'a': 'b'}, 1),
+                                    Channel(2, '/b', 'cdr', {'a': 'b'}, 1)))
     return data[:first], loose, data[first:chunk_places(data)[-1][1]]
 
 

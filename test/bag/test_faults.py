@@ -26,7 +26,7 @@ PATIENCE = 60.0
 COUNT = 6000
 # A verb that stops in the middle of its work and waits there: the first block is read, the second
 # never comes.
-WAITING = '''
+WAITING = """
 import sys, time
 from fourbar_ros.bag import mcap_scan as scan, reader
 from fourbar_ros.cli.main import main
@@ -44,7 +44,7 @@ reader.Bag.blocks = lambda *args, **kwargs: held(real(*args, **kwargs))
 if {verb!r} == 'recover':
     scan.Scan.__iter__ = lambda self: held(walk(self))
 sys.exit(main({arguments!r}))
-'''
+"""
 
 
 @pytest.fixture(scope='module')
@@ -157,7 +157,7 @@ def test_a_file_that_is_removed_while_it_is_recorded_is_noticed(tmp_path, monkey
 
 
 def test_why_a_bag_ended_is_in_it_even_where_there_is_no_room_for_its_end(tmp_path):
-    code = f'''
+    code = f"""
 import resource, sys, time
 sys.path[:0] = [{str(TEST)!r}]
 from support import bags
@@ -174,7 +174,7 @@ try:
     writer.close()
 except BagError:
     print(writer.accepted, writer.dropped)
-'''
+"""
     for limit in (9_000, 10_000, 20_000):
         done = subprocess.run([sys.executable, '-c',
                                code.replace('(SIZE, SIZE)', str((limit, limit)))],

@@ -129,7 +129,7 @@ def test_pictures_are_one_column_of_bytes_and_texts_one_column_however_long(tmp_
 
 
 # The limit is of the address space of a fresh process, beyond what its imports take.
-LIMITED = '''
+LIMITED = """
 import resource, sys
 from fourbar_ros.bag import diff, export, info, plot, recompute, recover
 from fourbar_ros.cli.main import main
@@ -140,7 +140,7 @@ taken = next(int(line.split()[1]) << 10 for line in open('/proc/self/status')
 resource.setrlimit(resource.RLIMIT_AS, (taken + {memory}, taken + {memory}))
 resource.setrlimit(resource.RLIMIT_NOFILE, (40, 40))
 sys.exit(main({arguments!r}))
-'''
+"""
 
 
 def limited(arguments, memory):

@@ -98,7 +98,8 @@ def test_frame_and_names_of_joints_are_compared(bag, tmp_path):
                                                 ('/joint_states', b'coupler\0', b'couplor\0'))):
         path = bags.copy(bag, tmp_path, f't{number}',
                          lambda raw, topic=topic, old=old, new=new: raw.data.replace(
-            old, new, 1) if raw.topic == topic and raw.sequence == 7 else raw.data)
+                             old, new, 1) if raw.topic == topic and raw.sequence == 7
+                         else raw.data)
         differing = [d for d in compare(path).differences if d.largest]
         assert [(d.topic, d.field, d.largest) for d in differing] == [
             (topic, 'name' if topic == '/joint_states' else 'header.frame_id', math.inf)]

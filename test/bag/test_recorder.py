@@ -254,7 +254,7 @@ def test_many_threads_lose_nothing_and_time_never_goes_back(tmp_path):
     assert all(a.time <= b.time for a, b in zip(raws, raws[1:]))
 
 
-FULL = '''
+FULL = """
 import resource, sys, time
 sys.path[:0] = [{test!r}]
 from support import bags
@@ -278,7 +278,7 @@ try:
 except BagError as error:
     assert len(told) == 1 and str(error) == told[0], (told, error)
     print(flushed, error)
-'''
+"""
 
 
 def test_a_full_disk_is_told_once_the_caller_lives_and_the_bag_holds_all_that_was_flushed(

@@ -119,7 +119,7 @@ def test_only_the_chunks_that_can_matter_are_read(bag, tmp_path, monkeypatch):
     record_at = scan.Scan._record_at
     monkeypatch.setattr(scan.Scan, '_record_at',
                         lambda self, offset, wait=False: read.append(offset) or record_at(
-        self, offset, wait))
+                            self, offset, wait))
     times = [raw.time for raw in Bag(split).raw()]
     everything = len(read)
     for share in (0.5, 0.9, 0.99):

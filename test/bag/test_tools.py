@@ -62,7 +62,7 @@ def test_bad_inputs_and_every_policy_recompute_exactly(tmp_path, policy):
 def test_scenes_changed_on_the_way_are_followed(tmp_path):
     path = bags.run(tmp_path, 'run', FULL, TURNS,
                     {100: {'linkage.a1': 0.35}, 101: {'linkage.mode': 1},
-                      333: {'bodies.rods.density': 2700.0}})
+                     333: {'bodies.rods.density': 2700.0}})
     found = compare(path)
     assert max(d.largest for d in found.differences) == 0.0 and found.inputs == STEPS
     assert len(list(records(path, ['/fourbar/scene']))) == 4
@@ -621,7 +621,7 @@ def test_only_the_topics_that_are_drawn_are_decoded(bag, monkeypatch):
     arrays = Decoder.arrays
     monkeypatch.setattr(Decoder, 'arrays',
                         lambda self, messages: decoded.append(self.definition.name) or arrays(
-        self, messages))
+                            self, messages))
     monkeypatch.setattr(reader, 'BLOCK', 100)
     series(bag, ['state.theta4'])
     assert decoded.count('fourbar_msgs/msg/LinkageState') > 1

@@ -115,7 +115,7 @@ def test_scenes_are_found_by_name_anywhere(tmp_path, monkeypatch, capsys):
 def test_a_bad_name_of_a_point_is_explained(name, tmp_path, capsys):
     points = f'    points: {{"{name}": {{link: crank}}}}\n'
     _, _, err = said(capsys, 'scene', 'check', scene_with(tmp_path, points))
-    assert (f"{name!r} is not a valid point name: use letters, digits and _" in err and len(err)
+    assert (f'{name!r} is not a valid point name: use letters, digits and _' in err and len(err)
             < 200)
 
 

@@ -93,7 +93,7 @@ def check(mechanism, rates):
 
     Return how many there are.
     """
-    found = [e for e in find_extrema(mechanism, (), *rates, conditions=False)]
+    found = find_extrema(mechanism, (), *rates, conditions=False)
     assert not any(isnan(e.value) for e in found), mechanism
     limits, number = {}, 0
     for e in found:
@@ -155,8 +155,8 @@ def random_loads(rng):
                < 0.3 else External())
     gravity = tuple(rng.normal(0.0, 5.0, 2).tolist()) if rng.random() < 0.5 else (0.0, 0.0)
     rates = float(rng.normal(0.0, 3.0)), float(rng.normal(0.0, 3.0)) if rng.random() < 0.3 else 0.0
-    return dict(bodies=bodies, external=applied, gravity=gravity,
-                mode=int(rng.integers(1, 3))), rates
+    return {'bodies': bodies, 'external': applied, 'gravity': gravity,
+            'mode': int(rng.integers(1, 3))}, rates
 
 
 def tenths(rng):
@@ -260,7 +260,8 @@ def test_extrema_next_to_the_flat_are_found(kind, driven, lengths, place, rate):
     rng = np.random.default_rng(3)
     bodies = Bodies(*(Body(*rng.uniform((0.1, 0.2, 0.0, 0.01), (2.0, 1.0, 0.0, 0.2)).tolist())
                       for _ in range(3)))
-    mechanism = build(kind, driven, lengths, dict(bodies=bodies, gravity=(3.0, -9.81), mode=2))
+    mechanism = build(kind, driven, lengths,
+                      {'bodies': bodies, 'gravity': (3.0, -9.81), 'mode': 2})
     names = ['shaking_moment', 'f41', 'f32', 'f43']
     found = find_extrema(mechanism, names, rate, conditions=False)
     unit, number = mechanism.input_unit, 0

@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The contract of a mechanism, for every kind with every input in every mode: a new kind is tested by
-being one.
+The contract of a mechanism, for every kind with every input in every mode.
+
+A new kind is tested by being one.
 
 It needs an entry in :data:`support.references.REFERENCES`; everything else comes from the registry
 of kinds.
@@ -453,7 +454,7 @@ def test_wrong_arguments_are_refused_by_name(case):
     for i, (name, is_signed) in enumerate(zip(names, contract.are_signed(case.kind))):
         for value in (nan, inf, *(() if is_signed else (0.0, -1.0)), 'long'):
             with pytest.raises(InvalidParameter, match=f'^{name} = '):
-                case.make([*lengths[:i], value, *lengths[i + 1 :]])
+                case.make([*lengths[:i], value, *lengths[i + 1:]])
     for name, value in (('gravity', (0.0,)), ('gravity', (nan, 0.0)), ('mode', 3), ('mode', True)):
         with pytest.raises(InvalidParameter, match=f'^{name} = '):
             case._replace(mode=value).make(lengths) if name == 'mode' else case.make(
@@ -467,7 +468,7 @@ def test_wrong_arguments_are_refused_by_name(case):
         mechanism.loads(*given)
     for i, name in enumerate(mechanism.input_coordinate):
         with pytest.raises(InvalidParameter, match=f'^{name} = '):
-            mechanism.motion(*given[:i], inf, *given[i + 1 :])
+            mechanism.motion(*given[:i], inf, *given[i + 1:])
 
 
 # --- ranges --------------------------------------------------------------------------------------

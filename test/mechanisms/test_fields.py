@@ -169,9 +169,10 @@ NONE = Body(0.0)
     {'bodies': Bodies(NONE, NONE, NONE), 'external': External(output=Applied(1.0, 2.0))}])
 @pytest.mark.parametrize('mechanism',
                          [FourBar(0.4, 1.2, 0.8, 1.0), FourBar(4.0, 3.0, 2.0, 8.0, mode=1), *(
-    kind(0.9, 0.4, -0.1, input=driven) for kind in (SliderCrank, InvertedSlider)
-    for driven in ('crank', 'slide'))],
-    ids=lambda m: f'{type(m).__name__}-{m.input}')
+                             kind(0.9, 0.4, -0.1, input=driven)
+                             for kind in (SliderCrank, InvertedSlider)
+                             for driven in ('crank', 'slide'))],
+                         ids=lambda m: f'{type(m).__name__}-{m.input}')
 def test_what_adds_zero_may_be_left_out(mechanism, acting):
     """The same numbers, and NaN where the formula has it, whichever masses and loads are zero."""
     mechanism, x = type(mechanism)(*mechanism.lengths, mechanism.mode, **(

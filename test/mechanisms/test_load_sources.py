@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Loads of one source at a time: each body alone, gravity on it alone, each external load alone, of
-any size.
+Loads of one source at a time.
+
+Each body alone, gravity on it alone, each external load alone, of any size.
 
 With everything acting the condition is large, and what cancels within one source does not show.
 The condition counts all that is given: lengths, input with its rate and acceleration, masses,

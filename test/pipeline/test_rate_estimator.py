@@ -150,7 +150,7 @@ def test_a_motor_that_wraps_drives_a_crank_behind_gears(ratio):
 # --- noise ---------------------------------------------------------------------------------------
 
 def encoder(angle, rng):
-    """An encoder of 2000 counts."""
+    """Round an angle to an encoder of 2000 counts."""
     return np.rint(angle * 1000.0 / np.pi) * np.pi / 1000.0
 
 
@@ -206,8 +206,9 @@ def test_noise_is_never_less_than_stamps_and_floats_can_say():
 
 def test_a_crank_driven_by_a_torque_is_told_from_noise():
     """
-    500 Hz, window 3, a torque that changes: the error of the torque is that of the jerk, not of
-    the clock.
+    500 Hz, window 3, a torque that changes.
+
+    The error of the torque is that of the jerk, not of the clock.
 
     With an encoder of 2000 counts it is noise, and said to be.
     """

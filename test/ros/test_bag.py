@@ -168,7 +168,8 @@ def test_recompute_finds_no_difference_and_does_find_a_false_scene(bag, tmp_path
             if channel.topic not in ids:
                 ids[channel.topic] = writer.register_channel(channel.topic, 'cdr',
                                                              writer.register_schema(
-                    schema.name, schema.encoding, schema.data), channel.metadata)
+                                                                 schema.name, schema.encoding,
+                                                                 schema.data), channel.metadata)
             data = message.data.replace(b'"linkage.a1": 0.4,', b'"linkage.a1": 0.5,')
             writer.add_message(ids[channel.topic], message.log_time, data, message.publish_time)
         for record in make_reader(open(file, 'rb')).iter_metadata():

@@ -19,21 +19,18 @@ FAST, SLOW = 2, 8
 
 def recording_node(run_node, tmp_path, **parameters):
     return run_node({**PAPER,
-    **RODS,
-    'drive.speed': 25.0,
-    'drive.rate': 500.0,
-    'outputs': ALL_OUTPUTS,
-    'recording.directory': str(tmp_path / 'bags'),
-    'recording.name': 'run',
-    'recording.start': True,
-     **parameters})
+                     **RODS,
+                     'drive.speed': 25.0,
+                     'drive.rate': 500.0,
+                     'outputs': ALL_OUTPUTS,
+                     'recording.directory': str(tmp_path / 'bags'),
+                     'recording.name': 'run',
+                     'recording.start': True,
+                     **parameters})
 
 
 def whole_steps(path):
-    """
-    Return the stamps of the driven joint in a bag; every step but the last has all its
-    outputs.
-    """
+    """Return the driven joint's stamps in a bag; every step but the last is whole."""
     stamps = {}
     for record in records(path):
         if record.topic != '/fourbar/scene':
@@ -75,7 +72,7 @@ def kill_node(run_node, client, tmp_path, seed):
 
 @pytest.mark.parametrize('seed', range(FAST))
 def test_a_killed_node_leaves_all_but_the_newest_and_it_recomputes_exactly(
-    run_node, client, tmp_path, seed):
+        run_node, client, tmp_path, seed):
     kill_node(run_node, client, tmp_path, seed)
 
 
@@ -128,22 +125,22 @@ def test_a_recording_that_dies_is_told_and_the_stream_goes_on(run_node, client, 
     assert max(d.largest for d in compare(path).differences) == 0.0 and compare(path).inputs > 50
     assert recover(path, tmp_path / 'again').messages > 300
     assert client.call(
-    'start_recording',
-     name='small').success and client.call('stop_recording').success
+        'start_recording',
+        name='small').success and client.call('stop_recording').success
 
 
 def test_a_million_joints_on_the_input_neither_stop_the_node_nor_spoil_the_bag(
-    run_node, client, tmp_path):
+        run_node, client, tmp_path):
     from array import array
 
     from sensor_msgs.msg import JointState
     node = run_node({**PAPER,
-    'outputs': ['state'],
-    'drive.source': 'joint_state',
-    'drive.joint': 'crank',
-    'recording.directory': str(tmp_path / 'bags'),
-    'recording.name': 'run',
-     'recording.start': True})
+                     'outputs': ['state'],
+                     'drive.source': 'joint_state',
+                     'drive.joint': 'crank',
+                     'recording.directory': str(tmp_path / 'bags'),
+                     'recording.name': 'run',
+                     'recording.start': True})
     client.listen(['state'])
     publisher = client.publisher('joint_state')
     small = JointState(name=['crank'], position=[0.5], velocity=[1.0])
@@ -155,12 +152,12 @@ def test_a_million_joints_on_the_input_neither_stop_the_node_nor_spoil_the_bag(
     client.handshake(lambda: send(small, next(sent)))
     zeros = array('d', bytes(8_000_000))
     huge = JointState(
-    name=['crank'] +
-    [''] *
-    999_999,
-    position=zeros,
-    velocity=zeros,
-     effort=zeros)
+        name=['crank'] +
+        [''] *
+        999_999,
+        position=zeros,
+        velocity=zeros,
+        effort=zeros)
     send(huge, next(sent))
     mark = next(sent)
 

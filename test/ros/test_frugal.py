@@ -7,7 +7,7 @@ import sys
 
 from support.scenes import PAPER, RODS
 
-SCRIPT = '''
+SCRIPT = """
 import json, sys
 import rclpy
 from rclpy.parameter import Parameter
@@ -52,7 +52,7 @@ print(json.dumps({'calls': calls, 'topics': topics,
 node.close()
 listener.destroy_node()
 rclpy.try_shutdown()
-'''
+"""
 
 
 def run(parameters, heard='heard'):

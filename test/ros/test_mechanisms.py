@@ -17,10 +17,9 @@ from fourbar_ros.ros.clients.client import name_on
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.topics import OUTPUTS
 import pytest
+from ros.test_inputs import set_parameters
 from support.harness import ALL_OUTPUTS, fields_of
 from support.scenes import PAPER, RODS, TIP
-
-from ros.test_inputs import set_parameters
 
 BODIES = {**RODS, 'bodies.output.mass': 1.5, 'bodies.output.inertia': 0.02, 'gravity.y': -9.81}
 SLIDER_CRANK = {'linkage.kind': 'slider_crank', 'linkage.a1': 0.1, 'linkage.a2': 0.35,
@@ -93,15 +92,14 @@ def test_the_same_outputs_services_and_bag(name, run_node, client, tmp_path):
     assert client.call('stop_recording').success
     found = compare(tmp_path / 'bags/run')
     assert found.inputs > len(inputs) and found.unmatched == 0
-    assert {d.topic for d in found.differences} - {'/fourbar/driven'} == {name_on('fourbar', t)
-                                                                          if t.topic[0] == '~'
-                                                                          else f'/{t.topic}'
-                                                    for t in its.topics.values()}
+    topics = {name_on('fourbar', t) if t.topic[0] == '~' else f'/{t.topic}'
+              for t in its.topics.values()}
+    assert {d.topic for d in found.differences} - {'/fourbar/driven'} == topics
     assert max(d.largest for d in found.differences) == 0.0
 
 
 def check_services(client, its):
-    """The services answer what the core says, of every quantity, points included."""
+    """Compare the answers of the services with the core, points included."""
     linkage = its.linkage
     answer = client.call('find_extrema', velocity=2.0, acceleration=3.0)
     quantities = select((), linkage, its.point_quantities)

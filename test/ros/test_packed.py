@@ -21,9 +21,8 @@ from fourbar_ros.scene import scene
 from fourbar_ros.scene.topics import DRIVEN, OUTPUTS
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
-from support.scenes import TIP
-
 from ros.test_mechanisms import MECHANISMS
+from support.scenes import TIP
 
 STAMPS = (0, 0), (1, 999_999_999), (2**31 - 1, 0), (-1, 5)
 FRAMES = 'a', 'abcdefg', 'x' * 61, 'Größe', '\x00'.join('ab'), ''
@@ -76,7 +75,7 @@ def test_packed_bytes_are_what_ros_serialises(name):
 
 def same_but_for_padding(type_name, data, expected):
     """
-    Padding holds whatever the memory held.
+    Compare without padding, which holds old memory.
 
     Not even two messages that ROS serialises agree in it.
     """

@@ -19,10 +19,9 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 import pytest
 from rclpy.serialization import serialize_message
+from ros.test_bag import plain
 from rosbags.highlevel import AnyReader
 from support import SUPPORT
-
-from ros.test_bag import plain
 
 TOPICS = [*INPUTS.values(), DRIVEN, SCENE, *OUTPUTS.values()]
 # What Foxglove and Lichtblick read bags with.

@@ -21,12 +21,11 @@ from fourbar_ros.bag.recompute import compare
 from fourbar_ros.scene import scene
 import pytest
 from rclpy.serialization import serialize_message
+from ros.test_inputs import set_parameters
 from sensor_msgs.msg import JointState
 from support.faults import Faults
 from support.harness import ALL_OUTPUTS, NodeProcess
 from support.scenes import PAPER, RODS
-
-from ros.test_inputs import set_parameters
 
 SOAK = float(os.environ.get('SOAK_MINUTES', '0')) * 60.0
 ROUNDS = 200 if not SOAK else 10_000            # malformed inputs of each kind
@@ -36,9 +35,7 @@ EDGES = [0.0, -0.0, 1.0, math.nan, math.inf, -math.inf, 5e-324, -5e-324, 1.7e308
 
 
 def usage(process):
-    """
-    Return (resident memory [MB], threads, file descriptors, shared-memory maps) of a process.
-    """
+    """Return (memory [MB], threads, file descriptors, shared-memory maps) of a process."""
     proc = Path(f'/proc/{process.pid}')
     status = dict(line.split(':', 1) for line in (proc / 'status').read_text().splitlines())
     shared = sum('/dev/shm/' in line for line in (proc / 'maps').read_text().splitlines())

@@ -8,10 +8,9 @@ import sys
 from fourbar_ros.scene import scene
 import pytest
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+from ros.test_inputs import set_parameters
 from support.harness import PATIENCE
 from support.scenes import PAPER
-
-from ros.test_inputs import set_parameters
 
 
 def start(tmp_path, *arguments):

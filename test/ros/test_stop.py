@@ -101,14 +101,14 @@ def test_a_signal_while_it_starts_ends_it_without_a_traceback(run_node, wait):
     assert 'Traceback' not in node.said and 'KeyboardInterrupt' not in node.said
 
 
-SLOW_DISK = '''
+SLOW_DISK = """
 import os, time
 fsync = os.fsync
 def slow(number):
     time.sleep(3.0)
     fsync(number)
 os.fsync = slow
-'''
+"""
 
 
 def test_a_slow_disk_at_the_end_of_a_bag_holds_up_no_input(run_node, client):

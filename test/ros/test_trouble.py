@@ -17,13 +17,12 @@ from fourbar_msgs.msg import LinkageState, Motion
 from fourbar_ros.ros.node.quiet_log import QuietLog
 from fourbar_ros.ros.node.sequence import Sequence
 import pytest
+from ros.test_inputs import answers, NANOSECONDS, set_parameters, stamped
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from support.faults import Faults
 from support.harness import PATIENCE
 from support.scenes import PAPER
-
-from ros.test_inputs import answers, NANOSECONDS, set_parameters, stamped
 
 DRIVEN = {**PAPER, 'drive.source': 'motion', 'drive.timeout': 0.0, 'outputs': ['state']}
 
@@ -43,12 +42,12 @@ def heard(client):
 
 # --- lost inputs ---------------------------------------------------------------------------------
 
-SLOW = '''
+SLOW = """
 import time
 from fourbar_ros.ros.node.stream import Stream
 step = Stream.step
 Stream.step = lambda self, *given: (time.sleep(0.001), step(self, *given))
-'''
+"""
 
 
 @pytest.mark.parametrize('publishers', [1, 2])
@@ -100,6 +99,7 @@ def test_gaps_in_the_numbers_of_several_publishers():
 # --- the log -------------------------------------------------------------------------------------
 
 class Lines(list):
+
     def info(self, text):
         self.append(text)
     warning = info

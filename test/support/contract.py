@@ -77,8 +77,8 @@ class Case(NamedTuple):
         """Split a flat list into bodies (four numbers), applied loads (five) and gravity."""
         count, first = len(self.bodies._fields), 4 * len(self.bodies._fields)
         return (
-            [values[4 * i : 4 * i + 4] for i in range(count)],
-            [values[first + 5 * i : first + 5 * i + 5] for i in range(len(self.external._fields))],
+            [values[4 * i: 4 * i + 4] for i in range(count)],
+            [values[first + 5 * i: first + 5 * i + 5] for i in range(len(self.external._fields))],
             values[-2:],
         )
 
@@ -225,7 +225,7 @@ def values_and_conditions(function, case, given, others):
     names = []
 
     def flat(values):
-        found = function(values[skip : skip + 3], values[skip + 3 :])
+        found = function(values[skip: skip + 3], values[skip + 3:])
         names[:] = found
         return tuple(found.values())
 

@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Exact extrema of theta4' and theta4'' at constant input rate, by another road than the package
-takes.
+Exact extrema of theta4' and theta4'' at constant input rate.
+
+By another road than the package takes.
 
 In q = |A O4|^2 they are roots of polynomials of degree 6 and 11 with rational coefficients. Here
 their real roots are isolated by Descartes' rule with bisection (the package counts with Sturm's
@@ -57,8 +58,9 @@ class Polynomial:
 
 def exact_roots(lengths, order):
     """
-    Return (theta1, value) of all extrema inside the input range, mode 2, input rate 1 rad/s, in
-    mpmath.
+    Return (theta1, value) of all extrema inside the input range, mode 2, input rate 1 rad/s.
+
+    In mpmath.
 
     ``order``: 0 for theta4', 1 for theta4''; theta1 in (-pi, pi]. For a1 != a4 and simple roots.
     """

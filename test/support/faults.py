@@ -7,7 +7,7 @@ import subprocess
 
 import pytest
 
-SOURCE = r'''
+SOURCE = r"""
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -78,7 +78,7 @@ ssize_t write(int file, const void *data, size_t size) {
         wait_for(faults[2]);
     return real_write(file, data, size);
 }
-'''
+"""
 
 
 class Faults:

@@ -136,8 +136,9 @@ def reactions(links):
 
 def condition(function, values):
     """
-    Return f and its first-order condition: |f| + the sum of |v df/dv| over the values, per output
-    of f.
+    Return f and its first-order condition.
+
+    |f| + the sum of |v df/dv| over the values, per output of f.
 
     Times eps it is what an exact f would move by if each value and the result were rounded once.
     The first value is theta1, of which only the part beyond full turns counts. For a force (mpc)

@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The reference of every kind of mechanism, in many digits; a new kind adds one entry to
-:data:`REFERENCES`.
+The reference of every kind of mechanism, in many digits.
+
+A new kind adds one entry to :data:`REFERENCES`.
 
 ``test_contract`` compares each kind with its reference and fails for a kind without one.
 """

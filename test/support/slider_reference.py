@@ -117,8 +117,9 @@ def fields_of(kind, lengths, sign, given):
 
 def loads_of(kind, lengths, sign, given, bodies, applied, gravity):
     """
-    Return the values of LOADS, forces as mpc: Newton-Euler of three free bodies, solved as one
-    system.
+    Return the values of LOADS, forces as mpc.
+
+    Newton-Euler of three free bodies, solved as one system.
 
     Rows: for each link two of force and one of moment about its first joint. Unknown: F41, F21,
     two numbers for F32, two for F43 (one force of a guide is a number and a couple), the drive.

@@ -26,8 +26,9 @@ from fourbar_ros.numerics.sturm import count_roots, Polynomial
 
 def count_extrema(lengths: Sequence[float]) -> list[int | None]:
     """
-    Return the numbers of extrema of theta4' and theta4'' in one mode, ends of the input range
-    excluded.
+    Return the numbers of extrema of theta4' and theta4'' in one mode.
+
+    Ends of the input range excluded.
 
     Parameters
     ----------

@@ -39,8 +39,9 @@ HalfTurn = Callable[[Values, Values], tuple[Values, Values]]
 def half_turn(s1: Values, s2: Values, k: Values, crosses_out: bool, crosses_in: bool
               ) -> tuple[Values, Values, HalfTurn]:
     """
-    Return K, one unit of it in u, and theta1/2 as a function: numerator and denominator of its
-    tangent.
+    Return K, one unit of it in u, and theta1/2 as a function.
+
+    Numerator and denominator of its tangent.
 
     Its arguments are the sine and cosine of pi t/2, t from 0 at the lower end of theta1 in [0, pi]
     to 1 at the upper end, uniform in u. K is the length of that in units of u in which quantities
@@ -84,8 +85,9 @@ def half_turn(s1: Values, s2: Values, k: Values, crosses_out: bool, crosses_in: 
 
 def phases(count: int, low_is_toggle: bool, high_is_toggle: bool) -> tuple[Array, Array, float]:
     """
-    Return the arguments of the function of :func:`half_turn` for equal steps of u: sines, cosines;
-    the step of t.
+    Return the arguments of the function of :func:`half_turn` for equal steps of u.
+
+    Sines, cosines; the step of t.
 
     They include a toggle, and leave half a step where the motion goes on symmetrically.
     """

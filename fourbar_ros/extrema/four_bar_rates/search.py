@@ -121,8 +121,9 @@ class Node(NamedTuple):
 
 def rate_extrema(linkage, samples=SAMPLES, with_conditions=True):
     """
-    Return the extrema of theta4' and of theta4'' at constant input rate, and the signs at the
-    toggles.
+    Return the extrema of theta4' and of theta4'' at constant input rate.
+
+    And the signs at the toggles.
 
     For one linkage in its mode; not at change points.
 

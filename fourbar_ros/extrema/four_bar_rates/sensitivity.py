@@ -27,7 +27,7 @@ def rate_changes(lengths, motion, third):
     """
     a1, a2, a3, a4 = lengths
     y2, _, b1, cos_x, sin_x, cos_b, sin_b, _, _, cos_mu, sin_mu = (motion[11], *motion[16:18],
-                                                                    *motion[19:])
+                                                                   *motion[19:])
     v = 1.0 / sin_mu
     cot, k = cos_mu * v, a1 / a2 * (a4 / a3)
     # mu', mu'', mu''' from the cosine law, cos(mu) = constant + k cos(x); those of x - b by mu

@@ -184,8 +184,9 @@ class FourBar(Mechanism):
     @property
     def singular_inputs(self):
         """
-        Return the complex theta1 where coupler and output link are in line, or A is as far as that
-        from O4, q = 0.
+        Return the complex theta1 of singular poses.
+
+        Coupler and output link in line, or q = 0.
 
         A list of toggles (real), flat positions of change points (real) and others, as
         :attr:`.SliderCrank.singular_inputs`; accurate to about 1e-8 next to change points.

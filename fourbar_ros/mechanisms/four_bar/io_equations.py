@@ -90,8 +90,9 @@ class IOEquation(NamedTuple):
 
     def denavit_hartenberg(self):
         """
-        Return the same equation in the paper's chain, Eqs. (1)-(6): v1 becomes -1/v1, v4 becomes
-        -v4.
+        Return the same equation in the paper's chain, Eqs.
+
+        (1)-(6): v1 becomes -1/v1, v4 becomes -v4.
 
         There all angles are relative and add up to zero: theta1_DH = theta1 + pi, theta4_DH =
         -theta4.
@@ -109,8 +110,9 @@ class IOEquation(NamedTuple):
 
     def residual(self, ti, tj):
         """
-        Return :meth:`position` times cos^2(theta_i/2) cos^2(theta_j/2): finite for all angles
-        [m^2].
+        Return :meth:`position` times cos^2(theta_i/2) cos^2(theta_j/2).
+
+        Finite for all angles [m^2].
 
         Angles [rad], float or array_like, are broadcast.
         """
@@ -245,4 +247,3 @@ def _double_angle(p, r, m, root):
     numerator, denominator = np.where(adds, m + root, r), np.where(adds, p, m - root)
     return np.arctan2(2.0 * numerator * denominator,
                       (denominator - numerator) * (denominator + numerator))
-

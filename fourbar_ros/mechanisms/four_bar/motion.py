@@ -68,8 +68,9 @@ from fourbar_ros.numerics.number_types import Function, NumberType
 
 class Motion(NamedTuple):
     """
-    Pose, rates and accelerations for one input; each field a float, or an array of the input's
-    shape.
+    Pose, rates and accelerations for one input.
+
+    Each field a float, or an array of the input's shape.
 
     Angles in [rad], rates in [rad/s], accelerations in [rad/s^2]; angles other than theta1 lie in
     [-pi, pi]. theta2 and theta3 are relative (coupler to crank, output link to coupler): theta1 +
@@ -108,8 +109,9 @@ class Motion(NamedTuple):
 
 class _Shape(NamedTuple):
     """
-    Constants of the equations, named as there; lengths in a power of two that makes the largest
-    about one.
+    Constants of the equations, named as there.
+
+    Lengths in a power of two that makes the largest about one.
 
     Numbers of the type that lengths are.
     """

@@ -146,8 +146,9 @@ class InvertedSlider(Mechanism):
     @cached_property
     def closing_ranges(self):
         """
-        Return the ranges of the input in which the links close, from low to high: theta1 [rad] or
-        slide [m].
+        Return the ranges of the input in which the links close, from low to high.
+
+        theta1 [rad] or slide [m].
 
         For a crank that turns fully (-pi, pi), else one range through pi. At an end that is no
         full turn A is at the foot of O4 (crank input), or crank and ground in line (slide input):
@@ -164,8 +165,9 @@ class InvertedSlider(Mechanism):
     @property
     def singular_inputs(self):
         """
-        Return the complex inputs where the dyad is singular, as
-        :attr:`.SliderCrank.singular_inputs`.
+        Return the complex inputs where the dyad is singular.
+
+        As :attr:`.SliderCrank.singular_inputs`.
 
         For a driven crank where A is at the foot of O4, l = 0, and where it is as far as that from
         O4, q = 0.

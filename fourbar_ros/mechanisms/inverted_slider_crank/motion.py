@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Position, velocity and acceleration of the inverted slider-crank RPR with offset, stable in the
-last bits.
+Position, velocity and acceleration of the inverted slider-crank RPR with offset.
+
+Stable in the last bits.
 
 O1 = (0, 0), O4 = (a4, 0); crank O1-A of length a1. The block is pinned to the crank at A and
 slides on the bar, which turns about O4. l = slide is how far A is along the bar from the foot of
@@ -38,8 +39,9 @@ from fourbar_ros.numerics.number_types import Function, NumberType
 
 class InvertedSliderMotion(NamedTuple):
     """
-    Pose, rates and accelerations for one input; each field a float, or an array of the input's
-    shape.
+    Pose, rates and accelerations for one input.
+
+    Each field a float, or an array of the input's shape.
 
     Angles [rad], in [-pi, pi] but for a theta1 that is the input; theta2 = theta4 - theta1 is
     relative (block to crank). Block and bar turn together.

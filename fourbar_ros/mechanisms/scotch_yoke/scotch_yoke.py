@@ -43,8 +43,9 @@ class YokeDeadPoint(NamedTuple):
 @dataclass(frozen=True)
 class ScotchYoke(Mechanism):
     """
-    Scotch yoke: the crank pin A, on a block, moves a slotted yoke along y = offset; the slot is
-    square to it.
+    Scotch yoke: the crank pin A, on a block, moves a slotted yoke along y = offset.
+
+    The slot is square to it.
 
     Parameters
     ----------

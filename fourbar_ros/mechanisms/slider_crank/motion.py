@@ -47,8 +47,9 @@ from fourbar_ros.numerics.number_types import Function, NumberType
 
 class SliderCrankMotion(NamedTuple):
     """
-    Pose, rates and accelerations for one input; each field a float, or an array of the input's
-    shape.
+    Pose, rates and accelerations for one input.
+
+    Each field a float, or an array of the input's shape.
 
     Angles [rad], in [-pi, pi] but for a theta1 that is the input; theta2 is relative (coupler to
     crank), theta3 = -beta (slider to coupler): theta1 + theta2 + theta3 = 0.

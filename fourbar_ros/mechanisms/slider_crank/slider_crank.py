@@ -145,8 +145,9 @@ class SliderCrank(Mechanism):
     @cached_property
     def closing_ranges(self):
         """
-        Return the ranges of the input in which the links close, from low to high: theta1 [rad] or
-        slide [m].
+        Return the ranges of the input in which the links close, from low to high.
+
+        theta1 [rad] or slide [m].
 
         For a crank that turns fully (-pi, pi). At an end that is no full turn the coupler is
         square to the guide (crank input), or in line with the crank (slider input): a toggle.
@@ -164,8 +165,9 @@ class SliderCrank(Mechanism):
     @property
     def singular_inputs(self):
         """
-        Return the complex inputs, as far as real part and size of the other go, where crank and
-        dyad are singular.
+        Return the complex inputs where crank and dyad are singular.
+
+        Real part and size of the imaginary one.
 
         A list of toggles (real), flat positions of change points (real) and others: where sin x =
         (e +- a2)/a1, or, for a driven slide, of

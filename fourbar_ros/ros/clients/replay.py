@@ -46,8 +46,9 @@ def installed(type_name, recorded_hash):
 
 class Replayer:
     """
-    A node that publishes what it is given, each message on its topic with its recorded quality of
-    service.
+    A node that publishes what it is given.
+
+    Each message on its topic with its recorded quality of service.
 
     Parameters
     ----------

@@ -268,7 +268,7 @@ class _Live(Client):
         """
         stamp = stamp_of(raw.data)
         if (stamp == self._last or not self._in_order and self._last and moment_of(stamp)
-            >= moment_of(self._first)):
+                >= moment_of(self._first)):
             self._topics[raw.topic].expect(stamp, raw.data)
 
     def wait_for_the_rest(self, quiet=QUIET):

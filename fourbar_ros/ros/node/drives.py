@@ -1,9 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-What moves the input: a thread on the clock's grid, a timer of simulated time, or a
-subscription.
-"""
+"""Move the input: a thread on the clock's grid, a timer of simulated time, a subscription."""
 from __future__ import annotations
 
 from math import isnan, nan
@@ -51,8 +48,9 @@ class Drive:
 
 class TimerDrive(Drive):
     """
-    Constant speed on the wall clock: sample k belongs to start + k / rate, whatever the scheduler
-    does.
+    Constant speed on the wall clock.
+
+    Sample k belongs to start + k / rate, whatever the scheduler does.
 
     An own thread, not a ROS timer: rclpy's timers drop the ticks they miss and slip their grid.
     The angle comes from the time of the sample, never from adding up.

@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The motion of the driven joint out of raw input messages: read by ROS once, then from where it
-stood.
+The motion of the driven joint out of raw input messages.
+
+Read by ROS once, then from where it stood.
 
 A place holds for all messages whose texts and sequences are as long, and whose joints have the
 same names.
@@ -48,8 +49,9 @@ class Reader:
 
     def __call__(self, data: bytes) -> tuple[Stamp, Given | None]:
         """
-        Return stamp and motion of a serialised message; None for the motion if the message does
-        not have the joint.
+        Return stamp and motion of a serialised message.
+
+        None for the motion if the message does not have the joint.
 
         Raises what ROS raises for bytes that are no message of this type.
         """

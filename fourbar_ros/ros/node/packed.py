@@ -69,7 +69,7 @@ def _packer(serialised, has_status: bool, used: Sequence[int],
                      for at in _places(made, [_NUMBER.pack(probe.values[place])
                                               for probe in probes]))
     if (len(stamps) != 1 or len(statuses) != has_status or {place for _, place in numbers}
-        != set(used)):
+            != set(used)):
         return None
 
     buffer, at_stamp, at_status = (bytearray(made[0]), stamps[0], statuses[0] if has_status

@@ -29,8 +29,9 @@ _ROS_TYPES = {'double': ParameterType.PARAMETER_DOUBLE, 'integer': ParameterType
 
 def scene(node, arguments=()):
     """
-    Return the Scene of a node that has declared its overrides, every parameter declared as in the
-    table.
+    Return the Scene of a node that has declared its overrides.
+
+    Every parameter declared as in the table.
 
     The overrides are read as they came and declared again with type and text: so an unknown name
     is an error instead of being ignored, and ``3`` is good for a double. ``arguments``: the

@@ -35,8 +35,9 @@ class OpenBag(NamedTuple):
 
 class Recording:
     """
-    The bag of one node, if one is being written; the stream opens, attaches, detaches and closes
-    it.
+    The bag of one node, if one is being written.
+
+    The stream opens, attaches, detaches and closes it.
 
     Parameters
     ----------

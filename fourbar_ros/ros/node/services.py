@@ -39,7 +39,7 @@ def create(node):
 
 
 def _answered(handler, node, request, response):
-    """Always answer; report an unexpected exception to the caller and in the log."""
+    """Answer always; report an unexpected exception to the caller and in the log."""
     try:
         return handler(node, request, response)
     except Exception as error:

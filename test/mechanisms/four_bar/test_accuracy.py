@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The error of every output in units of eps times its condition, over families of ordinary and
-extreme cases.
+The error of every output in units of eps times its condition.
+
+Over families of ordinary and extreme cases.
 
 The condition is exact to first order: what the result moves by when each given number is rounded.
 About one eps cond is what no algorithm can avoid; see :func:`reference.condition`. The counts of
@@ -113,7 +114,7 @@ def rocker_near_limit(rng):
 
 
 def crank_near_toggle(rng):
-    """A crank that clears the toggle position by 1e-2 to 1e-14."""
+    """Draw a crank that clears the toggle position by 1e-2 to 1e-14."""
     while True:
         a1, a2, a3, a4 = crank_lengths(rng)
         margin = 10.0**rng.uniform(-14, -2)

@@ -1,8 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The six input-output equations, and every erratum of the two publications that states an equation
-or number.
+The six input-output equations.
+
+And every erratum of the two publications that states an equation or number.
 
 An erratum test shows both: the printed form fails, the corrected one holds.
 """
@@ -18,12 +19,11 @@ from fourbar_ros.mechanisms.four_bar.io_equations import (
     PAIRS,
     to_half_angle,
 )
+from mechanisms.four_bar.test_motion import angle_difference
 import mpmath as mp
 import numpy as np
 import pytest
 from support.reference import EPS, FreeBody, nine_by_nine, random_lengths
-
-from mechanisms.four_bar.test_motion import angle_difference
 
 ALL_PAIRS = PAIRS + tuple((j, i) for i, j in PAIRS)
 OPPOSITE = {1: 3, 2: 4, 3: 1, 4: 2}
@@ -191,10 +191,14 @@ def test_equations_are_identities_in_the_lengths_and_angles(pair):
 
 def paper_factors(a1, a2, a3, a4):
     """Return the factors in the paper's letters, as printed below its Eq. (1)."""
-    return dict(A1=a1 - a2 + a3 - a4, A2=a1 + a2 + a3 - a4, B1=a1 + a2 - a3 - a4,
-                B2=a1 - a2 - a3 - a4,
-                C1=a1 - a2 - a3 + a4, C2=a1 + a2 - a3 + a4, D1=a1 + a2 + a3 + a4,
-                D2=a1 - a2 + a3 + a4)
+    return {'A1': a1 - a2 + a3 - a4,
+            'A2': a1 + a2 + a3 - a4,
+            'B1': a1 + a2 - a3 - a4,
+            'B2': a1 - a2 - a3 - a4,
+            'C1': a1 - a2 - a3 + a4,
+            'C2': a1 + a2 - a3 + a4,
+            'D1': a1 + a2 + a3 + a4,
+            'D2': a1 - a2 + a3 + a4}
 
 
 def paper_equation(lengths, i, j):
@@ -430,7 +434,7 @@ def test_erratum_table_3_with_accelerations_in_the_force_rows(thin, moment):
 
 def test_erratum_table_3_is_reproduced_by_velocities_in_the_force_rows():
     """
-    m v for m a, thin rods, and 0.01 m (the rod radius) for the arm a4.
+    Momentum m v for m a, thin rods, and 0.01 m (the rod radius) for the arm a4.
 
     All four printed numbers.
     """

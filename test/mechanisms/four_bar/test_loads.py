@@ -129,8 +129,9 @@ def test_closed_form_solves_eq_9_in_doubles():
 
 def inertia_state(linkage, motion):
     """
-    Return dP/dt, dH/dt about O1 and dE/dt less what gravity and external loads give, and their
-    sizes.
+    Return dP/dt, dH/dt about O1 and dE/dt less what gravity and external loads give.
+
+    And their sizes.
 
     Independent of the reactions: only places, velocities and accelerations of points of the links.
     """
@@ -160,8 +161,9 @@ def inertia_state(linkage, motion):
 
 def test_power_and_momentum_balance():
     """
-    Shaking force = -dP/dt + weights + loads, moment = -dH/dt about O1 likewise, torque power =
-    dE/dt.
+    Shaking force = -dP/dt + weights + loads, moment = -dH/dt about O1 likewise.
+
+    Torque power = dE/dt.
 
     Tolerance: 1e-13 of the summed magnitudes, reactions included, for links not nearly in line.
     """
