@@ -32,16 +32,25 @@ differences. Sources: Eksergian, Dynamical analysis of machines, J. Franklin Ins
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import atan2, cos, sin
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
-from fourbar_ros.dynamics.contract import Curve, curves_of, CurvesOf, FIXED, loads_of_links
-from fourbar_ros.dynamics.elements import Attachment, Element, GROUND, Spring, TorsionSpring
+from fourbar_ros.dynamics.contract import FIXED, loads_of_links
+from fourbar_ros.dynamics.elements import Element, GROUND
+from fourbar_ros.dynamics.smooth import make_is_alternate
+from fourbar_ros.dynamics.terms import (
+    element_energy,
+    element_stiffness,
+    link_stiffness,
+    make_element_terms,
+    make_link_terms,
+    work_of,
+)
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
+from fourbar_ros.mechanics.bodies import NOT_APPLIED
+from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType
+from fourbar_ros.numerics.straight_line import straight_line
 import numpy as np
-
-Vector = tuple[float, float]
 
 
 class Terms(NamedTuple):
@@ -53,119 +62,37 @@ class Terms(NamedTuple):
     damping: Any          # D [N m s/rad], [N s/m]
 
 
-def make_link_terms(body: Body, gravity: Vector, applied: Applied) -> Callable[[Curve], Any]:
-    """Return the function curve -> (J, J'/2, Q) of one link, (E2) to (E4)."""
-    mass, along, across = body.mass, body.mass * body.cg_along, body.mass * body.cg_across
-    inertia = body.inertia + along * body.cg_along + across * body.cg_across
-    (g_x, g_y), couple = gravity, applied.couple
-    f_x, f_y = mass * g_x + applied.force_x, mass * g_y + applied.force_y
-    # moment of weight and force about the first joint: by_cosine cos + by_sine sin
-    by_cosine = (along * g_y - across * g_x
-                 + applied.along * applied.force_y - applied.across * applied.force_x)
-    by_sine = -(along * g_x + across * g_y
-                + applied.along * applied.force_x + applied.across * applied.force_y)
+class _InBothModes:
+    """A formula of the input in the mode that holds there: of floats, or of arrays."""
 
-    def terms(curve: Curve) -> Any:
-        _, _, dx, dy, ddx, ddy, cosine, sine, turn, bend = curve
-        x, y = along * cosine - across * sine, along * sine + across * cosine        # S
-        cross = x * dy - y * dx
-        swing = inertia * turn + cross
-        inertia_of = mass * (dx * dx + dy * dy) + turn * (swing + cross)                     # (E2)
-        half_slope = (mass * (dx * ddx + dy * ddy) + bend * swing                            # (E3)
-                      + turn * (x * ddy - y * ddx - turn * (x * dx + y * dy)))
-        moment = couple + by_cosine * cosine + by_sine * sine
-        return inertia_of, half_slope, f_x * dx + f_y * dy + moment * turn                   # (E4)
-    return terms
+    def __init__(self, make_formula: Callable[[Any, NumberType], Function], modes: Sequence[Any],
+                 is_alternate: Function | None) -> None:
+        self._lines = [straight_line(partial(make_formula, mode)) for mode in modes]
+        self._formulas = [make_formula(mode, ARRAY) for mode in modes]
+        self._is_alternate, self._mechanism = is_alternate, modes[0]
 
+    def of_one(self, position: float) -> tuple[Any, ...]:
+        """Return the results for a float; where there are none, the mechanism says why."""
+        alternate = self._is_alternate
+        line = self._lines[0 if alternate is None else alternate(position)]
+        try:
+            return line(position)  # type: ignore[no-any-return]
+        except (ValueError, ZeroDivisionError):
+            self._mechanism.motion(position, 1.0, 0.0)
+            raise
 
-def place_of(curve: Curve, along: float, across: float) -> tuple[Any, Any, Any, Any]:
-    """Return the place of a point of a link and its derivative (x, y, x', y')."""
-    x0, y0, dx, dy, _, _, cosine, sine, turn, _ = curve
-    x, y = along * cosine - across * sine, along * sine + across * cosine
-    return x0 + x, y0 + y, dx - turn * y, dy + turn * x
+    def of_many(self, positions: Any) -> list[Any]:
+        """Return the results as arrays of the shape of the positions, NaN where there are none."""
+        positions = np.asarray(positions, float)
+        with np.errstate(all='ignore'):
+            found = [formula(positions) for formula in self._formulas]
+        if self._is_alternate is not None:
+            found[0] = [np.where(self._is_alternate(positions), b, a) for a, b in zip(*found)]
+        return [np.broadcast_to(row, positions.shape) for row in found[0]]
 
-
-def _between(one: Curve, first: Attachment, two: Curve, second: Attachment) -> tuple[Any, Any]:
-    """Return (l^2, r.r') of two points, r the vector between them and l its length."""
-    x1, y1, dx1, dy1 = place_of(one, first.along, first.across)
-    x2, y2, dx2, dy2 = place_of(two, second.along, second.across)
-    x, y = x2 - x1, y2 - y1
-    return x * x + y * y, x * (dx2 - dx1) + y * (dy2 - dy1)
-
-
-def _deflection(one: Curve, two: Curve, free_angle: float) -> Any:
-    """Return the angle of the second link relative to the first, less the free one, in +-pi."""
-    cosine, sine = one[6] * two[6] + one[7] * two[7], one[6] * two[7] - one[7] * two[6]
-    cos_0, sin_0 = cos(free_angle), sin(free_angle)
-    y, x = sine * cos_0 - cosine * sin_0, cosine * cos_0 + sine * sin_0
-    return atan2(y, x) if isinstance(y, float) else np.arctan2(y, x)
-
-
-def link_stiffness(curve: Curve, body: Body, gravity: Vector, applied: Applied) -> Any:
-    """Return -dQ/dq of the weight and the load of one link, from (E4)."""
-    _, _, _, _, ddx, ddy, cosine, sine, turn, bend = curve
-    stiffness = -applied.couple * bend
-    for along, across, f_x, f_y in (
-            (body.cg_along, body.cg_across, body.mass * gravity[0], body.mass * gravity[1]),
-            (applied.along, applied.across, applied.force_x, applied.force_y)):
-        x, y = along * cosine - across * sine, along * sine + across * cosine
-        stiffness = (stiffness - f_x * ddx - f_y * ddy - bend * (x * f_y - y * f_x)
-                     + turn * turn * (x * f_x + y * f_y))
-    return stiffness
-
-
-def element_stiffness(element: Element, one: Curve, two: Curve) -> Any:
-    """Return -dQ/dq of a spring, from (E5)."""
-    if isinstance(element, TorsionSpring):
-        turn, bend = two[8] - one[8], two[9] - one[9]
-        return element.stiffness * (turn * turn + _deflection(one, two, element.free_angle) * bend)
-    x1, y1, dx1, dy1 = place_of(one, element.first.along, element.first.across)
-    x2, y2, dx2, dy2 = place_of(two, element.second.along, element.second.across)
-    (ddx1, ddy1), (ddx2, ddy2) = _bend_of(one, element.first), _bend_of(two, element.second)
-    x, y, dx, dy = x2 - x1, y2 - y1, dx2 - dx1, dy2 - dy1
-    square, product = x * x + y * y, x * dx + y * dy
-    share = element.free_length / square**0.5 if element.free_length else 0.0
-    growth = dx * dx + dy * dy + x * (ddx2 - ddx1) + y * (ddy2 - ddy1)
-    return element.stiffness * ((1.0 - share) * growth
-                                + (share * product * product / square if element.free_length
-                                   else 0.0))
-
-
-def _bend_of(curve: Curve, point: Attachment) -> tuple[Any, Any]:
-    """Return the second derivative (x'', y'') of the place of a point of a link."""
-    _, _, _, _, ddx, ddy, cosine, sine, turn, bend = curve
-    x = point.along * cosine - point.across * sine
-    y = point.along * sine + point.across * cosine
-    return ddx - bend * y - turn * turn * x, ddy + bend * x - turn * turn * y
-
-
-def make_element_terms(element: Element) -> Callable[[Curve, Curve], tuple[Any, Any]]:
-    """Return the function (curves of its two links) -> (Q, D) of a spring and damper, (E5)."""
-    stiffness, damping = element.stiffness, element.damping
-    if isinstance(element, TorsionSpring):
-        free_angle = element.free_angle
-
-        def turned(one: Curve, two: Curve) -> tuple[Any, Any]:
-            turn = two[8] - one[8]
-            return -stiffness * _deflection(one, two, free_angle) * turn, damping * turn * turn
-        return turned
-    first, second, free_length = element.first, element.second, element.free_length
-
-    def stretched(one: Curve, two: Curve) -> tuple[Any, Any]:
-        square, product = _between(one, first, two, second)
-        share = free_length / square**0.5 if free_length else 0.0
-        return ((share - 1.0) * stiffness * product,
-                damping * product * product / square if damping else 0.0)
-    return stretched
-
-
-def element_energy(element: Element, one: Curve, two: Curve) -> Any:
-    """Return the potential energy of a spring [J]."""
-    if isinstance(element, Spring):
-        stretch = _between(one, element.first, two, element.second)[0]**0.5 - element.free_length
-    else:
-        stretch = _deflection(one, two, element.free_angle)
-    return 0.5 * element.stiffness * stretch * stretch
+    def __call__(self, position: Any) -> Sequence[Any]:
+        """Return the results for a number or an array of numbers."""
+        return self.of_many(position) if np.ndim(position) else self.of_one(float(position))
 
 
 class Equation:
@@ -175,12 +102,14 @@ class Equation:
     Parameters
     ----------
     mechanism : Mechanism
-        With bodies; gravity and external loads are taken from it.
+        With bodies; gravity and external loads are taken from it. A stroke is no limit here.
     elements : sequence of Spring or TorsionSpring
     extra_inertia : float
         Constant inertia on the input, as of a flywheel [kg m^2], [kg].
-    make_curves : callable
-        Of (mechanism, links), returns the function input -> curves of the links.
+    start : float, optional
+        An input at which the mechanism is in its own mode, from where it goes smoothly through the
+        flat positions of a change point (:mod:`fourbar_ros.dynamics.smooth`); without it, the
+        mechanism is in its own mode everywhere.
 
     Raises
     ------
@@ -190,35 +119,74 @@ class Equation:
     """
 
     def __init__(self, mechanism: Any, elements: Sequence[Element] = (),
-                 extra_inertia: float = 0.0,
-                 make_curves: Callable[[Any, Sequence[str]], CurvesOf] = curves_of) -> None:
+                 extra_inertia: float = 0.0, start: float | None = None) -> None:
         self.mechanism, self.elements = mechanism, tuple(elements)
         self.extra_inertia = extra_inertia
-        loads, gravity = loads_of_links(mechanism), mechanism.gravity
-        self._curves = make_curves(mechanism, tuple(loads))
-        self._bodies = [(i, *what) for i, what in enumerate(loads.values())
+        loads, links = loads_of_links(mechanism), [link.name for link in mechanism.LINKS]
+        self._bodies = [(links.index(name), *what) for name, what in loads.items()
                         if what[0].mass or what[0].inertia or what[1] != NOT_APPLIED]
         self.has_couples = any(applied.couple for _, _, applied in self._bodies)
-        self._links = [(i, make_link_terms(body, gravity, applied))
-                       for i, body, applied in self._bodies]
-        places = {**{name: i for i, name in enumerate(loads)}, GROUND: len(loads)}
+        places = {**{name: i for i, name in enumerate(links)}, GROUND: len(links)}
         for name in (link for element in self.elements for link in element.links):
             if name not in places:
                 raise InvalidParameter('link', name, f'must be one of {", ".join(places)}')
-        self._springs = [(*(places[link] for link in element.links), make_element_terms(element))
+        self._springs = [(element, *(places[link] for link in element.links))
                          for element in self.elements]
+        self._is_alternate = None if start is None else make_is_alternate(mechanism, start)
+        self._terms = self._in_both_modes(self._make_terms)
+        self.of_one = self._terms.of_one      # (J, J'/2, Q, D, part of Q of couples), fast
+
+    def _in_both_modes(self, make_formula: Callable[[Any, NumberType], Function]) -> _InBothModes:
+        modes = [self.mechanism]
+        if self._is_alternate is not None:
+            modes.append(self.mechanism.in_mode(3 - self.mechanism.mode))
+        return _InBothModes(make_formula, modes, self._is_alternate)
+
+    def _make_terms(self, mechanism: Any, n: NumberType) -> Function:
+        """Return the function position -> (J, J'/2, Q, D, part of Q of couples)."""
+        coefficients, gravity = mechanism.make_coefficients(n), mechanism.gravity
+        links = [(i, make_link_terms(body, gravity, applied), applied.couple)
+                 for i, body, applied in self._bodies]
+        springs = [(one, two, make_element_terms(n, element))
+                   for element, one, two in self._springs]
+
+        def terms(position: Any) -> tuple[Any, ...]:
+            curves = [*coefficients(position), FIXED]
+            inertia, half_slope, force, damping = self.extra_inertia, 0.0, 0.0, 0.0
+            couples = 0.0
+            for i, terms_of, couple in links:
+                j, k, f = terms_of(curves[i])
+                inertia, half_slope, force = inertia + j, half_slope + k, force + f
+                couples = couples + couple * curves[i][8]
+            for one, two, terms_of in springs:
+                f, d = terms_of(curves[one], curves[two])
+                force, damping = force + f, damping + d
+            return inertia, half_slope, force, damping, couples
+        return terms
+
+    def _make_potential(self, mechanism: Any, n: NumberType) -> Function:
+        """Return the function position -> (V, -dQ/dq)."""
+        coefficients, gravity = mechanism.make_coefficients(n), mechanism.gravity
+
+        def potential(position: Any) -> tuple[Any, ...]:
+            curves = [*coefficients(position), FIXED]
+            energy, stiffness = 0.0, 0.0
+            for i, body, applied in self._bodies:
+                energy = energy - work_of(curves[i], body, gravity, applied)
+                stiffness = stiffness + link_stiffness(curves[i], body, gravity, applied)
+            for element, one, two in self._springs:
+                energy = energy + element_energy(n, element, curves[one], curves[two])
+                stiffness = stiffness + element_stiffness(n, element, curves[one], curves[two])
+            return energy, stiffness
+        return potential
+
+    @cached_property
+    def _potential(self) -> _InBothModes:
+        return self._in_both_modes(self._make_potential)
 
     def terms(self, position: Any) -> Terms:
         """Return J, J'/2, Q and D at an input or an array of inputs; errors as of ``motion``."""
-        curves = [*self._curves(position), FIXED]
-        inertia, half_slope, force, damping = self.extra_inertia, 0.0, 0.0, 0.0
-        for i, terms_of in self._links:
-            j, k, f = terms_of(curves[i])
-            inertia, half_slope, force = inertia + j, half_slope + k, force + f
-        for one, two, terms_of in self._springs:
-            f, d = terms_of(curves[one], curves[two])
-            force, damping = force + f, damping + d
-        return Terms(inertia, half_slope, force, damping)
+        return Terms(*self._terms(position)[:4])
 
     def acceleration(self, position: Any, rate: Any, drive: Any = 0.0) -> Any:
         """Return dw/dt under the torque (force) of the drive on the input, by (E1)."""
@@ -232,39 +200,16 @@ class Equation:
 
     def stiffness(self, position: Any) -> Any:
         """Return -dQ/dq [N m/rad], [N/m], exact as the other terms are."""
-        curves = [*self._curves(position), FIXED]
-        total = 0.0 * curves[0][6]
-        for i, body, applied in self._bodies:
-            total = total + link_stiffness(curves[i], body, self.mechanism.gravity, applied)
-        for element, (one, two, _) in zip(self.elements, self._springs):
-            total = total + element_stiffness(element, curves[one], curves[two])
-        return total
+        return self._potential(position)[1]
 
     def couples(self, position: Any) -> Any:
         """Return the part of Q of couples applied to links, which do work over every turn."""
-        if not self.has_couples:
-            return 0.0
-        curves = self._curves(position)
-        return sum(applied.couple * curves[i][8] for i, _, applied in self._bodies)
+        return self._terms(position)[4]
 
     def potential(self, position: Any) -> Any:
         """Return V [J], Q = -V' but for :meth:`couples`: of gravity, constant forces, springs."""
-        curves = [*self._curves(position), FIXED]
-        energy = 0.0
-        for i, body, applied in self._bodies:
-            energy = energy - _work(curves[i], body, self.mechanism.gravity, applied)
-        for element, (one, two, _) in zip(self.elements, self._springs):
-            energy = energy + element_energy(element, curves[one], curves[two])
-        return energy
+        return self._potential(position)[0]
 
     def energy(self, position: Any, rate: Any) -> Any:
         """Return kinetic plus potential energy [J]."""
         return 0.5 * self.terms(position).inertia * rate * rate + self.potential(position)
-
-
-def _work(curve: Curve, body: Body, gravity: Vector, applied: Applied) -> Any:
-    """Return minus the potential energy of the weight and of the applied force."""
-    x, y, _, _ = place_of(curve, body.cg_along, body.cg_across)
-    p_x, p_y, _, _ = place_of(curve, applied.along, applied.across)
-    return (body.mass * (gravity[0] * x + gravity[1] * y)
-            + applied.force_x * p_x + applied.force_y * p_y)

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Curves of the links along the smooth motion of a mechanism through its change points.
+The smooth motion of a mechanism through its change points.
 
 At the flat position of an exact change point both assembly modes meet. A linkage that moves
 through it keeps the velocities of its links, and the side of the dyad changes: the motion goes on
@@ -10,11 +10,10 @@ flat positions in which the input starts: it alternates from one interval to the
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from math import floor, pi
 from typing import Any
 
-from fourbar_ros.dynamics.contract import Curve, curves_of, CurvesOf
 import numpy as np
 
 TURN = 2.0 * pi
@@ -33,39 +32,35 @@ def flat_positions(mechanism: Any) -> tuple[float, ...]:
     return tuple(sorted({value % TURN if is_angle else value for value in inside}))
 
 
-def make_interval_of(mechanism: Any) -> Any:
+def make_interval_of(mechanism: Any) -> Callable[[Any], Any]:
     """Return the function input -> number of flat positions below it, counted from 0 up."""
     places = flat_positions(mechanism)
     if mechanism.is_driven_by_slide:
         return lambda position: sum(position >= place for place in places)
-    return lambda position: sum(floor((position - place) / TURN) for place in places)
+
+    def interval_of(position: Any) -> Any:
+        if isinstance(position, float):
+            return sum(floor((position - place) / TURN) for place in places)
+        return sum(np.floor((position - place) / TURN) for place in places)
+    return interval_of
 
 
-def smooth_curves_of(mechanism: Any, links: Sequence[str], start: float = 0.0) -> CurvesOf:
+def make_is_alternate(mechanism: Any, start: float) -> Callable[[Any], Any] | None:
     """
-    Return the function input -> curves of these links, smooth through flat positions.
+    Return the function input -> whether a smooth motion is in the other mode there.
+
+    None where there are no flat positions.
 
     Parameters
     ----------
     mechanism : Mechanism
-    links : sequence of str
     start : float
         An input in the interval where the mechanism has its own mode; a flat position counts to
         the interval above it.
 
     """
-    here = curves_of(mechanism, links)
     if not flat_positions(mechanism):
-        return here
-    there = curves_of(mechanism.in_mode(3 - mechanism.mode), links)
+        return None
     interval_of = make_interval_of(mechanism)
-    first = interval_of(start)
-
-    def curves(position: Any) -> Sequence[Curve]:
-        if isinstance(position, float):
-            return here(position) if (interval_of(position) - first) % 2 == 0 else there(position)
-        same = np.array([(interval_of(value) - first) % 2 == 0 for value in np.ravel(position)])
-        same = same.reshape(np.shape(position))
-        return [[np.where(same, a, b) for a, b in zip(one, other)]
-                for one, other in zip(here(position), there(position))]
-    return curves
+    first = interval_of(start) % 2
+    return lambda position: interval_of(position) % 2 != first

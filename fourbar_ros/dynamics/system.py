@@ -13,13 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 from fourbar_ros.dynamics.drives import Drive
 from fourbar_ros.dynamics.elements import Element
 from fourbar_ros.dynamics.equation import Equation
-from fourbar_ros.dynamics.smooth import smooth_curves_of
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.numerics.given import number
 
@@ -52,7 +50,7 @@ class System:
         self.mechanism = mechanism
         motion = (number('position', position), number('rate', rate))
         self.equation = Equation(mechanism, elements, drive.rigid_inertia if drive else 0.0,
-                                 partial(smooth_curves_of, start=motion[0]))
+                                 motion[0])
         self.is_conservative = not (drive or self.equation.has_couples
                                     or any(e.damping for e in self.equation.elements))
         shaft, source = (drive.shaft, drive.source.start) if drive else (None, ())
@@ -113,20 +111,19 @@ class System:
 
     def _make_derivative(self) -> Any:
         """Return the function (time, state) -> d state / dt."""
-        terms_of, drive = self.equation.terms, self._drive if self.drive else None
-        couples = self.equation.couples if self.equation.has_couples else lambda position: 0.0
+        terms_of, drive = self.equation.of_one, self._drive if self.drive else None
 
         def conservative(time: float, state: State) -> tuple[float, ...]:
-            rate = state[1]
-            inertia, half_slope, force, _ = terms_of(state[0])
+            position, rate = state
+            inertia, half_slope, force, _, _ = terms_of(position)
             return rate, (force - half_slope * rate * rate) / inertia
 
         def driven(time: float, state: State) -> tuple[float, ...]:
             rate = state[1]
             torque, change = drive(time, state) if drive else (0.0, ())
-            inertia, half_slope, force, damping = terms_of(state[0])
+            inertia, half_slope, force, damping, couples = terms_of(state[0])
             torque -= damping * rate
             return (rate, (force + torque - half_slope * rate * rate) / inertia, *change,
-                    (torque + couples(state[0])) * rate)
+                    (torque + couples) * rate)
 
         return conservative if self.is_conservative else driven

@@ -302,6 +302,23 @@ class Mechanism(ABC):
             self._made['loads', numbers] = self.loads_formula(numbers, self.constants)
         return self._made['loads', numbers]
 
+    def make_coefficients(self, numbers: NumberType) -> Function:
+        """
+        Return position -> coefficients of all links for a number type: what dynamics is made of.
+
+        Of each of ``LINKS`` (x, y, x', y', x'', y'', cosine, sine, theta', theta''): place of its
+        first joint and direction, primes for derivatives with respect to the input, so a
+        LinkMotion at unit rate and zero acceleration. Exact, and one call for all links. A stroke
+        is no limit here; where the links cannot close: ValueError, or NaN in arrays.
+        """
+        motion_of, as_motion = self.motion_formula(numbers, self.constants), self.MOTION
+        link_motion, links = self.link_motion, [link.name for link in self.LINKS]
+
+        def coefficients(position: Any) -> list[tuple[Any, ...]]:
+            motion = _new(as_motion, motion_of(position, 1.0, 0.0))
+            return [link_motion(motion, link) for link in links]
+        return coefficients
+
     def _within(self, motion: Function, numbers: NumberType) -> Function:
         """Return the function of motion that has no pose outside of the stroke."""
         low, high = self.stroke

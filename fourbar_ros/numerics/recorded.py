@@ -45,7 +45,7 @@ def _where(condition: np.ndarray, one: Any, other: Any, out: np.ndarray) -> None
 
 # For each operation the function of floats and that of arrays, whose last argument is where the
 # result goes; lengths are no arrays.
-_OPERATIONS: dict[str, tuple[Function, Function | None]] = {
+OPERATIONS: dict[str, tuple[Function, Function | None]] = {
     'add': (operator.add, np.add), 'sub': (operator.sub, np.subtract),
     'mul': (operator.mul, np.multiply),
     'truediv': (operator.truediv, np.true_divide), 'neg': (operator.neg, np.negative),
@@ -64,7 +64,7 @@ class Number:
 
     __slots__ = ('place', 'record')
 
-    def __init__(self, record: Record, place: int):
+    def __init__(self, record: Any, place: int):
         self.record, self.place = record, place
 
     @property
@@ -91,7 +91,7 @@ for _name in ('add', 'sub', 'mul', 'truediv', 'neg', 'pow', 'gt', 'lt'):
 def _function(name: str) -> Function:
     def call(*values: Any) -> Any:
         known = [value for value in values if isinstance(value, Number)]
-        return known[0].record.add(name, *values) if known else _OPERATIONS[name][0](*values)
+        return known[0].record.add(name, *values) if known else OPERATIONS[name][0](*values)
     return call
 
 
@@ -162,7 +162,7 @@ class Record:
         values[3:self.end_of_data] = found
         for place in sorted(self.is_constant):
             name, arguments = self.steps[place]
-            values[place] = _OPERATIONS[name][0](*[values[i] for i in arguments])
+            values[place] = OPERATIONS[name][0](*[values[i] for i in arguments])
         zeros = [place for place in self._used if values[place] == 0.0]
         return Constants(values, frozenset(zeros))
 
@@ -290,7 +290,7 @@ class Program:
 
     def _once_step(self, place: int) -> tuple[int, Function, tuple[int, ...]]:
         name, arguments = self._steps[place]
-        return place, _OPERATIONS[name][0], arguments
+        return place, OPERATIONS[name][0], arguments
 
     def _allocate(self, places: list[int]) -> list[tuple[Any, Function]]:
         """
@@ -319,7 +319,7 @@ class Program:
             if name in _NOT_IN_PLACE:
                 free += done
             taken = [size + where[i] if i in where else i for i in (*arguments, place)]
-            found.append((_OPERATIONS[name][1], operator.itemgetter(*taken)))
+            found.append((OPERATIONS[name][1], operator.itemgetter(*taken)))
         return found
 
     def run(self, inputs: Sequence[Any], constants: Constants, size: int) -> list[np.ndarray]:
