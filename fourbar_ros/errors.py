@@ -94,3 +94,7 @@ class MissingBodies(FourBarError, ValueError):
 
     def __init__(self) -> None:
         super().__init__('loads require mass properties: construct the mechanism with bodies=...')
+
+
+class BagError(FourBarError):
+    """A bag cannot be written or read; the message says which and why."""

@@ -1,14 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Bags in the layout of rosbag2: written, read, repaired, recomputed; no ROS needed.
+Record runs to bags; read, repair, recompute, export, plot, replay them; no ROS needed.
 
-Downward: container and scan (the MCAP file), rosbag2 (what lies around it), cdr (bytes to
-numbers), reader and writer, then what is done with a bag: recover, recompute, export, diff, plot,
-replay.
+The bytes are the subject of :mod:`fourbar_ros.formats`; here are reader and recorder, and then
+what is done with a bag: info, recover, recompute, export, diff, plot, playback.
 """
-from fourbar_ros.errors import FourBarError
+from fourbar_ros.errors import BagError
 
-
-class BagError(FourBarError):
-    """A bag cannot be written or read; the message says which and why."""
+__all__ = ['BagError']

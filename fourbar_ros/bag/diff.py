@@ -6,9 +6,9 @@ from __future__ import annotations
 import json
 from typing import NamedTuple
 
-from fourbar_ros.bag import BagError
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import Difference, distance
+from fourbar_ros.errors import BagError
 import numpy as np
 
 

@@ -10,10 +10,10 @@ from __future__ import annotations
 from pathlib import Path
 import re
 
-from fourbar_ros.bag import BagError
-from fourbar_ros.bag.formats import Csv, Npz, Parquet
 from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.tables import Csv, Npz, Parquet
 from fourbar_ros.bag.whole import workshop
+from fourbar_ros.errors import BagError
 import numpy as np
 
 BYTES = ('u1', 'i1')        # formats of elements whose arrays are pictures, clouds and the like

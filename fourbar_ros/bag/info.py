@@ -7,10 +7,11 @@ from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
 
-from fourbar_ros.bag import BagError, rosbag2
-from fourbar_ros.bag.mcap_records import in_short
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import scene_of
+from fourbar_ros.errors import BagError
+from fourbar_ros.formats import rosbag2
+from fourbar_ros.formats.mcap_records import in_short
 
 
 class TopicInfo(NamedTuple):

@@ -8,8 +8,8 @@ from multiprocessing import get_context
 import os
 from pathlib import Path
 
-from fourbar_ros.bag import BagError, rosbag2
-from fourbar_ros.errors import FourBarError
+from fourbar_ros.errors import BagError, FourBarError
+from fourbar_ros.formats import rosbag2
 
 
 def bags_below(paths):

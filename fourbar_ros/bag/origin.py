@@ -10,9 +10,9 @@ from __future__ import annotations
 import json
 from typing import NamedTuple
 
-from fourbar_ros.bag import BagError, rosbag2
 from fourbar_ros.bag.reader import Bag
-from fourbar_ros.errors import FourBarError
+from fourbar_ros.errors import BagError, FourBarError
+from fourbar_ros.formats import rosbag2
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
 

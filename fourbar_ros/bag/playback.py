@@ -11,8 +11,8 @@ from __future__ import annotations
 from math import inf
 import time
 
-from fourbar_ros.bag import BagError
 from fourbar_ros.bag.reader import Bag
+from fourbar_ros.errors import BagError
 
 TICK = 0.05         # [s] longest sleep
 FASTER = 1.1        # one press of a key, as of ros2 bag play

@@ -6,10 +6,10 @@ from __future__ import annotations
 from difflib import get_close_matches
 import re
 
-from fourbar_ros.bag import BagError
 from fourbar_ros.bag.export import table
 from fourbar_ros.bag.origin import topic_types
 from fourbar_ros.bag.reader import Bag
+from fourbar_ros.errors import BagError
 import numpy as np
 
 WIDTH, HEIGHT, DPI = 9.0, 2.4, 100      # [in] a picture, and each of its axes; pixels an inch

@@ -13,10 +13,12 @@ from dataclasses import replace
 from pathlib import Path
 import time
 
-from fourbar_ros.bag import BagError, rosbag2
-from fourbar_ros.bag.cdr import Decoder
-from fourbar_ros.bag.file_metadata import metadata_in, repeats_in
-from fourbar_ros.bag.mcap_records import (
+from fourbar_ros.bag.records import Columns, Raw, Record
+from fourbar_ros.errors import BagError
+from fourbar_ros.formats import rosbag2
+from fourbar_ros.formats.cdr import Decoder
+from fourbar_ros.formats.file_metadata import metadata_in, repeats_in
+from fourbar_ros.formats.mcap_records import (
     Damaged,
     HEAD,
     IS_MESSAGE,
@@ -26,8 +28,7 @@ from fourbar_ros.bag.mcap_records import (
     split,
     unpacked,
 )
-from fourbar_ros.bag.mcap_scan import chunk_index, ending, is_being_written, MAGIC, Scan
-from fourbar_ros.bag.records import Columns, Raw, Record
+from fourbar_ros.formats.mcap_scan import chunk_index, ending, is_being_written, MAGIC, Scan
 from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.records import Channel, Schema

@@ -16,13 +16,13 @@ import json
 from math import inf
 from operator import attrgetter
 
-from fourbar_ros.bag import rosbag2
 from fourbar_ros.bag.acting import Acting, UNSETTLED
 from fourbar_ros.bag.difference import Difference, distance, Recomputed
 from fourbar_ros.bag.driven import Driven, inputs_of
 from fourbar_ros.bag.matching import in_order, Tally, Window
 from fourbar_ros.bag.origin import origin_of, scene_of
 from fourbar_ros.bag.reader import Bag, Record
+from fourbar_ros.formats import rosbag2
 from fourbar_ros.pipeline import rate_estimator
 from fourbar_ros.pipeline.message_fields import driven_of
 from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK

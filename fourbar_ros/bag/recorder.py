@@ -17,12 +17,13 @@ import threading
 import time
 
 from fourbar_ros import __version__
-from fourbar_ros.bag import BagError, rosbag2
-from fourbar_ros.bag.mcap_records import OURS
-from fourbar_ros.bag.mcap_scan import mark_as_being_written
-from fourbar_ros.bag.mcap_writer import Container
-from fourbar_ros.bag.rosbag2 import Channel
 from fourbar_ros.bag.splitting import Split, Splitter
+from fourbar_ros.errors import BagError
+from fourbar_ros.formats import rosbag2
+from fourbar_ros.formats.mcap_records import OURS
+from fourbar_ros.formats.mcap_scan import mark_as_being_written
+from fourbar_ros.formats.mcap_writer import Container
+from fourbar_ros.formats.rosbag2 import Channel
 from mcap import __version__ as mcap_version
 
 __all__ = ['BagError', 'BagWriter', 'Channel', 'Split', 'SteadyClock']

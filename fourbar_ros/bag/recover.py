@@ -9,14 +9,15 @@ from math import inf
 from pathlib import Path
 
 from fourbar_ros import __version__
-from fourbar_ros.bag import BagError, rosbag2
 from fourbar_ros.bag.info import missing_of
-from fourbar_ros.bag.mcap_records import Damaged, in_short, LARGEST, MESSAGE, OURS, parse, SEAL
-from fourbar_ros.bag.mcap_scan import is_being_written, Scan
-from fourbar_ros.bag.mcap_writer import Container
 from fourbar_ros.bag.recover_parts import recover_parts
 from fourbar_ros.bag.recovered import Recovered
 from fourbar_ros.bag.whole import workshop
+from fourbar_ros.errors import BagError
+from fourbar_ros.formats import rosbag2
+from fourbar_ros.formats.mcap_records import Damaged, in_short, LARGEST, MESSAGE, OURS, parse, SEAL
+from fourbar_ros.formats.mcap_scan import is_being_written, Scan
+from fourbar_ros.formats.mcap_writer import Container
 from mcap import __version__ as mcap_version
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema, Statistics

@@ -6,8 +6,9 @@ from __future__ import annotations
 import shutil
 import tempfile
 
-from fourbar_ros.bag import BagError, rosbag2
 from fourbar_ros.bag.recovered import Recovered
+from fourbar_ros.errors import BagError
+from fourbar_ros.formats import rosbag2
 import yaml
 
 

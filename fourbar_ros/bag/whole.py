@@ -9,7 +9,7 @@ from pathlib import Path
 import shutil
 import tempfile
 
-from fourbar_ros.bag import BagError
+from fourbar_ros.errors import BagError
 
 
 @contextlib.contextmanager

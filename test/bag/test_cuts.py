@@ -10,14 +10,15 @@ import random
 import shutil
 
 from bag.test_recorder import assert_every_reader_takes, numbers
-from fourbar_ros.bag import BagError, rosbag2
 from fourbar_ros.bag.info import info
-from fourbar_ros.bag.mcap_records import encoded, HEAD
-from fourbar_ros.bag.mcap_scan import MAGIC
-from fourbar_ros.bag.mcap_writer import Container
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.bag.recover import recover
+from fourbar_ros.errors import BagError
+from fourbar_ros.formats import rosbag2
+from fourbar_ros.formats.mcap_records import encoded, HEAD
+from fourbar_ros.formats.mcap_scan import MAGIC
+from fourbar_ros.formats.mcap_writer import Container
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 from mcap.writer import CompressionType, Writer

@@ -13,11 +13,11 @@ import subprocess
 import sys
 import time
 
-from fourbar_ros.bag import mcap_writer as container
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.cli.main import main
+from fourbar_ros.formats import mcap_writer as container
 import pytest
 from support import bags, TEST
 from support.bags import MOTION, motion
@@ -28,7 +28,8 @@ COUNT = 6000
 # never comes.
 WAITING = """
 import sys, time
-from fourbar_ros.bag import mcap_scan as scan, reader
+from fourbar_ros.bag import reader
+from fourbar_ros.formats import mcap_scan as scan
 from fourbar_ros.cli.main import main
 reader.BLOCK = 1000
 def held(blocks):

@@ -11,16 +11,15 @@ import subprocess
 import sys
 import time
 
-from fourbar_ros.bag import BagError, rosbag2
-from fourbar_ros.bag.cdr import Decoder
 from fourbar_ros.bag.diff import diff
 from fourbar_ros.bag.export import export
 from fourbar_ros.bag.info import info
-from fourbar_ros.bag.mcap_records import encoded, HEAD
-from fourbar_ros.bag.mcap_scan import MAGIC
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recover import recover
 from fourbar_ros.cli.main import main
+from fourbar_ros.formats import rosbag2
+from fourbar_ros.formats.mcap_records import encoded, HEAD
+from fourbar_ros.formats.mcap_scan import MAGIC
 import lz4.frame
 from mcap.records import Channel, Chunk, Header, Schema
 from mcap.writer import CompressionType, Writer
@@ -299,13 +298,6 @@ def test_odd_definitions_end_in_one_line(tmp_path, capsys, name, kind):
         every_verb(path, capsys, tmp_path)
     else:
         assert_one_line(['export', str(path), '-o', str(tmp_path / 'csv')], capsys, tmp_path)
-
-
-def test_a_definition_within_itself_is_named():
-    for definition, said in (('a/T x\n', 'within itself'), (HUGE, 'more fields'),
-                             ('int8 x\nint8 x\n', 'name already used')):
-        with pytest.raises(BagError, match=said):
-            Decoder('a/msg/T', definition).message(b'\0\1\0\0' + bytes(40))
 
 
 def test_topics_qos_and_times_of_any_kind_are_no_traceback(tmp_path, capsys):

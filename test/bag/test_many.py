@@ -6,11 +6,11 @@ import shutil
 import subprocess
 import sys
 
-from fourbar_ros.bag import BagError
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.many import bags_below, each
 from fourbar_ros.bag.recorder import Split
 from fourbar_ros.cli.main import main
+from fourbar_ros.errors import BagError
 import pytest
 from support import bags
 from support.scenes import PAPER

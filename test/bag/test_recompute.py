@@ -8,11 +8,11 @@ In bags of rosbag2 as well.
 import json
 import math
 
-from fourbar_ros.bag import BagError
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import compare
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.cli.main import main
+from fourbar_ros.errors import BagError
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.scene import scene as scenes
 from fourbar_ros.scene.topics import DRIVEN, INPUTS, OUTPUTS, SCENE

@@ -7,8 +7,6 @@ import sys
 import threading
 import time
 
-from fourbar_ros.bag import BagError, rosbag2
-from fourbar_ros.bag import mcap_scan as scan
 from fourbar_ros.bag import recorder as writer_module
 from fourbar_ros.bag.diff import diff
 from fourbar_ros.bag.info import info
@@ -17,6 +15,9 @@ from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import compare, scene_of
 from fourbar_ros.bag.recorder import BagWriter, Split
 from fourbar_ros.bag.recover import recover
+from fourbar_ros.errors import BagError
+from fourbar_ros.formats import mcap_scan as scan
+from fourbar_ros.formats import rosbag2
 from fourbar_ros.scene.topics import OUTPUTS
 from mcap.reader import make_reader
 from mcap.writer import Writer

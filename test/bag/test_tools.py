@@ -10,12 +10,9 @@ import subprocess
 import sys
 import time
 
-from fourbar_ros.bag import BagError, reader
-from fourbar_ros.bag import mcap_writer as container
-from fourbar_ros.bag.cdr import Decoder
+from fourbar_ros.bag import reader
 from fourbar_ros.bag.diff import diff
 from fourbar_ros.bag.export import export
-from fourbar_ros.bag.mcap_scan import MAGIC
 from fourbar_ros.bag.playback import Pace, play, span
 from fourbar_ros.bag.plot import plot, series, thinned
 from fourbar_ros.bag.reader import Bag, records
@@ -23,6 +20,10 @@ from fourbar_ros.bag.recompute import compare, distance
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.cli.main import main
 from fourbar_ros.cli.replay import status_line
+from fourbar_ros.errors import BagError
+from fourbar_ros.formats import mcap_writer as container
+from fourbar_ros.formats.cdr import Decoder
+from fourbar_ros.formats.mcap_scan import MAGIC
 from fourbar_ros.scene.topics import OUTPUTS
 import numpy as np
 import pytest
@@ -111,93 +112,6 @@ def test_the_distance_knows_nan_and_infinity():
     for a, b in ((nan, 1.0), (1.0, nan), (inf, -inf), (inf, 1.0), (nan, inf)):
         assert distance(np.array([0.0, a]), np.array([0.0, b])) == inf
     assert distance(np.array([1.0, 3.0]), np.array([1.5, 2.0])) == 1.0
-
-
-# --- decoding ------------------------------------------------------------------------------------
-
-TYPES = ['fourbar_msgs/msg/Motion', 'fourbar_msgs/msg/LinkageState',
-         'fourbar_msgs/msg/LinkageLoads',
-         'sensor_msgs/msg/JointState', 'geometry_msgs/msg/WrenchStamped', 'std_msgs/msg/String',
-         'visualization_msgs/msg/MarkerArray', 'diagnostic_msgs/msg/DiagnosticArray',
-         'sensor_msgs/msg/Imu',
-         'sensor_msgs/msg/PointCloud2', 'tf2_msgs/msg/TFMessage', 'std_msgs/msg/Empty']
-
-
-def filled(type_name, rng, depth=0):
-    """Return a message of random content, sequences of random length."""
-    values = {}
-    for name, (kind, what) in bags.STORE.fielddefs[type_name][1]:
-        if kind in (3, 4):
-            (inner, inner_type), size = what
-            count = size if kind == 3 else int(rng.integers(0, 4))
-            if inner == 1 and inner_type[0] != 'string':
-                values[name] = number(inner_type[0], rng, count)
-            else:
-                values[name] = [single(inner, inner_type, rng, depth) for _ in range(count)]
-        else:
-            values[name] = single(kind, what, rng, depth)
-    return bags.STORE.types[type_name](**values)
-
-
-def single(kind, what, rng, depth):
-    if kind == 2:
-        return filled(what, rng, depth + 1)
-    if what[0] == 'string':
-        return ''.join(rng.choice(list('abcäß_/ '), int(rng.integers(0, 7))))
-    return number(what[0], rng, 1)[0].item()
-
-
-def number(kind, rng, count):
-    if kind == 'bool':
-        return rng.integers(0, 2, count).astype(bool)
-    if kind.startswith('float'):
-        values = rng.normal(size=count).astype(kind)
-        values[rng.random(count) < 0.1] = np.nan
-        return values
-    if kind in ('byte', 'octet', 'char'):
-        # whose sign the two codecs see differently
-        return rng.integers(0, 127, count, dtype=np.uint8)
-    info = np.iinfo(kind)
-    return rng.integers(info.min, info.max, count, dtype=kind, endpoint=True)
-
-
-def plain(value):
-    """Return nested plain values, NaN as text."""
-    if hasattr(value, '__dict__'):
-        return {k: plain(v) for k, v in vars(value).items() if k != '__msgtype__'
-                and not k.isupper()
-                and k != 'structure_needs_at_least_one_member'}
-    if hasattr(value, '__len__') and not isinstance(value, str):
-        return [plain(v) for v in value]
-    value = value.item() if hasattr(value, 'item') else value
-    return 'NaN' if isinstance(value, float) and math.isnan(value) else value
-
-
-@pytest.mark.parametrize('type_name', TYPES)
-def test_messages_are_decoded_as_an_independent_codec_encoded_them(type_name):
-    rng = np.random.default_rng(7)
-    decoder = Decoder(type_name, bags.text_of(type_name))
-    messages = [filled(type_name, rng) for _ in range(40)]
-    for little in (True, False):
-        encoded = [bytes(bags.STORE.serialize_cdr(m, type_name, little_endian=little))
-                   for m in messages]
-        for message, data in zip(messages, encoded):
-            assert plain(decoder.message(data)) == plain(message)
-        rows_seen = []
-        for layout, rows, found in decoder.arrays(encoded):
-            rows_seen += rows.tolist()
-            for row, record in zip(rows, found):
-                assert layout.matches(encoded[row]) and record.tobytes() == encoded[row]
-        assert sorted(rows_seen) == list(range(40))
-
-
-def test_a_message_that_is_shorter_than_its_type_is_an_error_not_a_number():
-    decoder = Decoder('fourbar_msgs/msg/LinkageState',
-                      bags.text_of('fourbar_msgs/msg/LinkageState'))
-    data = bags.motion(1)
-    for length in range(4, len(data)):
-        with pytest.raises(BagError, match='shorter than its definition'):
-            decoder.message(data[:length])
 
 
 def test_old_memory_in_the_padding_between_texts_changes_nothing(bag, tmp_path):

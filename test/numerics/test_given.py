@@ -24,7 +24,7 @@ from fourbar_ros import (
     SliderCrank,
     Toggle,
 )
-from fourbar_ros.bag import BagError
+from fourbar_ros.errors import BagError
 from fourbar_ros.extrema.batch import find_extrema_many
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.four_bar.io_equations import io_equation

@@ -44,7 +44,8 @@ for k in range(5):
 topics = sorted(name for name, _ in node.get_publisher_names_and_types_by_node('fourbar', '/'))
 print(json.dumps({'calls': calls, 'topics': topics,
                   'bag': [m for m in sys.modules
-                          if m.startswith(('fourbar_ros.bag', 'fourbar_ros.ros.node.inputs'))],
+                          if m.startswith(('fourbar_ros.bag', 'fourbar_ros.formats',
+                                           'fourbar_ros.ros.node.inputs'))],
                   'imported': [m for m in ('scipy', 'mcap', 'matplotlib', 'rich',
                                         'fourbar_ros.extrema.find',
                                         'importlib.metadata', 'fourbar_ros.bag.recorder')

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import time
 
-from fourbar_ros.bag import BagError
 from fourbar_ros.bag.playback import Pace, play, TICK
 from fourbar_ros.bag.reader import Bag
+from fourbar_ros.errors import BagError
 from fourbar_ros.ros.messages import resolve, to_stamp
 from fourbar_ros.ros.schemas import type_hash
 from fourbar_ros.ros.stop import Stop

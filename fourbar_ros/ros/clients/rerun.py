@@ -12,11 +12,11 @@ import struct
 import time
 from typing import NamedTuple
 
-from fourbar_ros.bag import BagError
 from fourbar_ros.bag.origin import origin_of
 from fourbar_ros.bag.playback import Pace, play
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import distance
+from fourbar_ros.errors import BagError
 from fourbar_ros.ros.clients.client import Client, name_on, NoAnswer
 from fourbar_ros.ros.clients.replay import installed, Replayer
 from fourbar_ros.ros.messages import resolve

@@ -15,9 +15,9 @@ from math import inf, nan
 from struct import error as StructError  # noqa: N812, it is a class
 from struct import Struct
 
-from fourbar_ros.bag import BagError
-from fourbar_ros.bag.cdr import Layout
-from fourbar_ros.bag.definitions import Definition
+from fourbar_ros.errors import BagError
+from fourbar_ros.formats.cdr import Layout
+from fourbar_ros.formats.definitions import Definition
 from fourbar_ros.pipeline.message_fields import driven_of
 from fourbar_ros.ros.messages import resolve, Stamp
 from fourbar_ros.ros.schemas import definition

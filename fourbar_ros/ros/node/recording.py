@@ -62,7 +62,7 @@ class Recording:
 
         The stream goes on if that fails: the log and the diagnostics then give the reason.
         """
-        from fourbar_ros.bag.rosbag2 import free_name
+        from fourbar_ros.formats.rosbag2 import free_name
         log, wanted = self._node.get_logger(), scene.recording.name
         try:
             name = free_name(directory_of(scene), wanted)

@@ -10,7 +10,7 @@ import re
 import time
 from typing import NamedTuple
 
-from fourbar_ros.bag import BagError
+from fourbar_ros.errors import BagError
 import yaml
 
 VERSION = 9

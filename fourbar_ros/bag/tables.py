@@ -10,7 +10,7 @@ from __future__ import annotations
 import csv
 import zipfile
 
-from fourbar_ros.bag import BagError
+from fourbar_ros.errors import BagError
 import numpy as np
 
 ROWS = 1 << 16          # of a column are in memory at once when it goes into the .npz

@@ -4,9 +4,10 @@ from __future__ import annotations
 import contextlib
 import json
 
-from fourbar_ros.bag import BagError, rosbag2
-from fourbar_ros.bag.mcap_records import Damaged, HEAD, parse
-from fourbar_ros.bag.mcap_scan import ending, Scan
+from fourbar_ros.errors import BagError
+from fourbar_ros.formats import rosbag2
+from fourbar_ros.formats.mcap_records import Damaged, HEAD, parse
+from fourbar_ros.formats.mcap_scan import ending, Scan
 from mcap.opcode import Opcode
 from mcap.records import MetadataIndex, Statistics
 

@@ -20,8 +20,8 @@ from struct import Struct
 from typing import NamedTuple
 import zlib
 
-from fourbar_ros.bag import BagError
-from fourbar_ros.bag.mcap_records import (
+from fourbar_ros.errors import BagError
+from fourbar_ros.formats.mcap_records import (
     Damaged,
     filled,
     HEAD,

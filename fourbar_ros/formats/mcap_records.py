@@ -7,7 +7,7 @@ from io import BytesIO
 from struct import Struct
 import zlib
 
-from fourbar_ros.bag import BagError
+from fourbar_ros.errors import BagError
 import lz4.frame
 from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.opcode import Opcode

@@ -14,8 +14,8 @@ from struct import Struct
 from types import SimpleNamespace
 from typing import NamedTuple
 
-from fourbar_ros.bag import BagError
-from fourbar_ros.bag.definitions import Definition, PRIMITIVES
+from fourbar_ros.errors import BagError
+from fourbar_ros.formats.definitions import Definition, PRIMITIVES
 import numpy as np
 
 DEPTH = 64                  # of definitions within each other

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
-from fourbar_ros.bag import BagError
+from fourbar_ros.errors import BagError
 
 PRIMITIVES = {'bool': '?', 'byte': 'u1', 'char': 'u1', 'float32': 'f4', 'float64': 'f8',
               'int8': 'i1',

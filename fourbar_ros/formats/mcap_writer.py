@@ -13,7 +13,7 @@ from collections import defaultdict
 import struct
 import zlib
 
-from fourbar_ros.bag.mcap_records import (
+from fourbar_ros.formats.mcap_records import (
     Damaged,
     encoded,
     HEAD,
@@ -25,7 +25,7 @@ from fourbar_ros.bag.mcap_records import (
     split,
     unpacked,
 )
-from fourbar_ros.bag.mcap_scan import MAGIC
+from fourbar_ros.formats.mcap_scan import MAGIC
 from mcap.opcode import Opcode
 from mcap.records import (
     Channel,
