@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Makes .venv, installs what is needed and builds fourbar_msgs and fourbar_ros into install/.
+# Makes .venv, installs what is needed and builds fourbar_msgs and fourbar_ros into install/, and
+# tf2_msgs where ROS 2 comes as wheels, which lack it.
 # A later call redoes only what changed; one that was interrupted is repaired by the next.
 #
 #   scripts/setup.sh         enough to run the node
@@ -233,15 +234,20 @@ else
   install pip "$text into .venv" "${run_files[@]}"
 fi
 
-# ---- the two packages
+# ---- the packages
 
 # fourbar_ros is installed as links into this tree, so an edited .py or .yaml needs no build; what
 # does is a change of its metadata or of the list of files it shares. (A plain `colcon build` turns
 # the links into copies: setup.py in build/ is then no link any more.)
 msgs_hash=$(find msg_defs -type f -print0 | sort -z | xargs -0 sha256sum | cat - "${run_files[0]}" | hash_of -)
+tf2_hash=$(find tf2_defs -type f -print0 | sort -z | xargs -0 sha256sum | cat - "${run_files[0]}" | hash_of -)
 package_hash=$({ find config launch -type f 2>/dev/null || true; } | sort | cat - setup.py setup.cfg package.xml | hash_of -)
 
 stale=()
+if [ "$ros" = wheels ] &&
+  { ! done_with install/tf2_msgs/.built "$tf2_hash" || [ ! -d build/tf2_msgs ]; }; then
+  stale+=(tf2_msgs)
+fi
 if ! done_with install/fourbar_msgs/.built "$msgs_hash" || [ ! -d build/fourbar_msgs ]; then
   stale+=(fourbar_msgs)
 fi
@@ -260,13 +266,14 @@ if [ "${#stale[@]}" -gt 0 ]; then
   # BUILD_TESTING is off because the message package has no tests and its linters are no wheels.
   VIRTUAL_ENV=$venv PATH=$venv/bin:$PATH step "building ${stale[*]}" build \
     "$py" -c 'import sys; from colcon_core.command import main; sys.exit(main())' \
-    --log-base log build --base-paths . msg_defs --packages-select "${stale[@]}" \
+    --log-base log build --base-paths . msg_defs tf2_defs --packages-select "${stale[@]}" \
     --symlink-install --event-handlers console_direct+ \
     --cmake-args -DCMAKE_BUILD_TYPE=Release -DBUILD_TESTING=OFF "-DPython3_EXECUTABLE=$py" ||
     die "the build failed; its first error:" "$(grep -m1 -iE '(^|[^a-z])error( |:)' "$logs/build.log" || echo unknown)" \
       'All of its output: log/setup/build.log'
   for package in "${stale[@]}"; do
     case $package in
+      tf2_msgs) echo "$tf2_hash" ;;
       fourbar_msgs) echo "$msgs_hash" ;;
       fourbar_ros) echo "$package_hash" ;;
     esac >"install/$package/.built"

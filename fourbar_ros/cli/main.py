@@ -10,12 +10,12 @@ import sys
 import threading
 
 from fourbar_ros import __version__
-from fourbar_ros.cli import bag, draw, record, replay, reproduce, scene, show
+from fourbar_ros.cli import bag, describe, draw, record, replay, reproduce, scene, show
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.optional import MissingPackage
 from fourbar_ros.scene.arguments import Parser
 
-VERBS = (show, scene, bag, record, replay, draw, reproduce)
+VERBS = (show, scene, bag, record, replay, draw, describe, reproduce)
 DESCRIPTION = """\
 Motion, loads and extrema of planar four-bars, slider-cranks and inverted slider-cranks, and tools
 for recorded runs. Works without ROS, except for record and replay, which talk to a node.
@@ -34,6 +34,7 @@ examples:
   fourbar scene check paper                    what a node with this scene does, and what it costs
   fourbar bag info bags/run                    what a bag contains
   fourbar bag recompute bags/run               recompute every recorded output and compare
+  fourbar describe paper -o paper.urdf         the scene as URDF; or --as sdf, --as mjcf
   fourbar replay bags/run --rate 2             publish a run again, twice as fast
 
 exit codes: 0 good; 1 an error, reported in one line; 2 bad arguments; 3 done, but the result

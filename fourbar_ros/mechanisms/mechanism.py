@@ -23,6 +23,7 @@ from fourbar_ros.mechanisms.evaluation import evaluate, recorded
 from fourbar_ros.mechanisms.parts import (  # noqa: F401
     Arrow,
     BETA,
+    Connection,
     Coordinate,
     Diagram,
     Joint,
@@ -247,6 +248,15 @@ class Mechanism(ABC):
     def modes(self):
         """Return {assembly mode: its name}; one input may have fewer than another."""
         return self.MODES
+
+    @property
+    def connections(self) -> tuple[Connection, ...]:
+        """
+        Return which links each of ``JOINTS`` connects, in the same order.
+
+        Descriptions for other programs are made of it; a kind without has none.
+        """
+        return ()
 
     @property
     def outputs(self):

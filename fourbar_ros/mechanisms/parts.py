@@ -114,6 +114,38 @@ class Joint(NamedTuple):
     coordinate: Coordinate
 
 
+GROUND = 'ground'      # as a link: what does not move
+
+
+class Connection(NamedTuple):
+    """
+    Which two links a joint connects, and where.
+
+    With the coordinate q of the joint, the angle of the child is that of the parent plus ``turn``,
+    plus q of a joint that turns. The joint's place on the child is its place on the parent, moved
+    by q along ``axis`` of a joint that slides.
+
+    Parameters
+    ----------
+    parent, child : str
+        Names of links, or :data:`GROUND`.
+    on_parent, on_child : tuple of 2 floats
+        The joint, along each link from its first joint and across to its left [m].
+    axis : tuple of 2 floats, optional
+        Unit vector of a joint that slides, in the frame of the parent; None: it turns.
+    turn : float
+        Angle from the parent to the child, of a joint that turns at q = 0 [rad].
+
+    """
+
+    parent: str
+    child: str
+    on_parent: tuple[float, float] = (0.0, 0.0)
+    on_child: tuple[float, float] = (0.0, 0.0)
+    axis: tuple[float, float] | None = None
+    turn: float = 0.0
+
+
 # --- what a picture shows ------------------------------------------------------------------------
 
 class Bar(NamedTuple):

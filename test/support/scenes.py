@@ -7,3 +7,20 @@ SLIDES_7_6 = {'linkage.a1': 8.0, 'linkage.a2': 14.0, 'linkage.a3': 9.0, 'linkage
 SLIDES_7_7 = {'linkage.a1': 2.0, 'linkage.a2': 6.0, 'linkage.a3': 7.0, 'linkage.a4': 5.0}
 ROCKER = {'linkage.a1': 4.0, 'linkage.a2': 3.0, 'linkage.a3': 2.0, 'linkage.a4': 8.0}
 TIP = {'points.tip.link': 'coupler', 'points.tip.along': 0.5, 'points.tip.across': 0.2}
+
+
+def values_of(mechanism, kind, **others):
+    """Return the parameters of a scene with this mechanism, its kind by name; and others."""
+    values = {f'linkage.{name}': value
+              for name, value in zip(mechanism.length_names, mechanism.lengths)}
+    values |= {'linkage.kind': kind, 'linkage.mode': mechanism.mode,
+               'linkage.input': mechanism.input, 'gravity.x': mechanism.gravity[0],
+               'gravity.y': mechanism.gravity[1]}
+    if mechanism.bodies:
+        values |= {f'bodies.{link}.{field}': getattr(body, field)
+                   for link, body in mechanism.bodies._asdict().items()
+                   for field in ('mass', 'inertia', 'cg_along', 'cg_across')}
+        values |= {f'external.{link}.{field}': getattr(applied, field)
+                   for link, applied in mechanism.external._asdict().items()
+                   for field in ('force_x', 'force_y', 'along', 'across', 'couple')}
+    return values | others

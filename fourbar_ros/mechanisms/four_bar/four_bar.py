@@ -20,6 +20,8 @@ from fourbar_ros.mechanisms.four_bar.motion import make_motion, Motion
 from fourbar_ros.mechanisms.mechanism import Constants, CRANK, CROSSED, Mechanism, OPEN
 from fourbar_ros.mechanisms.parts import (
     BETA,
+    Connection,
+    GROUND,
     Joint,
     Length,
     Link,
@@ -251,6 +253,13 @@ class FourBar(Mechanism):
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
         return make_loads(numbers, *constants.lengths, constants.bodies, constants.gravity,
                           constants.external)
+
+    @property
+    def connections(self):
+        """Return which links the four joints connect."""
+        return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
+                Connection('coupler', 'output', (self.a2, 0.0), (self.a3, 0.0), turn=pi),
+                Connection(GROUND, 'output', (self.a4, 0.0)))
 
     def link_motion(self, motion, link):
         """Return the LinkMotion of a link by name."""

@@ -23,6 +23,8 @@ from fourbar_ros.mechanisms.inverted_slider_crank.motion import (
 )
 from fourbar_ros.mechanisms.mechanism import Constants, CRANK, EPS, Mechanism, OPEN, SLIDE
 from fourbar_ros.mechanisms.parts import (
+    Connection,
+    GROUND,
     Joint,
     Length,
     Link,
@@ -208,6 +210,13 @@ class InvertedSlider(Mechanism):
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
         return make_loads(numbers, *constants.lengths, self.input == CRANK, constants.bodies,
                           constants.gravity, constants.external)
+
+    @property
+    def connections(self):
+        """Return which links the four joints connect."""
+        return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
+                Connection('output', 'coupler', (0.0, self.offset), axis=(1.0, 0.0)),
+                Connection(GROUND, 'output', (self.a4, 0.0)))
 
     def link_motion(self, motion, link):
         """Return the LinkMotion of a link by name."""

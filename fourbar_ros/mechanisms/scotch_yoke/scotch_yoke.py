@@ -11,7 +11,9 @@ from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.mechanism import Constants, CRANK, Mechanism, OPEN, SLIDE
 from fourbar_ros.mechanisms.parts import (
     Arrow,
+    Connection,
     Diagram,
+    GROUND,
     Joint,
     Length,
     Link,
@@ -151,6 +153,13 @@ class ScotchYoke(Mechanism):
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
         return make_loads(numbers, *constants.lengths, self.input == CRANK, constants.bodies,
                           constants.gravity, constants.external)
+
+    @property
+    def connections(self) -> tuple[Connection, ...]:
+        """Return which links the four joints connect; the block points along the slot, y."""
+        return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
+                Connection('output', 'coupler', axis=(0.0, 1.0), turn=0.5 * pi),
+                Connection(GROUND, 'output', (0.0, self.offset), axis=(1.0, 0.0)))
 
     def link_motion(self, motion: Any, link: str) -> LinkMotion:
         """Return the LinkMotion of a link by name."""

@@ -17,6 +17,8 @@ from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.mechanism import Constants, CRANK, Mechanism, OPEN, SLIDE
 from fourbar_ros.mechanisms.parts import (
     BETA,
+    Connection,
+    GROUND,
     Joint,
     Length,
     Link,
@@ -227,6 +229,13 @@ class SliderCrank(Mechanism):
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
         return make_loads(numbers, *constants.lengths, self.input == CRANK, constants.bodies,
                           constants.gravity, constants.external)
+
+    @property
+    def connections(self):
+        """Return which links the four joints connect."""
+        return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
+                Connection('coupler', 'output', (self.a2, 0.0)),
+                Connection(GROUND, 'output', (0.0, self.offset), axis=(1.0, 0.0)))
 
     def link_motion(self, motion, link):
         """Return the LinkMotion of a link by name."""

@@ -1,0 +1,48 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""``fourbar describe``: a scene as URDF, SDF or MJCF."""
+from __future__ import annotations
+
+from pathlib import Path
+import sys
+
+from fourbar_ros.cli.common import add_verb, SCENE_HELP
+
+SUFFIXES = {'.urdf': 'urdf', '.sdf': 'sdf', '.mjcf': 'mjcf', '.xml': 'mjcf'}
+EPILOG = """\
+examples:
+  fourbar describe paper                     URDF on the screen
+  fourbar describe cylinder -o boom.urdf
+  fourbar describe paper --as mjcf -o paper.xml
+
+URDF cannot close a loop: the tree is cut at one joint of each loop, and two frames there,
+closing_NAME_1 and closing_NAME_2, coincide as long as the joint states belong together. Publish
+those of the node (output joint_states), which has all joints; never joint_state_publisher's.
+docs/descriptions.md has the rest.
+"""
+
+
+def add(verbs):
+    """Add the verb."""
+    verb = add_verb(verbs, 'describe', 'write a scene as URDF, SDF or MJCF',
+                    'Write a scene as a robot description: URDF (ROS, RViz, MoveIt, Foxglove), '
+                    'SDF (Gazebo) or MJCF\n(MuJoCo), with masses, joint names and senses of the '
+                    'scene, in its assembly mode.', EPILOG)
+    verb.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    verb.add_argument('--as', dest='format', choices=('urdf', 'sdf', 'mjcf'),
+                      help='format; default: that of the file name, else urdf')
+    verb.add_argument('-o', '--out', metavar='FILE', type=Path,
+                      help='file to write (.urdf, .sdf, .mjcf, .xml); default: print it')
+    verb.set_defaults(run=_describe)
+
+
+def _describe(arguments):
+    from fourbar_ros.description.describe import describe
+    from fourbar_ros.scene.scene import load
+    suffix = arguments.out.suffix if arguments.out else ''
+    text = describe(load(arguments.scene), arguments.format or SUFFIXES.get(suffix, 'urdf'))
+    if arguments.out is None:
+        sys.stdout.write(text)
+    else:
+        arguments.out.write_text(text, encoding='utf-8')
+        print(arguments.out)

@@ -1,0 +1,115 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+MJCF of a scene, for MuJoCo: the tree, and the cut joints as ``connect`` constraints.
+
+MuJoCo keeps a constraint with a spring and a damper, so its loops give way. The settings here are
+much stiffer than its own (a time constant of two steps instead of 20 ms). The key ``start`` has a
+pose in which the loops are closed; the plane of the mechanism is x-y, gravity is the scene's.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from fourbar_ros.description.elements import add, as_text, colour, comment, Element
+from fourbar_ros.description.inertia import inertia_of
+from fourbar_ros.description.model import Model, ModelLink
+from fourbar_ros.description.shapes import Block, Pin, Rod
+from fourbar_ros.description.tree import NoDescription
+
+TIMESTEP = 0.0005      # [s]
+SOLREF = (2.0 * TIMESTEP, 1.0)                 # time constant [s], damping ratio
+SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)     # as hard as it gets
+
+
+def mjcf(model: Model) -> str:
+    """
+    Return the MJCF of a model.
+
+    Raises
+    ------
+    NoDescription
+        A loop is cut at a slide, for which MuJoCo has no constraint.
+
+    """
+    for closure in model.closures:
+        if closure.connection.axis is not None:
+            raise NoDescription(f'the loop of joint {closure.name} is cut at a slide, for which '
+                                'MuJoCo has no constraint: use SDF')
+    root = Element('mujoco', model=model.name)
+    comment(root, model.title)
+    add(root, 'compiler', angle='radian', autolimits='true')
+    add(root, 'option', gravity=(*model.gravity, 0.0), timestep=TIMESTEP)
+    world = add(root, 'worldbody')
+    base = add(world, 'body', name=model.root)
+    _geoms(base, model.ground, -1)
+    bodies = {model.root: base}
+    for place, link in enumerate(model.links):
+        bodies[link.frame] = _body(bodies[link.parent], link, place, model.size)
+    for name, (frame, x, y) in model.points.items():
+        add(bodies[frame], 'site', name=name, pos=(x, y, 0.0), size=0.005 * model.size)
+    _equality(root, model, bodies)
+    driven = next(joint for joint in model.joints if joint.is_driven)
+    add(add(root, 'actuator'), 'motor', name=f'{driven.name}_drive', joint=driven.name)
+    add(add(root, 'keyframe'), 'key', name='start',
+        qpos=tuple(joint.start for joint in _in_depth(model)))
+    return as_text(root)
+
+
+def _body(parent: Element, link: ModelLink, place: int, size: float) -> Element:
+    x, y, angle = link.joint.at_zero
+    body = add(parent, 'body', name=link.frame, pos=(x, y, 0.0), euler=(0.0, 0.0, angle))
+    joint = add(body, 'joint', name=link.joint.name, type='slide' if link.joint.slides else
+                'hinge', axis=link.joint.axis)
+    if link.joint.limits and link.joint.is_driven:
+        joint.set('range', ' '.join(map(repr, link.joint.limits)))
+    if link.body:
+        mass, along, across, *moments = inertia_of(link.body, size)
+        add(body, 'inertial', pos=(along, across, 0.0), mass=mass, diaginertia=tuple(moments))
+    _geoms(body, link.shapes, place)
+    return body
+
+
+def _geoms(body: Element, shapes: Sequence[Any], place: int) -> None:
+    """Add shapes that touch nothing; without masses in the scene, they give the body its mass."""
+    for shape in shapes:
+        add(body, 'geom', **_geometry(shape), rgba=colour(place), contype='0', conaffinity='0')
+
+
+def _geometry(shape: Any) -> dict[str, Any]:
+    if isinstance(shape, Rod):
+        return {'type': 'capsule', 'size': shape.radius,
+                'fromto': (*shape.start, 0.0, *shape.end, 0.0)}
+    if isinstance(shape, Pin):
+        return {'type': 'cylinder', 'size': (shape.radius, 0.5 * shape.length),
+                'pos': (*shape.at, 0.0)}
+    assert isinstance(shape, Block)
+    length, width, height = shape.size
+    return {'type': 'box', 'size': (0.5 * length, 0.5 * width, 0.5 * height),
+            'pos': (*shape.at, 0.0), 'euler': (0.0, 0.0, shape.angle)}
+
+
+def _equality(root: Element, model: Model, bodies: dict[str, Element]) -> None:
+    """Add the constraints of the cut joints, each between two sites that coincide."""
+    equality = add(root, 'equality')
+    for closure in model.closures:
+        first, second = closure.frames
+        add(bodies[closure.parent], 'site', name=first, pos=(*closure.connection.on_parent, 0.0),
+            size=0.005 * model.size)
+        add(bodies[closure.child], 'site', name=second, pos=(*closure.connection.on_child, 0.0),
+            size=0.005 * model.size)
+        add(equality, 'connect', name=closure.name, site1=first, site2=second, solref=SOLREF,
+            solimp=SOLIMP)
+
+
+def _in_depth(model: Model) -> list[Any]:
+    """Return the joints in MuJoCo's order: each body's, then those of the bodies in it."""
+    below: dict[str, list[ModelLink]] = {}
+    for link in model.links:
+        below.setdefault(link.parent, []).append(link)
+
+    def of(frame: str) -> list[Any]:
+        return [joint for link in below.get(frame, ())
+                for joint in (link.joint, *of(link.frame))]
+    return of(model.root)

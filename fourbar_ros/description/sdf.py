@@ -1,0 +1,122 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+SDF of a scene, for Gazebo: all links in a pose in which they close, and all joints.
+
+SDF has loops, so no joint is cut. Its joints are zero in the pose of the file, whatever they are
+in ``joint_states``: a comment at each joint gives its position there. Where the scene has gravity,
+the model stands so that its own gravity is downwards.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import atan2, pi
+from typing import Any
+
+from fourbar_ros.description.elements import add, as_text, colour, comment, Element, numbers
+from fourbar_ros.description.inertia import inertia_of
+from fourbar_ros.description.model import Model, ModelLink
+from fourbar_ros.description.shapes import Block, Pin, Rod
+
+VERSION = '1.8'        # Fortress to Ionic read it
+WORLD = 'world'
+
+
+def sdf(model: Model) -> str:
+    """Return the SDF of a model."""
+    root = Element('sdf', version=VERSION)
+    element = add(root, 'model', name=model.name)
+    comment(element, model.title)
+    add(element, 'pose', numbers(0.0, 0.0, 0.0, *_upright(model.gravity)))
+    _ground(element, model)
+    for place, link in enumerate(model.links):
+        _link(element, link, place, model)
+    for link in model.links:
+        joint = link.joint
+        _joint(element, joint.name, link.parent, link.frame, joint.connection, joint.ratio,
+               joint.start, joint.limits)
+    for closure in model.closures:
+        comment(element, f'joint {closure.name} closes a loop')
+        _joint(element, closure.name, closure.parent, closure.child, closure.connection,
+               closure.ratio, closure.start, None)
+    for name, (frame, x, y) in model.points.items():
+        at = add(element, 'frame', name=name, attached_to=frame)
+        add(at, 'pose', numbers(x, y, 0.0, 0.0, 0.0, 0.0), relative_to=frame)
+    return as_text(root)
+
+
+def _upright(gravity: tuple[float, float]) -> tuple[float, float, float]:
+    """Return (roll, pitch, yaw) that turn the gravity of the scene downwards."""
+    g_x, g_y = gravity
+    if g_x == g_y == 0.0:
+        return 0.0, 0.0, 0.0
+    return 0.5 * pi, 0.5 * pi + atan2(g_y, g_x), 0.0
+
+
+def _ground(element: Element, model: Model) -> None:
+    """Add the root, fixed to the world."""
+    root = add(element, 'link', name=model.root)
+    _visuals(root, model.ground, -1)
+    fixed = add(element, 'joint', name=f'{model.root}_fixed', type='fixed')
+    add(fixed, 'parent', WORLD)
+    add(fixed, 'child', model.root)
+
+
+def _link(element: Element, link: ModelLink, place: int, model: Model) -> None:
+    x, y, angle = link.pose
+    its = add(element, 'link', name=link.frame)
+    add(its, 'pose', numbers(x, y, 0.0, 0.0, 0.0, angle))
+    if link.body:
+        mass, along, across, about_x, about_y, about_z = inertia_of(link.body, model.size)
+        inertial = add(its, 'inertial')
+        add(inertial, 'pose', numbers(along, across, 0.0, 0.0, 0.0, 0.0))
+        add(inertial, 'mass', numbers(mass))
+        inertia = add(inertial, 'inertia')
+        for name, value in (('ixx', about_x), ('iyy', about_y), ('izz', about_z),
+                            ('ixy', 0.0), ('ixz', 0.0), ('iyz', 0.0)):
+            add(inertia, name, numbers(value))
+    _visuals(its, link.shapes, place)
+
+
+def _joint(element: Element, name: str, parent: str, child: str, connection: Any, ratio: float,
+           start: float, limits: tuple[float, float] | None) -> None:
+    """Add a joint at its place on the child; its axis is given in the frame of the parent."""
+    slides = connection.axis is not None
+    joint = add(element, 'joint', name=name, type='prismatic' if slides else 'revolute')
+    comment(joint, f'position in joint_states: {start:.17g}')
+    add(joint, 'pose', numbers(*connection.on_child, 0.0, 0.0, 0.0, 0.0), relative_to=child)
+    add(joint, 'parent', parent)
+    add(joint, 'child', child)
+    axis = add(joint, 'axis')
+    along = (ratio * connection.axis[0], ratio * connection.axis[1], 0.0) if slides else (
+        0.0, 0.0, ratio)
+    add(axis, 'xyz', numbers(*along), expressed_in=parent)
+    if limits:
+        limit = add(axis, 'limit')
+        add(limit, 'lower', numbers(limits[0] - start))
+        add(limit, 'upper', numbers(limits[1] - start))
+
+
+def _visuals(link: Element, shapes: Sequence[Any], place: int) -> None:
+    for number, shape in enumerate(shapes):
+        visual = add(link, 'visual', name=f'{link.get("name")}_visual_{number}')
+        pose, tag, size = _geometry(shape)
+        add(visual, 'pose', numbers(*pose))
+        geometry = add(add(visual, 'geometry'), tag)
+        for name, value in size.items():
+            add(geometry, name, numbers(*value))
+        material = add(visual, 'material')
+        for name in ('ambient', 'diffuse'):
+            add(material, name, numbers(*colour(place)))
+
+
+def _geometry(shape: Any) -> tuple[tuple[float, ...], str, dict[str, tuple[float, ...]]]:
+    """Return (pose, tag, sizes) of a shape; cylinders are along z."""
+    if isinstance(shape, Rod):
+        return ((*shape.middle, 0.0, 0.0, 0.5 * pi, shape.angle), 'cylinder',
+                {'radius': (shape.radius,), 'length': (shape.length,)})
+    if isinstance(shape, Pin):
+        return ((*shape.at, 0.0, 0.0, 0.0, 0.0), 'cylinder',
+                {'radius': (shape.radius,), 'length': (shape.length,)})
+    assert isinstance(shape, Block)
+    return (*shape.at, 0.0, 0.0, 0.0, shape.angle), 'box', {'size': shape.size}

@@ -1,0 +1,105 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+URDF of a scene, for robot_state_publisher, RViz, MoveIt, Foxglove.
+
+URDF cannot close a loop (a mimic joint follows one line): the tree is cut at one joint of each
+loop, and two frames there, ``closing_NAME_1`` and ``closing_NAME_2``, coincide whenever the joint
+states belong together, as those of the node do. Joints have the names in ``joint_states``.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import pi
+from typing import Any
+
+from fourbar_ros.description.elements import add, as_text, colour, comment, Element
+from fourbar_ros.description.inertia import inertia_of
+from fourbar_ros.description.model import Closure, Model, ModelJoint, ModelLink
+from fourbar_ros.description.shapes import Block, Pin, Rod
+
+UNLIMITED = 1e9        # URDF wants an effort and a rate that a limited joint does not exceed
+
+
+def urdf(model: Model) -> str:
+    """Return the URDF of a model."""
+    robot = Element('robot', name=model.name)
+    comment(robot, model.title)
+    root = add(robot, 'link', name=model.root)
+    _visuals(root, model.ground, -1)
+    for place, link in enumerate(model.links):
+        _link(robot, link, place, model.size)
+    for closure in model.closures:
+        _closure(robot, closure)
+    for name, (frame, x, y) in model.points.items():
+        _fixed(robot, name, frame, (x, y, 0.0))
+    return as_text(robot)
+
+
+def _link(robot: Element, link: ModelLink, place: int, size: float) -> None:
+    element = add(robot, 'link', name=link.frame)
+    if link.body:
+        mass, x, y, about_x, about_y, about_z = inertia_of(link.body, size, 0.0)
+        inertial = add(element, 'inertial')
+        add(inertial, 'origin', xyz=(x, y, 0.0))
+        add(inertial, 'mass', value=mass)
+        add(inertial, 'inertia', ixx=about_x, iyy=about_y, izz=about_z, ixy=0.0, ixz=0.0, iyz=0.0)
+    _visuals(element, link.shapes, place)
+    _joint(robot, link)
+
+
+def _joint(robot: Element, link: ModelLink) -> None:
+    joint, (x, y, angle) = link.joint, link.joint.at_zero
+    element = add(robot, 'joint', name=joint.name, type=_type(joint))
+    add(element, 'parent', link=link.parent)
+    add(element, 'child', link=link.frame)
+    add(element, 'origin', xyz=(x, y, 0.0), rpy=(0.0, 0.0, angle))
+    add(element, 'axis', xyz=joint.axis)
+    if joint.limits:
+        low, high = joint.limits
+        add(element, 'limit', lower=low, upper=high, effort=UNLIMITED, velocity=UNLIMITED)
+
+
+def _type(joint: ModelJoint) -> str:
+    return 'prismatic' if joint.slides else 'revolute' if joint.limits else 'continuous'
+
+
+def _closure(robot: Element, closure: Closure) -> None:
+    """Add the two frames of a cut joint."""
+    its = closure.connection
+    comment(robot, f'joint {closure.name} closes the loop here, which URDF cannot say: these two '
+                   'frames coincide' + (' along its axis' if its.axis else ''))
+    first, second = closure.frames
+    _fixed(robot, first, closure.parent, (*its.on_parent, 0.0))
+    _fixed(robot, second, closure.child, (*its.on_child, 0.0))
+
+
+def _fixed(robot: Element, name: str, frame: str, place: tuple[float, float, float]) -> None:
+    """Add a frame fixed to a link."""
+    add(robot, 'link', name=name)
+    joint = add(robot, 'joint', name=f'{name}_fixed', type='fixed')
+    add(joint, 'parent', link=frame)
+    add(joint, 'child', link=name)
+    add(joint, 'origin', xyz=place)
+
+
+def _visuals(link: Element, shapes: Sequence[Any], place: int) -> None:
+    for shape in shapes:
+        visual = add(link, 'visual')
+        at, angles, tag, size = _geometry(shape)
+        add(visual, 'origin', xyz=(*at, 0.0), rpy=angles)
+        add(add(visual, 'geometry'), tag, **size)
+        add(add(visual, 'material', name=f'{link.get("name")}_colour'), 'color',
+            rgba=colour(place))
+
+
+def _geometry(shape: Any) -> tuple[Any, Any, str, dict[str, Any]]:
+    """Return (place, roll pitch yaw, tag, attributes) of a shape; cylinders are along z."""
+    if isinstance(shape, Rod):
+        return (shape.middle, (0.0, 0.5 * pi, shape.angle), 'cylinder',
+                {'radius': shape.radius, 'length': shape.length})
+    if isinstance(shape, Pin):
+        return (shape.at, (0.0, 0.0, 0.0), 'cylinder',
+                {'radius': shape.radius, 'length': shape.length})
+    assert isinstance(shape, Block)
+    return shape.at, (0.0, 0.0, shape.angle), 'box', {'size': shape.size}

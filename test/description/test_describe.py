@@ -1,0 +1,235 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Descriptions of a scene: the forward kinematics of other programs close its loops."""
+from dataclasses import replace
+from io import StringIO
+from math import pi
+import shutil
+import subprocess
+from xml.etree import ElementTree
+
+from fourbar_ros import InvalidParameter
+from fourbar_ros.description.describe import describe
+from fourbar_ros.description.model import model_of
+from fourbar_ros.description.tree import NoDescription, tree_of
+from fourbar_ros.mechanisms.kinds import KINDS
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.scene.scene import from_values
+import numpy as np
+import pytest
+from support import contract
+from support.scenes import PAPER, RODS, TIP, values_of
+
+EPS = 2.0**-52
+SIGNS = [-1.0, 1.0, -1.0, 1.0]
+OFFSETS = [0.3, -0.2, 0.1, 0.05]
+every_case = pytest.mark.parametrize('case', contract.CASES, ids=contract.name_of)
+
+
+def scene_of(case, seed=3, **others):
+    """Return a scene of a case with masses and a point, and its mechanism."""
+    mechanism, _ = next(contract.ordinary(case, seed, 1))
+    mechanism = replace(mechanism, external=type(mechanism.external)())
+    low, high = mechanism.input_ranges[0]
+    values = values_of(mechanism, case.name, **TIP, **others)
+    return from_values(values | {'drive.start': 0.5 * (low + high)})
+
+
+def inputs(mechanism, count=73):
+    """Return inputs over its range, away from toggles."""
+    return np.concatenate([low + (high - low) * np.linspace(0.02, 0.98, count)
+                           for low, high in mechanism.input_ranges])
+
+
+def joint_positions(scene, motion):
+    """Return {joint: position} as joint_states has them."""
+    shown = scene.joint_states
+    return {name: ratio * getattr(motion, joint.coordinate.position) + offset
+            for name, joint, ratio, offset in zip(scene.joint_names, scene.linkage.JOINTS,
+                                                  shown.ratios, shown.offsets)}
+
+
+def loaded(text):
+    """Return a URDF as yourdfpy loads it, without geometry."""
+    pytest.importorskip('yourdfpy', reason='yourdfpy is not installed')
+    from yourdfpy import URDF
+    return URDF.load(StringIO(text), load_meshes=False, build_scene_graph=True)
+
+
+@every_case
+@pytest.mark.parametrize('turned', [False, True], ids=['plain', 'turned'])
+def test_forward_kinematics_of_the_urdf_close_the_cut_joints(case, turned):
+    others = {'joint_states.ratios': SIGNS, 'joint_states.offsets': OFFSETS} if turned else {}
+    scene = scene_of(case, **others)
+    robot, model, worst = loaded(describe(scene)), model_of(scene), 0.0
+    size = max(1.0, *map(abs, scene.linkage.lengths))
+    for position in inputs(scene.linkage):
+        motion = scene.linkage.motion(float(position))
+        positions = joint_positions(scene, motion)
+        robot.update_cfg({joint.name: positions[joint.name] for joint in model.joints})
+        for closure in model.closures:
+            first, second = (robot.get_transform(frame) for frame in closure.frames)
+            gap = np.linalg.norm(first[:3, 3] - second[:3, 3])
+            assert gap <= max(1e-12, 16.0 * EPS * motion.condition * size)
+            worst = max(worst, gap)
+        for link in model.links:
+            pose = robot.get_transform(link.frame, model.root)
+            moved = scene.linkage.link_motion(motion, link.joint.connection.child)
+            assert np.hypot(pose[0, 3] - moved.x, pose[1, 3] - moved.y) <= 1e-12 * size
+            assert abs(pose[0, 0] - moved.cosine) <= 1e-12
+            assert abs(pose[1, 0] - moved.sine) <= 1e-12
+    assert model.closures and worst > 0.0 or case.kind.TITLE == 'Scotch yoke'
+
+
+@every_case
+def test_every_point_has_a_frame(case):
+    scene = scene_of(case)
+    robot = loaded(describe(scene))
+    motion = scene.linkage.motion(scene.drive.start)
+    positions = joint_positions(scene, motion)
+    robot.update_cfg({joint.name: positions[joint.name] for joint in model_of(scene).joints})
+    place = point_motion(scene.linkage, motion, *scene.points['tip']).place
+    assert np.abs(robot.get_transform('tip', 'fourbar')[:2, 3] - place).max() <= 1e-12
+
+
+@every_case
+def test_sdf_is_closed_at_all_its_joints(case):
+    """Each joint is at one place and along one axis, seen from its parent and from its child."""
+    scene = scene_of(case)
+    model = ElementTree.fromstring(describe(scene, 'sdf')).find('model')
+    poses = {link.get('name'): [float(v) for v in (link.findtext('pose') or '0 0 0 0 0 0').split()]
+             for link in model.findall('link')}
+    joints = {joint.get('name'): joint for joint in model.findall('joint')
+              if joint.get('type') != 'fixed'}
+    assert set(joints) == set(scene.joint_names)
+
+    def place(frame, x, y):
+        x0, y0, _, _, _, angle = poses[frame]
+        return complex(x0, y0) + complex(x, y) * np.exp(1j * angle)
+
+    motion = scene.linkage.motion(scene.drive.start)
+    for its, name, joint in zip(scene.linkage.connections, scene.joint_names,
+                                scene.linkage.JOINTS):
+        element = joints[name]
+        x, y, *_ = map(float, element.findtext('pose').split())
+        on_child = place(element.findtext('child'), x, y)
+        q = getattr(motion, joint.coordinate.position)
+        on_parent = np.array(its.on_parent) + (q * np.array(its.axis) if its.axis else 0.0)
+        assert abs(place(element.findtext('parent'), *on_parent) - on_child) <= 1e-12
+        assert element.get('type') == ('prismatic' if its.axis else 'revolute')
+
+
+def test_gravity_of_an_sdf_points_downwards():
+    scene = from_values({**PAPER, **RODS, 'gravity.x': 3.0, 'gravity.y': -4.0})
+    model = ElementTree.fromstring(describe(scene, 'sdf')).find('model')
+    roll, pitch, yaw = list(map(float, model.findtext('pose').split()))[3:]
+    c, s = np.cos, np.sin
+    about_x = np.array([[1, 0, 0], [0, c(roll), -s(roll)], [0, s(roll), c(roll)]])
+    about_y = np.array([[c(pitch), 0, s(pitch)], [0, 1, 0], [-s(pitch), 0, c(pitch)]])
+    assert yaw == 0.0
+    assert np.abs(about_y @ about_x @ [0.6, -0.8, 0.0] - [0.0, 0.0, -1.0]).max() <= 4.0 * EPS
+
+
+@every_case
+def test_mujoco_keeps_the_loops_of_its_own_simulation_where_we_have_them(case):
+    """
+    MuJoCo moves freely from our pose; its passive joints follow ours within its softness.
+
+    How far a loop gapes is measured in MuJoCo; an angle can be wrong by the gap over the links,
+    times the condition of the pose.
+    """
+    mujoco = pytest.importorskip('mujoco', reason='mujoco is not installed')
+    scene = scene_of(case)
+    model = mujoco.MjModel.from_xml_string(describe(scene, 'mjcf'))
+    data, ours = mujoco.MjData(model), model_of(scene)
+    mujoco.mj_resetDataKeyframe(model, data, model.key('start').id)
+    joints = {joint.name: data.joint(joint.name) for joint in ours.joints}
+    driven = next(joint for joint in ours.joints if joint.is_driven)
+    least, size = min(filter(None, map(abs, scene.linkage.lengths))), ours.size
+    start, speed = joints[driven.name].qpos[0], 1.0
+    _at_speed(scene, joints, start, speed)
+    worst = moved = 0.0
+    for _ in range(200):
+        mujoco.mj_step(model, data)
+        mujoco.mj_kinematics(model, data)        # of where the step has ended
+        q = float(joints[driven.name].qpos[0])
+        motion = scene.linkage.motion(q)
+        gap = max(np.linalg.norm(np.subtract(*(data.site(frame).xpos for frame in c.frames)))
+                  for c in ours.closures)
+        positions = joint_positions(scene, motion)
+        for name, joint in joints.items():
+            error = joint.qpos[0] - positions[name]
+            error = error if _slides(ours, name) else abs((error + pi) % (2.0 * pi) - pi) * least
+            assert abs(error) <= 4.0 * (1.0 + motion.condition) * (gap + EPS * size)
+        worst, moved = max(worst, gap), max(moved, abs(q - start))
+    assert moved > 1e-3 * size or moved > 1e-3
+    assert worst <= 0.02 * size
+
+
+def _slides(model, name):
+    return any(joint.slides for joint in model.joints if joint.name == name)
+
+
+def _at_speed(scene, joints, position, speed):
+    """Set MuJoCo's joints to a motion of ours."""
+    motion = scene.linkage.motion(float(position), speed)
+    for name, joint in zip(scene.joint_names, scene.linkage.JOINTS):
+        if name in joints:
+            joints[name].qvel[0] = getattr(motion, joint.coordinate.rate)
+
+
+@every_case
+def test_mujoco_reads_the_urdf_with_its_masses(case):
+    mujoco = pytest.importorskip('mujoco', reason='mujoco is not installed')
+    scene = scene_of(case)
+    model = mujoco.MjModel.from_xml_string(describe(scene))
+    names = {model.joint(i).name for i in range(model.njnt)}
+    assert names == {joint.name for joint in model_of(scene).joints}
+    total = sum(body.mass for body in scene.linkage.bodies)
+    assert model.body_mass.sum() == pytest.approx(total, rel=1e-12)
+
+
+@every_case
+def test_check_urdf_accepts_it(case, tmp_path):
+    if not shutil.which('check_urdf'):
+        pytest.skip('check_urdf is not installed: apt install liburdfdom-tools')
+    file = tmp_path / 'scene.urdf'
+    file.write_text(describe(scene_of(case)))
+    done = subprocess.run(['check_urdf', str(file)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and 'Successfully Parsed' in done.stdout, done.stdout + done.stderr
+
+
+def test_the_driven_joint_is_never_cut():
+    for case in contract.CASES:
+        scene = scene_of(case)
+        driven = [joint.coordinate for joint in scene.linkage.JOINTS].index(
+            scene.linkage.input_coordinate)
+        assert driven in tree_of(scene.linkage).holding.values()
+
+
+def test_without_masses_there_are_no_inertials_and_mujoco_takes_the_shapes():
+    scene = from_values(PAPER)
+    assert '<inertial>' not in describe(scene)
+    mujoco = pytest.importorskip('mujoco', reason='mujoco is not installed')
+    assert mujoco.MjModel.from_xml_string(describe(scene, 'mjcf')).body_mass.sum() > 0.0
+
+
+@pytest.mark.parametrize('wrong, why', [
+    ({'joint_states.ratios': [1.0, 2.0, 1.0, 1.0]}, 'ratio of coupler must be 1 or -1, not 2'),
+    ({'frame_id': 'tip', **TIP}, "two frames would be named 'tip'"),
+])
+def test_what_no_description_can_hold_is_refused_in_one_line(wrong, why):
+    with pytest.raises(NoDescription, match=why):
+        describe(from_values({**PAPER, **wrong}))
+
+
+def test_an_unknown_format_is_refused():
+    with pytest.raises(InvalidParameter, match='must be one of urdf, sdf, mjcf'):
+        describe(from_values(PAPER), 'obj')
+
+
+def test_no_number_loses_digits():
+    """The lengths stand in the URDF as they stand in the scene."""
+    text = describe(from_values({**PAPER, 'linkage.a1': 0.1 + 0.2}))
+    assert '0.30000000000000004 0 0' in text
+    assert set(KINDS) == {case.name for case in contract.CASES}
