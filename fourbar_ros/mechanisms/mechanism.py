@@ -1,296 +1,97 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The contract of a mechanism: what it states about itself, and what it can then do.
+A mechanism as users see it: made, copied, and evaluated for one input or arrays of inputs.
 
-A mechanism gives its formulas for any :class:`~fourbar_ros.numerics.number_types.NumberType`; here
-they are called for floats and arrays, with the same rules for all.
+It gives its formulas for any :class:`~fourbar_ros.numerics.number_types.NumberType`; here they are
+called for floats and arrays, with the same rules for all. What a kind states about itself:
+:mod:`fourbar_ros.mechanisms.contract`.
 """
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import fields as fields_of
 from dataclasses import replace
 from functools import cache, cached_property
-from math import fsum, isfinite, nan, pi, remainder
+from math import isfinite
 from numbers import Real
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NoReturn, TypeVar
 
-from fourbar_ros.errors import in_words, InvalidParameter, MissingBodies, OutOfRange, Toggle
-from fourbar_ros.mechanics.bodies import Applied, Bodies, Body, External, NOT_APPLIED
-from fourbar_ros.mechanisms.evaluation import evaluate, recorded
-from fourbar_ros.mechanisms.parts import (  # noqa: F401
-    Arrow,
-    BETA,
-    Connection,
-    Coordinate,
-    Diagram,
-    Joint,
-    Length,
-    Link,
-    Output,
-    Quantity,
-    SLOT,
-    THETA1,
-    THETA2,
-    THETA3,
-    THETA4,
-    TRAVEL,
+from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle
+from fourbar_ros.mechanics.bodies import External
+from fourbar_ros.mechanisms.checks import checked, checked_stroke
+from fourbar_ros.mechanisms.contract import (  # noqa: F401
+    Constants,
+    CRANK,
+    CROSSED,
+    OPEN,
+    Ranges,
+    SLIDE,
 )
-from fourbar_ros.numerics.given import number, records
-from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two, REAL
+from fourbar_ros.mechanisms.described import Described, find_link  # noqa: F401
+from fourbar_ros.mechanisms.evaluation import evaluate, recorded
+from fourbar_ros.mechanisms.stroke import motion_within
+from fourbar_ros.numerics.arrays import Values
+from fourbar_ros.numerics.given import number
+from fourbar_ros.numerics.number_types import Function, NumberType, REAL
 from fourbar_ros.numerics.recorded import Constants as ProgramConstants
 from fourbar_ros.numerics.recorded import Record
-import numpy as np
 
-CROSSED, OPEN = 1, 2     # assembly modes: sin(theta4 - beta) < 0, > 0 of a 4R linkage
-CRANK, SLIDE = 'crank', 'slide'     # inputs
-
-LONGEST = 2.0**1000     # [m]
 EPS = 2.0**-52
 _new = tuple.__new__     # of a NamedTuple from a tuple: four times faster than its own constructor
+_Self = TypeVar('_Self', bound='Mechanism')
 
 
-class Constants(NamedTuple):
+class Mechanism(Described):
     """
-    What the formulas of a mechanism are made for: floats, or numbers of any type.
+    Base of the mechanisms: frozen dataclasses of lengths and what else they are made with.
 
-    Other numbers take their places by :func:`~fourbar_ros.numerics.number_types.converted`.
-    """
-
-    lengths: tuple[Any, ...]
-    sign: Any
-    bodies: Bodies | None
-    gravity: tuple[Any, Any]
-    external: External
-
-
-class Mechanism(ABC):
-    """
-    Base of a frozen dataclass with its lengths.
-
-    Also ``mode``, ``input``, ``bodies``, ``gravity``, ``external``.
-
-    Everything outside of a mechanism's own folder asks these names, of an instance: a kind has
-    them as attributes of its class, a mechanism put together at run time as attributes of its own.
-    How many links, joints, loads and outputs there are is known nowhere else.
-
-    Attributes
-    ----------
-    TITLE : str
-        What the kind is called in texts.
-    TEXT : str
-        What it is, for the manual.
-    LENGTHS : tuple of Length
-        In the order of :attr:`lengths`.
-    LINKS : tuple of Link
-        The moving links, in the order of the fields of ``BODIES``.
-    JOINTS : tuple of Joint
-        As ``joint_states`` shows them, from O1 on.
-    PARTS : mapping
-        {Coordinate: what moves, as text}: the table of a pose.
-    DRAWN : tuple of Coordinate
-        Those that are written below a picture.
-    INPUTS : mapping
-        {name of the input: its Coordinate}.
-    OUTPUTS : mapping
-        {name of the input: tuple of :class:`Output`, the one that is published as ``output``
-        first}.
-    MOTION, LOADS : NamedTuple types
-        Of the results. A motion has ``transmission_angle`` and ``condition``, loads have
-        ``shaking_force_x``, ``_y``, ``shaking_force``, ``shaking_moment``.
-    WATCHED : tuple of str
-        Two loads or more, of which one is not finite if any load is not.
-    BODIES, EXTERNAL : NamedTuple types
-        Of ``bodies`` and ``external``: a field for each link, and for each link that can be
-        loaded.
-    MARGIN_SIGNS : tuple of tuple
-        How the sizes of the lengths enter each of :attr:`margins`.
-    MODES : mapping
-        {assembly mode: its name as text}; see :attr:`modes`.
-    QUANTITIES : tuple of Quantity
-        Fields of motion and loads that can be asked for by name, and that no other kind has.
-    SLIDE_DIRECTION : tuple of 2 str, optional
-        Fields of the motion: cosine and sine of the direction of a driven slide; None: it is x.
-
+    The fields beside lengths: ``mode``, ``input``, ``bodies``, ``gravity``, ``external``; where a
+    slide can be driven, ``stroke``.
     """
 
-    TITLE: ClassVar[str]
-    TEXT: ClassVar[str]
-    LENGTHS: ClassVar[tuple[Length, ...]]
-    LINKS: ClassVar[tuple[Link, ...]]
-    JOINTS: ClassVar[tuple[Joint, ...]]
-    PARTS: ClassVar[Mapping[Coordinate, str]]
-    DRAWN: ClassVar[tuple[Coordinate, ...]]
-    INPUTS: ClassVar[Mapping[str, Coordinate]]
-    OUTPUTS: ClassVar[Mapping[str, tuple[Output, ...]]]
-    MOTION: ClassVar[type[Any]]
-    LOADS: ClassVar[type[Any]]
-    WATCHED: ClassVar[tuple[str, ...]] = ('f41', 'shaking_moment')
-    BODIES: ClassVar[type[Any]] = Bodies
-    EXTERNAL: ClassVar[type[Any]] = External
-    QUANTITIES: ClassVar[tuple[Quantity, ...]] = ()
-    MARGIN_SIGNS: ClassVar[tuple[tuple[int, ...], ...]]
-    MODES: ClassVar[Mapping[int, str]] = {CROSSED: '1', OPEN: '2'}
-    SLIDE_DIRECTION: ClassVar[tuple[str, str] | None] = None
+    # --- made and copied ------------------------------------------------------------------------
 
-    # --- what a kind must give ------------------------------------------------------------------
+    def _check(self) -> None:
+        """Refuse what no mechanism can have, and keep the rest as numbers and records."""
+        for name, value in checked(self).items():
+            object.__setattr__(self, name, value)
 
-    @abstractmethod
-    def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
-        """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
+    def _check_stroke(self) -> None:
+        """Refuse a wrong stroke, and keep a right one as two floats."""
+        object.__setattr__(self, 'stroke', checked_stroke(self))
 
-    @abstractmethod
-    def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
-        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
-
-    @property
-    @abstractmethod
-    def closing_ranges(self):
-        """Return the ranges (low, high) of the input in which the links close [rad or m]."""
-
-    @property
-    @abstractmethod
-    def singular_inputs(self):
+    def __getstate__(self) -> dict[str, Any]:
         """
-        Return the complex inputs where the dyad is in line, or quantities have a pole, as a list.
+        Return what was given.
 
-        As far as their real part and the size of their imaginary part go: toggles (real), flat
-        positions of change points (real) and others. Extrema are searched for with samples that
-        crowd there.
+        Functions made on the way are made again where they are needed.
         """
+        return {field.name: getattr(self, field.name) for field in fields_of(self)}
 
-    @property
-    @abstractmethod
-    def margins(self):
-        """Return the differences of sums of lengths [m] that are zero at change points."""
+    def in_mode(self: _Self, mode: int) -> _Self:
+        """Return the same mechanism in another assembly mode."""
+        return self if mode == self.mode else replace(self, mode=mode)
 
-    @property
-    @abstractmethod
-    def classification(self):
-        """Return the type by name: which links turn fully."""
-
-    @abstractmethod
-    def link_motion(self, motion, link):
+    def with_external(self: _Self, external: External) -> _Self:
         """
-        Return the :class:`~fourbar_ros.mechanisms.points.LinkMotion` of a link by name.
+        Return the same mechanism with another :class:`~fourbar_ros.mechanics.bodies.External`.
 
-        Plain arithmetic with fields of the motion, whatever numbers these are.
+        What does not depend on it is shared.
         """
+        other = object.__new__(type(self))
+        # what else is in it was checked
+        other.__dict__.update(self.__dict__, external=external)
+        for name in ('constants', '_of_one', 'record_of_motion', 'record_with_loads'):
+            other.__dict__.pop(name, None)
+        other.__dict__['_made'] = {key: made for key, made in self._made.items()
+                                   if key[0] == 'motion'}
+        return other
 
-    @abstractmethod
-    def transmission_sine(self, motion):
-        """Return a number that is zero where the dyad is in line, at most one."""
-
-    @abstractmethod
-    def diagram(self, motion) -> Diagram:
-        """Return what a picture shows in one pose."""
-
-    @abstractmethod
-    def velocity_polygon(self, motion) -> list[Arrow]:
-        """Return the arrows of the velocities [m/s]; the pole is the origin."""
-
-    @abstractmethod
-    def acceleration_polygon(self, motion) -> list[Arrow]:
-        """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
-
-    # --- what follows from it -------------------------------------------------------------------
-
-    @property
-    def lengths(self):
-        """Return the lengths [m]."""
-        return tuple([getattr(self, length.name) for length in self.LENGTHS])
-
-    @property
-    def length_names(self):
-        """Return the names of the lengths."""
-        return tuple([length.name for length in self.LENGTHS])
-
-    @property
-    def change_point_margin(self):
-        """
-        Return the least size of :attr:`margins` over the sum of all lengths.
-
-        Zero: a change point, where both assembly modes meet and the linkage can leave its mode.
-        """
-        return min(map(abs, self.margins)) / fsum(map(abs, self.lengths))
-
-    @property
-    def description(self):
-        """Return what it is as text: kind, type, input."""
-        return f'{self.TITLE}, {self.classification}, driven at its {self.input}'
+    # --- its formulas, made once for each type of numbers ----------------------------------------
 
     @cached_property
-    def input_ranges(self):
-        """
-        Return the ranges of the input, from low to high.
-
-        :attr:`closing_ranges`, as far as they lie in the stroke.
-        """
-        return self._within_stroke(self.closing_ranges)
-
-    @property
-    def dead_points(self):
-        """
-        Return where the output turns back at any speed of the input.
-
-        NamedTuples, the input first.
-        """
-        return ()
-
-    @property
-    def ranges_of_both_modes(self):
-        """Return {position of an output: its ranges over both modes}, if known in closed form."""
-        return {}
-
-    @property
-    def modes(self):
-        """Return {assembly mode: its name}; one input may have fewer than another."""
-        return self.MODES
-
-    @property
-    def connections(self) -> tuple[Connection, ...]:
-        """
-        Return which links each of ``JOINTS`` connects, in the same order.
-
-        Descriptions for other programs are made of it; a kind without has none.
-        """
-        return ()
-
-    @property
-    def outputs(self):
-        """Return the tuple of :class:`Output` for what is driven."""
-        return self.OUTPUTS[self.input]
-
-    def link(self, name):
-        """Return the :class:`Link` of this name."""
-        return find_link(self.LINKS, name)
-
-    def loads_of_links(self):
-        """
-        Return {name of a link: (Body, Applied)}: what is given for each.
-
-        Nothing without masses.
-        """
-        given = self.external._asdict()
-        return {name: (body, given.get(name, NOT_APPLIED))
-                for name, body in (self.bodies._asdict().items() if self.bodies else ())}
-
-    stroke: Any = None       # of mechanisms that have none
-
-    @property
-    def structure(self) -> tuple[Any, ...]:
-        """Return what mechanisms have in common whose formulas do the same with other numbers."""
-        return type(self), self.input
-
-    @cached_property
-    def constants(self) -> Constants:
-        """Return the :class:`Constants` of this mechanism."""
-        return Constants(self.lengths, self.sign, self.bodies, self.gravity, self.external)
-
-    @cached_property
-    def _made(self) -> dict:
+    def _made(self) -> dict[tuple[str, NumberType], Function]:
         """Return the formulas made by :meth:`make_motion` and :meth:`make_loads`."""
         return {}
 
@@ -303,7 +104,7 @@ class Mechanism(ABC):
         if ('motion', numbers) not in self._made:
             formula = self.motion_formula(numbers, self.constants)
             self._made['motion', numbers] = (formula if self.stroke is None
-                                             else self._within(formula, numbers))
+                                             else motion_within(formula, self.stroke, numbers))
         return self._made['motion', numbers]
 
     def make_loads(self, numbers: NumberType) -> Function:
@@ -328,47 +129,6 @@ class Mechanism(ABC):
             motion = _new(as_motion, motion_of(position, 1.0, 0.0))
             return [link_motion(motion, link) for link in links]
         return coefficients
-
-    def _within(self, motion: Function, numbers: NumberType) -> Function:
-        """Return the function of motion that has no pose outside of the stroke."""
-        low, high = self.stroke
-
-        def within_one(position, rate, acceleration):
-            if not low <= position <= high:
-                raise ValueError
-            return motion(position, rate, acceleration)
-
-        def within(position, rate, acceleration):
-            fields = motion(position, rate, acceleration)
-            outside = (position.real < low) | (position.real > high)
-            given = position, rate, acceleration
-            return tuple(field if any(field is value for value in given)
-                         else np.where(outside, nan, field)
-                         for field in fields) if outside.any() else fields
-        return within_one if numbers is REAL else within
-
-    def _check_stroke(self):
-        """Refuse a stroke that is none, or in which the links cannot close anywhere."""
-        if self.stroke is None:
-            return
-        if not self.is_driven_by_slide:
-            raise InvalidParameter('stroke', self.stroke, 'only a driven slide has one')
-        allowed = 'must be [shortest, longest] of the slide, two finite numbers'
-        low, high = _two_numbers('stroke', self.stroke, allowed)
-        if not low < high:
-            raise InvalidParameter('stroke', self.stroke, allowed)
-        object.__setattr__(self, 'stroke', (low, high))
-        if not self.input_ranges:
-            raise InvalidParameter('stroke', self.stroke, 'the links cannot close anywhere in it: '
-                                   'they do in '
-                                   f'{in_words(self.closing_ranges, self.input_coordinate.unit)}')
-
-    def _within_stroke(self, ranges):
-        """Return the parts of ranges of the input that lie in the stroke."""
-        if self.stroke is None:
-            return ranges
-        parts = ((max(low, self.stroke[0]), min(high, self.stroke[1])) for low, high in ranges)
-        return tuple((low, high) for low, high in parts if low < high)
 
     @cached_property
     def _motion_of_one(self) -> Function:
@@ -397,123 +157,18 @@ class Mechanism(ABC):
         """Return the record of motion and loads, and this mechanism's constants in it."""
         return recorded(self, True)
 
-    def prepare(self):
+    def prepare(self) -> tuple[Function, Function | None]:
         """
         Make the functions of one sample, as the first would.
 
         ArithmeticError or ValueError where numbers overflow.
         """
-        return self._motion_of_one, self.bodies and self.make_loads(REAL)
+        return self._motion_of_one, self.make_loads(REAL) if self.bodies else None
 
-    def _check(self):
-        """
-        Refuse what no mechanism can have.
+    # --- evaluated ------------------------------------------------------------------------------
 
-        Lengths that are not positive, or if signed not finite, and so on.
-        """
-        given = {name: number(name, getattr(self, name), 'a length must be a positive number',
-                              above=0.0)
-                 for name, _, signed in self.LENGTHS if not signed}
-        given.update((name, number(name, getattr(self, name))) for name, _, signed in self.LENGTHS
-                     if signed)
-        for name, value in given.items():
-            if abs(value) >= LONGEST:
-                raise InvalidParameter(name, value, f'must be shorter than {LONGEST:.3g} m: sums '
-                                                    'of lengths overflow')
-        if self.input not in self.INPUTS:
-            raise InvalidParameter('input', self.input, f'must be one of {", ".join(self.INPUTS)}')
-        if isinstance(self.mode, bool) or self.mode not in self.modes:
-            raise InvalidParameter('mode', self.mode, 'must be 1 (crossed) or 2 (open)'
-                                   if len(self.modes) > 1 else
-                                   f'must be {min(self.modes)}: driven at its {self.input} it has '
-                                   'one assembly mode')
-        given.update(mode=int(self.mode), gravity=_two_numbers('gravity', self.gravity),
-                     external=records('external', self.external, Applied, self.EXTERNAL))
-        if self.bodies is not None:
-            given['bodies'] = records('bodies', self.bodies, Body, self.BODIES)
-        for name, value in given.items():
-            object.__setattr__(self, name, value)
-
-    def __getstate__(self):
-        """
-        Return what was given.
-
-        Functions made on the way are made again where they are needed.
-        """
-        return {field.name: getattr(self, field.name) for field in fields_of(self)}
-
-    @property
-    def sign(self):
-        """Return the assembly mode as +1 (mode 2) or -1 (mode 1)."""
-        return 1.0 if self.mode == OPEN else -1.0
-
-    def in_mode(self, mode):
-        """Return the same mechanism in another assembly mode."""
-        return self if mode == self.mode else replace(self, mode=mode)
-
-    def with_external(self, external):
-        """
-        Return the same mechanism with another :class:`~fourbar_ros.mechanics.bodies.External`.
-
-        What does not depend on it is shared.
-        """
-        other = object.__new__(type(self))
-        # what else is in it was checked
-        other.__dict__.update(self.__dict__, external=external)
-        for name in ('constants', '_of_one', 'record_of_motion', 'record_with_loads'):
-            other.__dict__.pop(name, None)
-        other.__dict__['_made'] = {key: made for key, made in self._made.items()
-                                   if key[0] == 'motion'}
-        return other
-
-    @property
-    def input_coordinate(self):
-        """Return the :class:`Coordinate` that is driven."""
-        return self.INPUTS[self.input]
-
-    @property
-    def is_driven_by_slide(self):
-        """Return whether the input is a length, not an angle."""
-        return self.input == SLIDE
-
-    @property
-    def input_unit(self):
-        """Return the unit in which inputs are of the size of one: 1 rad, or a power of two [m]."""
-        return power_of_two(*self.lengths) if self.is_driven_by_slide else 1.0
-
-    @property
-    def turns_fully(self):
-        """Return whether the input is a crank that makes full turns."""
-        return self.input == CRANK and self.input_ranges == ((-pi, pi),)
-
-    def is_in_stroke(self, position):
-        """Return whether an input is in the stroke, if there is one."""
-        return self.stroke is None or self.stroke[0] <= position <= self.stroke[1]
-
-    def distance(self, one, other):
-        """
-        Return the signed distance of two inputs.
-
-        The short way round of angles [rad], or [m].
-        """
-        return one - other if self.is_driven_by_slide else remainder(one - other, 2.0 * pi)
-
-    def term_sizes(self, motion, rate, acceleration):
-        """Return {unit: size} of the terms of rates and accelerations, for noise bounds."""
-        angles = [joint.coordinate for joint in self.JOINTS if joint.coordinate.unit == 'rad']
-        omega = sum(abs(getattr(motion, joint.rate).real) for joint in angles)
-        alpha = omega * omega + sum(abs(getattr(motion, joint.acceleration).real)
-                                    for joint in angles)
-        size = max(map(abs, self.lengths))
-        return {'rad/s': omega, 'rad/s^2': alpha, 'm/s': size * omega, 'm/s^2': size * alpha}
-
-    def unknown(self, position, rate, acceleration):
-        """Return the motion of which only the input is known; the rest is NaN."""
-        fields = dict.fromkeys(self.MOTION._fields, nan)
-        fields.update(zip(self.input_coordinate, (position, rate, acceleration)))
-        return self.MOTION(**fields)
-
-    def motion(self, position, rate=0.0, acceleration=0.0, fields=None):
+    def motion(self, position: Values, rate: Values = 0.0, acceleration: Values = 0.0,
+               fields: Iterable[str] | None = None) -> Any:
         """
         Return the motion for given input, its rate and acceleration.
 
@@ -556,11 +211,12 @@ class Mechanism(ABC):
         except (ValueError, ZeroDivisionError):
             raise self._why_no_motion(position) from None
 
-    def loads(self, position, rate=0.0, acceleration=0.0):
+    def loads(self, position: Values, rate: Values = 0.0, acceleration: Values = 0.0) -> Any:
         """Return the loads; arguments and errors as in :meth:`motion`, or MissingBodies."""
         return self.step(position, rate, acceleration)[1]
 
-    def step(self, position, rate=0.0, acceleration=0.0, fields=None):
+    def step(self, position: Values, rate: Values = 0.0, acceleration: Values = 0.0,
+             fields: Iterable[str] | None = None) -> Any:
         """
         Return (motion, loads) together, at the cost of one.
 
@@ -591,17 +247,17 @@ class Mechanism(ABC):
                                    'so fast, or with such masses, that loads overflow')
         return _new(as_motion, motion), _new(as_loads, loads)
 
-    def _require_finite(self, *values):
+    def _require_finite(self, *values: float) -> NoReturn:
         for name, value in zip(self.input_coordinate, values):
             if not isfinite(value):
                 raise InvalidParameter(name, value, 'must be a finite number')
         raise InvalidParameter(self.input_coordinate.rate, values[1],
                                'so fast that its square overflows')
 
-    def _numbers(self, *values):
+    def _numbers(self, *values: Any) -> list[float]:
         return [number(name, value) for name, value in zip(self.input_coordinate, values)]
 
-    def _why_no_motion(self, position):
+    def _why_no_motion(self, position: float) -> FourBarError:
         """Return the error for an input at which a square root was not real or a sine zero."""
         name, unit = self.input_coordinate.position, self.input_coordinate.unit
         # A limit and the input compared with it are each rounded, and so is their distance.
@@ -613,7 +269,7 @@ class Mechanism(ABC):
             return Toggle(name, position, unit)
         return OutOfRange(name, position, self.input_ranges, unit)
 
-    def _only(self, fields, given, with_loads):
+    def _only(self, fields: Any, given: tuple[Values, ...], with_loads: bool) -> tuple[Any, ...]:
         """Return the fields of these names alone, as a tuple in their order."""
         if isinstance(fields, Iterable) and not isinstance(fields, str):
             fields = tuple(fields)
@@ -627,17 +283,8 @@ class Mechanism(ABC):
         return tuple([values[i] for i in wanted])
 
 
-def find_link(links, name):
-    """Return the :class:`Link` of a name; InvalidParameter if there is none."""
-    for link in links:
-        if link.name == name:
-            return link
-    raise InvalidParameter('link', name, 'must be one of '
-                                         f'{", ".join(link.name for link in links)}')
-
-
 @cache
-def _places(motion, loads, fields):
+def _places(motion: Any, loads: Any, fields: Any) -> tuple[tuple[int, ...], bool]:
     """Return the places of fields among those of motion and loads, and if any is a load."""
     known = motion._fields + (loads._fields if loads else ())
     for name in fields if isinstance(fields, tuple) else (fields,):
@@ -647,14 +294,5 @@ def _places(motion, loads, fields):
     return wanted, any(i >= len(motion._fields) for i in wanted)
 
 
-def _are_numbers(*values):
+def _are_numbers(*values: Any) -> bool:
     return all(isinstance(value, Real) for value in values)
-
-
-def _two_numbers(name, given, allowed='must be two finite numbers (x, y)'):
-    """Return two numbers as a tuple of floats."""
-    try:
-        x, y = given
-    except (TypeError, ValueError):
-        raise InvalidParameter(name, given, allowed) from None
-    return number(name, x, allowed), number(name, y, allowed)

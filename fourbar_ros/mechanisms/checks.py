@@ -1,0 +1,80 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""What is refused when a mechanism is made: each error names the parameter and what is allowed."""
+from __future__ import annotations
+
+from typing import Any
+
+from fourbar_ros.errors import in_words, InvalidParameter
+from fourbar_ros.mechanics.bodies import Applied, Body
+from fourbar_ros.mechanisms.described import Described
+from fourbar_ros.mechanisms.stroke import within_stroke
+from fourbar_ros.numerics.given import number, records
+
+LONGEST = 2.0**1000     # [m]
+
+
+def checked(mechanism: Described) -> dict[str, Any]:
+    """
+    Return what a mechanism was given, by name, as the numbers and records that it computes with.
+
+    Refuse what no mechanism can have: lengths that are not positive, or if signed not finite, and
+    so on.
+    """
+    given: dict[str, Any] = _lengths(mechanism)
+    if mechanism.input not in mechanism.INPUTS:
+        raise InvalidParameter('input', mechanism.input,
+                               f'must be one of {", ".join(mechanism.INPUTS)}')
+    modes, mode = mechanism.modes, mechanism.mode
+    if isinstance(mode, bool) or mode not in modes:
+        raise InvalidParameter('mode', mode, 'must be 1 (crossed) or 2 (open)'
+                               if len(modes) > 1 else
+                               f'must be {min(modes)}: driven at its {mechanism.input} it has '
+                               'one assembly mode')
+    given.update(mode=int(mode), gravity=_two_numbers('gravity', mechanism.gravity),
+                 external=records('external', mechanism.external, Applied, mechanism.EXTERNAL))
+    if mechanism.bodies is not None:
+        given['bodies'] = records('bodies', mechanism.bodies, Body, mechanism.BODIES)
+    return given
+
+
+def _lengths(mechanism: Described) -> dict[str, float]:
+    """Return the lengths by name, the signed ones last."""
+    given = {name: number(name, getattr(mechanism, name), 'a length must be a positive number',
+                          above=0.0)
+             for name, _, is_signed in mechanism.LENGTHS if not is_signed}
+    given.update((name, number(name, getattr(mechanism, name)))
+                 for name, _, is_signed in mechanism.LENGTHS if is_signed)
+    for name, value in given.items():
+        if abs(value) >= LONGEST:
+            raise InvalidParameter(name, value, f'must be shorter than {LONGEST:.3g} m: sums '
+                                                'of lengths overflow')
+    return given
+
+
+def checked_stroke(mechanism: Described) -> tuple[float, float] | None:
+    """Return the stroke; refuse a wrong one, or one in which the links cannot close anywhere."""
+    stroke = mechanism.stroke
+    if stroke is None:
+        return None
+    if not mechanism.is_driven_by_slide:
+        raise InvalidParameter('stroke', stroke, 'only a driven slide has one')
+    allowed = 'must be [shortest, longest] of the slide, two finite numbers'
+    low, high = _two_numbers('stroke', stroke, allowed)
+    if not low < high:
+        raise InvalidParameter('stroke', stroke, allowed)
+    if not within_stroke(mechanism.closing_ranges, (low, high)):
+        unit = mechanism.input_coordinate.unit
+        raise InvalidParameter('stroke', (low, high), 'the links cannot close anywhere in it: '
+                               f'they do in {in_words(mechanism.closing_ranges, unit)}')
+    return low, high
+
+
+def _two_numbers(name: str, given: Any,
+                 allowed: str = 'must be two finite numbers (x, y)') -> tuple[float, float]:
+    """Return two numbers as a tuple of floats."""
+    try:
+        x, y = given
+    except (TypeError, ValueError):
+        raise InvalidParameter(name, given, allowed) from None
+    return number(name, x, allowed), number(name, y, allowed)
