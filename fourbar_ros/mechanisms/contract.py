@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.parts import (
@@ -101,11 +101,11 @@ class Contract(ABC):
     DRAWN: tuple[Coordinate, ...]
     INPUTS: Mapping[str, Coordinate]
     OUTPUTS: Mapping[str, tuple[Output, ...]]
-    MOTION: type[Any]
-    LOADS: type[Any]
+    MOTION: Any
+    LOADS: Any
     WATCHED: tuple[str, ...] = ('f41', 'shaking_moment')
-    BODIES: type[Any] = Bodies
-    EXTERNAL: type[Any] = External
+    BODIES: Any = Bodies
+    EXTERNAL: Any = External
     QUANTITIES: tuple[Quantity, ...] = ()
     MARGIN_SIGNS: tuple[tuple[int, ...], ...]
     MODES: Mapping[int, str] = {CROSSED: '1', OPEN: '2'}
@@ -113,6 +113,7 @@ class Contract(ABC):
 
     # --- what one is made with ------------------------------------------------------------------
 
+    __dataclass_fields__: ClassVar[dict[str, Any]]
     mode: Any
     input: Any
     bodies: Any

@@ -254,8 +254,9 @@ class Mechanism(Described):
         raise InvalidParameter(self.input_coordinate.rate, values[1],
                                'so fast that its square overflows')
 
-    def _numbers(self, *values: Any) -> list[float]:
-        return [number(name, value) for name, value in zip(self.input_coordinate, values)]
+    def _numbers(self, *values: Any) -> tuple[float, float, float]:
+        position, rate, acceleration = map(number, self.input_coordinate, values)
+        return position, rate, acceleration
 
     def _why_no_motion(self, position: float) -> FourBarError:
         """Return the error for an input at which a square root was not real or a sine zero."""
