@@ -9,20 +9,22 @@ from setuptools import find_packages, setup
 NAME = 'fourbar_ros'
 HERE = Path(__file__).resolve().parent      # colcon runs it through a link
 # Scenes are installed in the package, to be found by name, and in share, as ROS does.
-SCENES = [f'{NAME}.config', f'{NAME}.config.published']
+SCENES = [f'{NAME}.config', f'{NAME}.config.published', f'{NAME}.config.studies']
 
 setup(
     name=NAME,
     version=re.search("__version__ = '(.+)'", (HERE / NAME / '__init__.py').read_text())[1],
     packages=find_packages(include=[NAME, NAME + '.*']) + SCENES,
-    package_dir={SCENES[0]: 'config', SCENES[1]: 'config/published'},
+    package_dir={SCENES[0]: 'config', SCENES[1]: 'config/published',
+                 SCENES[2]: 'config/studies'},
     package_data={NAME: ['py.typed'], f'{NAME}.reproduction': ['*.yaml'],
-                  SCENES[0]: ['*.yaml'], SCENES[1]: ['*.yaml']},
+                  SCENES[0]: ['*.yaml'], SCENES[1]: ['*.yaml'], SCENES[2]: ['*.yaml']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + NAME]),
         ('share/' + NAME, ['package.xml']),
         ('share/' + NAME + '/config', glob('config/*.yaml')),
         ('share/' + NAME + '/config/published', glob('config/published/*.yaml')),
+        ('share/' + NAME + '/config/studies', glob('config/studies/*.yaml')),
         ('share/' + NAME + '/launch', glob('launch/*.launch.py')),
     ],
     python_requires='>=3.10',
@@ -33,9 +35,10 @@ setup(
         'plot': ['matplotlib'],
         'proof': ['python-flint'],
         'dynamics': ['scipy>=1.11'],
+        'study': ['scipy>=1.11', 'pyarrow>=15', 'matplotlib', 'distributed'],
         'test': ['pytest<9', 'mpmath', 'rosbags', 'mcap>=1.5,<2', 'lz4', 'zstandard',
                  'mcap-ros2-support>=0.6,<1', 'scipy', 'matplotlib', 'python-flint',
-                 'yourdfpy', 'mujoco'],
+                 'yourdfpy', 'mujoco', 'pyarrow', 'distributed'],
     },
     zip_safe=False,
     maintainer='fourbar_ros developers',

@@ -30,6 +30,7 @@ from fourbar_ros.scene.topics import (  # noqa: E402
     SERVICES,
     WRENCHES,
 )
+from fourbar_ros.studies.measures import INPUT, OF_MECHANISM, PARTS, QUANTITY  # noqa: E402
 
 DOCS = ROOT / 'docs'
 
@@ -127,11 +128,24 @@ def command_tables():
     return {'verbs': overview, 'arguments': '\n\n'.join(arguments)}
 
 
+def study_tables():
+    """Return {name: Markdown table} of studies.md."""
+    units = {QUANTITY: 'of the quantity', INPUT: 'rad, or m of a slide'}
+    return {
+        'parts': formulas.table(('part', 'unit', 'what'),
+                                [(f'`.{name}`', units.get(unit, unit), text)
+                                 for name, (text, unit) in PARTS.items()]),
+        'of_mechanism': formulas.table(('measure', 'unit', 'what'),
+                                       [(f'`{name}`', units.get(unit, unit), text)
+                                        for name, (text, unit) in OF_MECHANISM.items()])}
+
+
 def pages():
     """Return {path: text as it should be} of the pages with tables."""
     return {DOCS / name: filled(DOCS / name, tables)
             for name, tables in (('node.md', node_tables()), ('formulas.md', formulas.tables()),
-                                 ('command_line.md', command_tables()))}
+                                 ('command_line.md', command_tables()),
+                                 ('studies.md', study_tables()))}
 
 
 def filled(page, tables):

@@ -13,7 +13,8 @@ MODULES = {'.'.join(path.relative_to(ROOT).with_suffix('').parts).removesuffix('
 # From the bottom up; a folder may import from its own layer's folders only where LATERAL says so.
 LAYERS = (('errors',), ('optional',), ('numerics',), ('mechanics',), ('mechanisms',),
           ('extrema', 'pipeline', 'dynamics'),
-         ('formats', 'scene', 'report'), ('bag', 'reproduction', 'description'),
+         ('formats', 'scene', 'report'), ('bag', 'reproduction', 'description', 'studies',
+                                           'balancing'),
          ('ros',), ('cli',))
 LEVEL = {folder: level for level, folders in enumerate(LAYERS) for folder in folders}
 LATERAL = {('report', 'scene'), ('reproduction', 'bag'), ('scene', 'report')}
@@ -25,12 +26,14 @@ MAY_NAME_KINDS = ('fourbar_ros', 'fourbar_ros.mechanisms.kinds', 'fourbar_ros.ex
                   'fourbar_ros.extrema.batch', 'fourbar_ros.extrema.four_bar_rates',
                   'fourbar_ros.reproduction')
 # Third-party packages, and the lowest folders that may import them.
-THIRD_PARTY = {'yaml': ('scene', 'formats', 'bag', 'reproduction', 'ros', 'cli'),
+THIRD_PARTY = {'yaml': ('scene', 'formats', 'bag', 'reproduction', 'studies', 'ros',
+                        'cli'),
                'mcap': ('formats', 'bag'),
                'rich': ('report', 'cli', 'ros', 'reproduction'),
-               'matplotlib': ('report', 'bag', 'reproduction', 'cli'), 'rclpy': ('ros',),
+               'matplotlib': ('report', 'bag', 'reproduction', 'studies', 'balancing', 'cli'),
                'flint': ('numerics', 'extrema'),
-               'scipy': ('dynamics',)}
+               'scipy': ('dynamics', 'studies', 'balancing'), 'pyarrow': ('bag', 'studies'),
+               'distributed': ('studies',)}
 
 
 def imports_of(path):

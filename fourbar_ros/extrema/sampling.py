@@ -163,7 +163,8 @@ class Sampler:
             return values
         with np.errstate(invalid='ignore'):
             turns = np.round((reference - values) / (2.0 * pi))
-        return np.where(self.is_angle[row] & (turns != 0.0), values + 2.0 * pi * turns, values)
+            return np.where(self.is_angle[row] & (turns != 0.0), values + 2.0 * pi * turns,
+                            values)
 
     def with_lengths(self, lengths: Sequence[tuple[float, ...]], x: Array,
                      row: Array) -> Sequence[Array]:

@@ -62,6 +62,13 @@ def not_negative(text: str) -> float:
     return _number(text, lambda value: value >= 0.0, 'must be a number that is not negative')
 
 
+def positive_integer(text: str) -> int:
+    """Return a positive integer, as a type of an argument."""
+    if not text.isdecimal() or not int(text):
+        raise argparse.ArgumentTypeError(f'{text!r}: must be a positive integer')
+    return int(text)
+
+
 def finite(text: str) -> float:
     """Return a finite number, as a type of an argument."""
     return _number(text, lambda value: True, 'must be a finite number')

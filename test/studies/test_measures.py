@@ -1,0 +1,122 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Measures of designs of every kind beside a dense scan of the mechanism itself."""
+from math import inf, isnan, pi
+
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.scene.scene import from_values
+from fourbar_ros.studies.rows import compute
+from fourbar_ros.studies.study import from_document
+import numpy as np
+import pytest
+
+pytest.importorskip('scipy')
+SCAN = 20_001
+SCENES = {
+    'paper': ({'linkage.a1': {'range': [0.2, 0.9]}, 'linkage.mode': {'list': [1, 2]}},
+              ['shaking_force', 'omega4', 'f32.peak', 'driving_torque.rms', 'swing',
+               'time_ratio', 'class', 'change_point_margin', 'input_range']),
+    'slider_crank': ({'linkage.a1': {'range': [0.03, 0.08]},
+                      'bodies.coupler.mass': {'normal': 0.01}},
+                     ['shaking_force', 'slide_acceleration', 'f32.peak', 'driving_torque.rms',
+                      'stroke', 'time_ratio']),
+    'scotch_yoke': ({'linkage.a1': {'range': [0.03, 0.08]}},
+                    ['shaking_force', 'driving_torque.rms', 'stroke', 'time_ratio']),
+    'cylinder': ({'linkage.a1': {'uniform': 0.05}},
+                 ['omega1', 'f32.peak', 'driving_force.rms', 'swing', 'input_range']),
+}
+
+
+def study_of(scene, rows=6, **more):
+    vary, quantities = SCENES[scene]
+    return from_document({'scene': scene, 'rows': rows, 'vary': vary, 'quantities': quantities,
+                          'keep': 'all', **more})
+
+
+def scanned(scene):
+    """Return inputs inside the range, weights of their mean, and motion and loads there."""
+    linkage, rate = scene.linkage, scene.drive.speed
+    low, high = linkage.input_ranges[0]
+    phi = (np.arange(SCAN) + 0.5) / SCAN * pi - 0.5 * pi
+    turns = linkage.turns_fully
+    x = phi * 2.0 if turns else 0.5 * (low + high) + 0.5 * (high - low) * np.sin(phi)
+    weights = np.ones(SCAN) if turns else np.cos(phi)
+    return x, weights / weights.sum(), linkage.step(x, rate)
+
+
+@pytest.mark.parametrize('name', SCENES)
+def test_measures_are_those_of_a_dense_scan(name):
+    study = study_of(name)
+    columns = compute(study, 0).columns
+    assert len(columns['row']) == 6
+    for i, row in enumerate(columns['row'].tolist()):
+        scene = from_values(study.scene_values(row))
+        x, weights, (motion, loads) = scanned(scene)
+        for measure in study.measures:
+            value = columns[measure.name][i]
+            if not measure.quantity:
+                continue
+            values = getattr(loads, measure.quantity, None)
+            values = getattr(motion, measure.quantity) if values is None else values
+            expected = {'max': values.max(), 'min': values.min(), 'peak': np.abs(values).max(),
+                        'rms': np.sqrt(np.sum(weights * values**2))}.get(measure.part)
+            if expected is None or np.isinf(value):      # a toggle position: beyond any scan
+                continue
+            size = np.abs(values).max()
+            assert abs(value - expected) < 2e-6 * size, (measure.name, value, expected)
+            if measure.part in ('max', 'peak'):
+                assert value >= expected - 1e-12 * size
+        of_input = scene.linkage.input_ranges
+        if 'input_range' in columns:
+            assert columns['input_range'][i] == sum(high - low for low, high in of_input)
+
+
+def test_swing_and_time_ratio_of_a_crank_rocker_follow_from_its_dead_points():
+    study = study_of('paper', 12, constraints={'class': ['crank-rocker']}, keep='feasible')
+    columns = compute(study, 0).columns
+    assert len(columns['row'])
+    for i, row in enumerate(columns['row'].tolist()):
+        one, other = from_values(study.scene_values(row)).linkage.dead_points
+        forward = (one.theta1 - other.theta1) % (2.0 * pi)
+        ratio = max(forward, 2.0 * pi - forward) / min(forward, 2.0 * pi - forward)
+        assert abs(columns['swing'][i] - abs(one.theta4 - other.theta4)) < 1e-12
+        assert abs(columns['time_ratio'][i] - ratio) < 1e-9 * ratio
+
+
+def test_what_grows_without_bound_is_infinite_and_what_turns_fully_sweeps_a_turn():
+    study = from_document({'scene': 'paper', 'rows': None, 'method': 'grid', 'vary': {
+        'linkage.a1': {'list': [0.95, 1.3]}, 'linkage.a4': {'list': [0.3, 1.0]}},
+        'quantities': ['class', 'omega4.rms', 'omega4.max', 'swing', 'time_ratio']})
+    columns = compute(study, 0).columns
+    by = dict(zip(columns['class'], zip(*(columns[name] for name in (
+        'omega4.rms', 'omega4.max', 'swing', 'time_ratio')))))
+    assert by['Grashof double-crank'][2] == 2.0 * pi
+    rocking = next(values for kind, values in by.items() if 'non-Grashof' in kind)
+    assert rocking[0] == rocking[1] == inf and isnan(rocking[3])
+
+
+def test_rows_that_fail_constraints_are_counted_by_the_first_that_fails():
+    bounds = {'omega4.max': {'most': 15.0}, 'class': ['crank-rocker'], 'swing': {'most': 1.0}}
+    kept = compute(study_of('paper', 60, constraints=bounds, keep='feasible'), 0)
+    every = compute(study_of('paper', 60, constraints=bounds), 0)
+    assert kept.counts == every.counts and sum(kept.counts.values()) == 60
+    assert set(kept.counts) == {'feasible', 'class', 'omega4.max', 'swing'} - (
+        {'swing'} - set(kept.counts))
+    mask = every.columns['feasible']
+    assert mask.sum() == kept.counts['feasible'] == len(kept.columns['row'])
+    for name, column in kept.columns.items():
+        np.testing.assert_array_equal(column, every.columns[name][mask])
+
+
+def test_a_curve_is_the_path_of_the_point():
+    study = from_document({'scene': 'slider_crank', 'rows': 2, 'curves': {'middle': 36},
+                           'vary': {'points.middle.across': {'range': [0.01, 0.02]}}})
+    columns = compute(study, 0).columns
+    assert columns['middle.x'].shape == (2, 36)
+    for i in range(2):
+        across = columns['points.middle.across'][i]
+        linkage = from_values(study.scene_values(i)).linkage
+        there = point_motion(linkage, linkage.motion(np.arange(36) * 2.0 * pi / 36), 'coupler',
+                             0.1, across)
+        assert np.abs(columns['middle.x'][i] - there.x).max() < 1e-15
+        assert np.abs(columns['middle.y'][i] - there.y).max() < 1e-15

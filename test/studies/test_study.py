@@ -1,0 +1,120 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""What a study may say: refused before anything is computed, drawn as it says."""
+from copy import deepcopy
+
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.studies import StudyError
+from fourbar_ros.studies.study import from_document, read
+import numpy as np
+import pytest
+
+scipy_stats = pytest.importorskip('scipy.stats')
+GOOD = {'scene': 'paper', 'rows': 100, 'vary': {'linkage.a1': {'range': [0.2, 0.6]}},
+        'quantities': ['omega4.max']}
+BAD = [
+    ('scene', None, 'must be a scene'),
+    ('rows', None, 'must be given'),
+    ('rows', 0, 'must be an integer from 1'),
+    ('rows', 'many', 'must be an integer'),
+    ('vary', {}, 'must be a mapping'),
+    ('vary', {'linkage.a5': {'range': [1, 2]}}, 'vary.linkage.a5: no parameter.*did you mean'),
+    ('vary', {'linkage.a1': {'range': [0.6, 0.2]}}, 'low must be less than high'),
+    ('vary', {'linkage.a1': {'range': [-0.1, 0.2]}}, 'reaches -0.1, and it must be positive'),
+    ('vary', {'linkage.a1': {'normal': [0.4, 0.1]}}, 'reaches -0.*must be positive'),
+    ('vary', {'linkage.a1': {'log_range': [0.0, 0.2]}}, 'logarithm'),
+    ('vary', {'linkage.a1': {'rnge': [0.1, 0.2]}}, 'did you mean range'),
+    ('vary', {'linkage.a1': {'range': [0.1, float('nan')]}}, 'two finite numbers'),
+    ('vary', {'linkage.a1': {'list': [0.1, 0.1]}}, 'different finite numbers'),
+    ('vary', {'linkage.mode': {'range': [1, 2]}}, 'only a list'),
+    ('vary', {'linkage.mode': {'list': [1, 3]}}, r'must lie in \[1, 2\]'),
+    ('vary', {'linkage.kind': {'list': [1]}}, 'cannot vary'),
+    ('vary', {'drive.rate': {'range': [1, 2]}}, 'cannot vary'),
+    ('vary', {'bodies.crank.mass': {'uniform': 0.1}}, 'without a centre the scene must give'),
+    ('vary', {'bodies.crank.mass': {'uniform': [1.0, 0.1]}}, 'either bodies.rods or the bodies'),
+    ('vary', {'linkage.a2': {'range': [5.0, 6.0]}}, 'none of the first 100 designs can be built'),
+    ('method', 'sobel', 'must be one of grid, sobol'),
+    ('quantities', ['omega5.max'], 'did you mean omega4'),
+    ('quantities', ['omega4.maxi'], 'unknown part; did you mean max'),
+    ('quantities', [], 'must be given'),
+    ('quantities', ['stroke'], 'ask for swing'),
+    ('constraints', {'omega4': {'least': 1.0}}, 'say which part'),
+    ('constraints', {'swing': {'least': 2.0, 'most': 1.0}}, 'no design can fulfil'),
+    ('constraints', {'swing': 2.0}, 'must be {least: VALUE}'),
+    ('constraints', {'class': 3}, 'a type or a list of types'),
+    ('objectives', {'class': 'minimize'}, 'is a text'),
+    ('objectives', {'swing': 'max'}, 'must be one of minimize, maximize'),
+    ('curves', {'tip': 36}, 'no point of the scene, which has none'),
+    ('seed', -1, 'must be an integer from 0'),
+    ('colour', 'red', 'unknown entry'),
+]
+
+
+@pytest.mark.parametrize(('key', 'value', 'text'), BAD)
+def test_a_bad_study_is_refused_with_the_reason(key, value, text):
+    document = deepcopy(GOOD) | {key: value}
+    with pytest.raises(InvalidParameter, match=text):
+        from_document(document)
+
+
+def test_a_load_of_a_scene_without_masses_is_refused():
+    with pytest.raises(InvalidParameter, match='is a load, and the scene gives no masses'):
+        from_document(GOOD | {'scene': 'slides_7_7', 'quantities': ['shaking_force.max']})
+
+
+def test_what_is_too_large_for_a_method_is_refused():
+    for method, rows in (('latin_hypercube', 2**20 + 1), ('sobol', 2**32 + 1)):
+        with pytest.raises(InvalidParameter, match='at most'):
+            from_document(GOOD | {'method': method, 'rows': rows})
+    with pytest.raises(InvalidParameter, match='takes ranges and lists only'):
+        from_document({**GOOD, 'rows': None, 'method': 'grid',
+                       'vary': {'linkage.a1': {'normal': 0.01}}})
+    with pytest.raises(InvalidParameter, match='product of its levels, 10'):
+        from_document(GOOD | {'method': 'grid'})
+
+
+def test_a_file_that_is_no_yaml_or_missing_is_one_line(tmp_path):
+    with pytest.raises(StudyError, match='No such file'):
+        read(tmp_path / 'none.yaml')
+    (tmp_path / 'bad.yaml').write_text('a: [1, 2')
+    with pytest.raises(StudyError, match='no YAML'):
+        read(tmp_path / 'bad.yaml')
+    (tmp_path / 'text.yaml').write_text('text')
+    with pytest.raises(StudyError, match='must be a mapping'):
+        read(tmp_path / 'text.yaml')
+
+
+@pytest.mark.parametrize('method', ['grid', 'sobol', 'latin_hypercube', 'random'])
+def test_rows_are_the_same_however_they_are_cut(method):
+    vary = {f'linkage.a{i}': {'range': [0.5, 0.6], **({'levels': 6} if method == 'grid' else {})}
+            for i in (1, 2, 3, 4)}
+    vary['gravity.y'] = {'list': [0.0, -9.81]}
+    study = from_document({**GOOD, 'rows': 6**4 * 2, 'method': method, 'vary': vary})
+    whole = study.drawn(0, study.rows)
+    for start, stop in ((0, 1), (17, 500), (2500, 2592)):
+        part = study.drawn(start, stop)
+        assert all((part[name] == column[start:stop]).all() for name, column in whole.items())
+    assert study.scene_values(17)['linkage.a3'] == whole['linkage.a3'][17]
+
+
+def test_designs_fill_the_box_as_their_names_say():
+    vary = {'linkage.a1': {'range': [0.2, 0.6]}, 'linkage.a2': {'log_range': [0.5, 2.0]},
+            'linkage.a3': {'normal': [0.8, 0.01]}, 'linkage.a4': {'uniform': 0.1}}
+    for method, evenness in (('sobol', 0.002), ('latin_hypercube', 0.002), ('random', 0.03)):
+        study = from_document({**GOOD, 'rows': 4096, 'method': method, 'vary': vary})
+        drawn = study.drawn(0, 4096)
+        expected = (scipy_stats.uniform(0.2, 0.4), scipy_stats.loguniform(0.5, 2.0),
+                    scipy_stats.norm(0.8, 0.01), scipy_stats.uniform(0.9, 0.2))
+        for column, distribution in zip(drawn.values(), expected):
+            assert scipy_stats.kstest(column, distribution.cdf).statistic < evenness, method
+
+
+def test_a_grid_has_all_combinations_once():
+    study = from_document({**GOOD, 'rows': None, 'method': 'grid', 'vary': {
+        'linkage.a1': {'range': [0.2, 0.6], 'levels': 5},
+        'linkage.a2': {'list': [1.0, 1.1, 1.3]}}})
+    drawn = study.drawn(0, study.rows)
+    pairs = set(zip(*(column.tolist() for column in drawn.values())))
+    assert study.rows == len(pairs) == 15
+    assert np.allclose(sorted({one for one, _ in pairs}), np.linspace(0.2, 0.6, 5))
+    assert {two for _, two in pairs} == {1.0, 1.1, 1.3}
