@@ -19,15 +19,18 @@ import formulas  # noqa: E402
 from fourbar_ros.cli import main  # noqa: E402, I100
 from fourbar_ros.mechanisms.kinds import KINDS  # noqa: E402
 from fourbar_ros.mechanisms.quantities import known, POSITIONS, positions, QUANTITIES  # noqa: E402
-from fourbar_ros.scene.parameters import PARAMETERS, POINT, REQUIRED  # noqa: E402
+from fourbar_ros.scene.parameter import REQUIRED  # noqa: E402
+from fourbar_ros.scene.parameters import NAMED, PARAMETERS  # noqa: E402
 from fourbar_ros.scene.topics import (  # noqa: E402
     APPLIED,
+    DRIVE_STATE,
     DRIVEN,
     FIND_EXTREMA,
     INPUTS,
     OUTPUTS,
     SCENE,
     SERVICES,
+    TORQUE,
     WRENCHES,
 )
 from fourbar_ros.studies.measures import INPUT, OF_MECHANISM, PARTS, QUANTITY  # noqa: E402
@@ -64,7 +67,7 @@ def node_tables():
     return {
         'inputs': table(('`drive.source`', 'topic', 'type', 'what'),
                         [(f'`{t.name}`', f'`{t.topic}`', f'`{t.type}`', t.text)
-                         for t in INPUTS.values()]),
+                         for t in (*INPUTS.values(), TORQUE)]),
         'outputs': table(('name in `outputs`', 'topic', 'type', 'what', 'needs masses'),
                          [(f'`{t.name}`', f'`{t.topic}`', f'`{t.type}`', t.text,
                            'yes' if t.needs_loads else '')
@@ -73,7 +76,8 @@ def node_tables():
                           [(f'`{t.topic}`', f'`{t.type}`', t.text)
                            for topics in (WRENCHES, APPLIED) for t in topics.values()]),
         'always': table(('topic', 'type', 'what'),
-                        [(f'`{t.topic}`', f'`{t.type}`', t.text) for t in (DRIVEN, SCENE)]),
+                        [(f'`{t.topic}`', f'`{t.type}`', t.text)
+                         for t in (DRIVEN, SCENE, DRIVE_STATE)]),
         'services': table(('service', 'type', 'what'),
                           [(f'`{s.service}`', f'`{s.type}`', s.text) for s in SERVICES.values()]),
         'actions': table(('action', 'type', 'what'),
@@ -82,7 +86,8 @@ def node_tables():
         'parameters': table(('parameter', 'type', 'unit', 'default', 'allowed', 'live', 'what'),
                             [(f'`{p.name}`', p.type, p.unit, default(p), p.allowed, 'yes' if p.live
                               else '', p.text)
-                             for p in (*PARAMETERS.values(), *POINT.values())]),
+                             for table_of in (PARAMETERS, *NAMED.values())
+                             for p in table_of.values()]),
         'joints': table(('`linkage.kind`', 'joints in this order: place, coordinate'),
                         [(f'`{name}`', '; '.join(f'{joint.place} `{joint.coordinate.position}`'
                                                  for joint in kind.JOINTS))

@@ -59,10 +59,25 @@ def _drive_in_words(scene):
         return (f'The timer drives the input at {drive.speed:g} {rate_unit(scene.linkage)} from '
                 f'{drive.start:g} {rate_unit(scene.linkage)[:-2]}, with {drive.rate:g} samples '
                 'per second.')
+    if scene.dynamics:
+        return _torque_in_words(scene)
     topic = INPUTS[drive.source]
     joint = f', joint {drive.joint}' if drive.joint else ''
     return (f'Each {topic.type} on {topic.topic}{joint} makes one step; missing rates are '
             f'estimated from {drive.window} samples.')
+
+
+def _torque_in_words(scene):
+    from fourbar_ros.report.tables import rate_unit
+    from fourbar_ros.scene.topics import TORQUE
+    drive, values, unit = scene.drive, scene.values, rate_unit(scene.linkage)
+    source = (f'{TORQUE.type} on {TORQUE.topic}' if drive.source == 'torque'
+              else f'a motor ({values["motor.kind"]})')
+    shaft = scene.dynamics.drive.shaft
+    coupled = f'through a shaft of {shaft.stiffness:g} N m/rad' if shaft else 'rigidly'
+    return (f'The motion follows from torque: {source}, coupled {coupled}, starts at '
+            f'{drive.start:g} {unit[:-2]} with {drive.start_speed:g} {unit}; {drive.rate:g} '
+            'samples per second.')
 
 
 def _outputs_table(scene):
@@ -111,7 +126,7 @@ def _cost_in_words(scene):
     cost = step_cost(scene)
     computed = 'motion and loads' if scene.needs_loads else 'motion only, no loads'
     rate = (f', {100.0 * cost * scene.drive.rate:.2g} % of a core at {scene.drive.rate:g} Hz'
-            if scene.drive.source == 'timer' else '')
+            if scene.drive.source == 'timer' or scene.dynamics else '')
     return (f'A step computes {computed}: {cost * 1e6:.1f} us on this machine{rate}. Each topic '
             'with a subscriber or a recorder costs more than that (see docs/bench/node.md), each '
             'one without costs nothing.')

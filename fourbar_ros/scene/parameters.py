@@ -7,95 +7,14 @@ It feeds the declaration in the node, the check of scene files, the manual and t
 """
 from __future__ import annotations
 
-from array import array
-from math import inf, isfinite, isnan, nan
+from math import nan
 import re
-from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.scene import of_kinds
+from fourbar_ros.scene import of_dynamics, of_kinds
+from fourbar_ros.scene.parameter import Parameter, REQUIRED
 from fourbar_ros.scene.topics import INPUTS, OUTPUTS, WRENCHES
-
-REQUIRED = object()        # as a default: the scene must give the value
-TYPES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings': list,
-         'doubles': list}
-
-
-class Parameter(NamedTuple):
-    """
-    One parameter.
-
-    A ``default`` of NaN means "not given". ``low`` and ``high`` are inclusive; ``positive``
-    excludes zero.
-    """
-
-    name: str
-    type: str
-    default: Any
-    unit: str
-    text: str
-    low: float = -inf
-    high: float = inf
-    positive: bool = False
-    choices: tuple[str, ...] = ()
-    live: bool = True          # can be changed while the node runs
-
-    def check(self, value):
-        """Return the value in its own type, or raise InvalidParameter saying what is allowed."""
-        kind = TYPES[self.type]
-        if kind is float:
-            value = _as_float(value)
-        # an array of doubles comes so from rclpy
-        if kind is list and isinstance(value, (tuple, array)):
-            value = list(value)
-        if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
-            raise InvalidParameter(self.name, value, f'must be {self._article} {self.type}')
-        if self.type == 'strings':
-            for item in value:
-                if not isinstance(item, str) or (self.choices and item not in self.choices):
-                    raise InvalidParameter(self.name, item,
-                                           f'must be some of {", ".join(self.choices)}')
-        elif self.type == 'doubles':
-            value = [_as_float(item) for item in value]
-            for item in value:
-                if not isinstance(item, float) or not isfinite(item):
-                    raise InvalidParameter(self.name, item, 'must hold finite numbers')
-        elif self.choices and value not in self.choices:
-            raise InvalidParameter(self.name, value, f'must be one of {", ".join(self.choices)}')
-        if kind in (float, int):
-            self._check_number(value)
-        return value
-
-    @property
-    def _article(self):
-        return 'an' if self.type == 'integer' else 'some' if TYPES[self.type] is list else 'a'
-
-    def _check_number(self, value):
-        if isnan(value) and isinstance(self.default, float) and isnan(self.default):
-            return                                             # not given
-        if not isfinite(value):
-            raise InvalidParameter(self.name, value, 'must be a finite number')
-        if self.positive and value <= 0:
-            raise InvalidParameter(self.name, value, 'must be positive')
-        if not self.low <= value <= self.high:
-            raise InvalidParameter(self.name, value, f'must lie in {self.allowed}')
-
-    @property
-    def allowed(self):
-        """Return the allowed values as text."""
-        if self.choices:
-            return ', '.join(self.choices)
-        if self.positive:
-            return '> 0' if self.high == inf else f'(0, {self.high:g}]'
-        if self.low > -inf:
-            return f'>= {self.low:g}' if self.high == inf else f'[{self.low:g}, {self.high:g}]'
-        return ''
-
-
-def _as_float(value):
-    """Return an integer as a float, anything else as it is."""
-    return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
 def _length(name, length):
@@ -174,15 +93,17 @@ PARAMETERS = {parameter.name: parameter for parameter in (
               'are NaN), constant (force_x, force_y, couple) or hold (the last wrench; before the '
               'first, constant)', choices=('unknown', 'constant', 'hold')),
     Parameter('drive.source', 'string', 'timer', '',
-              'source of the input: the clock (timer), Motion messages (motion) or one joint of '
-              'JointState messages (joint_state)',
-              choices=('timer', *INPUTS), live=False),
+              'source of the input: the clock (timer), Motion messages (motion), one joint of '
+              'JointState messages (joint_state); or the motion follows from torque: of a topic '
+              '(torque) or of a motor (motor)',
+              choices=('timer', *INPUTS, *of_dynamics.SOURCES), live=False),
     Parameter('drive.speed', 'double', 1.0, 'rad/s or m/s',
               'with the timer: constant speed of the input'),
     Parameter('drive.start', 'double', 0.0, 'rad or m',
-              'with the timer: input at the first sample', live=False),
-    Parameter('drive.rate', 'double', 100.0, 'Hz', 'with the timer: samples per second',
-              high=5000.0, positive=True),
+              'with the timer, torque or motor: input at the first sample', live=False),
+    Parameter('drive.rate', 'double', 100.0, 'Hz',
+              'with the timer, torque or motor: samples per second', high=5000.0, positive=True),
+    *of_dynamics.DRIVE,
     Parameter('drive.joint', 'string', '', '', 'with joint_state: name of the driven joint',
               live=False),
     Parameter('drive.joint_ratio', 'double', 1.0, '',
@@ -203,6 +124,7 @@ PARAMETERS = {parameter.name: parameter for parameter in (
               'published where the linkage cannot be assembled: NaN (none), the last good values '
               '(hold) or the pose at the nearest limit (clamp)',
               choices=('none', 'hold', 'clamp')),
+    *of_dynamics.MOTOR,
     Parameter('outputs', 'strings', ['state', 'output', 'joint_states'], '',
               'outputs to publish; those not listed are neither created nor computed',
               choices=tuple(OUTPUTS)),
@@ -252,27 +174,33 @@ POINT = {parameter.name: parameter for parameter in (
     Parameter('points.NAME.across', 'double', 0.0, 'm',
               'position of the point NAME: distance to the left of the line of its link'),
 )}
-_POINT_NAME = re.compile(r'points\.([A-Za-z]\w*)\.\w+')
+# Groups of which a scene may have any number.
+NAMED = {'points': POINT, 'springs': of_dynamics.SPRING, 'torsion_springs': of_dynamics.TORSION}
+_OF_ONE = re.compile(rf'({"|".join(NAMED)})\.([A-Za-z]\w*)\.([\w.]+)')
 
 
 def find(name):
-    """Return the Parameter of this name, one of the table or of a point, or None."""
-    match = _POINT_NAME.fullmatch(name)
-    general = POINT.get(name.replace(f'.{match[1]}.', '.NAME.', 1)) if match else None
-    return general._replace(name=name) if general else PARAMETERS.get(name)
+    """Return the Parameter of this name, one of the table or of a point or spring, or None."""
+    match = _OF_ONE.fullmatch(name)
+    general = NAMED[match[1]].get(f'{match[1]}.NAME.{match[3]}') if match else None
+    if general is None:
+        return PARAMETERS.get(name)
+    return general._replace(name=name)
 
 
-def points_in(values):
-    """Return the names of the points that have a parameter, in order."""
-    return list(dict.fromkeys(match[1] for match in map(_POINT_NAME.fullmatch, values) if match))
+def names_in(group, values):
+    """Return the names in a group of :data:`NAMED` that have a parameter, in order."""
+    return list(dict.fromkeys(match[2] for match in map(_OF_ONE.fullmatch, values)
+                              if match and match[1] == group))
 
 
 def _why_unknown(name):
     parts = name.split('.')
-    if parts[0] == 'points' and len(parts) == 3 and not _POINT_NAME.fullmatch(name):
-        return (f'{parts[1]!r} is not a valid point name: use letters, digits and _, starting '
-                'with a letter')
-    return f'unknown parameter{nearest(name, [*PARAMETERS, *POINT], 0.75)}'
+    if parts[0] in NAMED and len(parts) >= 3 and not _OF_ONE.fullmatch(name):
+        return (f'{parts[1]!r} is not a valid {parts[0][:-1].replace("_", " ")} name: use '
+                'letters, digits and _, starting with a letter')
+    every = [*PARAMETERS, *(name for table in NAMED.values() for name in table)]
+    return f'unknown parameter{nearest(name, every, 0.75)}'
 
 
 def check(values):
@@ -291,7 +219,7 @@ def check(values):
     for parameter in PARAMETERS.values():
         if parameter.default is REQUIRED and parameter.name not in values:
             raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
-    of_points = [find(name.replace('NAME', point)) for point in points_in(values)
-                 for name in POINT]
+    named = [find(name.replace('NAME', one)) for group, table in NAMED.items()
+             for one in names_in(group, values) for name in table]
     return {parameter.name: parameter.check(values.get(parameter.name, parameter.default))
-            for parameter in (*PARAMETERS.values(), *of_points)}
+            for parameter in (*PARAMETERS.values(), *named)}

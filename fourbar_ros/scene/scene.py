@@ -18,14 +18,15 @@ from fourbar_ros.mechanisms.mechanism import Mechanism, SLIDE
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
 from fourbar_ros.pipeline.message_fields import layout, Names
 from fourbar_ros.scene import of_kinds, parameters
+from fourbar_ros.scene.dynamics import Dynamics, of_values
 from fourbar_ros.scene.files import flatten, read_values, SceneError  # noqa: F401
-from fourbar_ros.scene.topics import APPLIED, topics_of, WRENCHES
+from fourbar_ros.scene.topics import APPLIED, DRIVE_STATE, topics_of, TORQUE, WRENCHES
 
 IN_WORDS = {1: 'one', 2: 'two', 3: 'three', 4: 'four', 5: 'five', 6: 'six', 7: 'seven', 8: 'eight'}
 
 
 class DriveSettings(NamedTuple):
-    """What moves the input: source 'timer', 'motion' or 'joint_state'; see the parameter table."""
+    """What moves the input, by ``source``; see the parameter table."""
 
     source: str
     speed: float
@@ -38,6 +39,11 @@ class DriveSettings(NamedTuple):
     jump: float
     timeout: float
     out_of_range: str
+    start_speed: float
+    tolerance: float
+    budget: int
+    when_silent: str
+    torque_limit: float
 
 
 class RecordingSettings(NamedTuple):
@@ -94,6 +100,7 @@ class Scene(NamedTuple):
     joint_names: tuple[str, ...]      # with their prefix
     joint_states: JointStates
     recording: RecordingSettings
+    dynamics: Dynamics | None         # where the motion follows from torque
     values: dict       # every parameter by name
 
     @property
@@ -114,6 +121,13 @@ class Scene(NamedTuple):
         Those that come, and those that say what acts.
         """
         return [topics[link] for link in self.wrenches.links for topics in (WRENCHES, APPLIED)]
+
+    @property
+    def drive_topics(self):
+        """Return the topics of a drive that works by torque: what comes, and its state."""
+        if self.dynamics is None:
+            return []
+        return [TORQUE, DRIVE_STATE] if self.drive.source == TORQUE.name else [DRIVE_STATE]
 
     @property
     def layout(self):
@@ -146,7 +160,7 @@ def from_values(values):
     """
     values = parameters.check(values)
     points = {name: Point(*(values[f'points.{name}.{field}'] for field in Point._fields))
-              for name in parameters.points_in(values)}
+              for name in parameters.names_in('points', values)}
     shown = _group(JointStates, 'joint_states', values)
     linkage = _linkage(values)
     wrenches = Wrenches(tuple(link for link in linkage.EXTERNAL._fields
@@ -156,7 +170,8 @@ def from_values(values):
                   tuple(values['outputs']),
                   values['frame_id'], tuple(shown.prefix + name for name in values['joint_names']),
                   shown,
-                  _group(RecordingSettings, 'recording', values), values)
+                  _group(RecordingSettings, 'recording', values),
+                  of_values(values, linkage), values)
     _check_together(scene)
     return scene
 
@@ -236,6 +251,12 @@ def _check_together(scene):
         refuse('outputs', 'names an output twice')
     if 'points' in scene.outputs and not scene.points:
         refuse('outputs', 'points: the scene has none; give points.NAME.link, .along, .across')
+    if scene.dynamics and scene.wrenches.links:
+        refuse(f'external.{scene.wrenches.links[0]}.from_topic', 'motion that follows from torque '
+               'takes constant external forces only')
+    if scene.dynamics and scene.dynamics.elements and scene.needs_loads:
+        refuse('outputs', 'loads are those of rods, weight and external forces; with springs or '
+               'dampers they would be wrong')
     if scene.drive.source == 'joint_state' and not scene.drive.joint:
         refuse('drive.joint', 'must name the joint that is the input')
 

@@ -53,6 +53,14 @@ INPUTS = {topic.name: topic for topic in (
           'joint states; the joint named by `drive.joint` is the driven one'),
 )}
 
+# With drive.source torque or motor: what turns the input, and the state that follows from it.
+TORQUE = Topic('torque', '~/torque', 'geometry_msgs/msg/WrenchStamped',
+               'torque of the drive on the input: `torque.z` [N m], counter-clockwise positive; '
+               'of a driven slide `force.x` [N] along the slide, where it grows')
+DRIVE_STATE = Topic('drive_state', '~/drive_state', 'fourbar_msgs/msg/DriveState',
+                    'state of drive and input after every step, torques, current, effort of the '
+                    'integration')
+
 # External wrenches on the links whose external.LINK.from_topic is true: received, and in effect.
 WRENCHES = {link: Topic(f'external_{link}', f'~/external/{link}',
                         'geometry_msgs/msg/WrenchStamped',

@@ -1,0 +1,152 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""What a scene says of motion that follows from torque: drive, springs, the start."""
+from __future__ import annotations
+
+from math import inf, isnan
+from typing import Any, NamedTuple, TYPE_CHECKING
+
+from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.scene import parameters
+from fourbar_ros.scene.of_dynamics import SOURCES
+
+if TYPE_CHECKING:      # other scenes do without
+    from fourbar_ros.dynamics.drives import Drive, Shaft, Source
+    from fourbar_ros.dynamics.elements import Element
+    from fourbar_ros.dynamics.system import System
+
+Values = dict[str, Any]
+NEEDED = {'line': ('stall_torque', 'free_speed'),
+          'dc': ('voltage', 'resistance', 'torque_constant'),
+          'controller': ('speed', 'proportional')}
+NOT_ZERO = ('motor.gear', 'motor.free_speed')
+
+
+class Dynamics(NamedTuple):
+    """Drive, springs and dampers, and where the input starts [rad] or [m], [rad/s] or [m/s]."""
+
+    drive: Drive
+    elements: tuple[Element, ...]
+    position: float
+    rate: float
+
+    def system(self, linkage: Any) -> System:
+        """Return the :class:`~fourbar_ros.dynamics.system.System` of a linkage with these."""
+        from fourbar_ros.dynamics.system import System
+        return System(linkage, self.position, self.rate, self.elements, self.drive)
+
+
+def of_values(values: Values, linkage: Any) -> Dynamics | None:
+    """
+    Return the Dynamics of a scene; None where the motion is given.
+
+    Raises
+    ------
+    InvalidParameter
+        Naming the parameter and what is allowed.
+
+    """
+    springs = [f'{group}.{name}' for group in ('springs', 'torsion_springs')
+               for name in parameters.names_in(group, values)]
+    if values['drive.source'] not in SOURCES:
+        if springs:
+            raise InvalidParameter(springs[0], None, 'a spring acts only where the motion follows '
+                                   'from torque: drive.source: torque or motor')
+        return None
+    if linkage.bodies is None:
+        raise InvalidParameter('bodies.crank.mass', None, 'must be given (or bodies.rods): motion '
+                               'that follows from torque needs masses')
+    from fourbar_ros.dynamics.drives import Drive
+    drive = Drive(_source(values), values['motor.gear']**2 * values['motor.rotor_inertia'],
+                  values['flywheel.inertia'], _shaft(values))
+    found = Dynamics(drive, tuple(_element(values, name, linkage) for name in springs),
+                     values['drive.start'], values['drive.start_speed'])
+    _check_start(found, linkage)
+    return found
+
+
+def _source(values: Values) -> Source:
+    from fourbar_ros.dynamics import drives
+    for name in NOT_ZERO:
+        if values[name] == 0.0:
+            raise InvalidParameter(name, 0.0, 'must not be zero')
+    if values['drive.source'] == 'torque':
+        return drives.ConstantTorque(0.0)
+    kind = values['motor.kind']
+    for name in NEEDED[kind]:
+        if isnan(values[f'motor.{name}']):
+            text = parameters.PARAMETERS[f'motor.{name}'].text
+            raise InvalidParameter(f'motor.{name}', None, f'must be given: {text}')
+
+    def given(name: str) -> float:
+        return float(values[f'motor.{name}'])
+
+    if kind == 'line':
+        return drives.MotorLine(given('gear') * given('stall_torque'),
+                                given('free_speed') / given('gear'))
+    if kind == 'dc':
+        return drives.DCMotor(given('voltage'), given('resistance'), given('torque_constant'),
+                              given('inductance'), given('gear'))
+    limit = given('torque_limit')
+    return drives.SpeedController(given('speed'), given('proportional'), given('integral'),
+                                  inf if isnan(limit) else limit)
+
+
+def _shaft(values: Values) -> Shaft | None:
+    if isnan(values['shaft.stiffness']):
+        if values['shaft.damping']:
+            raise InvalidParameter('shaft.damping', values['shaft.damping'],
+                                   'needs shaft.stiffness: a rigid shaft has no damping')
+        return None
+    if not values['motor.rotor_inertia']:
+        raise InvalidParameter('motor.rotor_inertia', values['motor.rotor_inertia'],
+                               'must be positive: an elastic shaft (shaft.stiffness) needs an '
+                               'inertia on the side of the drive')
+    from fourbar_ros.dynamics.drives import Shaft
+    return Shaft(values['shaft.stiffness'], values['shaft.damping'])
+
+
+def _element(values: Values, name: str, linkage: Any) -> Element:
+    from fourbar_ros.dynamics import elements
+    links = (elements.GROUND, *linkage.loads_of_links())
+
+    def given(field: str) -> Any:
+        value = values[f'{name}.{field}']
+        if isinstance(value, str) and value not in links:
+            raise InvalidParameter(f'{name}.{field}', value,
+                                   f'must be one of {", ".join(links)}')
+        return value
+
+    try:
+        if name.startswith('torsion'):
+            return elements.TorsionSpring(given('first'), given('second'), given('stiffness'),
+                                          given('free_angle'), given('damping'))
+        first, second = (elements.Attachment(*(given(f'{end}.{field}')
+                                               for field in ('link', 'along', 'across')))
+                         for end in ('first', 'second'))
+        return elements.Spring(first, second, given('stiffness'), given('free_length'),
+                               given('damping'))
+    except InvalidParameter as error:
+        if error.name != 'second':
+            raise
+        field = 'second' if name.startswith('torsion') else 'second.link'
+        raise InvalidParameter(f'{name}.{field}', error.value, error.allowed) from None
+
+
+def _check_start(dynamics: Dynamics, linkage: Any) -> None:
+    """Refuse a start in which the links do not close or the equation of motion has no answer."""
+    try:
+        system = dynamics.system(linkage)
+        rates = system.derivative(0.0, system.start)
+        good = system.has_no_limits or system.distance_to_limit(0.0, system.start) > 0.0
+    except InvalidParameter:
+        raise
+    except (FourBarError, ArithmeticError) as error:
+        raise InvalidParameter('drive.start', dynamics.position, f'no motion can start here: '
+                               f'{error}') from None
+    if not good:
+        raise InvalidParameter('drive.start', dynamics.position, 'no motion can start here: at or '
+                               'next to a limit of the input')
+    if not all(abs(rate) < inf for rate in rates):
+        raise InvalidParameter('drive.start', dynamics.position, 'the acceleration at the start '
+                               'is not finite')

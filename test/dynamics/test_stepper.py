@@ -1,0 +1,160 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Steps of given length: accuracy, stability and work on soft and stiff shafts."""
+from fourbar_ros import Bodies, FourBar, round_rod
+from fourbar_ros.dynamics.drives import (
+    ConstantTorque,
+    DCMotor,
+    Drive,
+    MotorLine,
+    Shaft,
+    SpeedController,
+)
+from fourbar_ros.dynamics.elements import TorsionSpring
+from fourbar_ros.dynamics.free_motion import FreeMotion
+from fourbar_ros.dynamics.simulate import simulate
+from fourbar_ros.dynamics.stepper import BUDGET, DONE, LIMIT, OneStep
+from fourbar_ros.dynamics.system import System
+import numpy as np
+import pytest
+
+RODS = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8)))
+PAPER = FourBar(0.4, 1.2, 0.8, 1.0, bodies=RODS, gravity=(0.0, -9.81))
+LINE = MotorLine(400.0, 26.0)
+TICK = 1e-3
+DRIVES = {'rigid': Drive(LINE, 0.5), 'soft shaft': Drive(LINE, 0.5, shaft=Shaft(1e3, 10.0)),
+          'dc motor': Drive(DCMotor(48.0, 0.5, 0.3, 1e-3, 10.0), 0.5, 1.0, Shaft(1e3, 10.0))}
+
+
+def steps(system, until, tick=TICK, tolerance=1e-6, budget=10_000, command=None):
+    """Return the states after every tick, and how each went."""
+    one = OneStep(system, tolerance, budget)
+    state, states, went = one.start, [one.start], []
+    for _ in range(round(until / tick)):
+        done = one.advance(state, tick, command)
+        state = done.state
+        states.append(state)
+        went.append(done)
+    return np.array(states).T, went
+
+
+@pytest.mark.parametrize('drive', DRIVES.values(), ids=DRIVES)
+def test_the_order_is_four_at_least(drive):
+    system = System(PAPER, 0.0, drive=drive)
+    reference = simulate(system, 0.5, 1e-11, times=[0.5])
+    errors = []
+    for tick in (4e-3, 2e-3, 1e-3):
+        states, went = steps(system, 0.5, tick, tolerance=1e9)
+        assert all(done.evaluations == 7 for done in went)
+        errors.append(abs(states[0, -1] - reference.position[-1]))
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert orders[-1] > 3.7 and errors[-1] < 1e-5, (errors, orders)
+
+
+@pytest.mark.parametrize('stiffness', [10.0**k for k in range(2, 10)])
+def test_stiff_shafts_against_scipy(stiffness):
+    damping = 100.0 if stiffness > 1e4 else 1e-3 * stiffness
+    system = System(PAPER, 0.0, drive=Drive(LINE, 0.5, shaft=Shaft(stiffness, damping)))
+    reference = simulate(system, 0.3, 1e-7, times=[0.1, 0.2, 0.3])
+    assert reference.status == 'reached the end'
+    states, went = steps(system, 0.3)
+    assert {done.status for done in went} == {DONE}
+    error = np.abs(states[0, [100, 200, 300]] - reference.position)
+    # three hundred steps of 1e-6 would be 3e-4, if all erred to one side; they do not
+    assert error.max() < 1e-5
+    # a torque of 400 N m twists a stiff shaft by no more than twice T / k
+    assert np.abs(states[2]).max() < 2.5 * 400.0 / stiffness
+    assert np.median([done.evaluations for done in went]) == 7
+
+
+def test_an_undamped_stiff_shaft_stays_stable_for_long():
+    system = System(PAPER, 0.0, drive=Drive(LINE, 0.5, shaft=Shaft(1e9, 0.0)))
+    rigid = System(PAPER, 0.0, drive=Drive(LINE, 0.5))
+    states, went = steps(system, 5.0)
+    reference = simulate(rigid, 5.0, 1e-8, times=[5.0])
+    assert {done.status for done in went} == {DONE}
+    assert abs(states[0, -1] - reference.position[-1]) < 1e-3
+    assert max(done.evaluations for done in went) < 1000
+
+
+def test_free_motion_against_quadrature():
+    system = System(PAPER, 0.5, 3.0)
+    times = np.arange(0.0, 3.0, TICK)
+    states, went = steps(system, 3.0 - TICK, tolerance=1e-9)
+    assert np.abs(states[0] - FreeMotion(system).position(times)).max() < 1e-6
+    energy = system.equation.energy(states[0], states[1])
+    assert np.ptp(energy) < 1e-6 * (np.abs(energy).max() + 1.0)
+
+
+def test_work_is_counted_and_never_more_than_the_budget():
+    system = System(PAPER, 0.0, drive=Drive(LINE, 0.5, shaft=Shaft(1e5, 0.0)))
+    for budget in (12, 20, 60):
+        calls = 0
+        one = OneStep(system, 1e-11, budget)
+        terms_of = system.equation.terms
+
+        def counted(position, terms_of=terms_of):
+            nonlocal calls
+            calls += 1
+            return terms_of(position)
+
+        one._terms = counted
+        state, statuses = one.start, set()
+        for _ in range(200):
+            calls = 0
+            done = one.advance(state, TICK)
+            assert calls == done.evaluations <= budget
+            state = done.state
+            statuses.add(done.status)
+        assert BUDGET in statuses and np.isfinite(state).all()
+        reference = simulate(system, 0.2, 1e-6, times=[0.2]).position[-1]
+        # less accurate, and still a motion of this linkage: within a percent of the way
+        assert abs(state[0] - reference) < 0.05 * reference
+
+
+@pytest.mark.parametrize('gain', [1e1, 1e3, 1e6])
+def test_a_limited_controller_settles_whatever_its_gain(gain):
+    drive = Drive(SpeedController(25.0, gain, 5.0 * gain, 400.0), 0.5, 2.0)
+    system = System(PAPER, 0.0, drive=drive)
+    states, went = steps(system, 1.0, budget=60)
+    assert all(done.evaluations <= 60 for done in went)
+    assert np.abs(states[1, -100:] - 25.0).max() < (0.6 if gain > 50.0 else 8.0)
+    one = OneStep(system, 1e-6, 60)
+    torques = np.array([one.torques(tuple(state)).of_motor for state in states.T])
+    assert np.abs(torques).max() <= 400.0 and bool(torques[1] == 400.0) is (gain > 16.0)
+    if gain == 1e3:
+        reference = simulate(system, 1.0, 1e-6, times=[0.5, 1.0], check=False)
+        assert np.abs(states[0, [500, 1000]] - reference.position).max() < 1e-3
+
+
+def test_a_torque_from_outside_is_that_of_the_source():
+    held = System(PAPER, 0.0, drive=Drive(ConstantTorque(-30.0), 0.5))
+    free = System(PAPER, 0.0, drive=Drive(ConstantTorque(0.0), 0.5))
+    assert np.array_equal(steps(held, 0.1)[0], steps(free, 0.1, command=-30.0)[0])
+
+
+def test_at_a_limit_the_input_is_held_at_rest_and_leaves_it_when_pulled_back():
+    rocker = FourBar(1.2, 0.4, 0.8, 1.0, bodies=Bodies(*(round_rod(a, 7750.0, 0.01)
+                                                         for a in (1.2, 0.4, 0.8))))
+    (low, high), *_ = rocker.input_ranges
+    system = System(rocker, 0.5 * (low + high), drive=Drive(ConstantTorque(0.0)))
+    states, went = steps(system, 1.0, command=200.0)
+    assert went[-1].status == LIMIT and states[1, -1] == 0.0 and low < states[0, -1] < high
+    one = OneStep(system, 1e-6, 60)
+    state = tuple(states[:, -1])
+    for _ in range(20):
+        done = one.advance(state, TICK, -200.0)
+        state = done.state
+    assert done.status == DONE and state[1] < 0.0
+
+
+def test_a_torsion_spring_swings_as_the_textbook_says():
+    """A crank alone, massless otherwise: J = m l^2 / 3, w = sqrt(k / J)."""
+    rods = Bodies(round_rod(0.4, 7750.0, 0.01), *(round_rod(a, 1e-12, 0.01) for a in (1.2, 0.8)))
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=rods)
+    system = System(linkage, 0.3, 0.0, [TorsionSpring('ground', 'crank', 20.0)])
+    inertia = rods.crank.inertia + rods.crank.mass * 0.2**2
+    speed = (20.0 / inertia)**0.5
+    states, _ = steps(system, 0.2, tolerance=1e-10)
+    times = TICK * np.arange(201)
+    assert np.abs(states[0] - 0.3 * np.cos(speed * times)).max() < 1e-7

@@ -1,0 +1,89 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes whose motion follows from torque: what they give, and why others are refused."""
+import subprocess
+import sys
+
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.scene import scene
+import pytest
+from support import ROOT
+from support.scenes import PAPER, RODS
+
+MOTOR = {**PAPER, **RODS, 'drive.source': 'motor', 'motor.stall_torque': 400.0,
+         'motor.free_speed': 26.0}
+DC = {**PAPER, **RODS, 'drive.source': 'motor', 'motor.kind': 'dc', 'motor.voltage': 48.0,
+      'motor.resistance': 0.5, 'motor.torque_constant': 0.3}
+
+
+def test_a_motor_behind_a_gear_turns_its_numbers_over():
+    drive = scene.from_values({**MOTOR, 'motor.gear': -10.0, 'motor.rotor_inertia': 0.02,
+                               'shaft.stiffness': 1e4, 'flywheel.inertia': 2}).dynamics.drive
+    assert drive.rotor == pytest.approx(2.0) and drive.flywheel == 2.0
+    assert (drive.source.stall_torque, drive.source.free_speed) == (-4000.0, -2.6)
+    # power of the motor itself at half its free speed: 200 N m at 13 rad/s
+    torque, _ = drive.source.torque(0.0, -1.3, ())
+    assert torque * -1.3 == pytest.approx(200.0 * 13.0)
+
+
+def test_springs_and_dampers_are_named_freely_and_reach_the_equation():
+    values = {**PAPER, **RODS, 'drive.source': 'torque', 'outputs': ['state'],
+              'springs.back.second.link': 'output', 'springs.back.second.along': 0.8,
+              'springs.back.first.along': 1.5, 'springs.back.stiffness': 300.0,
+              'springs.back.free_length': 0.2, 'torsion_springs.pivot.damping': 0.5}
+    dynamics = scene.from_values(values).dynamics
+    spring, pivot = dynamics.elements
+    assert spring.links == ('ground', 'output') and pivot.links == ('ground', 'crank')
+    linkage = scene.from_values(values).linkage
+    terms = dynamics.system(linkage).equation.terms(0.3)
+    assert terms.damping == 0.5 and terms.force != 0.0
+
+
+def test_the_source_torque_starts_at_rest_without_a_torque():
+    found = scene.from_values({**PAPER, **RODS, 'drive.source': 'torque', 'drive.start': 0.4,
+                               'drive.start_speed': -2})
+    assert (found.dynamics.position, found.dynamics.rate) == (0.4, -2.0)
+    assert found.dynamics.drive.source.torque(0.0, 1.0, ()) == (0.0, ())
+    assert [topic.name for topic in found.drive_topics] == ['torque', 'drive_state']
+    assert scene.from_values({**PAPER, **RODS}).dynamics is None
+
+
+@pytest.mark.parametrize(('given', 'name', 'why'), [
+    ({**PAPER, 'drive.source': 'motor'}, 'bodies.crank.mass', 'needs masses'),
+    ({**PAPER, **RODS, 'drive.source': 'motor'}, 'motor.stall_torque', 'must be given'),
+    ({**MOTOR, 'motor.free_speed': 0.0}, 'motor.free_speed', 'must not be zero'),
+    ({**MOTOR, 'motor.gear': 0.0}, 'motor.gear', 'must not be zero'),
+    ({**MOTOR, 'motor.kind': 'stepper'}, 'motor.kind', 'must be one of line, dc, controller'),
+    ({**MOTOR, 'motor.kind': 'controller'}, 'motor.speed', 'must be given'),
+    ({**DC, 'motor.resistance': 0.0}, 'motor.resistance', 'must be positive'),
+    ({**DC, 'motor.inductance': -1.0}, 'motor.inductance', 'must lie in >= 0'),
+    ({**MOTOR, 'shaft.stiffness': 1e5}, 'motor.rotor_inertia', 'elastic shaft'),
+    ({**MOTOR, 'shaft.damping': 1.0}, 'shaft.damping', 'needs shaft.stiffness'),
+    ({**MOTOR, 'springs.s.first.link': 'slider'}, 'springs.s.first.link', 'must be one of'),
+    ({**MOTOR, 'springs.s.stiffness': 1.0}, 'springs.s.second.link', 'another link'),
+    ({**MOTOR, 'springs.2s.stiffness': 1.0}, 'springs.2s.stiffness', 'not a valid spring name'),
+    ({**MOTOR, 'springs.s.stifness': 1.0}, 'springs.s.stifness', 'springs.NAME.stiffness'),
+    ({**MOTOR, 'torsion_springs.s.second': 'ground'}, 'torsion_springs.s.second', 'another'),
+    ({**PAPER, **RODS, 'torsion_springs.s.damping': 1.0}, 'torsion_springs.s', 'drive.source'),
+    ({**MOTOR, 'torsion_springs.s.damping': 1.0, 'outputs': ['loads']}, 'outputs', 'springs'),
+    ({**MOTOR, 'external.output.from_topic': True}, 'external.output.from_topic', 'constant'),
+    ({**MOTOR, 'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.start': 3.1}, 'drive.start',
+     'no motion can start'),
+    ({**MOTOR, 'drive.budget': 3}, 'drive.budget', 'must lie in [12, 10000]'),
+], ids=lambda value: value if isinstance(value, str) and ' ' not in value else '')
+def test_what_cannot_be_is_refused_in_one_line(given, name, why):
+    with pytest.raises(InvalidParameter) as error:
+        scene.from_values(given)
+    assert error.value.name == name and why in str(error.value) and '\n' not in str(error.value)
+
+
+@pytest.mark.parametrize('name', ['paper', 'motor', 'released', 'controlled'])
+def test_no_scene_loads_the_integrators(name):
+    done = subprocess.run([sys.executable, '-c', f"""
+import sys
+from fourbar_ros.scene.scene import load
+scene = load({name!r})
+print([m for m in sys.modules if m.startswith('scipy')],
+      (scene.dynamics is None) is ('fourbar_ros.dynamics.system' not in sys.modules))
+"""], capture_output=True, text=True, cwd=ROOT, check=False)
+    assert done.stdout.split() == ['[]', 'True'], done.stdout + done.stderr
