@@ -1,0 +1,272 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What a machine is described with: points, dyads, a cylinder; each checked by itself.
+
+A dyad (Assur group of class II) is two links and three joints, each a pin (R) or a slide (P). The
+letters name the outer joint on the link of ``first``, the inner joint, and the outer joint on the
+link of ``second``.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from keyword import iskeyword
+from math import cos, pi, sin
+import re
+from typing import Any, NamedTuple
+
+from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.numerics.given import number
+
+GROUND, CRANK_LINK, SLIDER_LINK, CYLINDER = 'ground', 'crank', 'slider', 'cylinder'
+CROSSED, OPEN = 1, 2
+# Squares and fourth powers of lengths are computed without scaling.
+LONGEST, SHORTEST = 2.0**250, 2.0**-250     # [m]
+
+RRR, RRP, RPR, RPP, PRP = 'RRR', 'RRP', 'RPR', 'RPP', 'PRP'
+# Names of the dimensions of each kind, in order: lengths and offsets [m], angles [rad].
+DIMENSIONS = {
+    RRR: ('length_1', 'length_2'),
+    RRP: ('length_1', 'direction_2'),
+    RPR: ('offset',),
+    RPP: ('direction_2', 'slot'),
+    PRP: ('direction_1', 'direction_2'),
+}
+ANGLES = ('direction_1', 'direction_2', 'slot')
+# Kinds that have one assembly mode.
+OF_ONE_MODE = (RPP, PRP)
+# Directions nearer to each other than this [rad] are parallel.
+PARALLEL = 1e-9
+
+
+class Point(NamedTuple):
+    """
+    A point fixed to a link.
+
+    Parameters
+    ----------
+    link : str
+        Name of the link, or 'ground'.
+    along, across : float
+        From its first joint, along the link and to its left [m]; of the ground x and y.
+
+    """
+
+    link: str
+    along: float = 0.0
+    across: float = 0.0
+
+
+@dataclass(frozen=True)
+class Dyad:
+    """
+    Two links and three joints between two points that move already.
+
+    ======  ======================================================  ===========================
+    kind    links                                                   dimensions
+    ======  ======================================================  ===========================
+    RRR     rods from ``first`` and ``second``, pinned together     length_1, length_2
+    RRP     rod from ``first``, pinned to a block that slides       length_1, direction_2
+            through ``second``
+    RPR     block pinned at ``first``, which slides on a bar        offset
+            pinned at ``second``
+    RPP     block pinned at ``first`` in the slot of a yoke that    direction_2, slot
+            slides through ``second``
+    PRP     blocks that slide through ``first`` and through         direction_1, direction_2
+            ``second``, pinned together
+    ======  ======================================================  ===========================
+
+    Parameters
+    ----------
+    name, kind : str
+    first, second : Point
+        Of the ground, the driven link, or a link of a dyad before this one.
+    links : tuple of 2 str
+        Names of its links, the one at ``first`` first.
+    length_1, length_2 : float
+        Of the rods [m], positive.
+    offset : float
+        Of the path of the block's pin from the pivot of the bar, to its left [m]; 0 if not given.
+    direction_1, direction_2 : float
+        Of the line along which the first, the second link slides, from that of the link of
+        ``first``, of ``second`` [rad].
+    slot : float
+        From the direction in which the yoke slides to its slot [rad], not a multiple of pi.
+    mode : int
+        Assembly mode: 2 or 1. RRR: turning from the first rod to the second by less than pi is to
+        the left, right. RRP: the rod points along, against the direction of the slide. RPR: the
+        block is ahead of the bar's pivot, behind. RPP and PRP have one mode, 2.
+
+    Raises
+    ------
+    InvalidParameter
+        Naming the dyad, the parameter, its value and what is allowed.
+
+    """
+
+    name: str
+    kind: str
+    first: Point
+    second: Point
+    links: tuple[str, str]
+    length_1: float | None = None
+    length_2: float | None = None
+    offset: float | None = None
+    direction_1: float | None = None
+    direction_2: float | None = None
+    slot: float | None = None
+    mode: int = OPEN
+
+    def __post_init__(self) -> None:
+        require_name('name of a dyad', self.name)
+        where = f'dyads.{self.name}'
+        if self.kind not in DIMENSIONS:
+            raise InvalidParameter(f'{where}.kind', self.kind,
+                                   f'must be one of {", ".join(DIMENSIONS)}')
+        given: dict[str, Any] = {
+            place: checked_point(f'{where}.{place}', getattr(self, place))
+            for place in ('first', 'second')}
+        given['links'] = checked_links(f'{where}.links', self.links)
+        given.update(self._checked_dimensions(where))
+        given['mode'] = checked_mode(f'{where}.mode', self.mode, self.kind in OF_ONE_MODE)
+        for name, value in given.items():
+            object.__setattr__(self, name, value)
+        self._require_directions(where)
+
+    def _checked_dimensions(self, where: str) -> dict[str, float]:
+        """Return {name: value} of its dimensions; others must not be given."""
+        wanted = DIMENSIONS[self.kind]
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if (field.default is None and field.name not in wanted and value is not None):
+                raise InvalidParameter(f'{where}.{field.name}', value, f'a dyad {self.kind} has '
+                                       f'{", ".join(wanted)} only')
+        given = {name: getattr(self, name) for name in wanted}
+        if given.get('offset', 0.0) is None:
+            given['offset'] = 0.0
+        for name, value in given.items():
+            if value is None:
+                raise InvalidParameter(f'{where}.{name}', value, f'a dyad {self.kind} needs it')
+            given[name] = (number(f'{where}.{name}', value) if name in ANGLES
+                           else checked_length(f'{where}.{name}', value, name == 'offset'))
+        return given
+
+    def _require_directions(self, where: str) -> None:
+        if self.slot is not None and abs(sin(self.slot)) < PARALLEL:
+            raise InvalidParameter(f'{where}.slot', self.slot, 'must not be parallel to the '
+                                   'direction in which the yoke slides: not a multiple of pi')
+        if self.kind == PRP and self.first.link == self.second.link:
+            turn = self.direction_2 - self.direction_1      # type: ignore[operator]
+            if abs(sin(turn)) < PARALLEL:
+                raise InvalidParameter(f'{where}.direction_2', self.direction_2,
+                                       'must not be parallel to direction_1: the lines never meet')
+
+    @property
+    def dimensions(self) -> tuple[float, ...]:
+        """Return its dimensions in the order of :data:`DIMENSIONS`."""
+        return tuple([getattr(self, name) for name in DIMENSIONS[self.kind]])
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """Return what its formulas take: lengths [m], and cosine and sine of each angle."""
+        found: list[float] = []
+        for name in DIMENSIONS[self.kind]:
+            value = getattr(self, name)
+            found += direction(value) if name in ANGLES else (value,)
+        return (*self.first[1:], *self.second[1:], *found)
+
+    @property
+    def sign(self) -> float:
+        """Return the assembly mode as +1 (mode 2) or -1 (mode 1)."""
+        return 1.0 if self.mode == OPEN else -1.0
+
+
+class Cylinder(NamedTuple):
+    """
+    A cylinder that turns the crank: it is driven by its length.
+
+    Parameters
+    ----------
+    base : Point
+        Of the ground, where the tube is pinned.
+    pin : Point
+        Of the crank, where the rod is pinned.
+    links : tuple of 2 str
+        Names of rod and tube.
+    mode : int
+        2: from O1-base to O1-pin one turns left by less than pi; 1: right.
+
+    """
+
+    base: Point
+    pin: Point
+    links: tuple[str, str] = ('rod', 'tube')
+    mode: int = OPEN
+
+
+def direction(angle: float) -> tuple[float, float]:
+    """Return cosine and sine of an angle, exact at right angles."""
+    quarters = angle / (0.5 * pi)
+    if quarters == round(quarters) and abs(quarters) < 2**20:
+        return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[round(quarters) % 4]
+    return cos(angle), sin(angle)
+
+
+def require_name(what: str, name: Any) -> None:
+    """Refuse what cannot be part of the name of a field, a topic or a frame."""
+    if not (isinstance(name, str) and re.fullmatch('[A-Za-z][A-Za-z0-9_]*', name)
+            and not name.endswith('_') and '__' not in name and not iskeyword(name)):
+        raise InvalidParameter(what, name, 'must be a name: letters, digits and single '
+                                           'underscores, a letter first')
+
+
+def checked_length(name: str, value: Any, is_signed: bool = False) -> float:
+    """Return a length [m] as a float."""
+    result = number(name, value) if is_signed else number(
+        name, value, 'a length must be a positive number', above=0.0)
+    if not (SHORTEST < abs(result) < LONGEST or is_signed and result == 0.0):
+        raise InvalidParameter(name, value, f'must be between {SHORTEST:.3g} and {LONGEST:.3g} m: '
+                                            'squares under- or overflow')
+    return result
+
+
+def checked_point(name: str, value: Any) -> Point:
+    """Return a point whose link is a text and whose place is two finite numbers."""
+    try:
+        link, along, across = Point(*value)
+    except TypeError:
+        link = None
+    if not isinstance(link, str):
+        raise InvalidParameter(name, value, 'must be Point(link, along, across)')
+    return Point(link, checked_length(f'{name}.along', along, True),
+                 checked_length(f'{name}.across', across, True))
+
+
+def checked_links(name: str, value: Any) -> tuple[str, str]:
+    """Return the names of two links."""
+    links = tuple(value) if isinstance(value, (tuple, list)) else ()
+    if len(links) != 2:
+        raise InvalidParameter(name, value, 'must be the names of two links')
+    for link in links:
+        require_name(name, link)
+        if link == GROUND:
+            raise InvalidParameter(name, value, 'the ground is no link of a dyad')
+    return links
+
+
+def checked_mode(name: str, value: Any, has_one: bool = False) -> int:
+    """Return an assembly mode."""
+    if isinstance(value, bool) or value not in ((OPEN,) if has_one else (CROSSED, OPEN)):
+        raise InvalidParameter(name, value, 'must be 2: it has one assembly mode' if has_one
+                               else 'must be 1 or 2')
+    return int(value)
+
+
+def require_known(name: str, link: str, known: tuple[str, ...], later: dict[str, str]) -> None:
+    """Refuse a link that is not there yet; ``later``: {link: dyad} of those that follow."""
+    if link in known:
+        return
+    if link in later:
+        raise InvalidParameter(name, link, f'is a link of dyad {later[link]}, which must stand '
+                                           'before this one')
+    raise InvalidParameter(name, link, f'there is no such link{nearest(link, known)}')

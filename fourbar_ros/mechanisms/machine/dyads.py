@@ -1,0 +1,236 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Motion of the five dyads, two links and three joints, closed by hand.
+
+Notation. P and Q are the points of the first and the second link to which the dyad is attached, D
+= Q - P. Primes are derivatives with respect to the input of the machine. e1, e2 are the directions
+of the two links of the dyad, t and n the direction of a slide and its normal (t turned by +90
+deg); a x b is the z component of a cross product, a . b a dot product.
+
+Everything is solved for *coefficients*: position, first and second derivative with respect to the
+input. Rates and accelerations, the inertia of the whole machine and virtual power follow from one
+evaluation. A :data:`Curve` holds those of a link, of its first joint and its direction,
+
+    (x, y, x', y', x'', y'', cos, sin, angle', angle'')
+
+and a :data:`Node` (x, y, x', y', x'', y'') those of a point.
+
+RRR: B = P + r1 e1 = Q + r2 e2, a triangle P Q B with q = D . D:
+
+    (D1)  root = +-sqrt((r1 + r2)^2 - q) sqrt(q - (r1 - r2)^2),   sine = e1 x e2 = root/(2 r1 r2)
+    (D2)  angle1' = D' . e2 / (r1 sine),   angle2' = D' . e1 / (r2 sine)
+    (D3)  angle1'' = G . e2 / (r1 sine),   angle2'' = G . e1 / (r2 sine),
+          G = D'' + angle1'^2 r1 e1 - angle2'^2 r2 e2
+
+RRP: B = P + r1 e1 = Q + s t, where t and n turn with the second link, at the rate k':
+
+    (D4)  h = D . n,   g = r1 e1 . t = +-sqrt((r1 - h)(r1 + h)),   s = g - D . t
+    (D5)  angle1' = V . n / g,   s' = -angle1' h - V . t,   V = D' + k' s n
+    (D6)  angle1'' = G . n / g,   s'' = -angle1'' h - G . t,
+          G = D'' + (k'' s + 2 k' s') n - k'^2 s t + angle1'^2 r1 e1
+
+RPR: P = Q + s t + h n, a block pinned at P on a bar pinned at Q; d = P - Q:
+
+    (D7)  s = +-sqrt((|d| - h)(|d| + h)),   t = (s d - h n_d) / |d|^2,   n_d = d turned by +90 deg
+    (D8)  angle' = d' . n / s,   s' = d' . t + angle' h
+    (D9)  angle'' = (d'' . n + angle'^2 h - 2 s' angle') / s,
+          s'' = d'' . t + angle'' h + angle'^2 s
+
+RPP: P = Q + s t + d c, a block pinned at P in the slot c of a yoke that slides along t; c = t cos
+g + n sin g; both turn with the second link; R = P - Q:
+
+    (D10) d = R . n / sin g,   s = R . t - d cos g, and the same for the derivatives
+          R' - k' n_R  and  R'' - k'' n_R + k'^2 R - 2 k' (s' n + d' n_c)
+
+PRP: B = P + s1 t1 = Q + s2 t2, two blocks pinned to each other on two lines:
+
+    (D11) s1 = D x t2 / (t1 x t2),   s2 = D x t1 / (t1 x t2), and the same for the derivatives
+          D' + k2' s2 n2 - k1' s1 n1  and
+          D'' + (k2'' s2 + 2 k2' s2') n2 - k2'^2 s2 t2 - (k1'' s1 + 2 k1' s1') n1 + k1'^2 s1 t1
+
+A dyad is at a toggle where its sine vanishes: that of the transmission angle, between the two rods
+(RRR), the rod and the normal of the slide (RRP), the bar and the line P Q (RPR), the slot and the
+slide (RPP), the two lines (PRP).
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from fourbar_ros.numerics.number_types import NumberType
+
+Node = tuple[Any, Any, Any, Any, Any, Any]
+Curve = tuple[Any, Any, Any, Any, Any, Any, Any, Any, Any, Any]
+# The curves of the two links, (s, s', s'') of each slide, sine and cosine of the transmission
+# angle.
+DyadMotion = tuple[Curve, Curve, tuple[Any, ...], Any, Any]
+MovesDyad = Callable[[Node, Node, Curve, Curve], DyadMotion]
+
+FIXED: Curve = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)     # of the ground
+
+
+def node_of(curve: Curve, along: Any, across: Any) -> Node:
+    """Return the coefficients of a point fixed to a link."""
+    x0, y0, dx, dy, ddx, ddy, cosine, sine, turn, bend = curve
+    x, y = along * cosine - across * sine, along * sine + across * cosine
+    square = turn * turn
+    return (x0 + x, y0 + y, dx - turn * y, dy + turn * x,
+            ddx - bend * y - square * x, ddy + bend * x - square * y)
+
+
+def make_rrr(n: NumberType, sign: Any, r1: Any, r2: Any) -> MovesDyad:
+    """Return the motion of the dyad RRR: rods of lengths r1 from P and r2 from Q, pinned at B."""
+    sqrt = n.sqrt
+    difference, outer = (r1 - r2) * (r1 + r2), (r1 + r2) * (r1 + r2)
+    inner = (r1 - r2) * (r1 - r2)
+    per_r1, per_r2, half_sine = 1.0 / r1, 1.0 / r2, 0.5 / r1 / r2
+
+    def motion(at_p: Node, at_q: Node, _first: Curve, _second: Curve) -> DyadMotion:
+        px, py, pdx, pdy, pddx, pddy = at_p
+        qx, qy, qdx, qdy, qddx, qddy = at_q
+        x, y, dx, dy = qx - px, qy - py, qdx - pdx, qdy - pdy
+        q = x * x + y * y
+        root = sign * sqrt(outer - q) * sqrt(q - inner)                                 # (D1)
+        half = 0.5 / q
+        f1, f2, h = (q + difference) * half, (difference - q) * half, root * half
+        c1, s1 = (f1 * x - h * y) * per_r1, (f1 * y + h * x) * per_r1
+        c2, s2 = (f2 * x - h * y) * per_r2, (f2 * y + h * x) * per_r2
+        sine = root * half_sine
+        per_1, per_2 = per_r1 / sine, per_r2 / sine
+        turn1, turn2 = (dx * c2 + dy * s2) * per_1, (dx * c1 + dy * s1) * per_2         # (D2)
+        pull1, pull2 = turn1 * turn1 * r1, turn2 * turn2 * r2
+        gx = qddx - pddx + pull1 * c1 - pull2 * c2
+        gy = qddy - pddy + pull1 * s1 - pull2 * s2
+        bend1, bend2 = (gx * c2 + gy * s2) * per_1, (gx * c1 + gy * s1) * per_2         # (D3)
+        return ((px, py, pdx, pdy, pddx, pddy, c1, s1, turn1, bend1),
+                (qx, qy, qdx, qdy, qddx, qddy, c2, s2, turn2, bend2),
+                (), sine, c1 * c2 + s1 * s2)
+    return motion
+
+
+def turned(curve: Curve, cosine: Any, sine: Any) -> tuple[Any, Any, Any, Any]:
+    """Return a direction fixed to a link (cosine, sine), its turning and its derivative."""
+    c, s, turn, bend = curve[6:]
+    return c * cosine - s * sine, s * cosine + c * sine, turn, bend
+
+
+def make_rrp(n: NumberType, sign: Any, r1: Any, cos_t: Any, sin_t: Any) -> MovesDyad:
+    """Return the motion of the dyad RRP: a rod r1 from P, its end on a line through Q."""
+    sqrt, per_r1 = n.sqrt, 1.0 / r1
+
+    def motion(at_p: Node, at_q: Node, _first: Curve, second: Curve) -> DyadMotion:
+        px, py, pdx, pdy, pddx, pddy = at_p
+        qx, qy, qdx, qdy, qddx, qddy = at_q
+        tx, ty, turn, bend = turned(second, cos_t, sin_t)
+        x, y = qx - px, qy - py
+        h = y * tx - x * ty
+        g = sign * sqrt((r1 - h) * (r1 + h))                                            # (D4)
+        s = g - (x * tx + y * ty)
+        c1, s1 = (g * tx - h * ty) * per_r1, (g * ty + h * tx) * per_r1
+        per_g, swing = 1.0 / g, turn * s
+        vx, vy = qdx - pdx - swing * ty, qdy - pdy + swing * tx
+        turn1 = (vy * tx - vx * ty) * per_g                                             # (D5)
+        ds = -turn1 * h - (vx * tx + vy * ty)
+        along, across = -turn * swing, bend * s + 2.0 * turn * ds
+        pull = turn1 * turn1
+        gx, gy = qddx - pddx, qddy - pddy
+        bend1 = (gy * tx - gx * ty + across + pull * h) * per_g                         # (D6)
+        dds = -bend1 * h - (gx * tx + gy * ty + along + pull * g)
+        return ((px, py, pdx, pdy, pddx, pddy, c1, s1, turn1, bend1),
+                (qx + s * tx, qy + s * ty,
+                 qdx - swing * ty + ds * tx, qdy + swing * tx + ds * ty,
+                 qddx + (along + dds) * tx - across * ty,
+                 qddy + (along + dds) * ty + across * tx, tx, ty, turn, bend),
+                (s, ds, dds), g * per_r1, h * per_r1)
+    return motion
+
+
+def make_rpr(n: NumberType, sign: Any, h: Any) -> MovesDyad:
+    """Return the motion of the dyad RPR: a block pinned at P on a bar pinned at Q."""
+    sqrt, hypot = n.sqrt, n.hypot
+
+    def motion(at_p: Node, at_q: Node, _first: Curve, _second: Curve) -> DyadMotion:
+        px, py, pdx, pdy, pddx, pddy = at_p
+        qx, qy, qdx, qdy, qddx, qddy = at_q
+        x, y, dx, dy = px - qx, py - qy, pdx - qdx, pdy - qdy
+        ddx, ddy = pddx - qddx, pddy - qddy
+        distance = hypot(x, y)
+        s = sign * sqrt((distance - h) * (distance + h))                                # (D7)
+        per = 1.0 / distance
+        per_q = per * per
+        tx, ty = (s * x + h * y) * per_q, (s * y - h * x) * per_q
+        per_s = 1.0 / s
+        turn = (dy * tx - dx * ty) * per_s                                              # (D8)
+        ds = dx * tx + dy * ty + turn * h
+        bend = (ddy * tx - ddx * ty + (turn * h - 2.0 * ds) * turn) * per_s             # (D9)
+        dds = ddx * tx + ddy * ty + bend * h + turn * turn * s
+        return ((px, py, pdx, pdy, pddx, pddy, tx, ty, turn, bend),
+                (qx, qy, qdx, qdy, qddx, qddy, tx, ty, turn, bend),
+                (s, ds, dds), s * per, h * per)
+    return motion
+
+
+def make_rpp(n: NumberType, _sign: Any, cos_t: Any, sin_t: Any, cos_g: Any,
+             sin_g: Any) -> MovesDyad:
+    """Return the motion of the dyad RPP: a block pinned at P in the slot of a yoke through Q."""
+    per_sine = 1.0 / sin_g
+
+    def split(x: Any, y: Any, tx: Any, ty: Any) -> tuple[Any, Any]:
+        across = (y * tx - x * ty) * per_sine                                           # (D10)
+        return x * tx + y * ty - across * cos_g, across
+
+    def motion(at_p: Node, at_q: Node, _first: Curve, second: Curve) -> DyadMotion:
+        px, py, pdx, pdy, pddx, pddy = at_p
+        qx, qy, qdx, qdy, qddx, qddy = at_q
+        tx, ty, turn, bend = turned(second, cos_t, sin_t)
+        cx, cy = cos_g * tx - sin_g * ty, cos_g * ty + sin_g * tx
+        x, y = px - qx, py - qy
+        s, d = split(x, y, tx, ty)
+        ds, dd = split(pdx - qdx + turn * y, pdy - qdy - turn * x, tx, ty)
+        square, twice = turn * turn, 2.0 * turn
+        dds, ddd = split(pddx - qddx + bend * y + square * x + twice * (ds * ty + dd * cy),
+                         pddy - qddy - bend * x + square * y - twice * (ds * tx + dd * cx),
+                         tx, ty)
+        swing = turn * s
+        along, across = dds - turn * swing, bend * s + twice * ds
+        return ((px, py, pdx, pdy, pddx, pddy, cx, cy, turn, bend),
+                (qx + s * tx, qy + s * ty,
+                 qdx - swing * ty + ds * tx, qdy + swing * tx + ds * ty,
+                 qddx + along * tx - across * ty, qddy + along * ty + across * tx,
+                 tx, ty, turn, bend),
+                (d, dd, ddd, s, ds, dds), sin_g + 0.0 * s, cos_g + 0.0 * s)
+    return motion
+
+
+def make_prp(n: NumberType, _sign: Any, cos_1: Any, sin_1: Any, cos_2: Any,
+             sin_2: Any) -> MovesDyad:
+    """Return the motion of the dyad PRP: two blocks pinned together, on lines through P and Q."""
+    def motion(at_p: Node, at_q: Node, first: Curve, second: Curve) -> DyadMotion:
+        px, py, pdx, pdy, pddx, pddy = at_p
+        qx, qy, qdx, qdy, qddx, qddy = at_q
+        x1, y1, turn1, bend1 = turned(first, cos_1, sin_1)
+        x2, y2, turn2, bend2 = turned(second, cos_2, sin_2)
+        cross = x1 * y2 - y1 * x2
+        per = 1.0 / cross
+        x, y = (qx - px) * per, (qy - py) * per
+        s1, s2 = x * y2 - y * x2, x * y1 - y * x1                                       # (D11)
+        swing1, swing2 = turn1 * s1, turn2 * s2
+        x = (qdx - pdx - swing2 * y2 + swing1 * y1) * per
+        y = (qdy - pdy + swing2 * x2 - swing1 * x1) * per
+        ds1, ds2 = x * y2 - y * x2, x * y1 - y * x1
+        a1, b1 = -turn1 * swing1, bend1 * s1 + 2.0 * turn1 * ds1
+        a2, b2 = -turn2 * swing2, bend2 * s2 + 2.0 * turn2 * ds2
+        x = (qddx - pddx + a2 * x2 - b2 * y2 - a1 * x1 + b1 * y1) * per
+        y = (qddy - pddy + a2 * y2 + b2 * x2 - a1 * y1 - b1 * x1) * per
+        dds1, dds2 = x * y2 - y * x2, x * y1 - y * x1
+        at_b = (px + s1 * x1, py + s1 * y1,
+                pdx - swing1 * y1 + ds1 * x1, pdy + swing1 * x1 + ds1 * y1,
+                pddx + (a1 + dds1) * x1 - b1 * y1, pddy + (a1 + dds1) * y1 + b1 * x1)
+        return ((*at_b, x1, y1, turn1, bend1), (*at_b, x2, y2, turn2, bend2),
+                (s1, ds1, dds1, s2, ds2, dds2), cross, x1 * x2 + y1 * y2)
+    return motion
+
+
+MAKERS: dict[str, Callable[..., MovesDyad]] = {
+    'RRR': make_rrr, 'RRP': make_rrp, 'RPR': make_rpr, 'RPP': make_rpp, 'PRP': make_prp}

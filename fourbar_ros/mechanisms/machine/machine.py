@@ -1,0 +1,356 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+A machine: every planar linkage that is one driven link and dyads (Assur groups of class II).
+
+Positions go forward, dyad by dyad, forces backward; each dyad is solved in closed form.
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from dataclasses import fields as fields_of
+from functools import cached_property
+from math import pi
+from typing import Any
+
+from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
+from fourbar_ros.mechanisms.machine import diagram
+from fourbar_ros.mechanisms.machine.description import (
+    checked_links,
+    checked_mode,
+    checked_point,
+    CRANK_LINK,
+    CYLINDER,
+    Cylinder,
+    DIMENSIONS,
+    Dyad,
+    GROUND,
+    OF_ONE_MODE,
+    RPR,
+)
+from fourbar_ros.mechanisms.machine.layout import layout_of
+from fourbar_ros.mechanisms.machine.loads import make_loads
+from fourbar_ros.mechanisms.machine.motion import make_motion
+from fourbar_ros.mechanisms.machine.names import lengths_of, names_of
+from fourbar_ros.mechanisms.machine.ranges import Closings, find_ranges, Limit
+from fourbar_ros.mechanisms.mechanism import Constants, CRANK, Mechanism, SLIDE, two_numbers
+from fourbar_ros.mechanisms.parts import Arrow, Diagram, Length
+from fourbar_ros.mechanisms.points import LinkMotion
+from fourbar_ros.numerics.number_types import Function, NumberType
+
+DRIVERS = (CRANK, SLIDE, CYLINDER)
+NO_BODY = Body(0.0)
+
+
+@dataclass(frozen=True)
+class Machine(Mechanism):
+    """
+    One driven link and dyads, each between two points that move already.
+
+    O1 = (0, 0): the driven crank turns about it; a driven slider moves along the x axis.
+
+    Parameters
+    ----------
+    dyads : sequence of Dyad
+        In order: each hangs on the ground, the driven link or dyads before it.
+    input : str
+        'crank': its angle; 'slide': the place of the slider; 'cylinder': the length of a cylinder
+        that turns the crank.
+    output : str, optional
+        Name of the link that the machine is used for; not given: the last.
+    cylinder : Cylinder, optional
+        Of a machine driven by its cylinder.
+    bodies : mapping {link: Body}, optional
+        Links that are not named have no mass. Not given: no loads.
+    gravity : tuple of 2 floats
+        Field of gravity (x, y) [m/s^2].
+    external : mapping {link: Applied}
+        Forces and couples on links other than a driven crank.
+    stroke : tuple of 2 floats, optional
+        Shortest and longest slide or cylinder [m].
+
+    Raises
+    ------
+    InvalidParameter
+        Naming the dyad, the parameter, its value and what is allowed.
+
+    Examples
+    --------
+    >>> from fourbar_ros.mechanisms.machine.description import Dyad, Point
+    >>> four_bar = Machine([Dyad('d', 'RRR', Point('crank', 0.4), Point('ground', 1.0),
+    ...                          ('coupler', 'rocker'), length_1=1.2, length_2=0.8)])
+    >>> round(four_bar.motion(0.5, 25.0).omega_rocker, 6)
+    2.390924
+
+    """
+
+    dyads: tuple[Dyad, ...]
+    input: str = CRANK
+    output: str | None = None
+    cylinder: Cylinder | None = None
+    bodies: Any = None
+    gravity: tuple[float, float] = (0.0, 0.0)
+    external: Any = field(default_factory=dict)
+    stroke: tuple[float, float] | None = None
+
+    TITLE = 'machine of dyads'
+    TEXT = 'a driven link and dyads, any planar linkage of Assur groups of class II'
+
+    def __post_init__(self) -> None:
+        if self.input not in DRIVERS:
+            raise InvalidParameter('input', self.input, f'must be one of {", ".join(DRIVERS)}')
+        self._set(dyads=_checked_dyads(self.dyads), cylinder=self._checked_cylinder())
+        layout = layout_of(self.input, self.stages, self.output)
+        names = names_of(layout)
+        self._set(layout=layout, output=layout.output, **names._asdict())
+        self._set(bodies=_by_link('bodies', self.bodies, Body, names.BODIES, NO_BODY),
+                  external=_by_link('external', self.external, Applied, names.EXTERNAL,
+                                    NOT_APPLIED) or names.EXTERNAL(),
+                  gravity=two_numbers('gravity', self.gravity))
+        self._require_closing()
+        self._check_stroke()
+
+    def _require_closing(self) -> None:
+        """Refuse a machine that cannot be assembled at any input."""
+        name = self._closings.stopped
+        if name:
+            others = '' if name == self.dyads[0].name else ' at which those before it do'
+            raise InvalidParameter(f'dyads.{name}', None, f'cannot close at any input{others}')
+
+    def _set(self, **values: Any) -> None:
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def _checked_cylinder(self) -> Cylinder | None:
+        """Return the cylinder, which a machine has that is driven by one, and no other."""
+        given = self.cylinder
+        if (given is None) is (self.input == CYLINDER):
+            raise InvalidParameter('cylinder', given, 'a machine has one if input is cylinder, '
+                                                      'and only then')
+        if given is None:
+            return None
+        try:
+            base, pin, links, mode = Cylinder(*given)
+        except TypeError:
+            raise InvalidParameter('cylinder', given, 'must be Cylinder(base, pin, links, '
+                                                      'mode)') from None
+        base, pin = checked_point('cylinder.base', base), checked_point('cylinder.pin', pin)
+        for name, point, link in (('base', base, GROUND), ('pin', pin, CRANK_LINK)):
+            if point.link != link or not (point.along or point.across):
+                raise InvalidParameter(f'cylinder.{name}', tuple(point),
+                                       f'must be a point of the {link} away from O1')
+        return Cylinder(base, pin, checked_links('cylinder.links', links),
+                        checked_mode('cylinder.mode', mode))
+
+    @cached_property
+    def stages(self) -> tuple[Dyad, ...]:
+        """Return all dyads; a cylinder is one whose slide is driven, and the first."""
+        if self.cylinder is None:
+            return self.dyads
+        base, pin, links, mode = self.cylinder
+        return (Dyad(CYLINDER, RPR, pin, base, links, mode=mode), *self.dyads)
+
+    # --- lengths and modes ----------------------------------------------------------------------
+
+    @cached_property
+    def _lengths(self) -> list[tuple[Length, float]]:
+        return lengths_of(self.stages)
+
+    @property
+    def LENGTHS(self) -> tuple[Length, ...]:      # type: ignore[override]  # noqa: N802
+        """Return the lengths that are not zero, by name and text."""
+        return tuple([length for length, _ in self._lengths])
+
+    @property
+    def lengths(self) -> tuple[float, ...]:
+        """Return the lengths that are not zero [m]: of points, rods and offsets."""
+        return tuple([value for _, value in self._lengths])
+
+    def with_lengths(self, lengths: Sequence[float]) -> Machine:
+        """Return the same machine with other :attr:`lengths`."""
+        given = dict(zip(self.length_names, lengths))
+        dyads = [_with_lengths(dyad, given) for dyad in self.stages]
+        if self.cylinder is None:
+            return replace(self, dyads=tuple(dyads))
+        own, *dyads = dyads
+        return replace(self, dyads=tuple(dyads),
+                       cylinder=self.cylinder._replace(base=own.second, pin=own.first))
+
+    @property
+    def signs(self) -> tuple[float, ...]:
+        """Return the assembly modes of all dyads as +-1."""
+        return tuple([dyad.sign for dyad in self.stages])
+
+    sign = signs     # type: ignore[assignment]
+
+    @property
+    def mode(self) -> int:
+        """Return the modes of all dyads as one number: 1 + sum (mode - 1) 2^i, i from 0."""
+        return 1 + sum((dyad.mode - 1) << i for i, dyad in enumerate(self.stages))
+
+    def in_mode(self, mode: int) -> Machine:
+        """Return the same machine with other modes of its dyads."""
+        if mode == self.mode:
+            return self
+        modes = [1 + ((mode - 1) >> i & 1) for i in range(len(self.stages))]
+        dyads = [replace(dyad, mode=own) for dyad, own in zip(self.stages, modes)]
+        if self.cylinder is None:
+            return replace(self, dyads=tuple(dyads))
+        return replace(self, dyads=tuple(dyads[1:]),
+                       cylinder=self.cylinder._replace(mode=modes[0]))
+
+    @property
+    def modes(self) -> dict[int, str]:
+        """Return {mode: its name}: the modes of the dyads that have two."""
+        text = ', '.join(f'{dyad.name} {dyad.mode}' for dyad in self.stages
+                         if dyad.kind not in OF_ONE_MODE)
+        return {self.mode: text or 'one'}
+
+    # --- the contract ---------------------------------------------------------------------------
+
+    @property
+    def structure(self) -> tuple[Any, ...]:
+        """Return what mechanisms have in common whose formulas do the same with other numbers."""
+        return type(self), self.layout
+
+    @cached_property
+    def constants(self) -> Constants:
+        """Return the numbers of each stage in place of lengths, the modes in place of one."""
+        return Constants(tuple([dyad.numbers for dyad in self.stages]), self.signs, self.bodies,
+                         self.gravity, self.external)
+
+    @property
+    def is_driven_by_slide(self) -> bool:
+        """Return whether the input is a length, not an angle."""
+        return self.input != CRANK
+
+    def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
+        """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
+        return make_motion(numbers, self.layout, constants.lengths, constants.sign)
+
+    def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
+        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
+        return make_loads(numbers, self.layout, constants.lengths, constants.bodies,
+                          constants.gravity, constants.external)
+
+    @cached_property
+    def _closings(self) -> Closings:
+        numbers = [dyad.numbers for dyad in self.stages]
+        size = sum(map(abs, self.lengths))
+        far = 2.0 * max([size, *map(abs, self.stroke or ())])
+        found = find_ranges(self.layout, numbers, self.signs, (-far, far))
+        if self.input == SLIDE and self.stroke is None and any(
+                bound is not None and far in map(abs, (bound[0].x, bound[1].x))
+                for bound in found.limits):
+            raise InvalidParameter('stroke', self.stroke, 'must be given: no dyad limits the '
+                                                          'slide')
+        return found
+
+    @property
+    def closing_ranges(self) -> tuple[tuple[float, float], ...]:
+        """Return the ranges of the input in which all dyads close [rad or m]."""
+        return tuple([(-pi, pi) if bound is None else (bound[0].x, bound[1].x)
+                      for bound in self._closings.limits])
+
+    @property
+    def limits(self) -> tuple[tuple[Limit, Limit] | None, ...]:
+        """Return (low, high) of each range, with the dyads at toggles; None: full turns."""
+        return self._closings.limits
+
+    @property
+    def singular_inputs(self) -> list[complex]:
+        """Return the inputs where a dyad is in line: limits, and complex ones next to ranges."""
+        ends = [complex(end.x) for bound in self.limits if bound for end in bound]
+        return ends + list(self._closings.near)
+
+    @property
+    def margins(self) -> tuple[float, ...]:
+        """Return nothing: change points of a machine are not differences of lengths."""
+        return ()
+
+    @property
+    def change_point_margin(self) -> float:
+        """Return the distance of the nearest complex toggle from a range, over its size."""
+        return min([abs(z.imag) / self.input_unit for z in self._closings.near], default=1.0)
+
+    @property
+    def classification(self) -> str:
+        """Return the kinds of its dyads."""
+        return ' + '.join(dyad.kind for dyad in self.dyads)
+
+    def link_motion(self, motion: Any, link: str) -> LinkMotion:
+        """Return the LinkMotion of a link by name."""
+        i = self.MOTION._fields.index(f'x_{link}')
+        x, y, dx, dy, ddx, ddy, cosine, sine, turn, bend = motion[i:i + 10]
+        rate, acceleration = motion.rate, motion.acceleration
+        square = rate * rate
+        return LinkMotion(x, y, dx * rate, dy * rate, dx * acceleration + ddx * square,
+                          dy * acceleration + ddy * square, cosine, sine, turn * rate,
+                          turn * acceleration + bend * square)
+
+    def transmission_sine(self, motion: Any) -> Any:
+        """Return the product of the sines of all dyads: zero where one is in line."""
+        product = 1.0 + 0.0 * motion[-1]
+        for sine in motion[len(motion) - len(self.stages):]:
+            product = product * sine
+        return product
+
+    def diagram(self, motion: Any) -> Diagram:
+        """Return what a picture shows in one pose."""
+        return diagram.diagram(self, motion)
+
+    def velocity_polygon(self, motion: Any) -> list[Arrow]:
+        """Return the arrows of the velocities [m/s]; the pole is the origin."""
+        return diagram.velocity_polygon(self, motion)
+
+    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
+        """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
+        return diagram.acceleration_polygon(self, motion)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        given = {own.name: getattr(self, own.name) for own in fields_of(self)}
+        for name in ('bodies', 'external'):
+            given[name] = given[name] and given[name]._asdict()
+        return _again, (given,)
+
+
+def _again(given: dict[str, Any]) -> Machine:
+    """Return a machine that was pickled."""
+    return Machine(**given)
+
+
+def _checked_dyads(given: Any) -> tuple[Dyad, ...]:
+    """Return one dyad or more, as a tuple."""
+    dyads = tuple(given) if isinstance(given, (tuple, list)) else ()
+    if not dyads or not all(isinstance(dyad, Dyad) for dyad in dyads):
+        raise InvalidParameter('dyads', given, 'must be one Dyad or more, in order')
+    return dyads
+
+
+def _with_lengths(dyad: Dyad, given: dict[str, float]) -> Dyad:
+    """Return a dyad with other lengths, by their names in a machine."""
+    changed: dict[str, Any] = {
+        place: getattr(dyad, place)._replace(**{
+            name: given[f'{dyad.name}.{place}.{name}'] for name in ('along', 'across')
+            if f'{dyad.name}.{place}.{name}' in given})
+        for place in ('first', 'second')}
+    changed.update((name, given[f'{dyad.name}.{name}']) for name in DIMENSIONS[dyad.kind]
+                   if f'{dyad.name}.{name}' in given)
+    return replace(dyad, **changed)
+
+
+def _by_link(name: str, given: Any, kind: type, whole: Any, default: Any) -> Any:
+    """Return {link: record}, or a tuple of them, as ``whole``; None for None."""
+    if given is None:
+        return None
+    if not isinstance(given, Mapping):
+        given = given._asdict() if hasattr(given, '_asdict') else dict(zip(whole._fields, given))
+    for link, record in given.items():
+        if link not in whole._fields:
+            raise InvalidParameter(f'{name}.{link}', None, 'there is no such link'
+                                   f'{nearest(link, whole._fields)}')
+        if not isinstance(record, kind):
+            raise InvalidParameter(f'{name}.{link}', record, f'must be of type {kind.__name__}')
+    return whole(**{link: given.get(link, default) for link in whole._fields})

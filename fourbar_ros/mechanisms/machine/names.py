@@ -1,0 +1,166 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""What a machine states about itself by the contract: from its layout."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from typing import Any, NamedTuple
+
+from fourbar_ros.mechanisms.machine.description import (
+    ANGLES,
+    CRANK_LINK,
+    CYLINDER,
+    DIMENSIONS,
+    GROUND,
+    RRP,
+    RRR,
+    SLIDER_LINK,
+)
+from fourbar_ros.mechanisms.machine.layout import (
+    BASE,
+    coordinate,
+    Layout,
+    load_fields,
+    motion_fields,
+    SLIDES,
+    travel,
+)
+from fourbar_ros.mechanisms.machine.records import record_type
+from fourbar_ros.mechanisms.parts import Coordinate, Joint, Length, Link, Output, Quantity
+
+# What the links of each kind are called in texts.
+ROLES = {'RRR': ('rod', 'rod'), 'RRP': ('rod', 'block'), 'RPR': ('block', 'bar'),
+         'RPP': ('block', 'yoke'), 'PRP': ('block', 'block')}
+
+
+class Names(NamedTuple):
+    """The attributes of :class:`~fourbar_ros.mechanisms.mechanism.Mechanism` of these names."""
+
+    LINKS: tuple[Link, ...]
+    JOINTS: tuple[Joint, ...]
+    PARTS: dict[Coordinate, str]
+    DRAWN: tuple[Coordinate, ...]
+    INPUTS: dict[str, Coordinate]
+    OUTPUTS: dict[str, tuple[Output, ...]]
+    MOTION: Any
+    LOADS: Any
+    WATCHED: tuple[str, ...]
+    REACTIONS: tuple[str, ...]
+    BODIES: Any
+    EXTERNAL: Any
+    QUANTITIES: tuple[Quantity, ...]
+
+
+@cache
+def names_of(layout: Layout) -> Names:
+    """Return the :class:`Names` of a layout."""
+    joints, turning = layout.joints(), layout.turning()
+    links = tuple(_links(layout))
+    given = {'crank': coordinate(CRANK_LINK), 'slide': travel(SLIDER_LINK)}
+    if layout.driver == CYLINDER:
+        given = {CYLINDER: travel(layout.stages[0].links[0])}
+    parts = {coordinate(link): f'{link} ({text})' for link, text, *_ in links if link in turning}
+    parts.update((travel(link), f'{link} slides') for link in layout.slides())
+    driven = given[layout.driver]
+    return Names(
+        links, tuple(_joints(layout)), parts,
+        tuple(dict.fromkeys((driven, output_of(layout).coordinate))), {layout.driver: driven},
+        {layout.driver: _outputs(layout, driven)},
+        record_type('MachineMotion', motion_fields(layout)),
+        record_type('MachineLoads', load_fields(layout)),
+        (*(name for name, _ in joints), 'shaking_moment'), tuple(name for name, _ in joints),
+        record_type('MachineBodies', layout.moving),
+        record_type('MachineExternal', tuple(link.name for link in links if link.is_loadable)),
+        tuple(_quantities(layout, driven)))
+
+
+def _links(layout: Layout) -> list[Link]:
+    turning = layout.turning()
+    found = [Link(layout.driven, layout.driven, 'O1', turns=layout.driven in turning,
+                  is_loadable=layout.driver != 'crank')]
+    for stage in layout.stages:
+        joints = dict(stage.joints())
+        first = {'RRR': ('first', 'second'), 'RRP': ('first', 'inner'),
+                 'RPR': ('first', 'second'), 'RPP': ('first', 'second'),
+                 'PRP': ('inner', 'inner')}[stage.kind]
+        lengths = {RRR: ('length_1', 'length_2'), RRP: ('length_1', '')}.get(stage.kind, ('', ''))
+        found += [Link(link, role, joints[place], length and f'{stage.name}.{length}',
+                       turns=link in turning)
+                  for link, role, place, length in zip(stage.links, ROLES[stage.kind], first,
+                                                       lengths)]
+    return found
+
+
+def _joints(layout: Layout) -> list[Joint]:
+    """Return all joints: pins with the angle of one link to the other, slides with their way."""
+    moving = {name for name, _, _ in layout.pins()}
+    base = (travel(SLIDER_LINK) if layout.driven == SLIDER_LINK else coordinate(CRANK_LINK))
+    found = [Joint(BASE, base)]
+    for stage in layout.stages:
+        slides = SLIDES[stage.kind]
+        for place, name in stage.joints():
+            link = stage.links[slides.get(place, 0 if place == 'first' else 1)]
+            found.append(Joint(name, travel(link) if place in slides else
+                               coordinate(name if name in moving else link)))
+    return found
+
+
+def output_of(layout: Layout) -> Output:
+    """Return the output: the angle of its link, or how far that slides."""
+    link = layout.output
+    if link in layout.turning():
+        return Output(coordinate(link), f'ratio_{link}')
+    return Output(travel(link), f'slide_{link}_ratio')
+
+
+def _outputs(layout: Layout, driven: Coordinate) -> tuple[Output, ...]:
+    """Return all outputs, the one that the machine is used for first."""
+    turning = layout.turning()
+    every = [output_of(layout),
+             *(Output(coordinate(link), f'ratio_{link}') for link in layout.moving
+               if link in turning),
+             *(Output(travel(link), f'slide_{link}_ratio') for link in layout.slides())]
+    return tuple(dict.fromkeys(output for output in every if output.coordinate != driven))
+
+
+def _quantities(layout: Layout, driven: Coordinate) -> list[Quantity]:
+    """Return what can be asked for by name, but for what all mechanisms have."""
+    found = []
+    for link in [link for link in layout.moving if link in layout.turning()]:
+        found += _of_coordinate(coordinate(link), f'of {link}')
+    for link in layout.slides():
+        found += _of_coordinate(travel(link), f'of {link} along its slide')
+    found += [Quantity(f'transmission_angle_{stage.name}', 'rad',
+                       f'transmission angle of dyad {stage.name}', False)
+              for stage in layout.stages]
+    for name, is_slide in layout.joints():
+        found.append(Quantity(name, 'N', f'magnitude of the reaction at joint {name}', True))
+        if is_slide:
+            found += [Quantity(f'{name}_normal', 'N', f'force square to the slide {name}', True),
+                      Quantity(f'{name}_couple', 'N m', f'couple of the slide {name}', True)]
+    return [quantity for quantity in found if quantity.name not in driven]
+
+
+def _of_coordinate(its: Coordinate, text: str) -> list[Quantity]:
+    if its.unit == 'm':
+        return [Quantity(its.position, 'm', f'position {text}', False),
+                Quantity(its.rate, 'm/s', f'velocity {text}', False),
+                Quantity(its.acceleration, 'm/s^2', f'acceleration {text}', False)]
+    return [Quantity(its.position, 'rad', f'angle {text}, continuous', False),
+            Quantity(its.rate, 'rad/s', f'angular velocity {text}', False),
+            Quantity(its.acceleration, 'rad/s^2', f'angular acceleration {text}', False)]
+
+
+def lengths_of(dyads: Sequence[Any]) -> list[tuple[Length, float]]:
+    """Return all lengths that are not zero: places of points, rods, offsets; and their values."""
+    found = []
+    for dyad in dyads:
+        for place in ('first', 'second'):
+            point = getattr(dyad, place)
+            of = 'the ground' if point.link == GROUND else f'link {point.link}'
+            found += [(Length(f'{dyad.name}.{place}.{name}', f'of a point of {of}', True), value)
+                      for name, value in (('along', point.along), ('across', point.across))]
+        found += [(Length(f'{dyad.name}.{name}', f'of dyad {dyad.name}', name == 'offset'),
+                   getattr(dyad, name)) for name in DIMENSIONS[dyad.kind] if name not in ANGLES]
+    return [(length, value) for length, value in found if value]

@@ -1,0 +1,131 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Machines that cannot be: each refused in one line that names what is wrong and where."""
+from math import inf, nan, pi
+
+from fourbar_ros import Applied, Body, InvalidParameter
+from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad, Point
+from fourbar_ros.mechanisms.machine.machine import Machine
+import pytest
+
+CRANK, GROUND = Point('crank', 0.4), Point('ground', 1.0)
+
+
+def rrr(name='d', first=CRANK, second=GROUND, links=('coupler', 'rocker'), **changed):
+    return Dyad(name, changed.pop('kind', 'RRR'), first, second, links,
+                **{'length_1': 1.2, 'length_2': 0.8, **changed})
+
+
+def second(first, **changed):
+    """Return a machine of two dyads, the second from ``first`` to the ground."""
+    return Machine([rrr(), rrr('e', first, Point('ground', 2.0), ('rod', 'arm'), **changed)])
+
+
+SLIDER = Point('slider', 0.4)
+BASE, PIN = Point('ground', 0.0, -0.5), Point('crank', 0.4)
+MISTAKES = {
+    'no dyad': (lambda: Machine([]), 'dyads = .*one Dyad or more'),
+    'a dyad that is none': (lambda: Machine([('d', 'RRR')]), 'dyads = .*one Dyad or more'),
+    'unknown kind': (lambda: rrr(kind='RPPR'), r'dyads.d.kind = .RPPR.: must be one of RRR'),
+    'a kind in small letters': (lambda: rrr(kind='rrr'), 'dyads.d.kind'),
+    'no name': (lambda: rrr(''), 'name of a dyad = .*letters'),
+    'a name with a blank': (lambda: rrr('a b'), 'name of a dyad = .a b.*letters'),
+    'a name that is a word of Python': (lambda: rrr(links=('lambda', 'b')), 'dyads.d.links = .la'),
+    'a link named as the ground': (lambda: rrr(links=('ground', 'b')), 'dyads.d.links.*ground'),
+    'two links of one name': (lambda: Machine([rrr(links=('rod', 'rod'))]),
+                              'dyads.d.links = .*must be two names'),
+    'one link': (lambda: rrr(links=('rod',)), 'dyads.d.links.*names of two links'),
+    'a text for two links': (lambda: rrr(links='ab'), 'dyads.d.links.*names of two links'),
+    'a name of a dyad twice': (
+        lambda: Machine([rrr(), rrr(links=('rod', 'arm'))]), 'name of a dyad = .d.: stands twice'),
+    'a name of a link twice': (
+        lambda: Machine([rrr(), rrr('e', links=('rod', 'rocker'))]),
+        r'dyads.e.links = .rocker.: is the name of dyad d already'),
+    'a link named as the driven one': (lambda: Machine([rrr(links=('crank', 'b'))]),
+                                       'dyads.d.links = .crank.: is the name of the driven link'),
+    'a name of a result twice': (
+        lambda: Machine([rrr(), rrr('e', Point('rocker', 0.8), Point('ground', 2.0),
+                                    ('d_first', 'arm'), length_1=1.1)]),
+        'dyads = .*theta_d_first.*name of two results'),
+    'an unknown link': (lambda: second(Point('rokcer', 0.8)),
+                        r'dyads.e.first.link = .rokcer.*did you mean rocker'),
+    'the slider of a machine with a crank': (lambda: Machine([rrr(first=SLIDER)]),
+                                             'dyads.d.first.link = .slider.: there is no such'),
+    'a link of a later dyad': (
+        lambda: Machine([rrr(first=Point('arm', 0.1)), rrr('e', links=('rod', 'arm'))]),
+        'dyads.d.first.link = .arm.: is a link of dyad e, which must stand before'),
+    'a link of its own': (lambda: Machine([rrr(second=Point('coupler', 0.1))]),
+                          'dyads.d.second.link = .coupler.*own link'),
+    'a point that is none': (lambda: rrr(first=3.0), 'dyads.d.first = 3.0: must be Point'),
+    'a point without a link': (lambda: rrr(first=(0.1, 0.2)), 'dyads.d.first = .*must be Point'),
+    'a point that is not finite': (lambda: rrr(first=Point('crank', nan)),
+                                   'dyads.d.first.along = nan'),
+    'a length missing': (lambda: rrr(length_2=None), 'dyads.d.length_2: a dyad RRR needs it'),
+    'a length too many': (lambda: rrr(offset=0.1),
+                          'dyads.d.offset = 0.1: a dyad RRR has length_1, length_2 only'),
+    'a length of zero': (lambda: rrr(length_1=0.0), 'dyads.d.length_1 = 0.0.*positive'),
+    'a negative length': (lambda: rrr(length_1=-1.0), 'dyads.d.length_1 = -1.0.*positive'),
+    'an infinite length': (lambda: rrr(length_1=inf), 'dyads.d.length_1 = inf'),
+    'a length whose square overflows': (lambda: rrr(length_1=1e200),
+                                        r'dyads.d.length_1 = 1e\+200: must be between'),
+    'a text for a length': (lambda: rrr(length_1='1.2'), 'dyads.d.length_1 = .1.2.*not of type'),
+    'mode 3': (lambda: rrr(mode=3), 'dyads.d.mode = 3: must be 1 or 2'),
+    'mode 1 of one that has one mode': (
+        lambda: Dyad('d', 'PRP', CRANK, GROUND, ('a', 'b'), direction_1=0.0, direction_2=1.0,
+                     mode=1), 'dyads.d.mode = 1: must be 2'),
+    'a slot along the slide': (
+        lambda: Dyad('d', 'RPP', CRANK, GROUND, ('a', 'b'), direction_2=0.3, slot=pi),
+        'dyads.d.slot = 3.14.*not be parallel'),
+    'parallel lines on one link': (
+        lambda: Dyad('d', 'PRP', CRANK, Point('crank', 0.0, 1.0), ('a', 'b'), direction_1=0.2,
+                     direction_2=0.2), 'dyads.d.direction_2 = 0.2.*parallel'),
+    'rods that never reach': (
+        lambda: second(Point('rocker', 0.8), length_1=0.1, length_2=0.1),
+        'dyads.e: cannot close at any input at which those before it do'),
+    'rods that never reach at first': (lambda: Machine([rrr(length_1=0.1, length_2=0.1)]),
+                                       'dyads.d: cannot close at any input$'),
+    'unknown input': (lambda: Machine([rrr()], input='motor'), 'input = .motor.: must be one of'),
+    'an output that is no link': (lambda: Machine([rrr()], output='rokcer'),
+                                  'output = .rokcer.*did you mean rocker'),
+    'a cylinder of a driven crank': (lambda: Machine([rrr()], cylinder=Cylinder(BASE, PIN)),
+                                     'cylinder = .*only then'),
+    'no cylinder': (lambda: Machine([rrr()], input='cylinder'), 'cylinder: .*only then'),
+    'a cylinder on the crank': (
+        lambda: Machine([rrr()], input='cylinder', cylinder=Cylinder(PIN, PIN)),
+        'cylinder.base = .*point of the ground'),
+    'a cylinder pinned at O1': (
+        lambda: Machine([rrr()], input='cylinder', cylinder=Cylinder(BASE, Point('crank'))),
+        'cylinder.pin = .*away from O1'),
+    'a stroke of a crank': (lambda: Machine([rrr()], stroke=(0.0, 1.0)),
+                            'stroke = .*only a driven slide'),
+    'a slide without end': (
+        lambda: Machine([Dyad('d', 'RPR', Point('slider'), Point('ground', 0.0, 1.0),
+                              ('block', 'bar'))], input='slide'),
+        'stroke: must be given: no dyad limits the slide'),
+    'a stroke outside': (
+        lambda: Machine([rrr(first=Point('slider'))], input='slide', stroke=(10.0, 11.0)),
+        'stroke = .*cannot close anywhere in it'),
+    'a body of an unknown link': (lambda: Machine([rrr()], bodies={'rokcer': Body(1.0)}),
+                                  'bodies.rokcer: there is no such link; did you mean rocker'),
+    'a body that is none': (lambda: Machine([rrr()], bodies={'rocker': 1.0}),
+                            'bodies.rocker = 1.0: must be of type Body'),
+    'a load on a driven crank': (lambda: Machine([rrr()], external={'crank': Applied()}),
+                                 'external.crank: there is no such link'),
+    'gravity that is no vector': (lambda: Machine([rrr()], gravity=9.81), 'gravity = 9.81'),
+}
+
+
+@pytest.mark.parametrize('name', MISTAKES)
+def test_a_mistake_is_refused_in_one_line(name):
+    make, text = MISTAKES[name]
+    with pytest.raises(InvalidParameter, match=f'^{text}') as caught:
+        make()
+    assert '\n' not in str(caught.value)
+    assert len(str(caught.value)) < 300
+
+
+def test_the_same_without_a_mistake():
+    machine = second(Point('rocker', 0.8), length_1=1.4, length_2=0.9)
+    assert machine.turns_fully
+    assert Machine([rrr(first=Point('slider'))], input='slide').input_ranges
+    assert Machine([rrr()], input='cylinder', cylinder=Cylinder(BASE, PIN)).input_ranges
