@@ -169,8 +169,10 @@ def test_functions_fit_on_a_screen():
 
 
 def test_no_folder_is_large():
+    """A kind of mechanism is a folder of its own, beside what all kinds share."""
     lines = {}
     for module, path in MODULES.items():
-        folder = folder_of(module)
+        kind = next((k for k in KINDS if module.startswith(f'fourbar_ros.mechanisms.{k}')), None)
+        folder = kind or folder_of(module)
         lines[folder] = lines.get(folder, 0) + len(path.read_text().splitlines())
     assert max(lines.values()) <= 0.2 * sum(lines.values()), lines
