@@ -12,6 +12,7 @@ from fourbar_ros.mechanisms.stroke import within_stroke
 from fourbar_ros.numerics.given import number, records
 
 LONGEST = 2.0**1000     # [m]
+STROKE = 'must be [shortest, longest] of the slide, two finite numbers'
 
 
 def checked(mechanism: Described) -> dict[str, Any]:
@@ -31,7 +32,7 @@ def checked(mechanism: Described) -> dict[str, Any]:
                                if len(modes) > 1 else
                                f'must be {min(modes)}: driven at its {mechanism.input} it has '
                                'one assembly mode')
-    given.update(mode=int(mode), gravity=_two_numbers('gravity', mechanism.gravity),
+    given.update(mode=int(mode), gravity=two_numbers('gravity', mechanism.gravity),
                  external=records('external', mechanism.external, Applied, mechanism.EXTERNAL))
     if mechanism.bodies is not None:
         given['bodies'] = records('bodies', mechanism.bodies, Body, mechanism.BODIES)
@@ -59,10 +60,9 @@ def checked_stroke(mechanism: Described) -> tuple[float, float] | None:
         return None
     if not mechanism.is_driven_by_slide:
         raise InvalidParameter('stroke', stroke, 'only a driven slide has one')
-    allowed = 'must be [shortest, longest] of the slide, two finite numbers'
-    low, high = _two_numbers('stroke', stroke, allowed)
+    low, high = two_numbers('stroke', stroke, STROKE)
     if not low < high:
-        raise InvalidParameter('stroke', stroke, allowed)
+        raise InvalidParameter('stroke', stroke, STROKE)
     if not within_stroke(mechanism.closing_ranges, (low, high)):
         unit = mechanism.input_coordinate.unit
         raise InvalidParameter('stroke', (low, high), 'the links cannot close anywhere in it: '
@@ -70,8 +70,8 @@ def checked_stroke(mechanism: Described) -> tuple[float, float] | None:
     return low, high
 
 
-def _two_numbers(name: str, given: Any,
-                 allowed: str = 'must be two finite numbers (x, y)') -> tuple[float, float]:
+def two_numbers(name: str, given: Any,
+                allowed: str = 'must be two finite numbers (x, y)') -> tuple[float, float]:
     """Return two numbers as a tuple of floats."""
     try:
         x, y = given

@@ -130,50 +130,6 @@ class Mechanism(Described):
             return [link_motion(motion, link) for link in links]
         return coefficients
 
-<<<<<<< HEAD
-=======
-    def _within(self, motion: Function, numbers: NumberType) -> Function:
-        """Return the function of motion that has no pose outside of the stroke."""
-        low, high = self.stroke
-
-        def within_one(position, rate, acceleration):
-            if not low <= position <= high:
-                raise ValueError
-            return motion(position, rate, acceleration)
-
-        def within(position, rate, acceleration):
-            fields = motion(position, rate, acceleration)
-            outside = (position.real < low) | (position.real > high)
-            given = position, rate, acceleration
-            return tuple(field if any(field is value for value in given)
-                         else np.where(outside, nan, field)
-                         for field in fields) if outside.any() else fields
-        return within_one if numbers is REAL else within
-
-    def _check_stroke(self):
-        """Refuse a stroke that is none, or in which the links cannot close anywhere."""
-        if self.stroke is None:
-            return
-        if not self.is_driven_by_slide:
-            raise InvalidParameter('stroke', self.stroke, 'only a driven slide has one')
-        allowed = 'must be [shortest, longest] of the slide, two finite numbers'
-        low, high = two_numbers('stroke', self.stroke, allowed)
-        if not low < high:
-            raise InvalidParameter('stroke', self.stroke, allowed)
-        object.__setattr__(self, 'stroke', (low, high))
-        if not self.input_ranges:
-            raise InvalidParameter('stroke', self.stroke, 'the links cannot close anywhere in it: '
-                                   'they do in '
-                                   f'{in_words(self.closing_ranges, self.input_coordinate.unit)}')
-
-    def _within_stroke(self, ranges):
-        """Return the parts of ranges of the input that lie in the stroke."""
-        if self.stroke is None:
-            return ranges
-        parts = ((max(low, self.stroke[0]), min(high, self.stroke[1])) for low, high in ranges)
-        return tuple((low, high) for low, high in parts if low < high)
-
->>>>>>> 17f5c24 (Machines of dyads: description with checks, motion, loads, ranges of a driven link and RRR, RRP, RPR, RPP, PRP dyads; not yet a kind of scenes)
     @cached_property
     def _motion_of_one(self) -> Function:
         return self.make_motion(REAL)
@@ -211,116 +167,8 @@ class Mechanism(Described):
 
     # --- evaluated ------------------------------------------------------------------------------
 
-<<<<<<< HEAD
     def motion(self, position: Values, rate: Values = 0.0, acceleration: Values = 0.0,
                fields: Iterable[str] | None = None) -> Any:
-=======
-        Lengths that are not positive, or if signed not finite, and so on.
-        """
-        given = {name: number(name, getattr(self, name), 'a length must be a positive number',
-                              above=0.0)
-                 for name, _, signed in self.LENGTHS if not signed}
-        given.update((name, number(name, getattr(self, name))) for name, _, signed in self.LENGTHS
-                     if signed)
-        for name, value in given.items():
-            if abs(value) >= LONGEST:
-                raise InvalidParameter(name, value, f'must be shorter than {LONGEST:.3g} m: sums '
-                                                    'of lengths overflow')
-        if self.input not in self.INPUTS:
-            raise InvalidParameter('input', self.input, f'must be one of {", ".join(self.INPUTS)}')
-        if isinstance(self.mode, bool) or self.mode not in self.modes:
-            raise InvalidParameter('mode', self.mode, 'must be 1 (crossed) or 2 (open)'
-                                   if len(self.modes) > 1 else
-                                   f'must be {min(self.modes)}: driven at its {self.input} it has '
-                                   'one assembly mode')
-        given.update(mode=int(self.mode), gravity=two_numbers('gravity', self.gravity),
-                     external=records('external', self.external, Applied, self.EXTERNAL))
-        if self.bodies is not None:
-            given['bodies'] = records('bodies', self.bodies, Body, self.BODIES)
-        for name, value in given.items():
-            object.__setattr__(self, name, value)
-
-    def __getstate__(self):
-        """
-        Return what was given.
-
-        Functions made on the way are made again where they are needed.
-        """
-        return {field.name: getattr(self, field.name) for field in fields_of(self)}
-
-    @property
-    def sign(self):
-        """Return the assembly mode as +1 (mode 2) or -1 (mode 1)."""
-        return 1.0 if self.mode == OPEN else -1.0
-
-    def in_mode(self, mode):
-        """Return the same mechanism in another assembly mode."""
-        return self if mode == self.mode else replace(self, mode=mode)
-
-    def with_external(self, external):
-        """
-        Return the same mechanism with another :class:`~fourbar_ros.mechanics.bodies.External`.
-
-        What does not depend on it is shared.
-        """
-        other = object.__new__(type(self))
-        # what else is in it was checked
-        other.__dict__.update(self.__dict__, external=external)
-        for name in ('constants', '_of_one', 'record_of_motion', 'record_with_loads'):
-            other.__dict__.pop(name, None)
-        other.__dict__['_made'] = {key: made for key, made in self._made.items()
-                                   if key[0] == 'motion'}
-        return other
-
-    @property
-    def input_coordinate(self):
-        """Return the :class:`Coordinate` that is driven."""
-        return self.INPUTS[self.input]
-
-    @property
-    def is_driven_by_slide(self):
-        """Return whether the input is a length, not an angle."""
-        return self.input == SLIDE
-
-    @property
-    def input_unit(self):
-        """Return the unit in which inputs are of the size of one: 1 rad, or a power of two [m]."""
-        return power_of_two(*self.lengths) if self.is_driven_by_slide else 1.0
-
-    @property
-    def turns_fully(self):
-        """Return whether the input is a crank that makes full turns."""
-        return self.input == CRANK and self.input_ranges == ((-pi, pi),)
-
-    def is_in_stroke(self, position):
-        """Return whether an input is in the stroke, if there is one."""
-        return self.stroke is None or self.stroke[0] <= position <= self.stroke[1]
-
-    def distance(self, one, other):
-        """
-        Return the signed distance of two inputs.
-
-        The short way round of angles [rad], or [m].
-        """
-        return one - other if self.is_driven_by_slide else remainder(one - other, 2.0 * pi)
-
-    def term_sizes(self, motion, rate, acceleration):
-        """Return {unit: size} of the terms of rates and accelerations, for noise bounds."""
-        angles = [joint.coordinate for joint in self.JOINTS if joint.coordinate.unit == 'rad']
-        omega = sum(abs(getattr(motion, joint.rate).real) for joint in angles)
-        alpha = omega * omega + sum(abs(getattr(motion, joint.acceleration).real)
-                                    for joint in angles)
-        size = max(map(abs, self.lengths))
-        return {'rad/s': omega, 'rad/s^2': alpha, 'm/s': size * omega, 'm/s^2': size * alpha}
-
-    def unknown(self, position, rate, acceleration):
-        """Return the motion of which only the input is known; the rest is NaN."""
-        fields = dict.fromkeys(self.MOTION._fields, nan)
-        fields.update(zip(self.input_coordinate, (position, rate, acceleration)))
-        return self.MOTION(**fields)
-
-    def motion(self, position, rate=0.0, acceleration=0.0, fields=None):
->>>>>>> 17f5c24 (Machines of dyads: description with checks, motion, loads, ranges of a driven link and RRR, RRP, RPR, RPP, PRP dyads; not yet a kind of scenes)
         """
         Return the motion for given input, its rate and acceleration.
 
@@ -449,15 +297,3 @@ def _places(motion: Any, loads: Any, fields: Any) -> tuple[tuple[int, ...], bool
 
 def _are_numbers(*values: Any) -> bool:
     return all(isinstance(value, Real) for value in values)
-<<<<<<< HEAD
-=======
-
-
-def two_numbers(name, given, allowed='must be two finite numbers (x, y)'):
-    """Return two numbers as a tuple of floats."""
-    try:
-        x, y = given
-    except (TypeError, ValueError):
-        raise InvalidParameter(name, given, allowed) from None
-    return number(name, x, allowed), number(name, y, allowed)
->>>>>>> 17f5c24 (Machines of dyads: description with checks, motion, loads, ranges of a driven link and RRR, RRP, RPR, RPP, PRP dyads; not yet a kind of scenes)

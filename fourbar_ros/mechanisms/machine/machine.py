@@ -16,6 +16,7 @@ from typing import Any
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
+from fourbar_ros.mechanisms.checks import STROKE, two_numbers
 from fourbar_ros.mechanisms.machine import diagram
 from fourbar_ros.mechanisms.machine.description import (
     checked_links,
@@ -35,7 +36,7 @@ from fourbar_ros.mechanisms.machine.loads import make_loads
 from fourbar_ros.mechanisms.machine.motion import make_motion
 from fourbar_ros.mechanisms.machine.names import lengths_of, names_of
 from fourbar_ros.mechanisms.machine.ranges import Closings, find_ranges, Limit
-from fourbar_ros.mechanisms.mechanism import Constants, CRANK, Mechanism, SLIDE, two_numbers
+from fourbar_ros.mechanisms.mechanism import Constants, CRANK, Mechanism, SLIDE
 from fourbar_ros.mechanisms.parts import Arrow, Diagram, Length
 from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.number_types import Function, NumberType
@@ -239,7 +240,8 @@ class Machine(Mechanism):
     def _closings(self) -> Closings:
         numbers = [dyad.numbers for dyad in self.stages]
         size = sum(map(abs, self.lengths))
-        far = 2.0 * max([size, *map(abs, self.stroke or ())])
+        stroke = two_numbers('stroke', self.stroke, STROKE) if self.stroke is not None else ()
+        far = 2.0 * max([size, *map(abs, stroke)])
         found = find_ranges(self.layout, numbers, self.signs, (-far, far))
         if self.input == SLIDE and self.stroke is None and any(
                 bound is not None and far in map(abs, (bound[0].x, bound[1].x))
