@@ -62,7 +62,7 @@ class Terms(NamedTuple):
     damping: Any          # D [N m s/rad], [N s/m]
 
 
-class _InBothModes:
+class InBothModes:
     """A formula of the input in the mode that holds there: of floats, or of arrays."""
 
     def __init__(self, make_formula: Callable[[Any, NumberType], Function], modes: Sequence[Any],
@@ -95,6 +95,14 @@ class _InBothModes:
         return self.of_many(position) if np.ndim(position) else self.of_one(float(position))
 
 
+def make_reading(of: Any) -> Callable[[Any, NumberType], Function]:
+    """Return (coordinate, number type) -> formula: input of a mechanism and its derivatives."""
+    def make(coordinate: Any, n: NumberType) -> Function:
+        coefficients = coordinate.make_coefficients(n)
+        return lambda position: of.read_coordinate(n, coefficients(position))
+    return make
+
+
 class Equation:
     """
     The equation of motion (E1) of a mechanism with its springs and dampers.
@@ -110,6 +118,10 @@ class Equation:
         An input at which the mechanism is in its own mode, from where it goes smoothly through the
         flat positions of a change point (:mod:`fourbar_ros.dynamics.smooth`); without it, the
         mechanism is in its own mode everywhere.
+    coordinate : optional
+        One of ``mechanism.driven_otherwise()``: q is then that coordinate, J and all other terms
+        with it, while the extra inertia stays on the input of the mechanism. ``start`` is one of
+        its values.
 
     Raises
     ------
@@ -119,8 +131,10 @@ class Equation:
     """
 
     def __init__(self, mechanism: Any, elements: Sequence[Element] = (),
-                 extra_inertia: float = 0.0, start: float | None = None) -> None:
+                 extra_inertia: float = 0.0, start: float | None = None,
+                 coordinate: Any = None) -> None:
         self.mechanism, self.elements = mechanism, tuple(elements)
+        self.coordinate = mechanism if coordinate is None else coordinate
         self.extra_inertia = extra_inertia
         loads, links = loads_of_links(mechanism), [link.name for link in mechanism.LINKS]
         self._bodies = [(links.index(name), *what) for name, what in loads.items()
@@ -132,19 +146,28 @@ class Equation:
                 raise InvalidParameter('link', name, f'must be one of {", ".join(places)}')
         self._springs = [(element, *(places[link] for link in element.links))
                          for element in self.elements]
-        self._is_alternate = None if start is None else make_is_alternate(mechanism, start)
-        self._terms = self._in_both_modes(self._make_terms)
+        self._is_alternate = None if start is None else make_is_alternate(self.coordinate,
+                                                                              start)
+        self._terms = self.in_both_modes(self._make_terms)
         self.of_one = self._terms.of_one      # (J, J'/2, Q, D, part of Q of couples), fast
 
-    def _in_both_modes(self, make_formula: Callable[[Any, NumberType], Function]) -> _InBothModes:
-        modes = [self.mechanism]
+    def in_both_modes(self, make_formula: Callable[[Any, NumberType], Function]) -> InBothModes:
+        """Return a formula made for (coordinate, number type) in the mode that holds."""
+        modes = [self.coordinate]
         if self._is_alternate is not None:
-            modes.append(self.mechanism.in_mode(3 - self.mechanism.mode))
-        return _InBothModes(make_formula, modes, self._is_alternate)
+            modes.append(self.coordinate.in_mode(3 - self.coordinate.mode))
+        return InBothModes(make_formula, modes, self._is_alternate)
+
+    @cached_property
+    def input(self) -> InBothModes:
+        """Return q -> the input of the mechanism and its two derivatives with respect to q."""
+        return self.in_both_modes(make_reading(self.mechanism))
 
     def _make_terms(self, mechanism: Any, n: NumberType) -> Function:
         """Return the function position -> (J, J'/2, Q, D, part of Q of couples)."""
-        coefficients, gravity = mechanism.make_coefficients(n), mechanism.gravity
+        coefficients, gravity = mechanism.make_coefficients(n), self.mechanism.gravity
+        extra = self.extra_inertia
+        is_input, read = self.coordinate is self.mechanism, self.mechanism.read_coordinate
         links = [(i, make_link_terms(body, gravity, applied), applied.couple)
                  for i, body, applied in self._bodies]
         springs = [(one, two, make_element_terms(n, element))
@@ -152,8 +175,9 @@ class Equation:
 
         def terms(position: Any) -> tuple[Any, ...]:
             curves = [*coefficients(position), FIXED]
-            inertia, half_slope, force, damping = self.extra_inertia, 0.0, 0.0, 0.0
-            couples = 0.0
+            _, turn, bend = (0.0, 1.0, 0.0) if is_input else read(n, curves)
+            inertia, half_slope = extra * turn * turn, extra * turn * bend
+            force, damping, couples = 0.0, 0.0, 0.0
             for i, terms_of, couple in links:
                 j, k, f = terms_of(curves[i])
                 inertia, half_slope, force = inertia + j, half_slope + k, force + f
@@ -166,7 +190,7 @@ class Equation:
 
     def _make_potential(self, mechanism: Any, n: NumberType) -> Function:
         """Return the function position -> (V, -dQ/dq)."""
-        coefficients, gravity = mechanism.make_coefficients(n), mechanism.gravity
+        coefficients, gravity = mechanism.make_coefficients(n), self.mechanism.gravity
 
         def potential(position: Any) -> tuple[Any, ...]:
             curves = [*coefficients(position), FIXED]
@@ -181,8 +205,8 @@ class Equation:
         return potential
 
     @cached_property
-    def _potential(self) -> _InBothModes:
-        return self._in_both_modes(self._make_potential)
+    def _potential(self) -> InBothModes:
+        return self.in_both_modes(self._make_potential)
 
     def terms(self, position: Any) -> Terms:
         """Return J, J'/2, Q and D at an input or an array of inputs; errors as of ``motion``."""

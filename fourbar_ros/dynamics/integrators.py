@@ -1,12 +1,25 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""scipy's integrators behind one function; between jumps of the torque each segment is a run."""
+"""
+scipy's integrators behind one function.
+
+Each part of a run, between jumps of the torque and in one coordinate, is an integration of its
+own.
+"""
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import inf, nan, nextafter
 from typing import Any, NamedTuple
 
+from fourbar_ros.dynamics.phase import (
+    AT_CHANGE_POINT,
+    AT_LIMIT,
+    COMPLETE,
+    GAVE_UP,
+    HANDED_OVER,
+    Phase,
+)
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.optional import MissingPackage
@@ -19,14 +32,56 @@ MOST_STEPS = 10**8
 EPS = 2.0**-52
 
 
-class Result(NamedTuple):
-    """What an integrator did: times, states of shape (states, n), and how it ended."""
+class Part(NamedTuple):
+    """A part of a run, in one coordinate: times, states in it of shape (states, n), its end."""
 
+    phase: Phase
     time: Array
     states: Array
-    is_complete: bool      # it did not give up
-    is_at_limit: bool      # it stopped at a limit of the input
+    end: str
     evaluations: int
+
+    def at(self, places: Any) -> Part:
+        """Return it at some of its times."""
+        return self._replace(time=self.time[places], states=self.states[:, places])
+
+
+class Result(NamedTuple):
+    """What an integrator did, part by part, and how it ended."""
+
+    parts: tuple[Part, ...]
+    end: str
+
+    @property
+    def time(self) -> Array:
+        """Return the times [s]."""
+        return np.concatenate([part.time for part in self.parts])
+
+    @property
+    def states(self) -> Array:
+        """Return the states in the input of the mechanism, of shape (states, n)."""
+        return np.concatenate([part.phase.states_of_input(part.states) for part in self.parts],
+                              axis=1)
+
+    @property
+    def evaluations(self) -> int:
+        """Return how often the equation of motion was evaluated."""
+        return sum(part.evaluations for part in self.parts)
+
+
+class Task(NamedTuple):
+    """What one call of an integrator is to do."""
+
+    phase: Phase
+    derivative: Callable[..., Any]
+    events: tuple[Callable[..., float], ...]
+    start: Sequence[float]
+    first: float
+    last: float
+    method: str
+    tolerance: float
+    wanted: Array | None
+    also: Array | None
 
 
 def integrate(system: System, until: float, method: str, tolerance: float, wanted: Array | None,
@@ -49,40 +104,38 @@ def integrate(system: System, until: float, method: str, tolerance: float, wante
 
     """
     breaks = system.drive.source.breaks if system.drive else ()
-    ends = [0.0, *sorted(t for t in breaks if 0.0 < t < until), until]
-    state, parts, evaluations = np.array(system.start), [], 0
-    is_plain = method == 'DOP853' and wanted is None and system.has_no_limits
-    for first, last in zip(ends, ends[1:]):
-        derivative = _before(system.derivative, last) if breaks else system.derivative
-        run = _run_compiled if is_plain else _run_general
-        part = run(Task(system, derivative, state, first, last, method, tolerance,
-                        _inside(wanted, first, last), _inside(also, first, last)))
-        parts.append(part)
-        evaluations += part.evaluations
-        state = part.states[:, -1]
-        if not part.is_complete or part.is_at_limit:
+    ends = [*sorted(t for t in breaks if 0.0 < t < until), until]
+    (phase, state), first, has_ended = system.course.at(system.start), 0.0, False
+    parts: list[Part] = []
+    while ends:
+        if has_ended:
+            phase, state = phase.next(state)
+        last = ends[0]
+        part = _run(Task(phase, _before(phase.derivative, last) if breaks else phase.derivative,
+                         system.events(phase), state, first, last, method, tolerance,
+                         _inside(wanted, first, last), _inside(also, first, last)))
+        stands = part.end == HANDED_OVER and part.time[-1] <= nextafter(first, inf)
+        parts.append(part._replace(end=AT_LIMIT) if stands else part)
+        state, first = part.states[:, -1].tolist(), float(part.time[-1])
+        has_ended = parts[-1].end == HANDED_OVER
+        if parts[-1].end == COMPLETE:
+            ends.pop(0)
+        elif not has_ended:
             break
-    time = np.concatenate([part.time[i > 0:] for i, part in enumerate(parts)])
-    states = np.concatenate([part.states[:, i > 0:] for i, part in enumerate(parts)], axis=1)
-    if wanted is not None:
-        places = np.isin(time, wanted)
-        places[-1] |= parts[-1].is_at_limit      # where it stops is of interest
-        time, states = time[places], states[:, places]
-    return Result(time, states, parts[-1].is_complete, parts[-1].is_at_limit, evaluations)
+    return Result(tuple(_of_interest(parts, wanted)), parts[-1].end)
 
 
-class Task(NamedTuple):
-    """What one call of an integrator is to do."""
-
-    system: System
-    derivative: Callable[..., Any]
-    start: Array
-    first: float
-    last: float
-    method: str
-    tolerance: float
-    wanted: Array | None
-    also: Array | None
+def _of_interest(parts: Sequence[Part], wanted: Array | None) -> list[Part]:
+    """Return the parts at the times of the result, none twice."""
+    found = []
+    for i, part in enumerate(parts):
+        is_wanted = np.ones(part.time.size, bool) if wanted is None else np.isin(part.time, wanted)
+        if i and part.time[0] == parts[i - 1].time[-1]:
+            is_wanted[0] = False
+        if part is parts[-1] and part.end in (AT_LIMIT, AT_CHANGE_POINT):
+            is_wanted[-1] = True      # where it stops is of interest
+        found.append(part.at(is_wanted))
+    return found
 
 
 def _inside(times: Array | None, first: float, last: float) -> Array | None:
@@ -95,25 +148,40 @@ def _before(derivative: Callable[..., Any], last: float) -> Callable[..., Any]:
     return lambda time, state: derivative(min(time, latest), state)
 
 
-def _run_compiled(task: Task) -> Result:
+def _run(task: Task) -> Part:
+    if task.method == 'DOP853' and task.wanted is None and not task.events:
+        return _run_compiled(task)
+    return _run_general(task)
+
+
+def _run_compiled(task: Task) -> Part:
     """Run the compiled DOP853, with a tenth of the overhead of solve_ivp, step by step."""
     try:
         from scipy.integrate import ode
     except ModuleNotFoundError as error:
         raise MissingPackage('simulation', error) from error
 
-    times, states, count = [], [], 0
-    derivative = task.derivative
+    times: list[float] = []
+    states: list[Array] = []
+    count, end = 0, COMPLETE
+    derivative, excess = task.derivative, task.phase.excess if task.phase.can_end else None
 
     def counted(time: float, state: Array) -> Any:
         nonlocal count
         count += 1
-        return list(derivative(time, state.tolist()))      # a tuple would be several results
+        try:
+            return list(derivative(time, state.tolist()))      # a tuple would be several results
+        except FourBarError:
+            return [nan] * len(state)      # the step is then refused
 
-    def keep(time: float, state: Array) -> None:
+    def keep(time: float, state: Array) -> int:
+        nonlocal end
         if not times or time > times[-1]:
             times.append(time)
             states.append(state.copy())
+            if excess is not None and len(times) > 1 and excess(time, state) > 0.0:
+                end = HANDED_OVER
+        return -1 if end == HANDED_OVER else 0
 
     solver = ode(counted).set_integrator('dop853', rtol=task.tolerance, atol=task.tolerance,
                                          nsteps=MOST_STEPS)
@@ -122,12 +190,14 @@ def _run_compiled(task: Task) -> Result:
     for time in [*(() if task.also is None else task.also), task.last]:
         solver.integrate(time)
         if not solver.successful():
+            end = GAVE_UP
+        if end != COMPLETE:
             break
-    return Result(np.array(times), np.array(states).T, solver.successful(), False, count)
+    return Part(task.phase, np.array(times), np.array(states).T, end, count)
 
 
-def _run_general(task: Task) -> Result:
-    """Run scipy's solve_ivp, which stops at the limits of the input."""
+def _run_general(task: Task) -> Part:
+    """Run scipy's solve_ivp, which stops at limits of the input and where a phase ends."""
     try:
         from scipy.integrate import solve_ivp
     except ModuleNotFoundError as error:
@@ -141,7 +211,7 @@ def _run_general(task: Task) -> Result:
         except FourBarError:
             return [nan] * count      # the step is then refused
 
-    events = [] if task.system.has_no_limits else [task.system.distance_to_limit]
+    events = [*task.events, *([task.phase.excess] if task.phase.can_end else [])]
     times = (None if task.wanted is None else
              np.unique([task.first, *task.wanted, task.last]))
     # solve_ivp limits rtol to 100 eps itself, and warns
@@ -149,14 +219,23 @@ def _run_general(task: Task) -> Result:
                      events=events, rtol=max(task.tolerance, 100.0 * EPS), atol=task.tolerance,
                      dense_output=times is None and task.also is not None)
     time, states = done.t, done.y
-    if done.sol is not None:
-        also = task.also[task.also < time[-1]]
-        order = np.argsort(np.concatenate([time, also]), kind='stable')
-        time = np.concatenate([time, also])[order]
-        states = np.concatenate([states, done.sol(also)], axis=1)[:, order]
-        keep = np.concatenate([[True], np.diff(time) > 0.0])
-        time, states = time[keep], states[:, keep]
-    if done.status == 1 and times is not None:
-        time = np.append(time, done.t_events[0])
-        states = np.append(states, done.y_events[0].T, axis=1)
-    return Result(time, states, done.status >= 0, done.status == 1, done.nfev)
+    if done.sol is not None and task.also is not None:
+        time, states = _with(time, states, task.also, done.sol)
+    end = COMPLETE if done.status == 0 else GAVE_UP
+    if done.status == 1:
+        which = next(i for i, found in enumerate(done.t_events) if found.size)
+        end = events[which].end      # type: ignore[attr-defined]
+        if times is not None:
+            time = np.append(time, done.t_events[which])
+            states = np.append(states, done.y_events[which].T, axis=1)
+    return Part(task.phase, time, states, end, done.nfev)
+
+
+def _with(time: Array, states: Array, also: Array, solution: Any) -> tuple[Array, Array]:
+    """Return times and states with those of further times among them."""
+    also = also[also < time[-1]]
+    order = np.argsort(np.concatenate([time, also]), kind='stable')
+    time = np.concatenate([time, also])[order]
+    states = np.concatenate([states, solution(also)], axis=1)[:, order]
+    keep = np.concatenate([[True], np.diff(time) > 0.0])
+    return time[keep], states[:, keep]

@@ -17,8 +17,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
-from fourbar_ros.dynamics.integrators import integrate, METHODS, Result
+from fourbar_ros.dynamics.integrators import integrate, METHODS, Part, Result
+from fourbar_ros.dynamics.phase import AT_CHANGE_POINT, AT_LIMIT, COMPLETE, GAVE_UP
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.given import number
@@ -27,7 +29,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 REACHED, LIMIT = 'reached the end', 'reached a limit of the input'
+CHANGE_POINT = 'reached a change point'
 NOT_CONVERGED, NOT_CHECKED = 'not converged', 'not checked'
+ENDS = {COMPLETE: REACHED, AT_LIMIT: LIMIT, AT_CHANGE_POINT: CHANGE_POINT}
 STIFF = 2.0e3              # fastest mode [rad] in the run for each rad that the input covers
 FIRST = 0.1                # tolerance of the first run over that asked for
 TIGHTER = 0.1              # tolerance of a run over that of the one it is compared with
@@ -43,12 +47,11 @@ class Run:
     Parameters
     ----------
     system : System
-    time : ndarray, shape (n,)
-        [s]
-    states : ndarray, shape (states, n)
-        Named by ``system.names``.
+    parts : tuple of Part
+        What the integrator did, in one coordinate after the other.
     status : str
-        :data:`REACHED`, :data:`LIMIT`, :data:`NOT_CONVERGED` or :data:`NOT_CHECKED`.
+        :data:`REACHED`, :data:`LIMIT`, :data:`CHANGE_POINT`, :data:`NOT_CONVERGED` or
+        :data:`NOT_CHECKED`.
     error : float
         Largest difference of the position to a run at a looser tolerance [rad] or [m].
     drift : float
@@ -62,14 +65,29 @@ class Run:
     """
 
     system: System
-    time: Array
-    states: Array
+    parts: tuple[Part, ...]
     status: str
     error: float
     drift: float
     method: str
     tolerance: float
     evaluations: int
+
+    @cached_property
+    def time(self) -> Array:
+        """Return the times [s], of shape (n,)."""
+        return np.concatenate([part.time for part in self.parts])
+
+    @cached_property
+    def states(self) -> Array:
+        """Return the states over time, named by ``system.names``, of shape (states, n)."""
+        return np.concatenate([part.phase.states_of_input(part.states) for part in self.parts],
+                              axis=1)
+
+    @cached_property
+    def modes(self) -> NDArray[np.int64]:
+        """Return the assembly mode over time, which changes at toggles and change points."""
+        return np.concatenate([part.phase.modes(part.states) for part in self.parts])
 
     @property
     def position(self) -> Array:
@@ -90,8 +108,8 @@ class Run:
     @property
     def acceleration(self) -> Array:
         """Return the acceleration of the input over time [rad/s^2] or [m/s^2]."""
-        return np.array([self.system.derivative(t, y)[1]
-                         for t, y in zip(self.time.tolist(), self.states.T.tolist())])
+        return np.array([part.phase.acceleration(t, y) for part in self.parts
+                         for t, y in zip(part.time.tolist(), part.states.T.tolist())])
 
 
 def simulate(system: System, until: float, tolerance: float = 1e-8, method: str = 'auto',
@@ -143,7 +161,7 @@ def _checked(system: System, until: float, asked: float, method: str,
         fine = integrate(system, until, method, tighter, wanted, _some(rough.time))
         evaluations += rough.evaluations + fine.evaluations
         error = _difference(rough, fine)
-        run = _run(system, fine, LIMIT if fine.is_at_limit else REACHED, error, method, tighter,
+        run = _run(system, fine, ENDS.get(fine.end, NOT_CONVERGED), error, method, tighter,
                    evaluations)
         if error <= asked * unit and run.drift <= asked:
             return run
@@ -164,11 +182,12 @@ def choose_method(system: System, until: float) -> str:
 def _jacobian(system: System) -> Array:
     """Return d derivative / d state at the start by differences: enough to tell stiff from not."""
     columns = []
-    for i, value in enumerate(system.start):
+    phase, start = system.course.at(system.start)
+    for i, value in enumerate(start):
         step = 1e-6 * max(1.0, abs(value))
-        up, down = list(system.start), list(system.start)
+        up, down = list(start), list(start)
         up[i], down[i] = value + step, value - step
-        change = np.array(system.derivative(0.0, up)) - np.array(system.derivative(0.0, down))
+        change = np.array(phase.derivative(0.0, up)) - np.array(phase.derivative(0.0, down))
         columns.append(change / (2.0 * step))
     return np.array(columns).T
 
@@ -188,25 +207,30 @@ def _some(times: Array) -> Array:
 
 def _difference(rough: Result, fine: Result) -> float:
     """Return the largest difference of the positions of two results at common times."""
-    if not (rough.is_complete and fine.is_complete):
+    if GAVE_UP in (rough.end, fine.end):
         return float('inf')
     _, in_rough, in_fine = np.intersect1d(rough.time, fine.time, return_indices=True)
     difference = np.abs(rough.states[0, in_rough] - fine.states[0, in_fine])
-    return float(np.max(difference)) if not np.isnan(difference).any() else float('inf')
+    if not difference.size or np.isnan(difference).any():
+        return float('inf')
+    return float(np.max(difference))
 
 
 def _run(system: System, result: Result, status: str, error: float, method: str, tolerance: float,
          evaluations: int) -> Run:
-    return Run(system, result.time, result.states, status, error,
-               energy_drift(system, result.states), method, tolerance, evaluations)
+    return Run(system, result.parts, status, error, energy_drift(system, result.parts), method,
+               tolerance, evaluations)
 
 
-def energy_drift(system: System, states: Array) -> float:
+def energy_drift(system: System, parts: Sequence[Part]) -> float:
     """Return the largest change of energy less work, over the energy in play of these states."""
-    equation = system.equation
-    kinetic = 0.5 * equation.terms(states[0]).inertia * states[1]**2
-    potential = equation.potential(states[0]) + np.zeros_like(kinetic)
-    work = 0.0 * kinetic if system.is_conservative else states[-1]
+    found = []
+    for part in parts:
+        equation, states = part.phase.equation, part.states
+        kinetic = 0.5 * equation.terms(states[0]).inertia * states[1]**2
+        work = 0.0 * kinetic if system.is_conservative else states[-1]
+        found.append((kinetic, equation.potential(states[0]), work))
+    kinetic, potential, work = (np.concatenate(rows) for rows in zip(*found))
     constant = kinetic + potential - work
     in_play = np.max(kinetic) + np.ptp(potential) + np.ptp(work)
     drift = float(np.max(np.abs(constant - constant[0])))

@@ -11,15 +11,18 @@ conservative, so that energy less W is constant whatever acts (not if nothing of
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
 from fourbar_ros.dynamics.drives import Drive
 from fourbar_ros.dynamics.elements import Element
 from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.dynamics.phase import AT_LIMIT, Course, Phase
+from fourbar_ros.dynamics.smooth import flat_positions
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.numerics.given import number
+import numpy as np
 
 State = Sequence[float]
 NEAR_TOGGLE = 1e-3        # sine of the angle of the dyad at which an input counts as at its limit
@@ -39,36 +42,54 @@ class System:
     drive : Drive, optional
         Without one the mechanism moves freely. Its motor starts at the position and rate of the
         input.
+    stops_at_change_points : bool
+        Whether a run ends where the mechanism lies flat in an exact change point, instead of going
+        on smoothly.
 
     """
 
     def __init__(self, mechanism: Any, position: float, rate: float = 0.0,
-                 elements: Sequence[Element] = (), drive: Drive | None = None) -> None:
+                 elements: Sequence[Element] = (), drive: Drive | None = None,
+                 stops_at_change_points: bool = False) -> None:
+        self.stops_at_change_points = stops_at_change_points
         self.drive, self._stroke = drive, mechanism.stroke
         # an integrator's trial steps go beyond the end at which the run stops
         mechanism = mechanism if mechanism.stroke is None else replace(mechanism, stroke=None)
         self.mechanism = mechanism
         motion = (number('position', position), number('rate', rate))
-        self.equation = Equation(mechanism, elements, drive.rigid_inertia if drive else 0.0,
-                                 motion[0])
+        elements = tuple(elements)
+
+        def make_equation(mechanism: Any, start: float, coordinate: Any) -> Equation:
+            return Equation(mechanism, elements, drive.rigid_inertia if drive else 0.0, start,
+                            coordinate)
+        self.equation = make_equation(mechanism, motion[0], None)
         self.is_conservative = not (drive or self.equation.has_couples
-                                    or any(e.damping for e in self.equation.elements))
+                                    or any(e.damping for e in elements))
         shaft, source = (drive.shaft, drive.source.start) if drive else (None, ())
         self.names = ('position', 'rate', *(('motor_position', 'motor_rate') if shaft else ()),
                       *(f'source_{i}' for i in range(len(source))),
                       *(() if self.is_conservative else ('work',)))
         self.start = (*motion * (2 if shaft else 1), *source,
                       *(() if self.is_conservative else (0.0,)))
-        self.derivative = self._make_derivative()
+        self.course = Course(make_equation, mechanism, motion[0], self._make_derivative)
+        self.derivative = self.course.first.derivative
 
     @property
     def has_no_limits(self) -> bool:
-        """Return whether the input can go on for ever: a crank that turns fully."""
-        return bool(self.mechanism.turns_fully)
+        """Return whether it can move for ever: it turns fully, or another coordinate goes on."""
+        return self._stroke is None and (self.mechanism.turns_fully
+                                         or self.course.first.can_end)
 
     def distance_to_limit(self, time: float, state: State) -> float:
-        """Return a number that is zero at the ends of the stroke, and just before a toggle."""
+        """
+        Return a number that is zero at the ends of the stroke.
+
+        Where no other coordinate is known, also just before a toggle.
+        """
         position = float(state[0])
+        if self.course.first.can_end and self._stroke is not None:
+            low, high = self._stroke
+            return min((position - low) / (high - low), (high - position) / (high - low))
         try:
             motion = self.mechanism.motion(position)
         except FourBarError:
@@ -79,7 +100,14 @@ class System:
         low, high = self._stroke
         return min(from_toggle, (position - low) / (high - low), (high - position) / (high - low))
 
-    distance_to_limit.terminal = True  # type: ignore[attr-defined]
+    def events(self, phase: Phase) -> tuple[Callable[..., float], ...]:
+        """Return functions (time, state in a phase) whose zeros end a run."""
+        def limit(time: float, state: Any) -> float:
+            return self.distance_to_limit(time, phase.states_of_input(np.asarray(state)))
+
+        limit.terminal, limit.end = True, AT_LIMIT      # type: ignore[attr-defined]
+        stops = self.stops_at_change_points and flat_positions(phase.equation.coordinate)
+        return (*(() if self.has_no_limits else (limit,)), *((phase.to_flat,) if stops else ()))
 
     def torque(self, time: float, state: State) -> float:
         """Return the torque (force) of the drive on the input."""
@@ -91,11 +119,6 @@ class System:
             return 0.0
         speed = 3 if self.drive.shaft else 1
         return self.drive.source.torque(time, state[speed], state[speed + 1:-1])[0]
-
-    def constant_energy(self, states: Any) -> Any:
-        """Return the energy of mechanism and springs less W [J], for an array of states."""
-        energy = self.equation.energy(states[0], states[1])
-        return energy if self.is_conservative else energy - states[-1]
 
     def _drive(self, time: float, state: State) -> tuple[float, tuple[float, ...]]:
         """Return the torque on the input and the derivatives of the drive's own states."""
@@ -109,9 +132,9 @@ class System:
                     + drive.shaft.damping * (speed - rate))
         return on_input, (speed, (torque - on_input) / drive.rotor, *change)
 
-    def _make_derivative(self) -> Any:
-        """Return the function (time, state) -> d state / dt."""
-        terms_of, drive = self.equation.of_one, self._drive if self.drive else None
+    def _make_derivative(self, phase: Phase) -> Any:
+        """Return the function (time, state) -> d state / dt in the coordinate of a phase."""
+        terms_of, drive = phase.equation.of_one, self._drive if self.drive else None
 
         def conservative(time: float, state: State) -> tuple[float, ...]:
             position, rate = state
@@ -126,4 +149,15 @@ class System:
             return (rate, (force + torque - half_slope * rate * rate) / inertia, *change,
                     (torque + couples) * rate)
 
-        return conservative if self.is_conservative else driven
+        def driven_elsewhere(time: float, state: State) -> tuple[float, ...]:
+            position, rate, *rest = state
+            value, ratio, _ = phase.input_of(position)
+            torque, change = drive(time, (value, ratio * rate, *rest)) if drive else (0.0, ())
+            inertia, half_slope, force, damping, couples = terms_of(position)
+            torque = torque * ratio - damping * rate                                        # (T2)
+            return (rate, (force + torque - half_slope * rate * rate) / inertia, *change,
+                    (torque + couples) * rate)
+
+        if self.is_conservative:
+            return conservative
+        return driven if phase.is_input else driven_elsewhere

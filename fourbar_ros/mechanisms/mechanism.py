@@ -130,6 +130,32 @@ class Mechanism(Described):
             return [link_motion(motion, link) for link in links]
         return coefficients
 
+    def read_coordinate(self, numbers: NumberType, curves: Any) -> tuple[Any, Any, Any]:
+        """
+        Return the input and its two derivatives from coefficients of the links.
+
+        These may be with respect to another coordinate. An angle is in [-pi, pi].
+        """
+        if self.is_driven_by_slide:
+            x, _, d_x, _, dd_x, *_ = curves[-1]
+            return x, d_x, dd_x
+        *_, cosine, sine, turn, bend = curves[0]
+        return numbers.atan2(sine, cosine), turn, bend
+
+    def driven_otherwise(self) -> tuple[Any, ...]:
+        """
+        Return the same links with another coordinate as the input, one for each assembly mode.
+
+        Where the input turns back at a toggle position, that coordinate goes on. They have
+        ``make_coefficients``, of the same links, ``read_coordinate`` and ``in_mode``. Nothing
+        where no other coordinate is known.
+        """
+        for other in self.INPUTS:
+            if other != self.input:
+                free = replace(self, input=other, mode=OPEN, stroke=None)
+                return tuple([free.in_mode(mode) for mode in sorted(free.modes)])
+        return ()
+
     @cached_property
     def _motion_of_one(self) -> Function:
         return self.make_motion(REAL)

@@ -18,6 +18,7 @@ from fourbar_ros.cli.main import main
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.points import link_motion, point_motion, point_of
 from fourbar_ros.mechanisms.quantities import known, point_acceleration, point_speed, select
+from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.scene import scene as scenes
 import mpmath as mp
 import numpy as np
@@ -710,3 +711,29 @@ def test_points_of_all_links(case):
             )
         with pytest.raises(InvalidParameter, match='^link = '):
             link_motion(mechanism, state[0], 'spring')
+
+
+# --- other coordinates ---------------------------------------------------------------------------
+
+
+@every_case
+def test_another_coordinate_gives_the_same_links_by_the_chain_rule(case):
+    """X' = o' X_o and X'' = o'^2 X_oo + o'' X_o for every link, in one of its modes; and back."""
+    for mechanism, (value, _, _) in contract.ordinary(case, 500, 20):
+        curves = mechanism.make_coefficients(REAL)(value)
+        others = mechanism.driven_otherwise()
+        other, ratio, bend = others[0].read_coordinate(REAL, curves)
+        assert mechanism.read_coordinate(REAL, curves) == pytest.approx((value, 1.0, 0.0),
+                                                                        abs=1e-12)
+        errors = []
+        for same in others:
+            found = same.make_coefficients(REAL)(other)
+            error = abs(mechanism.distance(mechanism.read_coordinate(REAL, found)[0], value))
+            for (x, y, dx, dy, ddx, ddy, cosine, sine, turn, turn2), exact in zip(found, curves):
+                by_chain = (x, y, ratio * dx, ratio * dy, ratio**2 * ddx + bend * dx,
+                            ratio**2 * ddy + bend * dy, cosine, sine, ratio * turn,
+                            ratio**2 * turn2 + bend * turn)
+                error = max(error, max(abs(a - b) / (1.0 + abs(b))
+                                       for a, b in zip(by_chain, exact)))
+            errors.append(error)
+        assert min(errors) <= 1e-9, (mechanism, value)

@@ -7,7 +7,7 @@ What it is, how far it moves, how it moves.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import acos, asin, asinh, atan2, fsum, pi, sqrt
 from typing import NamedTuple
@@ -17,6 +17,7 @@ from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.four_bar import diagram
 from fourbar_ros.mechanisms.four_bar.loads import Loads, make_loads
 from fourbar_ros.mechanisms.four_bar.motion import make_motion, Motion
+from fourbar_ros.mechanisms.four_bar.seen_from_output import SeenFromOutput
 from fourbar_ros.mechanisms.mechanism import Constants, CRANK, CROSSED, Mechanism, OPEN
 from fourbar_ros.mechanisms.parts import (
     BETA,
@@ -271,6 +272,11 @@ class FourBar(Mechanism):
             return crank
         return LinkMotion(*point_of(crank, self.a1), motion.cos_b, motion.sin_b, motion.omega_beta,
                           motion.alpha_beta)
+
+    def driven_otherwise(self):
+        """Return the same linkage driven at its output link, once for each assembly mode."""
+        mirrored = replace(self, a1=self.a3, a3=self.a1, bodies=None, external=External())
+        return tuple(SeenFromOutput(mirrored.in_mode(mode), self.a1) for mode in self.MODES)
 
     def transmission_sine(self, motion):
         """Return a number that is zero where the dyad is in line, at most one: sin(mu)."""

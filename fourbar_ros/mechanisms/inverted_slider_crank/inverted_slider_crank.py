@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import atan2, atanh, pi, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External
@@ -228,6 +228,19 @@ class InvertedSlider(Mechanism):
             return crank
         return LinkMotion(*point_of(crank, self.a1), motion.cos_y, motion.sin_y, motion.omega4,
                           motion.alpha4)
+
+    def read_coordinate(self, numbers: NumberType, curves: Any) -> tuple[Any, Any, Any]:
+        """Return the input and its two derivatives from coefficients of the links."""
+        if not self.is_driven_by_slide:
+            return super().read_coordinate(numbers, curves)
+        # the slide is the part of O4-A along the bar, which turns
+        x, y, d_x, d_y, dd_x, dd_y, cosine, sine, turn, bend = curves[1]
+        x = x - self.a4
+        along, across = x * cosine + y * sine, y * cosine - x * sine
+        d_along, d_across = d_x * cosine + d_y * sine, d_y * cosine - d_x * sine
+        return (along, d_along + turn * across,
+                dd_x * cosine + dd_y * sine + 2.0 * turn * d_across + bend * across
+                - turn * turn * along)
 
     def transmission_sine(self, motion):
         """Return a number that is zero where the dyad is in line, at most one."""

@@ -1,0 +1,206 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Motion in one coordinate after the other: through the toggle positions of the input.
+
+At a toggle the input turns back, its rate is zero and the equation in it is singular, J = 0/0.
+Another coordinate (:meth:`~fourbar_ros.mechanisms.mechanism.Mechanism.driven_otherwise`: the slide
+of a driven crank, the crank of a driven slide, the output link) goes on there and is regular. A
+phase is a part of a motion in one coordinate p and one assembly mode. It lasts until the other
+coordinate o changes so fast with p that |do/dp| > 2, in units of about the size of the linkage:
+long before a toggle, so that both are accurate where one takes over from the other:
+
+    o. = p. do/dp                                                                          (T1)
+    torque on p = T dq/dp,   dq/dp of the input q                                          (T2)
+    d2q/dt2 = p.. dq/dp + p.^2 d2q/dp2                                                     (T3)
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from math import pi, remainder, sin
+from typing import Any
+
+from fourbar_ros.dynamics.equation import Equation, make_reading
+from fourbar_ros.dynamics.smooth import flat_positions, make_interval_of
+from fourbar_ros.numerics.number_types import ARRAY
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+State = Sequence[float]
+# how a part of a run ends
+COMPLETE, GAVE_UP, AT_LIMIT, AT_CHANGE_POINT, HANDED_OVER = (
+    'complete', 'gave up', 'at a limit', 'at a change point', 'handed over')
+LONGEST = 2.0      # |do/dp| at which o takes over from p
+TURN = 2.0 * pi
+
+
+class Phase:
+    """
+    Motion of a system in one coordinate, from one assembly mode on.
+
+    Parameters
+    ----------
+    course : Course
+        What it is a part of.
+    equation : Equation
+        In this coordinate.
+    other : Mechanism, or one of its ``driven_otherwise()``, optional
+        The coordinate that takes over; None: nothing does.
+
+    """
+
+    def __init__(self, course: Course, equation: Equation, other: Any = None) -> None:
+        self.course, self.equation, self._other = course, equation, other
+        self.is_input = equation.coordinate is equation.mechanism
+        self.derivative = course.make_derivative(self)
+
+    @cached_property
+    def _reading(self) -> Any:
+        return self.equation.in_both_modes(make_reading(self._other))
+
+    def excess(self, time: float, state: State) -> float:
+        """Return a number that rises above zero where the other coordinate takes over."""
+        ratio = abs(self._reading(float(state[0]))[1])
+        unit = self.equation.coordinate.input_unit / self._other.input_unit
+        return float(min(ratio * unit, 1e3) - LONGEST)
+
+    # as an event of an integrator: what it does, and how a part of a run then ends
+    excess.terminal, excess.end = True, HANDED_OVER      # type: ignore[attr-defined]
+
+    def to_flat(self, time: float, state: State) -> float:
+        """Return a number that changes its sign at the flat positions of a change point."""
+        coordinate, product = self.equation.coordinate, 1.0
+        for place in flat_positions(coordinate):
+            way = float(state[0]) - place
+            product *= way if coordinate.is_driven_by_slide else sin(0.5 * way)
+        return product
+
+    to_flat.terminal, to_flat.end = True, AT_CHANGE_POINT      # type: ignore[attr-defined]
+
+    @property
+    def can_end(self) -> bool:
+        """Return whether another coordinate may have to take over."""
+        return self._other is not None
+
+    def next(self, state: State) -> tuple[Phase, list[float]]:
+        """Return the phase that takes over at a state, and the state in its coordinate, (T1)."""
+        position, ratio, _ = self._reading(float(state[0]))
+        other = self.course.phase(not self.is_input, float(position), self, float(state[0]))
+        if other.is_input:
+            position = self.course.continuous(position)
+        return other, [float(position), float(ratio * state[1]), *state[2:]]
+
+    def input_of(self, position: float) -> tuple[float, float, float]:
+        """Return the input and its two derivatives with respect to the coordinate."""
+        if self.is_input:
+            return position, 1.0, 0.0
+        value, ratio, bend = self.equation.input.of_one(position)
+        return self.course.continuous(value), ratio, bend
+
+    def states_of_input(self, states: Array) -> Array:
+        """Return states in this coordinate as states in the input."""
+        if self.is_input:
+            return states
+        value, ratio, _ = self.equation.input(states[0])
+        return np.array([self.course.continuous(value), ratio * states[1], *states[2:]])
+
+    def acceleration(self, time: float, state: State) -> float:
+        """Return the acceleration of the input at a state in this coordinate, (T3)."""
+        rate, change = state[1], self.derivative(time, state)[1]
+        _, ratio, bend = self.input_of(float(state[0]))
+        return float(change * ratio + rate * rate * bend)
+
+    def modes(self, states: Array) -> NDArray[np.int64]:
+        """Return the assembly mode of the mechanism at states in this coordinate."""
+        mechanism = self.equation.mechanism
+        inputs = self.states_of_input(states)[0]
+        own = self.equation.in_both_modes(_make_directions)(states[0])
+        far = []
+        for mode in sorted(mechanism.modes):
+            with np.errstate(all='ignore'):
+                found = _make_directions(mechanism.in_mode(mode), ARRAY)(inputs)
+            far.append(np.nan_to_num(sum((a - b)**2 for a, b in zip(own, found)), nan=np.inf))
+        return np.array(sorted(mechanism.modes))[np.argmin(far, axis=0)]
+
+
+def _make_directions(coordinate: Any, n: Any) -> Callable[[Any], list[Any]]:
+    """Return the formula of places and directions of all links: the pose."""
+    coefficients = coordinate.make_coefficients(n)
+    return lambda position: [value for curve in coefficients(position)
+                             for value in (curve[0], curve[1], curve[6], curve[7])]
+
+
+class Course:
+    """
+    All phases of the motions of a system.
+
+    Parameters
+    ----------
+    make_equation : callable
+        Of (start, coordinate or None), returns the Equation.
+    mechanism : Mechanism
+        In its mode at the start.
+    start : float
+        The input there.
+    make_derivative : callable
+        Of a Phase, returns (time, state) -> d state / dt.
+
+    """
+
+    def __init__(self, make_equation: Callable[[Any, float, Any], Equation], mechanism: Any,
+                 start: float, make_derivative: Callable[[Phase], Any]) -> None:
+        self._make_equation, self._mechanism = make_equation, mechanism
+        self.make_derivative = make_derivative
+        others = () if mechanism.turns_fully else mechanism.driven_otherwise()
+        self._others = {other.mode: other for other in others}
+        self._middle = 0.0
+        if others and not mechanism.is_driven_by_slide:
+            middles = [0.5 * (low + high) for low, high in mechanism.input_ranges]
+            middle = min(middles, key=lambda value: abs(remainder(start - value, TURN)))
+            self._middle = start - remainder(start - middle, TURN)
+        self._phases: dict[Any, Phase] = {}
+        self.first = self._phase(True, mechanism.mode, start)
+
+    def at(self, state: State) -> tuple[Phase, list[float]]:
+        """Return the phase at a state of the input in the mode of the start, and its state."""
+        has_ended = self.first.can_end and self.first.excess(0.0, state) > 0.0
+        return self.first.next(state) if has_ended else (self.first, list(state))
+
+    def continuous(self, value: Any) -> Any:
+        """Return an input, known but for whole turns, in the range of this motion."""
+        if self._mechanism.is_driven_by_slide:
+            return value
+        if isinstance(value, float):
+            return self._middle + remainder(value - self._middle, TURN)
+        return value - TURN * np.round((value - self._middle) / TURN)
+
+    def _in_modes(self, is_input: bool) -> dict[int, Any]:
+        mechanism = self._mechanism
+        return ({mode: mechanism.in_mode(mode) for mode in sorted(mechanism.modes)} if is_input
+                else self._others)
+
+    def _phase(self, is_input: bool, mode: int, start: float) -> Phase:
+        coordinate = self._in_modes(is_input)[mode]
+        parity = make_interval_of(coordinate)(start) % 2 if flat_positions(coordinate) else 0
+        key = is_input, mode, parity
+        if key not in self._phases:
+            other = self._in_modes(not is_input) if self._others else {}
+            if is_input:
+                equation = self._make_equation(coordinate, start, None)
+            else:
+                equation = self._make_equation(self._mechanism, start, coordinate)
+            self._phases[key] = Phase(self, equation, next(iter(other.values()), None))
+        return self._phases[key]
+
+    def phase(self, is_input: bool, position: float, last: Phase, at: float) -> Phase:
+        """Return the phase in the mode whose pose at a position is the last one's at its own."""
+        pose = last.equation.in_both_modes(_make_directions)(at)
+        far = {}
+        for mode, coordinate in self._in_modes(is_input).items():
+            with np.errstate(all='ignore'):
+                found = _make_directions(coordinate, ARRAY)(np.array([position]))
+            far[mode] = float(np.nan_to_num(sum((a - b)**2 for a, b in zip(pose, found)),
+                                            nan=np.inf)[0])
+        return self._phase(is_input, min(far, key=far.__getitem__), position)
