@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from math import inf
 from typing import Any
 
 from fourbar_ros.dynamics.drives import Drive
@@ -76,38 +77,39 @@ class System:
 
     @property
     def has_no_limits(self) -> bool:
-        """Return whether it can move for ever: it turns fully, or another coordinate goes on."""
-        return self._stroke is None and (self.mechanism.turns_fully
-                                         or self.course.first.can_end)
+        """Return whether the input can go on for ever: a crank that turns fully."""
+        return bool(self.mechanism.turns_fully)
 
     def distance_to_limit(self, time: float, state: State) -> float:
-        """
-        Return a number that is zero at the ends of the stroke.
-
-        Where no other coordinate is known, also just before a toggle.
-        """
+        """Return a number that is zero at the ends of the stroke, and just before a toggle."""
         position = float(state[0])
-        if self.course.first.can_end and self._stroke is not None:
-            low, high = self._stroke
-            return min((position - low) / (high - low), (high - position) / (high - low))
         try:
             motion = self.mechanism.motion(position)
         except FourBarError:
             return -NEAR_TOGGLE
         from_toggle = abs(self.mechanism.transmission_sine(motion)) - NEAR_TOGGLE
+        return min(from_toggle, self._distance_to_end(position))
+
+    def _distance_to_end(self, position: float) -> float:
+        """Return a number that is zero at the ends of the stroke."""
         if self._stroke is None:
-            return from_toggle
+            return inf
         low, high = self._stroke
-        return min(from_toggle, (position - low) / (high - low), (high - position) / (high - low))
+        return min((position - low) / (high - low), (high - position) / (high - low))
 
     def events(self, phase: Phase) -> tuple[Callable[..., float], ...]:
         """Return functions (time, state in a phase) whose zeros end a run."""
+        passes = phase.can_end or self.has_no_limits
+
         def limit(time: float, state: Any) -> float:
-            return self.distance_to_limit(time, phase.states_of_input(np.asarray(state)))
+            state = phase.states_of_input(np.asarray(state))
+            return (self._distance_to_end(float(state[0])) if passes
+                    else self.distance_to_limit(time, state))
 
         limit.terminal, limit.end = True, AT_LIMIT      # type: ignore[attr-defined]
+        ends = not passes or self._stroke is not None
         stops = self.stops_at_change_points and flat_positions(phase.equation.coordinate)
-        return (*(() if self.has_no_limits else (limit,)), *((phase.to_flat,) if stops else ()))
+        return (*((limit,) if ends else ()), *((phase.to_flat,) if stops else ()))
 
     def torque(self, time: float, state: State) -> float:
         """Return the torque (force) of the drive on the input."""
