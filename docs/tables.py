@@ -28,6 +28,7 @@ from fourbar_ros.scene.topics import (  # noqa: E402
     FIND_EXTREMA,
     INPUTS,
     OUTPUTS,
+    PICTURES,
     SCENE,
     SERVICES,
     TORQUE,
@@ -72,6 +73,9 @@ def node_tables():
                          [(f'`{t.name}`', f'`{t.topic}`', f'`{t.type}`', t.text,
                            'yes' if t.needs_loads else '')
                           for t in OUTPUTS.values()]),
+        'pictures': table(('name in `outputs`', 'topic', 'type', 'what'),
+                          [(f'`{t.name}`', f'`{t.topic}`', f'`{t.type}`', t.text)
+                           for t in PICTURES.values()]),
         'wrenches': table(('topic', 'type', 'what'),
                           [(f'`{t.topic}`', f'`{t.type}`', t.text)
                            for topics in (WRENCHES, APPLIED) for t in topics.values()]),

@@ -31,6 +31,9 @@ def _check(arguments):
     from fourbar_ros.scene.scene import load
     scene, console = load(arguments.scene), make_console()
     linkage, drive = scene.linkage, scene.drive
+    if scene.pictures:
+        from fourbar_ros.description.describe import check_pictures
+        check_pictures(scene)
     console.print(f'{arguments.scene}: valid. {class_name(linkage)}, mode {linkage.mode}.')
     console.print(_drive_in_words(scene))
     if drive.source == 'timer' and not linkage.turns_fully:
@@ -82,11 +85,11 @@ def _torque_in_words(scene):
 
 def _outputs_table(scene):
     from fourbar_ros.report.terminal import plain_table
-    from fourbar_ros.scene.topics import OUTPUTS
+    from fourbar_ros.scene.topics import OUTPUTS, PICTURES
     table = plain_table('outputs', ('name', 'topic', 'type', ''))
-    for topic in scene.topics.values():
+    for topic in (*scene.topics.values(), *scene.pictures.values()):
         table.add_row(topic.name, topic.topic, topic.type, 'loads' if topic.needs_loads else '')
-    for name in OUTPUTS:
+    for name in (*OUTPUTS, *PICTURES):
         if name not in scene.outputs:
             table.add_row(f'({name})', '', '', 'not listed in outputs: not created')
     return table

@@ -17,7 +17,7 @@ from fourbar_ros.description.shapes import Shape, shapes_of
 from fourbar_ros.description.tree import NoDescription, tree_of
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanics.bodies import Body
-from fourbar_ros.mechanisms.parts import Connection, GROUND
+from fourbar_ros.mechanisms.parts import Connection, Coordinate, GROUND
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 
@@ -35,8 +35,10 @@ class ModelJoint(NamedTuple):
         As in ``joint_states``.
     connection : Connection
         The links it joins, by the names of the mechanism.
+    coordinate : Coordinate
+        Of the motion.
     ratio, offset : float
-        joint = ratio * coordinate + offset; the ratio is 1 or -1.
+        joint = ratio * coordinate + offset.
     limits : tuple of 2 floats, optional
         Of the joint [rad or m]; None: it turns without end.
     start : float
@@ -48,6 +50,7 @@ class ModelJoint(NamedTuple):
 
     name: str
     connection: Connection
+    coordinate: Coordinate
     ratio: float
     offset: float
     limits: tuple[float, float] | None
@@ -147,7 +150,7 @@ def model_of(scene: Scene) -> Model:
     Raises
     ------
     NoDescription
-        The mechanism has no tree, a joint has a gear, or two frames have one name.
+        The mechanism has no tree, or two frames have one name.
 
     """
     mechanism = scene.linkage
@@ -202,14 +205,11 @@ def _joint(scene: Scene, place: int, motion: Any) -> ModelJoint:
     coordinate, name = mechanism.JOINTS[place].coordinate, scene.joint_names[place]
     connection, is_driven = mechanism.connections[place], coordinate == mechanism.input_coordinate
     ratio, offset = shown.ratios[place], shown.offsets[place]
-    if abs(ratio) != 1.0:
-        raise NoDescription(f'joint_states.ratios: a description has no gears, so the ratio of '
-                            f'{name} must be 1 or -1, not {ratio:g}')
     limits = _limits(mechanism, coordinate, connection, is_driven)
     if limits:
         low, high = sorted(ratio * end + offset for end in limits)
         limits = low, high
-    return ModelJoint(name, connection, ratio, offset, limits,
+    return ModelJoint(name, connection, coordinate, ratio, offset, limits,
                       ratio * getattr(motion, coordinate.position) + offset, is_driven)
 
 

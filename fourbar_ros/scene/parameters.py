@@ -14,7 +14,7 @@ from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.scene import of_dynamics, of_kinds
 from fourbar_ros.scene.parameter import Parameter, REQUIRED
-from fourbar_ros.scene.topics import INPUTS, OUTPUTS, WRENCHES
+from fourbar_ros.scene.topics import INPUTS, OUTPUTS, PICTURES, WRENCHES
 
 
 def _length(name, length):
@@ -127,7 +127,10 @@ PARAMETERS = {parameter.name: parameter for parameter in (
     *of_dynamics.MOTOR,
     Parameter('outputs', 'strings', ['state', 'output', 'joint_states'], '',
               'outputs to publish; those not listed are neither created nor computed',
-              choices=tuple(OUTPUTS)),
+              choices=(*OUTPUTS, *PICTURES)),
+    Parameter('pictures.rate', 'double', 30.0, 'Hz',
+              'outputs tf and markers: messages per second at most; 0: one for every input',
+              low=0.0),
     Parameter('frame_id', 'string', 'fourbar', '', 'frame_id of all outputs; origin O1, x towards '
                                                    'O4 or along the guide',
               live=False),

@@ -20,7 +20,14 @@ from fourbar_ros.pipeline.message_fields import layout, Names
 from fourbar_ros.scene import of_kinds, parameters
 from fourbar_ros.scene.dynamics import Dynamics, of_values
 from fourbar_ros.scene.files import flatten, read_values, SceneError  # noqa: F401
-from fourbar_ros.scene.topics import APPLIED, DRIVE_STATE, topics_of, TORQUE, WRENCHES
+from fourbar_ros.scene.topics import (
+    APPLIED,
+    DRIVE_STATE,
+    PICTURES,
+    topics_of,
+    TORQUE,
+    WRENCHES,
+)
 
 IN_WORDS = {1: 'one', 2: 'two', 3: 'three', 4: 'four', 5: 'five', 6: 'six', 7: 'seven', 8: 'eight'}
 
@@ -112,6 +119,11 @@ class Scene(NamedTuple):
     def topics(self):
         """Return {name: Topic} of all outputs; each point has one, named points/NAME."""
         return topics_of(self.outputs, self.points)
+
+    @property
+    def pictures(self):
+        """Return {name: Topic} of the outputs for people to look at."""
+        return {name: PICTURES[name] for name in self.outputs if name in PICTURES}
 
     @property
     def wrench_topics(self):

@@ -100,15 +100,31 @@ OUTPUTS = {topic.name: topic for topic in (
           'points.NAME)'),
 )}
 
+# For people to look at: at most so often as pictures.rate says, and not computed again from a bag.
+PICTURES = {topic.name: topic for topic in (
+    Topic('robot_description', 'robot_description', 'std_msgs/msg/String',
+          'the scene as URDF; latched, sent on every change', latched=True),
+    Topic('tf', '/tf', 'tf2_msgs/msg/TFMessage',
+          'frames of all links and points, as in the URDF'),
+    Topic('markers', '~/markers', 'visualization_msgs/msg/MarkerArray',
+          'links, joints, points, and with masses forces at the joints, drive and shaking force '
+          'as arrows, to scale'),
+    Topic('traces', '~/traces', 'visualization_msgs/msg/MarkerArray',
+          'paths of points, toggles, dead points, extrema of the rate and acceleration of the '
+          'output; latched, sent on every change', latched=True),
+)}
+
 
 def topics_of(outputs, points):
     """
     Return {name: Topic} of the outputs of a scene.
 
-    The points have a topic each, named points/NAME.
+    The points have a topic each, named points/NAME; pictures are not among them.
     """
     topics = {}
     for output in outputs:
+        if output in PICTURES:
+            continue
         topic = OUTPUTS[output]
         if output == 'points':
             topics |= {f'points/{name}': topic._replace(name=f'points/{name}',

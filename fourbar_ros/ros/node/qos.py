@@ -8,7 +8,16 @@ Qos_overrides.TOPIC.publisher.reliability and so on.
 from __future__ import annotations
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.scene.topics import APPLIED, DRIVEN, INPUTS, OUTPUTS, SCENE, topics_of, WRENCHES
+from fourbar_ros.scene.topics import (
+    APPLIED,
+    DRIVEN,
+    INPUTS,
+    OUTPUTS,
+    PICTURES,
+    SCENE,
+    topics_of,
+    WRENCHES,
+)
 from rclpy.qos import (
     DurabilityPolicy,
     HistoryPolicy,
@@ -76,6 +85,7 @@ def _topics(node, scene):
     """Return {resolved topic: publisher or subscription} of all that a scene may ever use."""
     outputs = topics_of(OUTPUTS, scene.points).values()
     return {node.resolve_topic_name(topic.topic): entity
-            for entity, topics in (('publisher', (DRIVEN, SCENE, *APPLIED.values(), *outputs)),
+            for entity, topics in (('publisher', (DRIVEN, SCENE, *APPLIED.values(), *outputs,
+                                                  *PICTURES.values())),
                                    ('subscription', (*INPUTS.values(), *WRENCHES.values())))
             for topic in topics}

@@ -92,7 +92,8 @@ class Recording:
             with contextlib.suppress(BagError):
                 # a bag that ended by an error, which was logged
                 self._writer.close()
-        topics = [DRIVEN, SCENE, *scene.wrench_topics, *scene.topics.values()]
+        topics = [DRIVEN, SCENE, *scene.wrench_topics, *scene.topics.values(),
+                  *scene.pictures.values()]
         if scene.drive.source in INPUTS:
             topics.append(INPUTS[scene.drive.source])
         resolved = {topic.name: self._node.resolve_topic_name(topic.topic) for topic in topics}

@@ -11,6 +11,7 @@ from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.ros.node import qos
 from fourbar_ros.ros.node.outputs import Outputs
+from fourbar_ros.ros.node.pictures import Pictures
 from fourbar_ros.ros.node.status_log import StatusLog
 from fourbar_ros.scene.topics import SCENE
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -35,7 +36,7 @@ class Stream:
         # held in a step, and while anything changes
         self._lock = threading.Lock()
         self.steps, self.bad_steps, self.status = 0, 0, OK
-        self.outputs = Outputs(node, recording)
+        self.outputs, self.pictures = Outputs(node, recording), Pictures(node, recording)
         self._scene_publisher = qos.create(
             node, 'publisher', String, SCENE.topic,
             QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
@@ -58,6 +59,7 @@ class Stream:
             self._values = self._unknown = (nan,) * len(self._layout.place)
             self._given = [self._layout.place[name] for name in scene.linkage.input_coordinate]
             self.outputs.apply(scene)
+            self.pictures.apply(scene)
             data = self._scene_bytes()
             self._scene_publisher.publish(data)
             self._recording.write(SCENE.name, data)
@@ -74,12 +76,13 @@ class Stream:
         # outside of the lock: the disk may be slow
         bag = self._recording.open(scene, name)
         with self._lock:
-            if self.scene.topics == scene.topics:
+            if (self.scene.topics, self.scene.pictures) == (scene.topics, scene.pictures):
                 path = self._recording.attach(bag)
                 # Values held from before are dropped: the bag alone must be enough to recompute
                 # it.
                 self._stepper = Stepper(self.scene, self._stepper.acting)
                 self._recording.write(SCENE.name, self._scene_bytes())
+                self.pictures.record_latched()
                 for applied in self._applied.values():
                     self._recording.write(applied.name, applied.data)
                 return path
@@ -109,11 +112,15 @@ class Stream:
             wanted = self.outputs.wanted()
             if wanted.driven:
                 self.outputs.send_driven(stamp, self._as_it_came(position, rate, acceleration))
-            if not wanted.outputs:
+            seen = self.pictures.are_due(stamp)
+            if not wanted.outputs and not seen:
                 return
-            status, self._values = self._stepper.step(position, rate, acceleration,
-                                                      wanted.with_loads, wanted.with_points)
+            status, self._values = self._stepper.step(
+                position, rate, acceleration, wanted.with_loads or seen and self.pictures.of_loads,
+                wanted.with_points)
             self.outputs.send(stamp, status, self._values, wanted.outputs)
+            if seen:
+                self.pictures.send(stamp, self._values)
         if status != OK:
             self.bad_steps += 1
         if status != self.status:                        # once per change, not per sample

@@ -1,0 +1,105 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What people look at: URDF, TF, markers. Sent when asked for, at most as often as eyes need it.
+
+Their messages and the description are imported by the scenes that name them.
+"""
+from __future__ import annotations
+
+from fourbar_ros.ros.messages import resolve
+from fourbar_ros.ros.node import qos
+from fourbar_ros.scene.topics import QUEUE_DEPTH
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.serialization import serialize_message
+
+
+class Pictures:
+    """
+    The outputs ``robot_description``, ``tf``, ``markers`` and ``traces`` of a scene.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+    recording : Recording
+
+    Attributes
+    ----------
+    of_loads : bool
+        Whether a step for them needs the loads.
+
+    """
+
+    def __init__(self, node, recording):
+        self._node, self._recording = node, recording
+        self._publishers, self._latched, self._makers = {}, {}, {}
+        self._period, self._last, self.of_loads = 0, None, False
+
+    def apply(self, scene):
+        """Take over a scene; send what is latched."""
+        for name in self._publishers.keys() - scene.pictures.keys():
+            self._node.destroy_publisher(self._publishers.pop(name))
+            self._latched.pop(name, None)
+        for name, topic in scene.pictures.items():
+            if name not in self._publishers:
+                self._publishers[name] = self._publisher(topic)
+        rate = scene.values['pictures.rate']
+        self._period, self._last = round(1e9 / rate) if rate else 0, None
+        self._makers = {name: make(scene) for name, make in _makers().items()
+                        if name in scene.pictures} if scene.pictures else {}
+        self.of_loads = 'markers' in self._makers and scene.linkage.bodies is not None
+        for name, make in (_latched().items() if scene.pictures else ()):
+            if name in scene.pictures:
+                self._latched[name] = serialize_message(make(scene))
+                self._send(name, self._latched[name])
+
+    def record_latched(self):
+        """Have a new bag begin with what is latched."""
+        for name, data in self._latched.items():
+            self._recording.write(name, data)
+
+    def are_due(self, stamp):
+        """Return whether a step at this time, (seconds, nanoseconds), shall be seen."""
+        if not self._makers or not (self._recording.active or any(map(self._is_heard,
+                                                                      self._makers))):
+            return False
+        now = stamp[0] * 10**9 + stamp[1]
+        # the grid of the input is kept: every third sample, say, not every fourth
+        if self._last is not None and 0 <= now - self._last < 0.99 * self._period:
+            return False
+        self._last = now
+        return True
+
+    def send(self, stamp, values):
+        """Send the pictures of one step: its values in the places of the layout."""
+        for name, make in self._makers.items():
+            message = make(stamp, values)
+            if message is not None and (self._recording.active or self._is_heard(name)):
+                self._send(name, serialize_message(message))
+
+    def _publisher(self, topic):
+        profile = (QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+                   if topic.latched else QUEUE_DEPTH)
+        return qos.create(self._node, 'publisher', resolve(topic.type), topic.topic, profile)
+
+    def _is_heard(self, name):
+        return self._publishers[name].get_subscription_count() > 0
+
+    def _send(self, name, data):
+        self._publishers[name].publish(data)
+        self._recording.write(name, data)
+
+
+def _makers():
+    """Return {output: function (scene) -> function (stamp, values) -> message or None}."""
+    from fourbar_ros.ros.pictures import markers, transforms
+    return {'tf': transforms.maker, 'markers': markers.maker}
+
+
+def _latched():
+    """Return {output: function (scene) -> message}."""
+    from fourbar_ros.description.describe import describe
+    from fourbar_ros.ros.pictures import traces
+    from std_msgs.msg import String
+    return {'robot_description': lambda scene: String(data=describe(scene)),
+            'traces': traces.message}

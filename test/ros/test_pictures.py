@@ -1,0 +1,195 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""URDF, TF and markers over the wire: right poses, right arrows, in the bag, and not too often."""
+import json
+from math import atan2, hypot
+
+from builtin_interfaces.msg import Time
+from fourbar_msgs.msg import Motion
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recompute import compare
+from fourbar_ros.description.describe import describe
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.ros.schemas import type_hash
+from fourbar_ros.scene.scene import from_values, load
+from fourbar_ros.scene.topics import PICTURES
+import numpy as np
+import pytest
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from support import ROOT
+from support.scenes import PAPER, RODS, TIP
+
+EPS = 2.0**-52
+SCENES = {name: {**load(ROOT / f'config/{name}.yaml').values, 'drive.source': 'motion',
+                 'drive.timeout': 0.0, 'outputs': ['state', *PICTURES], 'pictures.rate': 0.0}
+          for name in ('paper', 'slider_crank', 'cylinder', 'scotch_yoke')}
+# of geometry2's tf2_msgs, as `ros2 topic info -v /tf` shows it from Iron to Lyrical
+OFFICIAL = 'RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087'
+
+
+def given(values):
+    """Return the parameters that are given (NaN stands for those that are not)."""
+    return {name: value for name, value in values.items() if value == value and value != []}
+
+
+def motion(position, stamp):
+    message = Motion(position=position, velocity=1.0)
+    message.header.stamp = Time(sec=stamp)
+    return message
+
+
+def listen(client, names=PICTURES):
+    """Collect pictures, the latched ones as late subscribers do."""
+    client.listen({**{name: PICTURES[name] for name in names if not PICTURES[name].latched}})
+    from fourbar_ros.ros.messages import resolve
+    for name in names:
+        if PICTURES[name].latched:
+            inbox = client.received.setdefault(name, [])
+            topic = PICTURES[name].topic.replace('~', '/fourbar')
+            client.node.create_subscription(
+                resolve(PICTURES[name].type), topic if topic[0] == '/' else f'/{topic}',
+                inbox.append, QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+
+
+def inputs(scene, count=9):
+    low, high = scene.linkage.input_ranges[0]
+    return [low + (high - low) * (k + 0.5) / count for k in range(count)]
+
+
+def poses(message):
+    """Return {frame: (place, direction) in the root} of a TFMessage, as complex numbers."""
+    found = {}
+    for one in message.transforms:
+        at, turn = found.get(one.header.frame_id, (0j, 1.0 + 0j))
+        t, r = one.transform.translation, one.transform.rotation
+        assert (t.z, r.x, r.y) == (0.0, 0.0, 0.0)
+        assert abs(hypot(r.z, r.w) - 1.0) <= 4.0 * EPS
+        found[one.child_frame_id] = (at + turn * complex(t.x, t.y),
+                                     turn * complex(r.w, r.z)**2)
+    return found
+
+
+def test_the_type_hash_of_tf_messages_is_the_official_one():
+    assert type_hash('tf2_msgs/msg/TFMessage') == OFFICIAL
+
+
+@pytest.mark.parametrize('name', SCENES)
+def test_frames_are_where_the_links_are(run_node, client, name):
+    run_node(given(SCENES[name]))
+    scene = from_values(SCENES[name])
+    client.listen(['state'])
+    listen(client, ['tf', 'markers'])
+    drive = client.publisher()
+    client.handshake(lambda: drive.publish(motion(inputs(scene)[0], 1)))
+    for number, position in enumerate(inputs(scene)):
+        drive.publish(motion(position, number + 2))
+        client.until(lambda n=number: all(
+            len(client.received[what]) > n for what in ('tf', 'markers')), 'the pictures')
+        its = client.received['tf'][number]
+        assert {one.header.stamp.sec for one in its.transforms} == {number + 2}
+        found, moved = poses(its), scene.linkage.motion(position, 1.0)
+        bound = 32.0 * EPS * max(1.0, *map(abs, scene.linkage.lengths)) * (1.0 + moved.condition)
+        for link in scene.linkage.LINKS:
+            want = scene.linkage.link_motion(moved, link.name)
+            at, direction = found[f'{link.name}_link']
+            assert abs(at - complex(want.x, want.y)) <= bound
+            assert abs(direction - complex(want.cosine, want.sine)) <= bound
+        for point, place in scene.points.items():
+            want = point_motion(scene.linkage, moved, *place)
+            assert abs(found[point][0] - complex(want.x, want.y)) <= bound
+        check_arrows(scene, position, client.received['markers'][number].markers)
+
+
+def check_arrows(scene, position, markers):
+    """Force arrows start at their joints and are parallel and in proportion to the forces."""
+    moved, loads = scene.linkage.step(position, 1.0, 0.0)
+    diagram = scene.linkage.diagram(moved)
+    scales = []
+    for name, joint in diagram.forces.items():
+        arrow = next(m for m in markers if m.ns == f'force {name}')
+        start, end = ((p.x, p.y) for p in arrow.points)
+        assert start == pytest.approx(tuple(diagram.joints[joint]), abs=1e-15)
+        force = np.array([getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y')])
+        if hypot(*force) > 1e-9 * max(getattr(loads, other) for other in diagram.forces):
+            along = np.subtract(end, start)
+            turn = atan2(along[1], along[0]) - atan2(force[1], force[0])
+            assert abs(np.sin(turn)) <= 1e-9 and np.cos(turn) > 0.0
+            scales.append(hypot(*along) / hypot(*force))
+    assert scales and max(scales) <= min(scales) * (1.0 + 1e-9)
+
+
+def test_the_bag_alone_shows_the_machine(run_node, client, tmp_path):
+    values = {**PAPER, **RODS, **TIP, 'outputs': ['state', 'joint_states', 'points', *PICTURES],
+              'drive.source': 'motion', 'recording.directory': str(tmp_path / 'bags'),
+              'pictures.rate': 0.0}
+    node = run_node(values)
+    client.listen(['state'])
+    drive = client.publisher()
+    client.handshake(lambda: drive.publish(motion(0.1, 1)))
+    path = client.call('start_recording', name='seen').path
+    for k in range(20):
+        drive.publish(motion(0.1 + 0.1 * k, 2 + k))
+    client.until(lambda: len(client.received['state']) >= 20, 'the states')
+    client.call('stop_recording')
+    assert node.stop() == 0
+    by_topic = {}
+    for record in Bag(path).records():
+        by_topic.setdefault(record.topic, []).append(record.message)
+    assert by_topic['/robot_description'][0].data == describe(from_values(values))
+    assert len(by_topic['/tf']) == len(by_topic['/fourbar/markers']) == 20
+    assert len(by_topic['/fourbar/traces']) == 1
+    found = compare(path)
+    assert found.inputs == 20 and max(d.largest for d in found.differences) == 0.0
+
+
+def test_late_subscribers_see_the_description_and_the_traces(run_node, client):
+    values = {**PAPER, **RODS, **TIP, 'drive.source': 'motion', 'outputs': ['state', *PICTURES]}
+    run_node(values)
+    listen(client, ['robot_description', 'traces'])
+    client.until(lambda: client.received['robot_description'] and client.received['traces'],
+                 'what is latched')
+    scene = from_values(values)
+    assert client.received['robot_description'][-1].data == describe(scene)
+    markers = client.received['traces'][-1].markers
+    groups = {marker.ns for marker in markers}
+    assert groups == {'path of tip', 'dead points', 'extrema'}
+    path = np.array([(p.x, p.y) for m in markers if m.ns == 'path of tip' for p in m.points])
+    motions = scene.linkage.motion(np.linspace(-np.pi, np.pi, len(path)))
+    want = point_motion(scene.linkage, motions, *scene.points['tip']).place
+    assert np.abs(path - want).max() <= 1e-12
+    assert sum(marker.ns == 'extrema' and bool(marker.text) for marker in markers) == 4
+
+
+def test_pictures_are_not_sent_more_often_than_eyes_need(run_node, client):
+    run_node({**PAPER, 'drive.source': 'motion', 'outputs': ['state', 'tf'],
+              'pictures.rate': 30.0})
+    client.listen(['state'])
+    listen(client, ['tf'])
+    drive = client.publisher()
+    client.handshake(lambda: drive.publish(motion(0.1, 1)))
+    for k in range(101):                     # 100 Hz for one second of stamps
+        message = motion(0.1 + 0.01 * k, 100 + k // 100)
+        message.header.stamp.nanosec = k % 100 * 10**7
+        drive.publish(message)
+    client.until(lambda: len(client.received['state']) >= 101, 'the states')
+    last = [(m.transforms[0].header.stamp.sec, m.transforms[0].header.stamp.nanosec)
+            for m in client.received['tf']]
+    client.until(lambda: len(client.received['tf']) >= 26, 'the frames')
+    assert len(client.received['tf']) == 26, last        # every fourth sample: 40 ms
+
+
+def test_a_scene_of_which_no_description_can_be_made_does_not_start(run_node):
+    node = run_node({**PAPER, 'outputs': ['robot_description'],
+                     'joint_states.ratios': [1.0, 2.0, 1.0, 1.0]})
+    assert node.wait() == 2
+    assert 'ratio of coupler must be 1 or -1' in node.said and 'Traceback' not in node.said
+
+
+def test_scene_check_says_so_too(tmp_path, capsys):
+    from fourbar_ros.cli.main import main
+    file = tmp_path / 'scene.yaml'
+    values = {**PAPER, 'outputs': ['robot_description'],
+              'joint_states.ratios': [1.0, 2.0, 1.0, 1.0]}
+    file.write_text(json.dumps({'/**': {'ros__parameters': values}}))
+    assert main(['scene', 'check', str(file)]) == 1
+    assert 'ratio of coupler must be 1 or -1' in capsys.readouterr().err
