@@ -12,6 +12,7 @@ from fourbar_ros.bag.recompute import scene_of
 from fourbar_ros.errors import BagError
 from fourbar_ros.formats import rosbag2
 from fourbar_ros.formats.mcap_records import in_short
+from fourbar_ros.scene.files import as_text
 
 
 class TopicInfo(NamedTuple):
@@ -208,19 +209,11 @@ def _count(bag, progress):
 
 def parameter_file(path, source, node=None):
     """Return the scene of a bag as the text of a ROS 2 parameter file, driven by ``source``."""
-    import yaml
     scene, _ = scene_of(path, node)
     values = {name: value for name, value in scene.values.items() if value == value
               and value not in ('', [])}
     values.update({'drive.source': source, 'recording.start': False})
-    tree = {}
-    for name, value in values.items():
-        *path_, last = name.split('.')
-        place = tree
-        for step in path_:
-            place = place.setdefault(step, {})
-        place[last] = list(value) if isinstance(value, tuple) else value
-    return yaml.safe_dump({'/**': {'ros__parameters': tree}}, sort_keys=False)
+    return as_text(values)
 
 
 def software_of(about):

@@ -55,6 +55,7 @@ def add(verbs):
     verb.parse_known_args = with_run_implied
     actions = verb.add_subparsers(dest='action', required=True, metavar='ACTION')
     _add_run(actions)
+    _add_answers(actions)
 
 
 def _add_run(actions):
@@ -73,6 +74,86 @@ def _add_run(actions):
                        help='address of a Dask scheduler, tcp://host:8786; its workers need '
                             'pip install fourbar_ros[study], no ROS')
     run.set_defaults(run=_run)
+
+
+def _add_answers(actions):
+    show = actions.add_parser('show', help='show counts, ranges and the best designs of a study',
+                              description='Show how many designs were left out by what, the '
+                                          'range of each column, and the best designs.')
+    plot = actions.add_parser('plot', help='write the tables and figures of a study as one HTML '
+                                           'page',
+                              description='Write one HTML file: tables, Pareto front, '
+                                          'distributions, sensitivities, pairs.')
+    pick = actions.add_parser('pick', help='write one design as a scene file for the node',
+                              description='Write one design as a scene file, which starts the '
+                                          'node and every other command.')
+    for parser in (show, plot, pick):
+        parser.add_argument('study', metavar='DIR', help='folder of a study, also while it runs')
+    plot.add_argument('page', metavar='PAGE', help='HTML file to write')
+    pick.add_argument('which', metavar='WHICH', help='best, worst, or the number of a row')
+    pick.add_argument('--by', metavar='OBJECTIVE', help='in which objective; default: the first')
+    pick.add_argument('-o', '--out', metavar='SCENE', help='file to write; default: print it')
+    show.set_defaults(run=_show)
+    plot.set_defaults(run=_plot)
+    pick.set_defaults(run=_pick)
+
+
+def _show(arguments):
+    from fourbar_ros.report.terminal import make_console, plain_table
+    from fourbar_ros.studies.answers import Answers
+    from fourbar_ros.studies.page import about, best_rows, RANGE_HEADS, range_rows
+    answers, console = Answers(arguments.study), make_console()
+    console.print(about(answers))
+    parts = [('designs', ('', '>'), [(reason, str(number))
+                                     for reason, number in answers.counts.items()])]
+    if answers.kept:
+        parts.append(('ranges', _right(RANGE_HEADS, 2), range_rows(answers)))
+        if answers.objectives:
+            heads, rows = best_rows(answers)
+            parts.append(('best designs', _right(heads, 1), rows))
+    for title, heads, rows in parts:
+        table = plain_table(title, heads)
+        for row in rows:
+            table.add_row(*row)
+        console.print()
+        console.print(table)
+    for row, text in answers.failures[:5]:
+        console.print(f'row {row} failed: {text}')
+
+
+def _right(heads, first):
+    """Return the heads of a table whose columns are right-aligned from one on."""
+    return [head + '>' * (place >= first) for place, head in enumerate(heads)]
+
+
+def _plot(arguments):
+    from fourbar_ros.studies.answers import Answers
+    from fourbar_ros.studies.page import write_page
+    write_page(Answers(arguments.study), arguments.page)
+
+
+def _pick(arguments):
+    from fourbar_ros.scene.scene import from_values
+    from fourbar_ros.studies import StudyError
+    from fourbar_ros.studies.answers import Answers
+    answers, which = Answers(arguments.study), arguments.which
+    if which in ('best', 'worst'):
+        rows = answers.best(arguments.by, 1, which == 'worst')
+        if not rows:
+            raise StudyError(f'{arguments.study}: no design fulfils the constraints')
+        row = rows[0]
+    elif which.isdecimal():
+        row = int(which)
+    else:
+        raise StudyError(f'{which}: must be best, worst or the number of a row')
+    text = answers.scene_text(row)
+    from_values(answers.scene_values(row))          # one that cannot be built is no scene
+    if arguments.out is None:
+        print(text, end='')
+    else:
+        with open(arguments.out, 'x', encoding='utf-8') as file:
+            file.write(text)
+        print(f'row {row}: {arguments.out}')
 
 
 def _run(arguments):

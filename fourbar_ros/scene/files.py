@@ -186,6 +186,18 @@ def scalar(text: str) -> bool | int | float | str:
     return NAMED.get(text.lower(), text)
 
 
+def as_text(values: dict[str, Any]) -> str:
+    """Return a flat dict of parameters as the text of a ROS 2 parameter file for any node."""
+    tree: dict[str, Any] = {}
+    for name, value in values.items():
+        *path, last = name.split('.')
+        place = tree
+        for step in path:
+            place = place.setdefault(step, {})
+        place[last] = list(value) if isinstance(value, tuple) else value
+    return yaml.safe_dump({'/**': {'ros__parameters': tree}}, sort_keys=False)
+
+
 class _Loader(yaml.SafeLoader):
     """YAML as rcl reads it; duplicate keys, missing values and aliases are errors."""
 
