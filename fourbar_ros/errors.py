@@ -80,13 +80,14 @@ class Toggle(FourBarError, ArithmeticError):
     """
     The dyad is in line, so that rates and loads are unbounded.
 
-    ``name`` and ``value`` of the input are kept.
+    ``name`` and ``value`` of the input are kept, and the name of the ``dyad`` of a machine.
     """
 
-    def __init__(self, name: str, value: float, unit: str):
-        self.name, self.value = name, value
-        super().__init__(f'{name} = {value!r} {unit} is a toggle position: rates and loads are '
-                         'unbounded')
+    def __init__(self, name: str, value: float, unit: str, dyad: str = ''):
+        self.name, self.value, self.dyad = name, value, dyad
+        of = f' of dyad {dyad}' if dyad else ''
+        super().__init__(f'{name} = {value!r} {unit} is a toggle position{of}: rates and loads '
+                         'are unbounded')
 
 
 class MissingBodies(FourBarError, ValueError):

@@ -12,6 +12,8 @@ from fourbar_ros import (
     SliderCrank,
 )
 from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
+from fourbar_ros.mechanisms.machine.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp
 import numpy as np
 
@@ -138,3 +140,40 @@ def exact_inertia(mechanism, q):
         total += body.mass * abs(mp.diff(centre, q))**2
         total += body.inertia * abs(mp.diff(direction, q))**2
     return total
+
+
+
+# --- Andrews' squeezer: IVP Test Set, andrews.f; Hairer and Wanner, Solving ODEs II, VII.7 -------
+
+ANDREWS_BETA = -0.0617138900142764496358948458001
+# {link: (multiple of pi/2, printed initial angles)}: ours is the sum of both. In the test set's
+# letters beta + Theta, gamma, Phi + delta, delta, Omega + epsilon, epsilon.
+ANDREWS_POSE = {
+    'K2': (2, (ANDREWS_BETA, 0.0)), 'K3': (-1, (0.455279819163070380255912382449,)),
+    'K4': (1, (0.222668390165885884674473185609, 0.487364979543842550225598953530)),
+    'K5': (0, (0.487364979543842550225598953530,)),
+    'K6': (2, (-0.222668390165885884674473185609, 1.23054744454982119249735015568)),
+    'K7': (-1, (1.23054744454982119249735015568,))}
+
+
+def andrews():
+    """Return the seven bodies as a machine, its spring, and the torque on the crank."""
+    a, b = (-0.06934, -0.00227), (-0.03635, 0.03273)
+    crank, ground = Point('crank', 0.007), 'ground'
+    at_e = Point('K2', 0.028)
+    dyads = (Dyad('E', 'RRR', crank, Point(ground, *b), ('K2', 'K3'), length_1=0.028,
+                  length_2=0.035, mode=2),
+             Dyad('G', 'RRR', at_e, Point(ground, *a), ('K4', 'K5'), length_1=0.02,
+                  length_2=0.04, mode=1),
+             Dyad('H', 'RRR', at_e, Point(ground, *a), ('K6', 'K7'), length_1=0.02,
+                  length_2=0.04, mode=2))
+    bodies = {'crank': Body(0.04325, 0.00092, 0.0, 2.194e-6),
+              'K2': Body(0.00365, 0.0115, 0.0, 4.410e-7),
+              'K3': Body(0.02373, 0.01874, 0.01043, 5.255e-6),
+              'K4': Body(0.00706, 0.01421, 0.0, 5.667e-7),
+              'K5': Body(0.07050, 0.02308, 0.00916, 1.169e-5),
+              'K6': Body(0.00706, 0.01421, 0.0, 5.667e-7),
+              'K7': Body(0.05498, 0.01228, -0.00449, 1.912e-5)}
+    spring = Spring(Attachment(GROUND, 0.014, 0.072), Attachment('K3', 0.018, 0.02), 4530.0,
+                    0.07785)
+    return Machine(dyads, bodies=bodies), spring, 0.033

@@ -65,7 +65,8 @@ Curve = tuple[Any, Any, Any, Any, Any, Any, Any, Any, Any, Any]
 # The curves of the two links, (s, s', s'') of each slide, sine and cosine of the transmission
 # angle.
 DyadMotion = tuple[Curve, Curve, tuple[Any, ...], Any, Any]
-MovesDyad = Callable[[Node, Node, Curve, Curve], DyadMotion]
+# Of P, Q, D and the curves of the links that P and Q are of.
+MovesDyad = Callable[[Node, Node, Node, Curve, Curve], DyadMotion]
 
 FIXED: Curve = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)     # of the ground
 
@@ -79,6 +80,30 @@ def node_of(curve: Curve, along: Any, across: Any) -> Node:
             ddx - bend * y - square * x, ddy + bend * x - square * y)
 
 
+def between(at_p: Node, at_q: Node) -> Node:
+    """Return the coefficients of D = Q - P."""
+    return (at_q[0] - at_p[0], at_q[1] - at_p[1], at_q[2] - at_p[2], at_q[3] - at_p[3],
+            at_q[4] - at_p[4], at_q[5] - at_p[5])
+
+
+ORIGIN = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def nodes_of(first: Curve, second: Curve, numbers: tuple[Any, ...],
+             meet: bool) -> tuple[Node, Node, Node]:
+    """
+    Return P, Q and D of a dyad.
+
+    ``meet``: both links have the same first joint, which D then does not contain: it may be far
+    away and fast.
+    """
+    at_p, at_q = node_of(first, *numbers[:2]), node_of(second, *numbers[2:4])
+    if not meet:
+        return at_p, at_q, between(at_p, at_q)
+    here, there = (*ORIGIN, *first[6:]), (*ORIGIN, *second[6:])
+    return at_p, at_q, between(node_of(here, *numbers[:2]), node_of(there, *numbers[2:4]))
+
+
 def make_rrr(n: NumberType, sign: Any, r1: Any, r2: Any) -> MovesDyad:
     """Return the motion of the dyad RRR: rods of lengths r1 from P and r2 from Q, pinned at B."""
     sqrt = n.sqrt
@@ -86,10 +111,11 @@ def make_rrr(n: NumberType, sign: Any, r1: Any, r2: Any) -> MovesDyad:
     inner = (r1 - r2) * (r1 - r2)
     per_r1, per_r2, half_sine = 1.0 / r1, 1.0 / r2, 0.5 / r1 / r2
 
-    def motion(at_p: Node, at_q: Node, _first: Curve, _second: Curve) -> DyadMotion:
+    def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve,
+               _second: Curve) -> DyadMotion:
         px, py, pdx, pdy, pddx, pddy = at_p
         qx, qy, qdx, qdy, qddx, qddy = at_q
-        x, y, dx, dy = qx - px, qy - py, qdx - pdx, qdy - pdy
+        x, y, dx, dy, ddx, ddy = apart
         q = x * x + y * y
         root = sign * sqrt(outer - q) * sqrt(q - inner)                                 # (D1)
         half = 0.5 / q
@@ -100,8 +126,8 @@ def make_rrr(n: NumberType, sign: Any, r1: Any, r2: Any) -> MovesDyad:
         per_1, per_2 = per_r1 / sine, per_r2 / sine
         turn1, turn2 = (dx * c2 + dy * s2) * per_1, (dx * c1 + dy * s1) * per_2         # (D2)
         pull1, pull2 = turn1 * turn1 * r1, turn2 * turn2 * r2
-        gx = qddx - pddx + pull1 * c1 - pull2 * c2
-        gy = qddy - pddy + pull1 * s1 - pull2 * s2
+        gx = ddx + pull1 * c1 - pull2 * c2
+        gy = ddy + pull1 * s1 - pull2 * s2
         bend1, bend2 = (gx * c2 + gy * s2) * per_1, (gx * c1 + gy * s1) * per_2         # (D3)
         return ((px, py, pdx, pdy, pddx, pddy, c1, s1, turn1, bend1),
                 (qx, qy, qdx, qdy, qddx, qddy, c2, s2, turn2, bend2),
@@ -119,24 +145,24 @@ def make_rrp(n: NumberType, sign: Any, r1: Any, cos_t: Any, sin_t: Any) -> Moves
     """Return the motion of the dyad RRP: a rod r1 from P, its end on a line through Q."""
     sqrt, per_r1 = n.sqrt, 1.0 / r1
 
-    def motion(at_p: Node, at_q: Node, _first: Curve, second: Curve) -> DyadMotion:
+    def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve,
+               second: Curve) -> DyadMotion:
         px, py, pdx, pdy, pddx, pddy = at_p
         qx, qy, qdx, qdy, qddx, qddy = at_q
+        x, y, dx, dy, ddx, ddy = apart
         tx, ty, turn, bend = turned(second, cos_t, sin_t)
-        x, y = qx - px, qy - py
         h = y * tx - x * ty
         g = sign * sqrt((r1 - h) * (r1 + h))                                            # (D4)
         s = g - (x * tx + y * ty)
         c1, s1 = (g * tx - h * ty) * per_r1, (g * ty + h * tx) * per_r1
         per_g, swing = 1.0 / g, turn * s
-        vx, vy = qdx - pdx - swing * ty, qdy - pdy + swing * tx
+        vx, vy = dx - swing * ty, dy + swing * tx
         turn1 = (vy * tx - vx * ty) * per_g                                             # (D5)
         ds = -turn1 * h - (vx * tx + vy * ty)
         along, across = -turn * swing, bend * s + 2.0 * turn * ds
         pull = turn1 * turn1
-        gx, gy = qddx - pddx, qddy - pddy
-        bend1 = (gy * tx - gx * ty + across + pull * h) * per_g                         # (D6)
-        dds = -bend1 * h - (gx * tx + gy * ty + along + pull * g)
+        bend1 = (ddy * tx - ddx * ty + across + pull * h) * per_g                         # (D6)
+        dds = -bend1 * h - (ddx * tx + ddy * ty + along + pull * g)
         return ((px, py, pdx, pdy, pddx, pddy, c1, s1, turn1, bend1),
                 (qx + s * tx, qy + s * ty,
                  qdx - swing * ty + ds * tx, qdy + swing * tx + ds * ty,
@@ -150,11 +176,11 @@ def make_rpr(n: NumberType, sign: Any, h: Any) -> MovesDyad:
     """Return the motion of the dyad RPR: a block pinned at P on a bar pinned at Q."""
     sqrt, hypot = n.sqrt, n.hypot
 
-    def motion(at_p: Node, at_q: Node, _first: Curve, _second: Curve) -> DyadMotion:
+    def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve,
+               _second: Curve) -> DyadMotion:
         px, py, pdx, pdy, pddx, pddy = at_p
         qx, qy, qdx, qdy, qddx, qddy = at_q
-        x, y, dx, dy = px - qx, py - qy, pdx - qdx, pdy - qdy
-        ddx, ddy = pddx - qddx, pddy - qddy
+        x, y, dx, dy, ddx, ddy = [-part for part in apart]
         distance = hypot(x, y)
         s = sign * sqrt((distance - h) * (distance + h))                                # (D7)
         per = 1.0 / distance
@@ -180,17 +206,18 @@ def make_rpp(n: NumberType, _sign: Any, cos_t: Any, sin_t: Any, cos_g: Any,
         across = (y * tx - x * ty) * per_sine                                           # (D10)
         return x * tx + y * ty - across * cos_g, across
 
-    def motion(at_p: Node, at_q: Node, _first: Curve, second: Curve) -> DyadMotion:
+    def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve,
+               second: Curve) -> DyadMotion:
         px, py, pdx, pdy, pddx, pddy = at_p
         qx, qy, qdx, qdy, qddx, qddy = at_q
         tx, ty, turn, bend = turned(second, cos_t, sin_t)
         cx, cy = cos_g * tx - sin_g * ty, cos_g * ty + sin_g * tx
-        x, y = px - qx, py - qy
+        x, y, dx, dy, ddx, ddy = [-part for part in apart]
         s, d = split(x, y, tx, ty)
-        ds, dd = split(pdx - qdx + turn * y, pdy - qdy - turn * x, tx, ty)
+        ds, dd = split(dx + turn * y, dy - turn * x, tx, ty)
         square, twice = turn * turn, 2.0 * turn
-        dds, ddd = split(pddx - qddx + bend * y + square * x + twice * (ds * ty + dd * cy),
-                         pddy - qddy - bend * x + square * y - twice * (ds * tx + dd * cx),
+        dds, ddd = split(ddx + bend * y + square * x + twice * (ds * ty + dd * cy),
+                         ddy - bend * x + square * y - twice * (ds * tx + dd * cx),
                          tx, ty)
         swing = turn * s
         along, across = dds - turn * swing, bend * s + twice * ds
@@ -206,23 +233,24 @@ def make_rpp(n: NumberType, _sign: Any, cos_t: Any, sin_t: Any, cos_g: Any,
 def make_prp(n: NumberType, _sign: Any, cos_1: Any, sin_1: Any, cos_2: Any,
              sin_2: Any) -> MovesDyad:
     """Return the motion of the dyad PRP: two blocks pinned together, on lines through P and Q."""
-    def motion(at_p: Node, at_q: Node, first: Curve, second: Curve) -> DyadMotion:
+    def motion(at_p: Node, _at_q: Node, apart: Node, first: Curve,
+               second: Curve) -> DyadMotion:
         px, py, pdx, pdy, pddx, pddy = at_p
-        qx, qy, qdx, qdy, qddx, qddy = at_q
+        x_0, y_0, dx, dy, ddx, ddy = apart
         x1, y1, turn1, bend1 = turned(first, cos_1, sin_1)
         x2, y2, turn2, bend2 = turned(second, cos_2, sin_2)
         cross = x1 * y2 - y1 * x2
         per = 1.0 / cross
-        x, y = (qx - px) * per, (qy - py) * per
+        x, y = x_0 * per, y_0 * per
         s1, s2 = x * y2 - y * x2, x * y1 - y * x1                                       # (D11)
         swing1, swing2 = turn1 * s1, turn2 * s2
-        x = (qdx - pdx - swing2 * y2 + swing1 * y1) * per
-        y = (qdy - pdy + swing2 * x2 - swing1 * x1) * per
+        x = (dx - swing2 * y2 + swing1 * y1) * per
+        y = (dy + swing2 * x2 - swing1 * x1) * per
         ds1, ds2 = x * y2 - y * x2, x * y1 - y * x1
         a1, b1 = -turn1 * swing1, bend1 * s1 + 2.0 * turn1 * ds1
         a2, b2 = -turn2 * swing2, bend2 * s2 + 2.0 * turn2 * ds2
-        x = (qddx - pddx + a2 * x2 - b2 * y2 - a1 * x1 + b1 * y1) * per
-        y = (qddy - pddy + a2 * y2 + b2 * x2 - a1 * y1 - b1 * x1) * per
+        x = (ddx + a2 * x2 - b2 * y2 - a1 * x1 + b1 * y1) * per
+        y = (ddy + a2 * y2 + b2 * x2 - a1 * y1 - b1 * x1) * per
         dds1, dds2 = x * y2 - y * x2, x * y1 - y * x1
         at_b = (px + s1 * x1, py + s1 * y1,
                 pdx - swing1 * y1 + ds1 * x1, pdy + swing1 * x1 + ds1 * y1,

@@ -114,6 +114,14 @@ class Layout(NamedTuple):
                       RPP: (other, other), PRP: (one, other)}[stage.kind]
         return {name for name, is_turning in zip(self.links, turns) if is_turning}
 
+    def meet(self, stage: Stage) -> bool:
+        """Return whether the links on which a dyad hangs have their first joint in common."""
+        number = max(stage.first, stage.second)
+        owner = next((its for its in self.stages if number in (its.number, its.number + 1)), None)
+        both = {stage.first, stage.second}
+        return len(both) == 1 or owner is not None and owner.kind == PRP and both == {
+            owner.number, owner.number + 1}
+
     def slides(self) -> list[str]:
         """Return the names of the links that slide."""
         driven = [SLIDER_LINK] if self.driven == SLIDER_LINK else []

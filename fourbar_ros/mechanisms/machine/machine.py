@@ -14,7 +14,7 @@ from functools import cached_property
 from math import pi
 from typing import Any
 
-from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.errors import FourBarError, InvalidParameter, nearest, Toggle
 from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
 from fourbar_ros.mechanisms.checks import STROKE, two_numbers
 from fourbar_ros.mechanisms.machine import diagram
@@ -37,9 +37,11 @@ from fourbar_ros.mechanisms.machine.motion import make_motion
 from fourbar_ros.mechanisms.machine.names import lengths_of, names_of
 from fourbar_ros.mechanisms.machine.ranges import Closings, find_ranges, Limit
 from fourbar_ros.mechanisms.mechanism import Constants, CRANK, Mechanism, SLIDE
-from fourbar_ros.mechanisms.parts import Arrow, Diagram, Length
+from fourbar_ros.mechanisms.parts import Arrow, Diagram
 from fourbar_ros.mechanisms.points import LinkMotion
-from fourbar_ros.numerics.number_types import Function, NumberType
+from fourbar_ros.mechanisms.stroke import motion_within
+from fourbar_ros.numerics.number_types import Function, NumberType, REAL
+from fourbar_ros.numerics.straight_line import straight_line
 
 DRIVERS = (CRANK, SLIDE, CYLINDER)
 NO_BODY = Body(0.0)
@@ -105,7 +107,8 @@ class Machine(Mechanism):
         self._set(dyads=_checked_dyads(self.dyads), cylinder=self._checked_cylinder())
         layout = layout_of(self.input, self.stages, self.output)
         names = names_of(layout)
-        self._set(layout=layout, output=layout.output, **names._asdict())
+        self._set(layout=layout, output=layout.output, **names._asdict(),
+                  LENGTHS=tuple([length for length, _ in lengths_of(self.stages)]))
         self._set(bodies=_by_link('bodies', self.bodies, Body, names.BODIES, NO_BODY),
                   external=_by_link('external', self.external, Applied, names.EXTERNAL,
                                     NOT_APPLIED) or names.EXTERNAL(),
@@ -155,19 +158,10 @@ class Machine(Mechanism):
 
     # --- lengths and modes ----------------------------------------------------------------------
 
-    @cached_property
-    def _lengths(self) -> list[tuple[Length, float]]:
-        return lengths_of(self.stages)
-
     @property
-    def LENGTHS(self) -> tuple[Length, ...]:      # type: ignore[override]  # noqa: N802
-        """Return the lengths that are not zero, by name and text."""
-        return tuple([length for length, _ in self._lengths])
-
-    @property
-    def lengths(self) -> tuple[float, ...]:
+    def lengths(self) -> tuple[float, ...]:     # type: ignore[override]
         """Return the lengths that are not zero [m]: of points, rods and offsets."""
-        return tuple([value for _, value in self._lengths])
+        return tuple([value for _, value in lengths_of(self.stages)])
 
     def with_lengths(self, lengths: Sequence[float]) -> Machine:
         """Return the same machine with other :attr:`lengths`."""
@@ -226,6 +220,39 @@ class Machine(Mechanism):
     def is_driven_by_slide(self) -> bool:
         """Return whether the input is a length, not an angle."""
         return self.input != CRANK
+
+    def make_motion(self, numbers: NumberType) -> Function:
+        """
+        Return (position, rate, acceleration) -> fields of MOTION for a number type.
+
+        Of floats it is one straight line, without the calls and choices of dyads.
+        """
+        key = 'motion', numbers
+        if numbers is REAL and key not in self._made:
+            line = straight_line(lambda n: self.motion_formula(n, self.constants), 3)
+            self._made[key] = (line if self.stroke is None
+                               else motion_within(line, self.stroke, numbers))
+        return super().make_motion(numbers)
+
+    def make_loads(self, numbers: NumberType) -> Function:
+        """Return (fields of MOTION) -> fields of LOADS for a number type; see make_motion."""
+        key = 'loads', numbers
+        if numbers is REAL and key not in self._made:
+            def formula(n: NumberType) -> Function:
+                loads = self.loads_formula(n, self.constants)
+                return lambda *fields: loads(fields)
+            line = straight_line(formula, len(self.MOTION._fields))
+            self._made[key] = lambda motion: line(*motion)
+        return super().make_loads(numbers)
+
+    def _why_no_motion(self, position: float) -> FourBarError:
+        """Return the error for an input at which a dyad does not close, or is at its toggle."""
+        error = super()._why_no_motion(position)
+        if not isinstance(error, Toggle):
+            return error
+        ends = [end for bound in self.limits if bound for end in bound]
+        nearest_end = min(ends, key=lambda end: abs(self.distance(position, end.x)))
+        return Toggle(error.name, position, self.input_coordinate.unit, nearest_end.dyad)
 
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""

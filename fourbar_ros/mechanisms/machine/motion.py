@@ -26,7 +26,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from fourbar_ros.mechanisms.machine.description import CYLINDER, PRP, RPR, RRP, RRR
-from fourbar_ros.mechanisms.machine.dyads import Curve, FIXED, MAKERS, MovesDyad, node_of
+from fourbar_ros.mechanisms.machine.dyads import Curve, FIXED, MAKERS, MovesDyad, nodes_of
 from fourbar_ros.mechanisms.machine.layout import Layout, Stage
 from fourbar_ros.numerics.number_types import Function, NumberType
 
@@ -115,21 +115,20 @@ def make_walk(n: NumberType, layout: Layout, numbers: Sequence[Any],
     Also (sine, cosine) of each, and the errors of all links.
     """
     driver = make_driver(n, layout, numbers, signs)
-    work: list[tuple[int, Any, Any, int, Any, Any, MovesDyad, Function]] = []
+    work: list[tuple[int, int, Any, bool, MovesDyad, Function]] = []
     for stage, given, sign in zip(layout.stages, numbers, signs):
         moves = MAKERS[stage.kind](n, 1.0 if stage.name == CYLINDER else sign, *given[4:])
-        work.append((stage.first, given[0], given[1], stage.second, given[2], given[3], moves,
+        work.append((stage.first, stage.second, given, layout.meet(stage), moves,
                      make_errors(n, stage, given)))
 
     def walk(position: Any) -> Any:
         curve, error = driver(position)
         curves, slides, transmissions = [FIXED, curve], [], []
         errors: list[Errors] = [EXACT, error]
-        for i, p_along, p_across, j, q_along, q_across, moves, errors_of in work:
+        for i, j, given, meet, moves, errors_of in work:
             first, second = curves[i], curves[j]
-            one, two, slid, sine, cosine = moves(node_of(first, p_along, p_across),
-                                                 node_of(second, q_along, q_across),
-                                                 first, second)
+            one, two, slid, sine, cosine = moves(*nodes_of(first, second, given, meet), first,
+                                                 second)
             curves += (one, two)
             slides.append(slid)
             transmissions.append((sine, cosine))

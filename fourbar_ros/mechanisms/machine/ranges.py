@@ -21,7 +21,7 @@ from math import pi
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanisms.machine.description import CYLINDER, RPR, RRP, RRR
-from fourbar_ros.mechanisms.machine.dyads import FIXED, MAKERS, node_of, turned
+from fourbar_ros.mechanisms.machine.dyads import FIXED, MAKERS, nodes_of, turned
 from fourbar_ros.mechanisms.machine.layout import Layout
 from fourbar_ros.mechanisms.machine.motion import make_driver
 from fourbar_ros.numerics.arrays import Array
@@ -56,11 +56,11 @@ class Closings(NamedTuple):
 
 
 def make_closing(n: NumberType, kind: str, numbers: Sequence[Any]) -> Callable[..., Any]:
-    """Return the function (P, Q, curve of the second link) -> closing of a dyad, (R1), (R2)."""
+    """Return the function (D, curve of the second link) -> closing of a dyad, (R1), (R2)."""
     sizes = numbers[4:]
 
-    def closing(at_p: Sequence[Any], at_q: Sequence[Any], second: Any) -> Any:
-        x, y = at_q[0] - at_p[0], at_q[1] - at_p[1]
+    def closing(apart: Sequence[Any], second: Any) -> Any:
+        x, y = apart[:2]
         q = x * x + y * y
         if kind == RRR:
             r1, r2 = sizes
@@ -89,11 +89,9 @@ def make_closings(n: NumberType, layout: Layout, numbers: Sequence[Any], signs: 
         curves = [FIXED, driver(x)[0]]
         for (stage, its, _), move in zip(stages, moves):
             first, second = curves[stage.first], curves[stage.second]
-            curves += move(node_of(first, *its[:2]), node_of(second, *its[2:4]), first,
-                           second)[:2]
-        second = curves[last.second]
-        return closing(node_of(curves[last.first], *given[:2]), node_of(second, *given[2:4]),
-                       second)
+            curves += move(*nodes_of(first, second, its, layout.meet(stage)), first, second)[:2]
+        first, second = curves[last.first], curves[last.second]
+        return closing(nodes_of(first, second, given, layout.meet(last))[2], second)
     return closing_at
 
 

@@ -1,0 +1,81 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Random machines of one to five dyads against 40 digits and one dense system of all bodies."""
+import mpmath as mp
+import numpy as np
+import pytest
+from support.dyad_reference import conditions, EPS, loads_of, motion_of, random_machines
+
+# In eps times condition: positions, rates, accelerations; reactions, couples, drive.
+MOTION_BOUND, LOADS_BOUND = 5.0, 10.0
+ZERO = mp.mpf(10)**-30       # what is left of an exact zero
+
+
+@pytest.fixture(autouse=True)
+def digits():
+    with mp.workdps(40):
+        yield
+
+
+def in_conditions(name, value, truth, condition):
+    error = abs(truth - value)
+    if name.startswith('theta'):
+        error, condition = abs(mp.arg(mp.expj(truth - value))), max(condition, 1.0)
+    if error < ZERO:
+        return 0.0
+    return float(error / (EPS * condition)) if condition else np.inf
+
+
+def first_of_many(machine, given):
+    """Return motion and loads by the program for arrays, as numbers."""
+    return [type(part)(*[float(np.ravel(field)[0]) for field in part])
+            for part in machine.step(*(np.full(100, v) for v in given))]
+
+
+def check_motion(machine, given):
+    truth, _, _ = motion_of(machine, given)
+    cond = conditions(machine, given, False)
+    assert set(truth) == {name for name in machine.MOTION._fields
+                          if name.startswith(('theta', 'omega', 'alpha', 'slide', 'x_', 'y_'))
+                          and not name.endswith('_ratio')} - (
+        set(machine.input_coordinate) if machine.input == 'slide' else set())
+    for motion in (machine.motion(*given), first_of_many(machine, given)[0]):
+        wrong = {name: error for name, value in truth.items()
+                 if not (error := in_conditions(name, mp.mpf(getattr(motion, name)), value,
+                                                cond[name])) <= MOTION_BOUND}
+        assert not wrong, (machine, given)
+
+
+def check_loads(machine, given):
+    truth, cond = loads_of(machine, given), conditions(machine, given, True)
+    for loads in (machine.loads(*given), first_of_many(machine, given)[1]):
+        wrong = {}
+        for name, value in truth.items():
+            ours = (mp.mpc(getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y'))
+                    if isinstance(value, mp.mpc) else mp.mpf(getattr(loads, name)))
+            error = in_conditions(name, ours, value, cond[name])
+            if not error <= LOADS_BOUND:
+                wrong[name] = error
+        assert not wrong, (machine, given)
+
+
+def test_the_dyads_of_random_machines_are_of_all_kinds_and_drives():
+    machines = [machine for machine, _ in random_machines(401, 30)]
+    assert {dyad.kind for machine in machines for dyad in machine.dyads} == {
+        'RRR', 'RRP', 'RPR', 'RPP', 'PRP'}
+    assert {machine.input for machine in machines} == {'crank', 'slide', 'cylinder'}
+
+
+@pytest.mark.parametrize('is_near', [False, True], ids=['anywhere', 'near a toggle'])
+def test_motion_and_loads(is_near):
+    for machine, given in random_machines(402, 8, near_limit=is_near):
+        check_motion(machine, given)
+        check_loads(machine, given)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(('is_near', 'count'), [(False, 1000), (True, 300)])
+def test_motion_and_loads_of_many(is_near, count):
+    for machine, given in random_machines(403, count, near_limit=is_near):
+        check_motion(machine, given)
+        check_loads(machine, given)

@@ -1,0 +1,301 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Machines against kinds, a published machine, balances; numbers of all kinds."""
+from math import pi
+import pickle
+
+from fourbar_ros import (
+    Applied,
+    Bodies,
+    Body,
+    External,
+    FourBar,
+    InvertedSlider,
+    MissingBodies,
+    OutOfRange,
+    SliderCrank,
+    Toggle,
+)
+from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad, Point
+from fourbar_ros.mechanisms.machine.machine import Machine
+from fourbar_ros.mechanisms.points import link_motion, point_of
+from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
+import numpy as np
+import pytest
+from support.dyad_reference import random_machines
+from support.machines import andrews, ANDREWS_BETA, ANDREWS_POSE
+
+EPS = 2.0**-52
+STEP = 1e-40
+
+
+# --- the kinds as machines -----------------------------------------------------------------------
+
+def acting(seed):
+    """Return what acts on three links, for a kind and by link for a machine."""
+    rng = np.random.default_rng(seed)
+    bodies = Bodies(*(Body(*rng.uniform(0.2, 1.0, 4).tolist()) for _ in range(3)))
+    external = External(*(Applied(*rng.normal(size=5).tolist()) for _ in range(2)))
+    return ({'bodies': bodies, 'external': external, 'gravity': (1.0, -9.81)},
+            lambda crank, one, two: {
+                'bodies': dict(zip((crank, one, two), bodies)), 'gravity': (1.0, -9.81),
+                'external': dict(zip((one, two), external))})
+
+
+LOADS = ('shaking_force_x', 'shaking_force_y', 'shaking_moment', 'driving_torque', 'driving_force')
+
+
+def as_four_bar(mode):
+    kind, machine = acting(501)
+    return (FourBar(0.4, 1.2, 0.8, 1.0, mode=mode, **kind),
+            Machine([Dyad('d', 'RRR', Point('crank', 0.4), Point('ground', 1.0),
+                          ('coupler', 'output'), length_1=1.2, length_2=0.8, mode=mode)],
+                    **machine('crank', 'coupler', 'output')),
+            {'beta': 'theta_coupler', 'omega_beta': 'omega_coupler', 'alpha_beta': 'alpha_coupler',
+             'theta4': 'theta_output', 'omega4': 'omega_output', 'alpha4': 'alpha_output'},
+            {'f41': 'base', 'f32': 'd_inner', 'f43': 'd_second'})
+
+
+def as_slider_crank(mode):
+    kind, machine = acting(502)
+    own = Machine([Dyad('d', 'RRP', Point('crank', 0.4), Point('ground', 0.0, 0.1),
+                        ('coupler', 'output'), length_1=1.2, direction_2=0.0, mode=mode)],
+                  **machine('crank', 'coupler', 'output'))
+    return (SliderCrank(0.4, 1.2, 0.1, mode=mode, **kind), own,
+            {'beta': 'theta_coupler', 'omega_beta': 'omega_coupler',
+             'alpha_beta': 'alpha_coupler'},
+            {'f41': 'base', 'f32': 'd_inner', 'f43': 'd_second'})
+
+
+def as_inverted_slider(mode):
+    kind, machine = acting(503)
+    return (InvertedSlider(0.4, 1.0, 0.1, mode=mode, **kind),
+            Machine([Dyad('d', 'RPR', Point('crank', 0.4), Point('ground', 1.0),
+                          ('block', 'bar'), offset=0.1, mode=mode)],
+                    **machine('crank', 'block', 'bar')),
+            {'theta4': 'theta_bar', 'omega4': 'omega_bar', 'alpha4': 'alpha_bar',
+             'slide': 'slide_block', 'slide_velocity': 'slide_block_velocity',
+             'slide_acceleration': 'slide_block_acceleration'},
+            {'f41': 'base', 'f32': 'd_inner', 'f43': 'd_second'})
+
+
+def as_scotch_yoke(_mode):
+    kind, machine = acting(504)
+    return (ScotchYoke(0.4, 0.1, **kind),
+            Machine([Dyad('d', 'RPP', Point('crank', 0.4), Point('ground', 0.0, 0.1),
+                          ('block', 'yoke'), direction_2=0.0, slot=0.5 * pi)],
+                    **machine('crank', 'block', 'yoke')),
+            {'slide': 'slide_yoke', 'slide_velocity': 'slide_yoke_velocity',
+             'slide_acceleration': 'slide_yoke_acceleration', 'slot': 'slide_block'},
+            {'f41': 'base', 'f32': 'd_inner', 'f43': 'd_second'})
+
+
+def as_cylinder(mode):
+    """Return the oscillating cylinder, with a dyad that carries nothing."""
+    kind, machine = acting(505)
+    return (InvertedSlider(0.4, 1.0, 0.0, mode=mode, input='slide', **kind),
+            Machine([Dyad('idle', 'RRR', Point('crank', 0.3), Point('ground', 0.5, 3.0),
+                          ('x', 'y'), length_1=2.5, length_2=2.5)], input='cylinder',
+                    output='crank',
+                    cylinder=Cylinder(Point('ground', 1.0), Point('crank', 0.4), ('block', 'bar'),
+                                      mode=mode), **machine('crank', 'block', 'bar')),
+            {'theta1': 'theta_crank', 'omega1': 'omega_crank', 'alpha1': 'alpha_crank',
+             'theta4': 'theta_bar', 'omega4': 'omega_bar', 'alpha4': 'alpha_bar'},
+            {'f41': 'base', 'f32': 'cylinder_inner', 'f43': 'cylinder_second'})
+
+
+@pytest.mark.parametrize('mode', [1, 2])
+@pytest.mark.parametrize('make', [as_four_bar, as_slider_crank, as_inverted_slider,
+                                  as_scotch_yoke, as_cylinder])
+def test_a_kind_as_a_machine(make, mode):
+    """Far from toggles, so that the two formulations differ by rounding alone."""
+    kind, machine, fields, reactions = make(mode)
+    positions = np.linspace(0.75, 1.25, 7) if kind.input == 'slide' else np.linspace(0.1, 6.1, 13)
+    for position in positions.tolist():
+        (m, f), (n, g) = kind.step(position, 3.0, -2.0), machine.step(position, 3.0, -2.0)
+        for ours, theirs in fields.items():
+            difference = getattr(m, ours) - getattr(n, theirs)
+            if ours.startswith(('theta', 'beta')):
+                difference = np.remainder(difference + pi, 2.0 * pi) - pi
+            assert abs(difference) <= 1e-13 * (10.0 + abs(getattr(m, ours))), ours
+        size = max(f.f41, f.f21, f.f32, f.f43)
+        for ours, theirs in {**{name: name for name in LOADS}, **reactions}.items():
+            if hasattr(f, ours):
+                assert abs(getattr(f, ours) - getattr(g, theirs)) <= 1e-13 * size * 10.0, ours
+        for name, other in reactions.items():
+            for axis in 'xy':
+                assert abs(getattr(f, f'{name}_{axis}')
+                           - getattr(g, f'{other}_{axis}')) <= 1e-12 * size
+
+
+@pytest.mark.parametrize('mode', [1, 2])
+@pytest.mark.parametrize('make', [as_four_bar, as_slider_crank, as_inverted_slider, as_cylinder])
+def test_ranges_are_those_of_the_kind(make, mode):
+    kind, machine, _, _ = make(mode)
+    ranges = kind.input_ranges[-1:] if machine.input == 'cylinder' else kind.input_ranges
+    assert np.allclose(machine.input_ranges, ranges, rtol=0.0, atol=4 * EPS)
+
+
+@pytest.mark.parametrize('lengths', [(1.0, 1.2, 0.8, 0.5), (0.9, 0.4, 0.8, 1.0),
+                                     (1.0, 0.7, 0.75, 0.9), (2.0, 1.0, 1.7, 1.0)])
+def test_ranges_of_four_bars_whose_crank_rocks(lengths):
+    a1, a2, a3, a4 = lengths
+    kind = FourBar(*lengths)
+    machine = Machine([Dyad('d', 'RRR', Point('crank', a1), Point('ground', a4), ('b', 'c'),
+                            length_1=a2, length_2=a3)])
+    turned = [np.sort(np.mod(np.ravel(ranges) + 1.0, 2.0 * pi)) for ranges in
+              (kind.input_ranges, machine.input_ranges)]
+    assert np.allclose(*turned, rtol=0.0, atol=1e-14)
+    if kind.input_ranges != ((-pi, pi),):
+        end = machine.input_ranges[0][1]
+        assert machine.limits[0][1].dyad == 'd'
+        with pytest.raises(OutOfRange):
+            machine.motion(end + 1e-9)
+        inside = machine.motion(end - 1e-9)
+        assert abs(inside.sine_d) < 1e-3
+
+
+# --- a published machine -------------------------------------------------------------------------
+
+def test_andrews_squeezer_starts_as_published():
+    """IVP Test Set, andrews.f: the initial values to their last printed digit."""
+    machine, _, _ = andrews()
+    motion = machine.motion(ANDREWS_BETA)
+    for name, (quarters, printed) in ANDREWS_POSE.items():
+        difference = getattr(motion, f'theta_{name}') - sum(printed) - 0.5 * pi * quarters
+        assert abs(np.remainder(difference + pi, 2.0 * pi) - pi) <= 2e-15, name
+
+
+# --- errors --------------------------------------------------------------------------------------
+
+def six_bar():
+    return Machine([Dyad('lower', 'RRR', Point('crank', 0.4), Point('ground', 1.0),
+                         ('coupler', 'rocker'), length_1=1.2, length_2=0.8),
+                    Dyad('upper', 'RRR', Point('rocker', 0.9, 0.2), Point('ground', 2.0),
+                         ('rod', 'arm'), length_1=0.9, length_2=0.75)],
+                   bodies={'arm': Body(1.0, 0.3, 0.0, 0.1), 'rod': Body(0.5, 0.2)})
+
+
+def test_a_toggle_names_its_dyad():
+    machine = six_bar()
+    (low, high), = machine.input_ranges
+    assert {end.dyad for end in machine.limits[0]} == {'upper'}
+    outside = np.nextafter(high, 10.0)
+    with pytest.raises(Toggle, match='toggle position of dyad upper') as caught:
+        for _ in range(4):
+            machine.motion(float(outside))
+            outside = np.nextafter(outside, 10.0)
+    assert caught.value.dyad == 'upper'
+    assert pickle.loads(pickle.dumps(caught.value)).dyad == 'upper'
+    with pytest.raises(OutOfRange, match='theta_crank = .* outside the input range'):
+        machine.motion(high + 0.1)
+    values = machine.motion([0.5 * (low + high), high + 0.1]).theta_arm
+    assert np.isfinite(values[0])
+    assert np.isnan(values[1])
+
+
+def test_without_bodies_there_are_no_loads():
+    machine = Machine(six_bar().dyads)
+    with pytest.raises(MissingBodies):
+        machine.loads(1.5)
+
+
+def test_it_can_be_pickled_and_its_results_too():
+    machine = six_bar()
+    again = pickle.loads(pickle.dumps(machine))
+    assert again == machine
+    low, high = machine.input_ranges[0]
+    x = 0.5 * (low + high)
+    assert pickle.loads(pickle.dumps(machine.step(x, 1.0))) == again.step(x, 1.0)
+
+
+def test_modes_of_all_dyads_are_one_number():
+    machine = six_bar()
+    assert machine.mode == 4
+    other = machine.in_mode(2)
+    assert [dyad.mode for dyad in other.dyads] == [2, 1]
+    assert other.mode == 2
+    assert machine.in_mode(4) is machine
+    assert machine.modes == {4: 'lower 2, upper 2'}
+
+
+# --- numbers of all kinds, balances --------------------------------------------------------------
+
+def test_velocities_of_links_are_derivatives_of_their_places():
+    for machine, (x, _, _) in random_machines(510, 12, least_sine=0.02):
+        motion = machine.motion(np.array([x]) + 1j * STEP, 1.0)
+        for link in machine.layout.moving:
+            at = [complex(np.ravel(v)[0]) for v in link_motion(machine, motion, link)]
+            size = max(1.0, *map(abs, at))
+            for place, rate in ((0, 2), (1, 3), (2, 4), (3, 5), (8, 9)):
+                assert abs(at[place].imag / STEP - at[rate].real) <= 1e-10 * size**2, link
+            spin = at[7].imag / STEP * at[6].real - at[6].imag / STEP * at[7].real
+            assert abs(spin - at[8].real) <= 1e-10 * size, link
+            assert abs(abs(complex(at[6].real, at[7].real)) - 1.0) <= 64 * EPS * size
+
+
+def test_power_and_momentum_balance():
+    """Shaking force and moment, and power, from centres of gravity: 1e-12 of the summed sizes."""
+    for machine, given in random_machines(511, 25):
+        motion, loads = machine.step(*given)
+        total, sizes = np.zeros(4), np.zeros(4)
+        for link, (body, push) in machine.loads_of_links().items():
+            at = link_motion(machine, motion, link)
+            couple = body.inertia * at.alpha - push.couple
+            for along, across, force in (
+                    (body.cg_along, body.cg_across, None), (push.along, push.across,
+                                                            -complex(push.force_x, push.force_y))):
+                x, y, v_x, v_y, a_x, a_y = point_of(at, along, across)
+                if force is None:
+                    force = body.mass * (complex(a_x, a_y) - complex(*machine.gravity))
+                part = np.array((force.real, force.imag, x * force.imag - y * force.real,
+                                 v_x * force.real + v_y * force.imag))
+                total += part
+                sizes += np.abs((force, force, np.hypot(x, y) * force, np.hypot(v_x, v_y) * force))
+            total += (0.0, 0.0, couple, couple * at.omega)
+            sizes += np.abs((0.0, 0.0, couple, couple * at.omega))
+        found = (-loads.shaking_force_x, -loads.shaking_force_y, -loads.shaking_moment,
+                 (loads.driving_torque + loads.driving_force) * given[1])
+        # of what moves through toggles sizes cancel: accelerations have their own condition
+        worth = 1.0 / min(1.0, abs(machine.transmission_sine(motion)))
+        assert (np.abs(total - found) <= 1e-12 * sizes * worth).all()
+
+
+def test_forces_on_the_ground_add_up_to_the_shaking_force():
+    for machine, given in random_machines(512, 25):
+        loads, links = machine.loads(*given), machine.layout.links
+        on_ground = complex(loads.base_x, loads.base_y)
+        size = loads.base
+        for stage in machine.layout.stages:
+            for place, parent in (('first', stage.first), ('second', stage.second)):
+                if links[parent] == 'ground':
+                    name = f'{stage.name}_{place}'
+                    on_ground += complex(getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y'))
+                    size += getattr(loads, name)
+        shaking = complex(loads.shaking_force_x, loads.shaking_force_y)
+        assert abs(on_ground + shaking) <= 1e-12 * size
+
+
+def test_arrays_equal_single_values():
+    for machine, given in random_machines(513, 8, least_sine=0.02):
+        one = machine.step(*given)
+        for shape in ((2, 3), (100,)):
+            many = machine.step(*(np.full(shape, v) for v in given))
+            for single, array in zip(one, many):
+                size = max(1.0, *map(abs, single))
+                for name, value, values in zip(single._fields, single, array):
+                    assert values.shape == shape
+                    assert abs(values.flat[0] - value) <= 1e-11 * size, name
+
+
+def test_a_longer_machine_in_small_and_large_units():
+    """Lengths times a power of two: angles are the same to the last bit."""
+    machine = six_bar()
+    x = sum(machine.input_ranges[0]) / 2.0
+    for scale in (2.0**-100, 2.0**100):
+        lengths = [scale * length for length in machine.lengths]
+        other = machine.with_lengths(lengths)
+        assert other.input_ranges == machine.input_ranges
+        for name in ('theta_arm', 'omega_arm', 'alpha_arm', 'condition'):
+            assert getattr(other.motion(x, 2.0, 3.0), name) == getattr(machine.motion(x, 2.0, 3.0),
+                                                                       name)
