@@ -387,7 +387,8 @@ def random_machines(seed, count, dyads=(1, 6), least_sine=0.0, near_limit=False)
     Yield (machine with everything acting, input) of machines that can be assembled.
 
     None has a link ten metres away or ten times as fast as the input, where absolute places and
-    velocities have lost a digit of relative ones. ``near_limit``: the input is 1e-1 to 1e-12 of its range from a toggle.
+    velocities have lost a digit of relative ones. ``near_limit``: the input is 1e-1 to 1e-12 of
+    its range from a toggle.
     """
     rng = np.random.default_rng(seed)
     while count:
