@@ -9,22 +9,25 @@ from setuptools import find_packages, setup
 NAME = 'fourbar_ros'
 HERE = Path(__file__).resolve().parent      # colcon runs it through a link
 # Scenes are installed in the package, to be found by name, and in share, as ROS does.
-SCENES = [f'{NAME}.config', f'{NAME}.config.published', f'{NAME}.config.studies']
+SCENES = [f'{NAME}.config', f'{NAME}.config.published', f'{NAME}.config.studies',
+          f'{NAME}.config.robots']
 
 setup(
     name=NAME,
     version=re.search("__version__ = '(.+)'", (HERE / NAME / '__init__.py').read_text())[1],
     packages=find_packages(include=[NAME, NAME + '.*']) + SCENES,
     package_dir={SCENES[0]: 'config', SCENES[1]: 'config/published',
-                 SCENES[2]: 'config/studies'},
+                 SCENES[2]: 'config/studies', SCENES[3]: 'config/robots'},
     package_data={NAME: ['py.typed'], f'{NAME}.reproduction': ['*.yaml'],
-                  SCENES[0]: ['*.yaml'], SCENES[1]: ['*.yaml'], SCENES[2]: ['*.yaml']},
+                  SCENES[0]: ['*.yaml'], SCENES[1]: ['*.yaml'], SCENES[2]: ['*.yaml'],
+                  SCENES[3]: ['*.yaml']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + NAME]),
         ('share/' + NAME, ['package.xml']),
         ('share/' + NAME + '/config', glob('config/*.yaml')),
         ('share/' + NAME + '/config/published', glob('config/published/*.yaml')),
         ('share/' + NAME + '/config/studies', glob('config/studies/*.yaml')),
+        ('share/' + NAME + '/config/robots', glob('config/robots/*.yaml')),
         ('share/' + NAME + '/launch', glob('launch/*.launch.py')),
     ],
     python_requires='>=3.10',

@@ -120,7 +120,7 @@ class _Comparison:
         self._constant = {'mode': scene.linkage.mode,
                           'change_point_margin': scene.linkage.change_point_margin,
                           **dict.fromkeys(PLANAR, 0.0)}
-        self._texts = {'header.frame_id': scene.frame_id, 'name': list(scene.joint_names)}
+        self._texts = {'header.frame_id': scene.frame_id, 'name': scene.names_shown}
         self._holds = (scene.drive.out_of_range == 'hold' or scene.joint_states.when_unknown
                        == 'hold')
         self._may_skip = scene.joint_states.when_unknown == 'skip'

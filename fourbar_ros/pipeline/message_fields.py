@@ -58,6 +58,12 @@ class FieldMap(NamedTuple):
         return {**{field: pick(source) for field, source in self.fields[output].items()},
                 **dict.fromkeys(self.absent.get(output, ()), nan)}
 
+    def showing(self, places):
+        """Return the same with only these joints, by their places, in joint_states."""
+        shown = {what: tuple(names[place] for place in places)
+                 for what, names in self.fields['joint_states'].items()}
+        return self._replace(fields=self.fields | {'joint_states': shown})
+
     def in_use(self, output):
         """Return the places of all values that an output has."""
         return {self.place[name] for source in self.fields[output].values()

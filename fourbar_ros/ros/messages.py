@@ -44,7 +44,7 @@ def set_constants(output, message, scene):
         message.change_point_margin = float(scene.linkage.change_point_margin)
     if hasattr(message, 'effort'):
         # filled in where it is known
-        message.name, message.effort = list(scene.joint_names), []
+        message.name, message.effort = scene.names_shown, []
 
 
 def filler(output, message, layout):

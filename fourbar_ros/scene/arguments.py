@@ -12,13 +12,17 @@ from fourbar_ros.scene.files import NODE, NotForNode, read_values
 
 INVALID_CHOICE = re.compile(r"invalid choice: '?(.*?)'? \(choose from (.*)\)", re.DOTALL)
 NEGATIVE = re.compile(r'-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$')
+NODE_NAME = re.compile(r'([A-Za-z_]\w*/)*[A-Za-z_]\w*')
+RENAMES = re.compile(r'__(node|name):=')
 NODE_USAGE = 'fourbar_node --ros-args --params-file SCENE'
-NODE_HELP = f"""\
-usage: {NODE_USAGE} [-p NAME:=VALUE ...] [-r FROM:=TO ...]
+NODE_HELP = """\
+usage: fourbar_node [NODE ...] --ros-args --params-file SCENE
+                    [-p NAME:=VALUE ...] [-r FROM:=TO ...]
 
 The node of one linkage. SCENE is a parameter file, e.g. config/paper.yaml; fourbar scene check
-SCENE explains it, docs/node.md lists all parameters. Exit codes: 0 stopped by a signal; 2 the
-scene is invalid.
+SCENE explains it, docs/node.md lists all parameters. Several linkages of one robot run in one
+process: NODE ... are their names, as in the file. Exit codes: 0 stopped by a signal; 2 the scene
+is invalid.
 """
 
 
@@ -107,18 +111,44 @@ def check_node_arguments(arguments: list[str]) -> None:
         A parameter file cannot be read, gives a key twice, or none has anything for this node.
 
     """
+    names = node_names(arguments)
+    _, inside = _parts(arguments)
+    files = [value for option, value in zip(inside, inside[1:]) if option == '--params-file']
+    for name in names:
+        _check_files(files, _name_of(inside, name))
+
+
+def node_names(arguments: list[str]) -> list[str]:
+    """
+    Return the names of the nodes that a command line asks for, ``fourbar`` if it names none.
+
+    A name may begin with a namespace, ``left/boom``. UsageError for anything else.
+    """
+    outside, inside = _parts(arguments)
+    for given in outside:
+        if '--params-file' not in inside or not NODE_NAME.fullmatch(given):
+            typed = NODE_USAGE.replace('SCENE', given) if given[:1] != '-' else NODE_USAGE
+            raise UsageError(f'{given}: not understood; type  {typed}')
+    if len(set(outside)) < len(outside):
+        raise UsageError(f'{max(outside, key=outside.count)}: two nodes of one name')
+    if outside and any(RENAMES.match(argument) for argument in inside):
+        raise UsageError('__node:= would rename every node: name them before --ros-args alone')
+    return outside or [NODE[1:]]
+
+
+def _parts(arguments):
+    """Return the arguments outside and inside of ``--ros-args``."""
     outside, inside, is_inside = [], [], False
     for argument in arguments:
         if argument in ('--ros-args', '--'):
             is_inside = argument == '--ros-args'
         else:
             (inside if is_inside else outside).append(argument)
-    if outside:
-        scene = outside[0]
-        typed = NODE_USAGE.replace('SCENE', scene) if not scene.startswith('-') else NODE_USAGE
-        raise UsageError(f'{scene}: not understood; type  {typed}')
-    node = _name_of(inside)
-    files = [value for option, value in zip(inside, inside[1:]) if option == '--params-file']
+    return outside, inside
+
+
+def _check_files(files, node):
+    """Raise SceneError unless a node finds its parameters in the files, if there are any."""
     strangers = []
     for file in files:
         try:
@@ -129,9 +159,10 @@ def check_node_arguments(arguments: list[str]) -> None:
         raise strangers[0]
 
 
-def _name_of(inside):
-    """Return the full name of the node after remapping."""
-    name, namespace = NODE[1:], ''
+def _name_of(inside, name):
+    """Return the full name of a node after remapping."""
+    namespace, name = ('/' + name).rsplit('/', 1)
+    namespace = namespace and '/' + namespace.strip('/')
     for option, value in zip(inside, inside[1:]):
         if (option in ('-r', '--remap')
                 and (match := re.fullmatch(r'(?:\w+:)?__(node|name|ns):=(.*)', value))):

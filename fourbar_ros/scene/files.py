@@ -73,7 +73,7 @@ def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
     Parameters
     ----------
     path : str or Path
-        A file, or a name for :func:`find`.
+        A file, ``FILE:NODE`` for one node of several in a file, or a name for :func:`find`.
     node : str, optional
         Full name of the node that is to read it. Not given: one that is called fourbar, in any
         namespace.
@@ -84,16 +84,26 @@ def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
         The file cannot be read, is no parameter file, or none of it is for the node.
 
     """
-    path = find(path)
+    path, node = _file_and_node(path, node)
     there = sections(path)
     found = [tree for key, tree in there.items() if is_for(key, node)]
     if not found:
         raise NotForNode(f'{path}: nothing in it is for the node {node or NODE}: it has '
-                         f'{", ".join(there)}; write "/**:" there')
+                         f'{", ".join(there)}; write "/**:" there'
+                         + (f', or name one: {path}:{next(iter(there)).strip("/")}'
+                            if node is None else ''))
     values = {}
     for tree in found:
         values |= flatten(tree, path)
     return values
+
+
+def _file_and_node(path: str | Path, node: str | None) -> tuple[Path, str | None]:
+    """Return the file of a scene and the node in it, from FILE, FILE:NODE or a name."""
+    file, colon, name = str(path).rpartition(':')
+    if colon and node is None and not Path(path).exists() and Path(file).is_file():
+        return Path(file), '/' + name.strip('/')
+    return find(path), node
 
 
 def sections(path: str | Path) -> dict[str, dict]:

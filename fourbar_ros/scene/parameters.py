@@ -149,6 +149,9 @@ PARAMETERS = {parameter.name: parameter for parameter in (
               'published while a position is unknown: nothing (skip: robot_state_publisher keeps '
               'the last pose), the last known positions with NaN rates (hold), or NaN (send_nan)',
               choices=('skip', 'hold', 'send_nan')),
+    Parameter('joint_states.only_passive', 'bool', False, '',
+              'leave the driven joint out of joint_states: for a node that publishes on the topic '
+              'it listens to, as a relay does', live=False),
     Parameter('recording.start', 'bool', False, '', 'start recording with the first sample',
               live=False),
     Parameter('recording.directory', 'string', 'bags', '', 'directory for the bags', live=False),

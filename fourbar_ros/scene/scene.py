@@ -87,6 +87,7 @@ class JointStates(NamedTuple):
     ratios: list[float]
     offsets: list[float]
     when_unknown: str
+    only_passive: bool
 
     @property
     def are_plain(self):
@@ -144,8 +145,21 @@ class Scene(NamedTuple):
     @property
     def layout(self):
         """Return the :class:`~fourbar_ros.pipeline.message_fields.FieldMap` of its values."""
-        return layout(Names.of(self.linkage), tuple(self.points), self.needs_loads,
-                      not self.joint_states.are_plain, 'drive_wrench' in self.outputs)
+        found = layout(Names.of(self.linkage), tuple(self.points), self.needs_loads,
+                       not self.joint_states.are_plain, 'drive_wrench' in self.outputs)
+        return found.showing(self.joints_shown) if self.joint_states.only_passive else found
+
+    @property
+    def joints_shown(self):
+        """Return the places of the joints in joint_states: all, or all but the driven one."""
+        driven = self.linkage.input_coordinate
+        return tuple(place for place, joint in enumerate(self.linkage.JOINTS)
+                     if not (self.joint_states.only_passive and joint.coordinate == driven))
+
+    @property
+    def names_shown(self):
+        """Return the names of the joints in joint_states."""
+        return [self.joint_names[place] for place in self.joints_shown]
 
     @property
     def needs_loads(self):

@@ -164,9 +164,9 @@ class SimulatedTimerDrive(Drive):
 class TopicDrive(Drive):
     """Every input message makes one step, stamped as the message; missing rates are estimated."""
 
-    COUNTED = ('received', 'lost', 'malformed', 'without_joint', 'bad_stamps', 'future', 'late',
-               'estimate_restarts',
-               'timeouts', 'deadlines_missed', 'faults')
+    COUNTED = ('received', 'lost', 'malformed', 'without_joint', 'of_other_joints',
+               'bad_stamps', 'future', 'late', 'estimate_restarts', 'timeouts',
+               'deadlines_missed', 'faults')
 
     def start(self):
         """Subscribe. Raw bytes: they are what is recorded."""
@@ -174,6 +174,7 @@ class TopicDrive(Drive):
         self._simulated = self._node.get_parameter('use_sim_time').value
         self._heard, self._waiting, self._horizon = self._now(), False, 0
         self._estimated = False
+        self._is_relay = self._stream.scene.joint_states.only_passive
         self.estimator = None
         self.apply(self.settings)
         profile = QoSProfile(depth=INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -243,12 +244,15 @@ class TopicDrive(Drive):
             self._note('faults', f'a fault in taking an input: {format_exc()}')
 
     def _take(self, data):
-        self.counts['received'] += 1
-        self._heard, self._waiting = self._now(), True
         try:
             stamp, given = self._read(data)
+            if given is None and self._is_relay:         # our own, or of another part of the robot
+                self.counts['of_other_joints'] += 1
+                return
+            self._note_arrival()
         # whatever a foreign writer sends, the node goes on
         except Exception:
+            self._note_arrival()
             self._note('malformed', f'{self._topic.topic}: a message that is no '
                                     f'{self._topic.type}')
             # nor does a bag hold it: its readers would stumble
@@ -267,6 +271,10 @@ class TopicDrive(Drive):
             velocity, estimate = self.estimator.update(time_of, position, velocity)
             acceleration = estimate if isnan(acceleration) else acceleration
         self._stream.step(stamp, position, velocity, acceleration)
+
+    def _note_arrival(self):
+        self.counts['received'] += 1
+        self._heard, self._waiting = self._now(), True
 
     def _stamp(self, sec, nanosec):
         """

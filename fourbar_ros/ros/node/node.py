@@ -3,6 +3,7 @@
 """fourbar_node: one linkage, driven by the clock or by messages; publishes, answers, records."""
 from __future__ import annotations
 
+import contextlib
 import sys
 
 from fourbar_ros.errors import FourBarError
@@ -15,7 +16,7 @@ from fourbar_ros.ros.node.steady import SteadyTimers
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.ros.node.worker import Worker
 from fourbar_ros.ros.stop import Stop
-from fourbar_ros.scene.arguments import check_node_arguments, NODE_HELP
+from fourbar_ros.scene.arguments import check_node_arguments, NODE_HELP, node_names
 from fourbar_ros.scene.topics import FIND_EXTREMA, SERVICES
 import rclpy
 from rclpy.exceptions import NameValidationException, ParameterException
@@ -40,11 +41,13 @@ class FourBarNode(Node):
     """
     The node; see docs/node.md for its topics, services and parameters.
 
-    ``arguments``: the command line.
+    ``arguments``: the command line; ``name`` may begin with a namespace.
     """
 
-    def __init__(self, arguments=(), **kwargs):
-        super().__init__('fourbar', automatically_declare_parameters_from_overrides=True, **kwargs)
+    def __init__(self, arguments=(), name='fourbar', **kwargs):
+        namespace, _, name = name.rpartition('/')
+        super().__init__(name, namespace=namespace or None,
+                         automatically_declare_parameters_from_overrides=True, **kwargs)
         scene = parameters.scene(self, arguments)
         self.failure = None                  # a fault in any thread, raised by main
         self.steady_timers = SteadyTimers()
@@ -126,25 +129,35 @@ def main(args=None, stop=None):
     if given in (['-h'], ['--help']):
         print(NODE_HELP, end='')
         return 0
-    stop = stop or Stop().catch()
+    stop, nodes = stop or Stop().catch(), []
     try:
         check_node_arguments(given)
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-        node = FourBarNode(given)
+        for name in node_names(given):
+            nodes.append(FourBarNode(given, name))
     except (FourBarError, *ROS_ERRORS) as error:
         print(f'fourbar_node: {said(error)}', file=sys.stderr)
+        close(nodes)
         rclpy.try_shutdown()
         return 2
     sys.setswitchinterval(SWITCH)
     try:
-        spin(node, stop)
+        spin(nodes, stop)
     finally:
-        node.close()
+        close(nodes)
         rclpy.try_shutdown()
         stop.ignore()
-    if node.failure:
-        raise node.failure
+    for node in nodes:
+        if node.failure:
+            raise node.failure
     return 0
+
+
+def close(nodes):
+    """Close all nodes, each of them whatever another raises."""
+    with contextlib.ExitStack() as stack:
+        for node in nodes:
+            stack.callback(node.close)
 
 
 def said(error):
@@ -154,18 +167,20 @@ def said(error):
     return ' '.join(str(error).split())
 
 
-def spin(node, stop):
+def spin(nodes, stop):
     """Handle what comes until it is asked to stop or anything has failed."""
     executor = EventsExecutor()
-    executor.add_node(node)
-    node.steady_timers.start(executor, node.fail)
+    for node in nodes:
+        executor.add_node(node)
+        node.steady_timers.start(executor, node.fail)
     try:
-        while not stop.requested and not node.failure:
+        while not stop.requested and not any(node.failure for node in nodes):
             executor.spin_once(timeout_sec=SPIN)
     except Exception as error:
-        node.failure = error
+        nodes[0].failure = error
     finally:
-        node.steady_timers.stop()
+        for node in nodes:
+            node.steady_timers.stop()
         executor.shutdown()
 
 

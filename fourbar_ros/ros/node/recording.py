@@ -96,7 +96,7 @@ class Recording:
                   *scene.pictures.values()]
         if scene.drive.source in INPUTS:
             topics.append(INPUTS[scene.drive.source])
-        resolved = {topic.name: self._node.resolve_topic_name(topic.topic) for topic in topics}
+        topics, resolved = self._without_our_own(topics)
         about = {'scene': scene.as_json, 'topics': json.dumps(resolved),
                  'node': self._node.get_fully_qualified_name(),
                  'units': 'SI: m, kg, s, rad, N, N m', 'software': json.dumps(software()),
@@ -108,6 +108,18 @@ class Recording:
                                        scene.recording.split_duration,
                                        scene.recording.keep, head=topics.index(DRIVEN)))
         return OpenBag(writer, {topic.name: number for number, topic in enumerate(topics)})
+
+    def _without_our_own(self, topics):
+        """
+        Return the topics, and {name: resolved name}, without an input on which we publish too.
+
+        What a relay gets is in the motion of the driven joint; a topic can be in a bag once.
+        """
+        resolved = {topic.name: self._node.resolve_topic_name(topic.topic) for topic in topics}
+        every = list(resolved.values())
+        kept = [topic for topic in topics if topic not in INPUTS.values()
+                or every.count(resolved[topic.name]) == 1]
+        return kept, {topic.name: resolved[topic.name] for topic in kept}
 
     def attach(self, bag):
         """Record into an opened bag from now on; return its path."""
@@ -145,7 +157,7 @@ class Recording:
         Never waits.
         """
         writer = self._writer            # another thread may stop the recording meanwhile
-        if writer:
+        if writer and topic in self._channels:
             writer.write(self._channels[topic], data)
 
     def write_all(self, messages):

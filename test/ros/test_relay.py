@@ -1,0 +1,207 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The relay: on one topic with the robot's own joint states, it adds the passive joints.
+
+Judged by forward kinematics of the URDF in another program, by power balance, and by the bag.
+"""
+from io import StringIO
+import os
+import signal
+import subprocess
+import sys
+import time
+
+from builtin_interfaces.msg import Time
+from fourbar_msgs.msg import LinkageLoads
+from fourbar_ros.bag.recompute import compare
+from fourbar_ros.description.describe import describe
+from fourbar_ros.description.model import model_of
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.ros.clients.client import NoAnswer
+from fourbar_ros.scene.scene import from_values, load
+import numpy as np
+import pytest
+from sensor_msgs.msg import JointState
+from support import contract, ROOT
+from support.harness import PATIENCE
+from support.scenes import PAPER, RODS, values_of
+
+SAME_TOPIC = ('~/input_joint_states:=joint_states',)
+RELAY = {'drive.source': 'joint_state', 'drive.joint': 'motor', 'drive.window': 3,
+         'joint_states.only_passive': True, 'outputs': ['joint_states', 'loads']}
+CASES = [case for case in contract.CASES if case.mode == 2]
+
+
+def joint_state(positions, velocities, stamp):
+    """Return a JointState of joints by name."""
+    message = JointState(name=list(positions), position=list(positions.values()),
+                         velocity=list(velocities))
+    message.header.stamp = Time(sec=stamp)
+    return message
+
+
+class Robot:
+    """Publishes the robot's joints on /joint_states and hears who answers there."""
+
+    def __init__(self, client, node='fourbar'):
+        self.client, self.answers, self.loads, self.stamp = client, [], [], 0
+        self._publisher = client.node.create_publisher(JointState, '/joint_states', 100)
+        client.node.create_subscription(JointState, '/joint_states', self._take, 100)
+        client.node.create_subscription(LinkageLoads, f'/{node}/loads', self.loads.append, 100)
+
+    def _take(self, message):
+        if 'wheel' not in message.name:
+            self.answers.append(message)
+
+    def move(self, joint, position, velocity, is_answered):
+        """Publish a joint among others until the answer with its stamp has come."""
+        self.stamp += 1
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            self._publisher.publish(joint_state({'wheel': 7.0, joint: position},
+                                                (1.0, velocity), self.stamp))
+            try:
+                self.client.until(lambda: is_answered(self), 'an answer', 0.5)
+                return
+            except NoAnswer:             # not discovered yet
+                continue
+        raise NoAnswer(f'of {joint}')
+
+
+def newest(messages, stamp):
+    return next((m for m in reversed(messages) if m.header.stamp.sec == stamp), None)
+
+
+@pytest.mark.parametrize('case', CASES, ids=contract.name_of)
+def test_the_answers_close_the_urdf_and_balance_power(run_node, client, case):
+    pytest.importorskip('yourdfpy')
+    from yourdfpy import URDF
+    mechanism, _ = next(contract.ordinary(case, 11, 1))
+    driven = [joint.coordinate for joint in mechanism.JOINTS].index(mechanism.input_coordinate)
+    names = [f'joint_{i}' for i in range(4)]
+    names[driven] = 'motor'
+    values = values_of(mechanism, case.name, **RELAY) | {'joint_names': names}
+    run_node(values, remaps=SAME_TOPIC)
+    scene, robot = from_values(values), Robot(client)
+    urdf = URDF.load(StringIO(describe(scene)), load_meshes=False)
+    low, high = mechanism.input_ranges[0]
+    for share in (0.1, 0.35, 0.6, 0.85):
+        position = low + share * (high - low)
+        robot.move('motor', position, 2.0, lambda r: newest(r.answers, r.stamp))
+        answer = newest(robot.answers, robot.stamp)
+        assert list(answer.name) == [name for name in names if name != 'motor']
+        positions = dict(zip(answer.name, answer.position)) | {'motor': position}
+        urdf.update_cfg({joint.name: positions[joint.name] for joint in model_of(scene).joints})
+        for closure in model_of(scene).closures:
+            one, other = (urdf.get_transform(frame)[:3, 3] for frame in closure.frames)
+            bound = 1e-12 * max(1.0, mechanism.motion(position).condition)
+            assert np.linalg.norm(one - other) <= bound
+        motion = mechanism.motion(position, 2.0)
+        for name, velocity, joint in zip(names, [2.0, *answer.velocity], mechanism.JOINTS):
+            if name != 'motor':
+                its = answer.velocity[list(answer.name).index(name)]
+                assert its == getattr(motion, joint.coordinate.rate)
+        if share > 0.5:                      # the acceleration has been estimated: all is known
+            assert list(answer.effort) == [0.0] * 3          # frictionless
+
+
+def power(mechanism, position, rate, acceleration):
+    """Return what the drive must give: change of kinetic energy less the work of all loads."""
+    motion, total, size = mechanism.motion(position, rate, acceleration), 0.0, 0.0
+    for link, (body, applied) in mechanism.loads_of_links().items():
+        its = mechanism.link_motion(motion, link)
+        centre = point_motion(mechanism, motion, link, body.cg_along, body.cg_across)
+        at = point_motion(mechanism, motion, link, applied.along, applied.across)
+        parts = (body.mass * (centre.acceleration_x - mechanism.gravity[0]) * centre.velocity_x,
+                 body.mass * (centre.acceleration_y - mechanism.gravity[1]) * centre.velocity_y,
+                 body.inertia * its.alpha * its.omega, -applied.couple * its.omega,
+                 -applied.force_x * at.velocity_x, -applied.force_y * at.velocity_y)
+        total, size = total + sum(parts), size + sum(map(abs, parts))
+    return total, size
+
+
+def test_the_drive_effort_is_what_power_asks_for(run_node, client):
+    """With all joints shown, effort times velocity of the driven joint is the power needed."""
+    mechanism = from_values({**PAPER, **RODS, 'gravity.y': -9.81}).linkage
+    run_node({**PAPER, **RODS, 'gravity.y': -9.81, 'drive.source': 'joint_state',
+              'drive.joint': 'motor', 'joint_states.ratios': [2.0, 1.0, 1.0, 1.0],
+              'drive.joint_ratio': 2.0, 'joint_names': ['crank', 'a', 'b', 'c'],
+              'outputs': ['joint_states', 'state', 'loads']})
+    client.listen(['state', 'joint_states'])
+    publisher = client.publisher('joint_state')
+    client.handshake(lambda: publisher.publish(JointState(name=['motor'], position=[0.2],
+                                                          velocity=[2.0])))
+    for k in range(6):                       # 10 ms apart, at constant acceleration 30 rad/s^2
+        t = 0.01 * k
+        message = joint_state({'motor': 0.2 + 8.0 * t + 15.0 * t * t}, (8.0 + 30.0 * t,), 50)
+        message.header.stamp.nanosec = 10**7 * k
+        publisher.publish(message)
+    client.until(lambda: len(client.received['joint_states']) >= 6, 'the joints')
+    state, joints = client.received['state'][-1], client.received['joint_states'][-1]
+    want, size = power(mechanism, state.theta1, state.omega1, state.alpha1)
+    assert abs(joints.effort[0] * joints.velocity[0] - want) <= 1e-12 * size
+
+
+def test_a_bag_of_a_relay_computes_again(run_node, client, tmp_path):
+    node = run_node({**PAPER, **RODS, **RELAY, 'joint_names': ['motor', 'a', 'b', 'c'],
+                     'recording.directory': str(tmp_path / 'bags')}, remaps=SAME_TOPIC)
+    robot = Robot(client)
+    robot.move('motor', 0.1, 1.0, lambda r: newest(r.answers, r.stamp))
+    path = client.call('start_recording', name='relay').path
+    for k in range(10):
+        robot.move('motor', 0.1 + 0.1 * k, 1.0, lambda r: newest(r.answers, r.stamp))
+    client.call('stop_recording')
+    assert node.stop() == 0
+    found = compare(path)
+    assert found.inputs >= 10 and not found.unmatched
+    assert {d.topic for d in found.differences} >= {'/joint_states', '/fourbar/loads'}
+    assert max(d.largest for d in found.differences) == 0.0
+    assert 'without' not in node.said
+
+
+FILE = ROOT / 'config/robots/arm.yaml'
+
+
+def start(*arguments, file=FILE):
+    return subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node.start', *arguments,
+                             '--ros-args', '--params-file', str(file), '-r', SAME_TOPIC[0]],
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                            env=os.environ)
+
+
+def test_two_mechanisms_of_a_robot_answer_from_one_process_and_one_file(client):
+    process, robot = start('boom', 'stick'), Robot(client, 'boom')
+    try:
+        for name, position in (('boom', 1.4), ('stick', 1.5)):
+            linkage = load(f'{FILE}:{name}').linkage
+            robot.move(f'{name}_cylinder', position, 0.1, lambda r, n=name: any(
+                f'{n}_pivot' in m.name and m.header.stamp.sec == r.stamp for m in r.answers))
+            answer = next(m for m in reversed(robot.answers) if f'{name}_pivot' in m.name)
+            motion = linkage.motion(position, 0.1)
+            assert list(answer.name) == [f'{name}_pivot', f'{name}_rod', f'{name}_tube']
+            assert list(answer.position) == [motion.theta1, motion.theta2, motion.theta4]
+            assert list(answer.velocity) == [motion.omega1, motion.omega2, motion.omega4]
+        assert {'boom', 'stick'} <= set(client.node.get_node_names())
+    finally:
+        process.send_signal(signal.SIGTERM)
+        said, _ = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 0 and 'Traceback' not in said, said
+
+
+@pytest.mark.parametrize('names, why', [
+    (['boom', 'arm'], 'nothing in it is for the node /arm: it has /boom, /stick'),
+    (['boom', 'boom'], 'boom: two nodes of one name'),
+    (['boom', '--fast'], '--fast: not understood'),
+])
+def test_names_that_cannot_be_are_one_line(names, why):
+    process = start(*names)
+    said, _ = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 2 and why in said and said.count('\n') == 1, said
+
+
+def test_a_file_of_several_nodes_is_read_by_name(capsys):
+    from fourbar_ros.cli.main import main
+    assert main(['scene', 'check', f'{FILE}:stick']) == 0
+    assert main(['scene', 'check', str(FILE)]) == 1
+    assert f'or name one: {FILE}:boom' in capsys.readouterr().err
