@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from fourbar_ros.extrema.batch import find_extrema_many
     from fourbar_ros.extrema.find import find_extrema
     from fourbar_ros.mechanics.bodies import Applied, Bodies, Body, External, round_rod
+    from fourbar_ros.mechanisms.contract import CROSSED, OPEN
     from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
     from fourbar_ros.mechanisms.four_bar.loads import Loads
     from fourbar_ros.mechanisms.four_bar.motion import Motion
     from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
-    from fourbar_ros.mechanisms.mechanism import CROSSED, OPEN
     from fourbar_ros.mechanisms.points import point_motion
     from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
     from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
@@ -42,7 +42,7 @@ _FACE = {
     'mechanisms.four_bar.loads': ('Loads',),
     'mechanisms.four_bar.motion': ('Motion',),
     'mechanisms.inverted_slider_crank.inverted_slider_crank': ('InvertedSlider',),
-    'mechanisms.mechanism': ('CROSSED', 'OPEN'),
+    'mechanisms.contract': ('CROSSED', 'OPEN'),
     'mechanisms.points': ('point_motion',),
     'mechanisms.scotch_yoke.scotch_yoke': ('ScotchYoke',),
     'mechanisms.slider_crank.slider_crank': ('SliderCrank',),

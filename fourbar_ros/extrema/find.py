@@ -163,22 +163,21 @@ def _extrema(quantity: Any, linkage: Any, found: list[Found], proof: str) -> lis
     """Return the extrema of one quantity by place, the global ones marked."""
     if not found:
         return []
-    low = max(_bounds(part)[1] for part in found
-              if part.value == min(part.value for part in found))
-    high = min(_bounds(part)[0] for part in found
-               if part.value == max(part.value for part in found))
     found = sorted(found, key=lambda part: (part.place, part.side))
-    unit, is_slide = linkage.input_unit, linkage.is_driven_by_slide
+    bounds, values = [_bounds(part) for part in found], [part.value for part in found]
+    lowest, highest = min(values), max(values)
+    low = max([top for (_, top), value in zip(bounds, values) if value == lowest])
+    high = min([bottom for (bottom, _), value in zip(bounds, values) if value == highest])
+    name, symbol, mode, unit = quantity.name, quantity.unit, linkage.mode, linkage.input_unit
+    is_slide = linkage.is_driven_by_slide
     angles = _crank_angles(linkage, found) if is_slide else [part.place for part in found]
-    return [Extremum(quantity.name, quantity.unit, linkage.mode, _KINDS[part.sense], theta1,
-                     part.value,
-                     part.sense <= 0 and _bounds(part)[0] <= low or part.sense >= 0
-                     and _bounds(part)[1] >= high,
+    return [Extremum(name, symbol, mode, _KINDS[part.sense], theta1, part.value,
+                     part.sense <= 0 and bottom <= low or part.sense >= 0 and top >= high,
                      INTERIOR if not part.side or not part.sense else ONE_SIDED if part.is_flat
                      else LIMIT,
                      part.side, unit * part.condition, part.value_condition, proof,
                      unit * part.place if is_slide else nan)
-            for part, theta1 in zip(found, angles)]
+            for part, theta1, (bottom, top) in zip(found, angles, bounds)]
 
 
 def _bounds(part: Found) -> tuple[float, float]:

@@ -11,10 +11,11 @@ from __future__ import annotations
 
 from functools import cached_property
 from math import frexp, pi
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.extrema.input_paths import InputPath
-from fourbar_ros.mechanisms.mechanism import Constants
+from fourbar_ros.mechanisms.contract import Constants
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.laurent import (
     LAURENT,
     Length,
@@ -50,12 +51,12 @@ class Fields(NamedTuple):
 
     """
 
-    order: np.ndarray
-    c: np.ndarray
+    order: Array
+    c: Array
     partner: list[int]
-    varies: np.ndarray
+    varies: Array
 
-    def at(self, t: np.ndarray) -> np.ndarray:
+    def at(self, t: Array) -> Array:
         """Return the fields at t, shape (fields, t.size)."""
         values = np.zeros((self.order.size, t.size), t.dtype)
         for c in self.c[::-1]:
@@ -85,19 +86,20 @@ class FlatSide:
 
     """
 
-    def __init__(self, mechanism, rates: tuple[float, float], place: float, side: int):
+    def __init__(self, mechanism: Any, rates: tuple[float, float], place: float,
+                 side: int) -> None:
         self._mechanism, self._rates, self.place, self.side = mechanism, rates, place, side
         self._is_angle = not mechanism.is_driven_by_slide
         others = (self._turned(z / mechanism.input_unit - place)
                   for z in mechanism.singular_inputs)
         self._scale = 2.0**frexp(min([1.0, *filter(None, map(abs, others))]))[1]
 
-    def _turned(self, difference):
+    def _turned(self, difference: Any) -> Any:
         """Return a difference of two inputs, or of arrays of them, the short way round."""
         return (difference - 2.0 * pi * np.round(difference.real / (2.0 * pi)) if self._is_angle
                 else difference)
 
-    def distance(self, x: np.ndarray) -> np.ndarray:
+    def distance(self, x: Array) -> Array:
         """Return the distances of inputs on this side, in units of the scale of the series."""
         return self.side * self._turned(x - self.place) / self._scale
 
@@ -108,8 +110,8 @@ class FlatSide:
             return _fields(self._motion)
 
     @cached_property
-    def loads(self) -> Fields | None:
-        """Return the series of the loads, if there are bodies."""
+    def loads(self) -> Any:
+        """Return the :class:`Fields` of the loads, None without bodies."""
         if self._mechanism.bodies is None:
             return None
         motion = self._motion
@@ -122,19 +124,19 @@ class FlatSide:
         return converted(self._mechanism.constants, series)
 
     @cached_property
-    def _motion(self) -> tuple:
+    def _motion(self) -> tuple[Any, ...]:
         with many_digits():
             start = quarter_turns(round(self.place / (0.5 * pi)) if self._is_angle else 0)
             x = self._mechanism.input_unit * (start + self.side * self._scale * T)
             motion = self._mechanism.motion_formula(LAURENT, self._constants)
             return motion(x, *map(series, self._rates))
 
-    def state(self, t: np.ndarray, with_loads: bool) -> list[np.ndarray]:
+    def state(self, t: Array, with_loads: bool) -> list[Array]:
         """Return fields of motion and loads at scaled distances, each (fields, t.size)."""
         return [fields.at(t) for fields in (self.motion, self.loads)[:1 + with_loads]]
 
 
-def flat_sides(mechanism, rates: tuple[float, float], path: InputPath) -> dict[int, FlatSide]:
+def flat_sides(mechanism: Any, rates: tuple[float, float], path: InputPath) -> dict[int, FlatSide]:
     """
     Return the :class:`FlatSide` of each end of a path that is a flat position.
 
@@ -144,7 +146,7 @@ def flat_sides(mechanism, rates: tuple[float, float], path: InputPath) -> dict[i
             for side, end in path.ends() if end.is_flat}
 
 
-def _fields(values: tuple) -> Fields:
+def _fields(values: tuple[Any, ...]) -> Fields:
     """Return the :class:`Fields` of series, lengths and numbers."""
     rows = [series(v.x if isinstance(v, Length) else v) for v in values]
     partner, varies = [-1] * len(rows), []

@@ -12,6 +12,10 @@ are halved.
 """
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
+from fourbar_ros.extrema.input_paths import InputPath
 from fourbar_ros.extrema.sampling import NoLoads
 from fourbar_ros.numerics.enclosures import (
     ENCLOSURE,
@@ -19,14 +23,14 @@ from fourbar_ros.numerics.enclosures import (
     Series,
     squared_or_plain,
 )
-from fourbar_ros.numerics.number_types import converted
+from fourbar_ros.numerics.number_types import converted, Function
 
 PRECISION = 80        # [bit]
 ORDER = 6             # of Taylor's formula
 MOST_PIECES = 10000   # then it gives up: some seconds
 
 
-def count_extrema(sampler, path, check=lambda: None):
+def count_extrema(sampler: Any, path: InputPath, check: Callable[[], None] = lambda: None) -> Any:
     """
     Return how many extrema each quantity of a sampler certainly has between the samples of a path.
 
@@ -62,7 +66,7 @@ def count_extrema(sampler, path, check=lambda: None):
         flint.ctx.prec, flint.ctx.cap = precision, cap
 
 
-def _evaluator(sampler, flint):
+def _evaluator(sampler: Any, flint: Any) -> Function:
     """Return (ball of theta1, rows) -> enclosures of dQ/dtheta1 and half d2Q/dtheta1^2."""
     linkage = sampler.linkage
     numbers = ENCLOSURE_WITH_ANGLES if sampler.with_angles else ENCLOSURE
@@ -73,7 +77,7 @@ def _evaluator(sampler, flint):
     rates = [flint.arb(rate) for rate in sampler.rates]
     unknown = [flint.arb('nan')] * (ORDER + 1)
 
-    def coefficients(ball, rows):
+    def coefficients(ball: Any, rows: Any) -> Any:
         """Return the Taylor coefficients of quantities ``rows`` about any point of the ball."""
         try:
             fields = motion(Series(flint.arb_series([unit * ball, unit])), *rates)
@@ -85,7 +89,7 @@ def _evaluator(sampler, flint):
     return coefficients
 
 
-def _pieces(path, arb):
+def _pieces(path: InputPath, arb: Any) -> Any:
     """Return the pieces (low, high) between samples as balls of little or no width."""
     x = path.x.tolist()
     points = [arb(v) if v >= x[0] else arb(v) + 2 * arb.pi() for v in x]
@@ -94,7 +98,7 @@ def _pieces(path, arb):
     return list(zip(points, points[1:]))
 
 
-def _slopes(at_middle, over_piece, offset):
+def _slopes(at_middle: Any, over_piece: Any, offset: Any) -> Any:
     """Return enclosures of the first and second derivative from Taylor coefficients."""
     slope = curvature = 0
     for i in range(ORDER, 0, -1):
@@ -105,7 +109,7 @@ def _slopes(at_middle, over_piece, offset):
     return slope, curvature
 
 
-def _count(coefficients, pieces, size, check):
+def _count(coefficients: Function, pieces: Any, size: int, check: Callable[[], None]) -> Any:
     """
     Return the number of sign changes of dQ/dtheta1 in all pieces, for each row.
 
@@ -118,9 +122,11 @@ def _count(coefficients, pieces, size, check):
         low, high, rows = work.pop()
         whole = low.union(high)
         middle = whole.mid()
-        undecided, monotone = [], []
-        for row, *both in zip(rows, coefficients(middle, rows), coefficients(whole, rows)):
-            slope, curvature = _slopes(*both, whole - middle)
+        undecided: list[int] = []
+        monotone: list[int] = []
+        for row, one, all_of_it in zip(rows, coefficients(middle, rows),
+                                       coefficients(whole, rows)):
+            slope, curvature = _slopes(one, all_of_it, whole - middle)
             if slope.contains(0):
                 (undecided if curvature.contains(0) else monotone).append(row)
         if monotone:

@@ -26,12 +26,13 @@ from collections.abc import Callable, Sequence
 from math import inf
 from typing import Any
 
+from fourbar_ros.extrema.difference_sampling import DifferenceSampler
 from fourbar_ros.extrema.four_bar_rates.input_paths import input_paths as elliptic_paths
 from fourbar_ros.extrema.four_bar_rates.search import rate_extrema
 from fourbar_ros.extrema.four_bar_rates.search import SAMPLES as RATE_SAMPLES
 from fourbar_ros.extrema.input_paths import input_paths, InputPath
 from fourbar_ros.extrema.path_search import Found, search_path
-from fourbar_ros.extrema.sampling import DifferenceSampler, Sampler
+from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.mechanisms.quantities import is_published
 from fourbar_ros.numerics.roots import fold
@@ -55,7 +56,8 @@ class Methods:
 
     """
 
-    def __init__(self, linkage: Any, quantities: Sequence[Any], rates: tuple[float, float]):
+    def __init__(self, linkage: Any, quantities: Sequence[Any],
+                 rates: tuple[float, float]) -> None:
         self._linkage, self._quantities, self._rates = linkage, quantities, rates
         self._is_four_bar = isinstance(linkage, FourBar)
         self._paths: dict[int, list[InputPath]] = {}

@@ -15,11 +15,13 @@ from collections.abc import Callable
 from math import comb, inf, nan
 from typing import NamedTuple
 
+from fourbar_ros.extrema.difference_sampling import DifferenceSampler
 from fourbar_ros.extrema.input_paths import End, InputPath
-from fourbar_ros.extrema.sampling import DifferenceSampler, Sampler, Samples
+from fourbar_ros.extrema.sampling import Sampler, Samples
 from fourbar_ros.extrema.sensitivity import sampled_conditions
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.roots import EPS, find_brackets, newton_roots, rises
+from fourbar_ros.numerics.newton import newton_roots
+from fourbar_ros.numerics.roots import EPS, find_brackets, rises
 import numpy as np
 
 # Power of sin(mu) by which derivatives grow at toggles (that of the acceleration; forces grow
@@ -126,7 +128,7 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array,
     value = sampler.next_to(samples.values[row, i], value, row)
     conditions = (sampled_conditions(sampler, root, row, spacing) if with_conditions
                   else np.full((2, row.size), nan))
-    return [Found(*fields[:4], 0, False, *fields[4:])
+    return [Found._make((*fields[:4], 0, False, *fields[4:]))
             for fields in zip(*(v.tolist() for v in (row, place, value, sense, *conditions,
                                                      noise)))]
 

@@ -19,11 +19,11 @@ import numpy as np
 class AccelerationTerms(NamedTuple):
     """The five terms of Eq. (9), each of shape (..., 2) [m/s^2]; their sum is the acceleration."""
 
-    of_origin: np.ndarray      # A_A
-    relative: np.ndarray       # A_rel, seen in the moving frame
-    tangential: np.ndarray     # alpha x r
-    normal: np.ndarray         # omega x (omega x r)
-    coriolis: np.ndarray       # 2 omega x V_rel
+    of_origin: Array      # A_A
+    relative: Array       # A_rel, seen in the moving frame
+    tangential: Array     # alpha x r
+    normal: Array         # omega x (omega x r)
+    coriolis: Array       # 2 omega x V_rel
 
 
 class RollingContact(NamedTuple):
@@ -33,9 +33,9 @@ class RollingContact(NamedTuple):
     Its centre, and its point in contact, whose velocity is zero.
     """
 
-    centre_velocity: np.ndarray         # [m/s]
-    centre_acceleration: np.ndarray     # [m/s^2]
-    contact_acceleration: np.ndarray    # [m/s^2] the rolling acceleration of Eq. (14)
+    centre_velocity: Array         # [m/s]
+    centre_acceleration: Array     # [m/s^2]
+    contact_acceleration: Array    # [m/s^2] the rolling acceleration of Eq. (14)
 
 
 def turned(rate: Values, r: Values) -> Array:

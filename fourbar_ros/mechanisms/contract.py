@@ -35,10 +35,10 @@ class Constants(NamedTuple):
     Other numbers take their places by :func:`~fourbar_ros.numerics.number_types.converted`.
     """
 
-    lengths: tuple[Any, ...]
+    lengths: Any
     sign: Any
-    bodies: Bodies | None
-    gravity: tuple[Any, Any]
+    bodies: Any
+    gravity: Any
     external: External
 
 

@@ -14,6 +14,7 @@ from math import prod
 from typing import Any
 
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import array
 from fourbar_ros.numerics.number_types import (
     COMPLEX,
@@ -22,7 +23,8 @@ from fourbar_ros.numerics.number_types import (
     NumberType,
     REAL,
 )
-from fourbar_ros.numerics.recorded import Constants, program, Record
+from fourbar_ros.numerics.program import program
+from fourbar_ros.numerics.recorded import Constants, Record
 import numpy as np
 
 # Samples for which numpy's calls of all operations of a formula take as long as the formula with
@@ -49,8 +51,8 @@ def recorded(mechanism: Any, with_loads: bool) -> tuple[Record, Constants]:
     return _records[key], _records[key].constants_for(data)
 
 
-def evaluate(mechanism: Any, given: tuple, wanted: tuple[int, ...] | None,
-             with_loads: bool) -> list[np.ndarray]:
+def evaluate(mechanism: Any, given: tuple[Any, ...], wanted: tuple[int, ...] | None,
+             with_loads: bool) -> list[Array]:
     """
     Return fields of motion, or of motion and loads, as arrays of the inputs' common shape.
 
@@ -63,6 +65,7 @@ def evaluate(mechanism: Any, given: tuple, wanted: tuple[int, ...] | None,
         Which of the fields; None: all.
 
     """
+    rows: Any
     inputs, shape = _inputs(mechanism, given)
     position, size = inputs[0], prod(shape)
     # outside of it nothing is known, as where the links cannot close
@@ -99,7 +102,7 @@ def range_of(record: Any) -> tuple[int, ...]:
     return tuple(range(len(record.results)))
 
 
-def _inputs(mechanism: Any, given: tuple) -> tuple[list[np.ndarray], tuple[int, ...]]:
+def _inputs(mechanism: Any, given: tuple[Any, ...]) -> tuple[list[Any], tuple[int, ...]]:
     """Return the inputs as arrays of (for a complex step, complex) doubles, and their shape."""
     names = mechanism.input_coordinate
     inputs = [array(name, value, name == names.position) for name, value in zip(names, given)]
@@ -112,7 +115,7 @@ def _inputs(mechanism: Any, given: tuple) -> tuple[list[np.ndarray], tuple[int, 
                                'must have shapes that broadcast') from None
 
 
-def _one_by_one(mechanism: Any, inputs: list, wanted: tuple[int, ...] | None,
+def _one_by_one(mechanism: Any, inputs: list[Any], wanted: tuple[int, ...] | None,
                 with_loads: bool) -> Any:
     """
     Return the rows computed with floats, or None if any sample has no finite result.
@@ -133,8 +136,8 @@ def _one_by_one(mechanism: Any, inputs: list, wanted: tuple[int, ...] | None,
     return list(rows) if np.isfinite(rows).all() else None
 
 
-def _complex_rows(mechanism: Any, inputs: list, shape: tuple, wanted: tuple[int, ...] | None,
-                  with_loads: bool) -> list[np.ndarray]:
+def _complex_rows(mechanism: Any, inputs: list[Any], shape: tuple[int, ...],
+                  wanted: tuple[int, ...] | None, with_loads: bool) -> list[Array]:
     """Return the rows of a complex step; angles carry their derivatives."""
     inputs = [np.broadcast_to(v.astype(complex), shape).reshape(-1) for v in inputs]
     fields = mechanism.make_motion(COMPLEX_WITH_ANGLES)(*inputs)

@@ -3,8 +3,10 @@ from __future__ import annotations
 
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
 from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
 
-KINDS = {'four_bar': FourBar, 'slider_crank': SliderCrank, 'inverted_slider': InvertedSlider,
-         'scotch_yoke': ScotchYoke}
+KINDS: dict[str, type[Mechanism]] = {
+    'four_bar': FourBar, 'slider_crank': SliderCrank, 'inverted_slider': InvertedSlider,
+    'scotch_yoke': ScotchYoke}

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanics.moving_frames import acceleration_terms
+from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 
@@ -155,8 +156,8 @@ class Bar(NamedTuple):
     ``width`` 1: usual.
     """
 
-    start: np.ndarray
-    end: np.ndarray
+    start: Array
+    end: Array
     width: float = 1.0
 
 
@@ -167,8 +168,8 @@ class Block(NamedTuple):
     ``is_guided``: along the ground.
     """
 
-    place: np.ndarray
-    direction: np.ndarray
+    place: Array
+    direction: Array
     is_guided: bool = False
 
 
@@ -194,7 +195,7 @@ class Diagram(NamedTuple):
 
     """
 
-    joints: Mapping[str, np.ndarray]
+    joints: Mapping[str, Array]
     ground: tuple[str, ...]
     bars: tuple[Bar, ...]
     blocks: tuple[Block, ...]
@@ -209,18 +210,18 @@ ORIGIN = np.zeros(2)      # O1, and the pole of polygons
 class Arrow(NamedTuple):
     """One side of a polygon, by ``vector``; parts add up to sums, which start at the pole."""
 
-    start: np.ndarray
-    vector: np.ndarray
+    start: Array
+    vector: Array
     label: str             # mathtext without dollars
     is_sum: bool
 
 
-def total(vector: np.ndarray, label: str) -> Arrow:
+def total(vector: Array, label: str) -> Arrow:
     """Return the arrow of a sum, from the pole."""
     return Arrow(ORIGIN, vector, label, True)
 
 
-def chain(start: np.ndarray, *steps: tuple[np.ndarray, str]) -> list[Arrow]:
+def chain(start: Array, *steps: tuple[Array, str]) -> list[Arrow]:
     """Return the arrows of a chain of (vector, label): each starts where the one before ends."""
     arrows = []
     for vector, label in steps:
@@ -229,7 +230,7 @@ def chain(start: np.ndarray, *steps: tuple[np.ndarray, str]) -> list[Arrow]:
     return arrows
 
 
-def around(start: np.ndarray, link: Any, arm: np.ndarray, name: str) -> list[Arrow]:
+def around(start: Array, link: Any, arm: Array, name: str) -> list[Arrow]:
     """
     Return the normal and the tangential acceleration of a point beside another of its link.
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 from math import nan
 from typing import Any, NamedTuple
 
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, REAL
 import numpy as np
@@ -38,7 +39,7 @@ class LinkMotion(NamedTuple):
     alpha: float              # [rad/s^2]
 
     @property
-    def direction(self):
+    def direction(self) -> Array:
         """Return the direction of the link as a unit vector of shape (..., 2)."""
         return vector(self.cosine, self.sine)
 
@@ -63,27 +64,27 @@ class PointMotion(NamedTuple):
     curvature: float          # [1/m] of the path, positive where it turns left
 
     @property
-    def place(self):
+    def place(self) -> Array:
         """Return the place as a vector of shape (..., 2) [m]."""
         return vector(self.x, self.y)
 
     @property
-    def velocity(self):
+    def velocity(self) -> Array:
         """Return the velocity as a vector of shape (..., 2) [m/s]."""
         return vector(self.velocity_x, self.velocity_y)
 
     @property
-    def acceleration(self):
+    def acceleration(self) -> Array:
         """Return the acceleration as a vector of shape (..., 2) [m/s^2]."""
         return vector(self.acceleration_x, self.acceleration_y)
 
 
-def vector(x, y):
+def vector(x: Any, y: Any) -> Array:
     """Return components of one shape (...) as vectors of shape (..., 2)."""
     return np.stack(np.broadcast_arrays(x, y), axis=-1)
 
 
-def link_motion(mechanism, motion, link):
+def link_motion(mechanism: Any, motion: Any, link: str) -> LinkMotion:
     """
     Return the :class:`LinkMotion` of a link.
 
@@ -100,7 +101,7 @@ def link_motion(mechanism, motion, link):
     return mechanism.link_motion(motion, mechanism.link(link).name)
 
 
-def point_of(link, along, across=0.0):
+def point_of(link: LinkMotion, along: float, across: float = 0.0) -> Any:
     """
     Return (x, y, v_x, v_y, a_x, a_y) of a point of a LinkMotion, slides Eq. (6).
 
@@ -113,13 +114,13 @@ def point_of(link, along, across=0.0):
             a_x - alpha * y - square * x, a_y + alpha * x - square * y)
 
 
-def crank_motion(motion):
+def crank_motion(motion: Any) -> LinkMotion:
     """Return the :class:`LinkMotion` of a crank that turns about O1."""
     return LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_x, motion.sin_x, motion.omega1,
                       motion.alpha1)
 
 
-def make_point(n: NumberType, mechanism, link: str, along: float, across: float) -> Function:
+def make_point(n: NumberType, mechanism: Any, link: str, along: float, across: float) -> Function:
     """Return motion -> fields of :class:`PointMotion` for a point fixed to a link."""
     hypot, where = n.hypot, n.where
 
@@ -134,7 +135,8 @@ def make_point(n: NumberType, mechanism, link: str, along: float, across: float)
     return point
 
 
-def point_motion(mechanism, motion, link, along, across=0.0):
+def point_motion(mechanism: Any, motion: Any, link: str, along: float,
+                 across: float = 0.0) -> PointMotion:
     """
     Return the :class:`PointMotion` of a point fixed to a link.
 
@@ -160,15 +162,15 @@ def point_motion(mechanism, motion, link, along, across=0.0):
         return PointMotion(*make_point(REAL, mechanism, link, along, across)(motion))
     with np.errstate(divide='ignore', invalid='ignore'):
         fields = make_point(ARRAY, mechanism, link, along, across)(motion)
-    return PointMotion(*(np.broadcast_to(field, shape) for field in fields))
+    return PointMotion._make(np.broadcast_to(field, shape) for field in fields)
 
 
-def velocity_image(omega):
+def velocity_image(omega: Any) -> tuple[Any, Any]:
     """Return (scale [1/s], turn [rad]) of the velocity image of a link: |omega|, +-90 deg."""
     return np.abs(omega), np.copysign(0.5 * np.pi, omega)
 
 
-def acceleration_image(omega, alpha):
+def acceleration_image(omega: Any, alpha: Any) -> tuple[Any, Any]:
     """
     Return (scale [1/s^2], turn [rad]) of the acceleration image of a link.
 

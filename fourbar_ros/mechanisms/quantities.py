@@ -3,14 +3,14 @@
 """What can be asked for by name: searched for extrema, tabulated, plotted."""
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache, partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError, nearest
+from fourbar_ros.mechanisms.contract import CRANK
 from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.mechanisms.mechanism import CRANK
-from fourbar_ros.mechanisms.parts import Quantity
+from fourbar_ros.mechanisms.parts import Coordinate, Quantity
 from fourbar_ros.mechanisms.points import link_motion, point_of
 import numpy as np
 
@@ -18,11 +18,11 @@ import numpy as np
 class UnknownQuantity(FourBarError, KeyError):
     """A mechanism has no quantity of this name; the message names the nearest or lists all."""
 
-    def __init__(self, name, known):
+    def __init__(self, name: str, known: Any) -> None:
         self.name = name
         super().__init__(f'unknown quantity {name!r}{nearest(name, known)}')
 
-    def __str__(self):
+    def __str__(self) -> str:
         return self.args[0]
 
 
@@ -32,25 +32,28 @@ class Function(NamedTuple):
     name: str
     unit: str
     text: str
-    of: Callable
+    of: Callable[..., Any]
     is_load: bool = False     # not known; without masses, loads raise MissingBodies when used
 
 
-def point_speed(mechanism, link, along, across=0.0, name='point'):
+def point_speed(mechanism: Any, link: str, along: float, across: float = 0.0,
+                name: str = 'point') -> Function:
     """Return the speed [m/s] of a point fixed to a link, the quantity ``name.speed``."""
     return Function(f'{name}.speed', 'm/s', f'speed of the point ({along:g}, {across:g}) m of the '
                                             f'{link}',
                     partial(_length, mechanism, link, along, across, 2))
 
 
-def point_acceleration(mechanism, link, along, across=0.0, name='point'):
+def point_acceleration(mechanism: Any, link: str, along: float, across: float = 0.0,
+                       name: str = 'point') -> Function:
     """Return the acceleration's magnitude [m/s^2] of a point, ``name.acceleration``."""
     return Function(f'{name}.acceleration', 'm/s^2', f'acceleration of the point ({along:g}, '
                                                      f'{across:g}) m of the {link}',
                     partial(_length, mechanism, link, along, across, 4))
 
 
-def _length(mechanism, link, along, across, first, motion, loads):
+def _length(mechanism: Any, link: str, along: float, across: float, first: int, motion: Any,
+            loads: Any) -> Any:
     """Return the length of a vector of :func:`.point_of` whose x is number ``first``."""
     x, y = point_of(link_motion(mechanism, motion, link), along, across)[first:first + 2]
     return np.sqrt(x * x + y * y)
@@ -88,13 +91,13 @@ POSITIONS = {quantity.name: quantity for quantity in (
 )}
 
 
-def known(mechanism, driven=CRANK):
+def known(mechanism: Any, driven: str = CRANK) -> dict[str, Quantity]:
     """Return {name: Quantity} of a mechanism, or of a kind driven at its crank or slide."""
     return _known(mechanism.MOTION._fields, mechanism.LOADS._fields, mechanism.INPUTS[driven])
 
 
 @cache
-def _known(motion, loads, coordinate):
+def _known(motion: Any, loads: Any, coordinate: Coordinate) -> dict[str, Quantity]:
     """Return {name: Quantity} of these fields, without those that are given or zero."""
     absent = {coordinate.rate, coordinate.acceleration,
               'driving_force' if coordinate.unit == 'rad' else 'driving_torque'}
@@ -102,23 +105,23 @@ def _known(motion, loads, coordinate):
             if name not in absent and name in (loads if quantity.is_load else motion)}
 
 
-def positions(mechanism, driven=CRANK):
+def positions(mechanism: Any, driven: str = CRANK) -> dict[str, Quantity]:
     """Return {name: Quantity} of the positions of a mechanism, or a kind, that are not given."""
     return {name: quantity for name, quantity in POSITIONS.items()
             if name in mechanism.MOTION._fields and name != mechanism.INPUTS[driven].position}
 
 
-def is_published(quantity):
+def is_published(quantity: Any) -> bool:
     """Return whether this is one of the quantities with a name."""
     return (QUANTITIES.get(quantity.name) or POSITIONS.get(quantity.name)) is quantity
 
 
-def is_position(quantity):
+def is_position(quantity: Any) -> bool:
     """Return whether this is one of the positions with a name."""
     return POSITIONS.get(quantity.name) is quantity
 
 
-def select(names, mechanism, others=()):
+def select(names: Sequence[str], mechanism: Any, others: Sequence[Any] = ()) -> list[Any]:
     """
     Return the quantities of these names.
 

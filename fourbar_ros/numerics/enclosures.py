@@ -69,7 +69,7 @@ class Root(Series):
         self.square = square
 
     @property
-    def series(self) -> Any:     # type: ignore[override]
+    def series(self) -> Any:
         """Return the root as a series."""
         return self.square.sqrt()
 

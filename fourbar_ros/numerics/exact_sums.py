@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from math import frexp, fsum, ldexp
 from typing import Any
 
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Function
 
 
@@ -25,3 +26,21 @@ def scaled(lengths: Sequence[float]) -> list[float]:
     """Return lengths times the power of two that makes the largest about one, exactly."""
     exponent = frexp(max(map(abs, lengths)))[1]
     return [ldexp(length, -exponent) for length in lengths]
+
+
+def exact_sum_of_four(terms: Sequence[Array]) -> Array:
+    """
+    Return the sum of four arrays as math.fsum would.
+
+    Two exact pairs, their exact sum, the errors.
+    """
+    a, b, c, d = terms
+    (one, e1), (other, e2) = _two_sum(a, b), _two_sum(c, d)
+    total, e3 = _two_sum(one, other)
+    return total + (e3 + (e1 + e2))
+
+
+def _two_sum(a: Array, b: Array) -> tuple[Array, Array]:
+    total = a + b
+    part = total - a
+    return total, (a - (total - part)) + (b - part)

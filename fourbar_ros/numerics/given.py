@@ -13,6 +13,7 @@ from numbers import Real
 from typing import Any
 
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 
@@ -38,7 +39,8 @@ def number(name: str, value: Any, allowed: str = 'must be a finite number', leas
     InvalidParameter
 
     """
-    if isinstance(value, np.ndarray) and value.shape == () and not np.ma.is_masked(value):
+    is_masked: Any = np.ma.is_masked       # numpy gives it no types
+    if isinstance(value, np.ndarray) and value.shape == () and not is_masked(value):
         value = value.item()
     if not isinstance(value, Real) or isinstance(value, bool):
         raise InvalidParameter(name, value, _of_a_type(value, allowed))
@@ -55,7 +57,7 @@ def _of_a_type(value: Any, allowed: str) -> str:
     return f'{allowed}, not {"None" if value is None else "of type " + type(value).__name__}'
 
 
-def array(name: str, value: Any, with_complex: bool = False) -> np.ndarray:
+def array(name: str, value: Any, with_complex: bool = False) -> Array:
     """
     Return real numbers as an array of doubles; masked ones as NaN.
 
@@ -83,7 +85,7 @@ def array(name: str, value: Any, with_complex: bool = False) -> np.ndarray:
     return given.astype(np.float64, copy=False)
 
 
-def _first_that_is_no_number(given: np.ndarray) -> str:
+def _first_that_is_no_number(given: Array) -> str:
     """Return the type of an object in an array, as text: of the first that is no number."""
     for item in given.flat:
         if not isinstance(item, Real) or isinstance(item, bool):

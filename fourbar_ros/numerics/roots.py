@@ -9,7 +9,7 @@ later.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite, nan, pi
+from math import nan, pi
 from typing import Any
 
 from fourbar_ros.numerics.arrays import Array, Values
@@ -17,15 +17,10 @@ from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, REAL
 import numpy as np
 
 EPS = 2.0**-52
-# Below this angle [rad] roots are found to an absolute tolerance: 0 has no last bit.
-SMALL = 2.0**-12
 # Parts of an interval at a closer look.
 PARTS = 8
 # Part of the sample by which the cubic is allowed to be wrong.
 CAUTION = 0.25
-# By how much the error of a step of Newton's method may exceed its square over the width of the
-# bracket.
-SAFETY = 64.0
 # A dip is looked into as long as its lowest sample is less than this part of how much the parabola
 # bends in a step.
 DEEP = 0.25
@@ -247,71 +242,3 @@ def find_brackets(function: Function, x: Function, f: Array, rise: Array,
 
 def _guessed(xa: Array, xb: Array, fa: Array, fb: Array) -> tuple[Array, Array, Array, Array]:
     return xa, xb, fa, first_guesses(xa, xb, fa, fb, nan, nan)
-
-
-def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array,
-                 x: Array) -> Array:
-    """
-    Return the root of a function in each bracket, to the last bits of x, all together.
-
-    Newton's method, with bisection wherever that leaves the bracket or does not halve its step.
-    The last step is not looked at again: its error is about its square over the width of the
-    bracket.
-
-    Parameters
-    ----------
-    function : callable
-        (x, row) -> f and the step f/f'.
-    row : ndarray
-        Of each bracket.
-    xa, xb, fa, x : ndarray
-        Where f changes its sign, its value at the first of them, and a first guess.
-
-    """
-    root: Array = x.copy()
-    todo: Array = np.arange(x.size)
-    width, positive, last = xb - xa, fa >= 0.0, xb - xa
-    while todo.size:
-        f, step = function(x, row)
-        before = (f >= 0.0) == positive
-        xa, xb = np.where(before, x, xa), np.where(before, xb, x)
-        better = x - step
-        is_newton = (better >= xa) & (better <= xb) & (2.0 * np.abs(step) <= last)
-        better = np.where(is_newton, better, 0.5 * (xa + xb))
-        tolerance = EPS * np.maximum(np.abs(better), SMALL)
-        done = np.where(is_newton, SAFETY * step * step <= tolerance * width,
-                        xb - xa <= 2.0 * tolerance)
-        done |= ~np.isfinite(f)              # overflow: no root to be found
-        last, x = np.abs(better - x), better
-        root[todo] = x
-        if done.any():
-            going = ~done
-            todo, row, xa, xb, x, last, width, positive = (
-                v[going] for v in (todo, row, xa, xb, x, last, width, positive))
-    return root
-
-
-def newton_root(function: Function, xa: float, xb: float, fa: float,
-                x: float) -> tuple[float, Any]:
-    """
-    Return as :func:`newton_roots`, in plain floats.
-
-    ``function(x)`` -> f, step and anything; with its last.
-    """
-    width = last = xb - xa
-    positive = fa >= 0.0
-    while True:
-        f, step, state = function(x)
-        if (f >= 0.0) is positive:
-            xa = x
-        else:
-            xb = x
-        better = x - step
-        is_newton = xa <= better <= xb and 2.0 * abs(step) <= last
-        if not is_newton:
-            better = 0.5 * (xa + xb)
-        tolerance = EPS * max(abs(better), SMALL)
-        if not isfinite(f) or (SAFETY * step * step <= tolerance * width if is_newton
-                               else xb - xa <= 2.0 * tolerance):
-            return better, state
-        last, x = abs(better - x), better

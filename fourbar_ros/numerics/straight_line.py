@@ -124,10 +124,10 @@ def _text_of(steps: list[tuple[str, tuple[Any, ...]]], results: Any,
             texts[place] = f'v{place}', 0
     answer = ''.join([f'{text(value)[0]}, ' for value in results])
     names, values = zip(*constants.values()) if constants else ((), ())
-    whole = (f'def make({", ".join([*names, *_CALLED])}):',
-             f'    def line({", ".join([f"x{i}" for i in range(count)])}):', *lines,
-             f'        return {answer}', '    return line')
-    return '\n'.join(whole), [*values, *[OPERATIONS[name][0] for name in _CALLED]]
+    function = (f'def make({", ".join([*names, *_CALLED])}):',
+                f'    def line({", ".join([f"x{i}" for i in range(count)])}):', *lines,
+                f'        return {answer}', '    return line')
+    return '\n'.join(function), [*values, *[OPERATIONS[name][0] for name in _CALLED]]
 
 
 def _uses(steps: list[tuple[str, tuple[Any, ...]]], results: Any) -> Counter[int]:

@@ -7,7 +7,7 @@ sides, the effort of the joint is that of the coordinate over the ratio.
 from __future__ import annotations
 
 from math import isnan, nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 FIELDS = ('position', 'velocity', 'effort')
 
@@ -43,7 +43,7 @@ class Joints:
 
     """
 
-    def __init__(self, layout, shown):
+    def __init__(self, layout: Any, shown: Any) -> None:
         place = layout.place
         joints = layout.joints
         self._scales = [Scale(*pair) for pair in zip(shown.ratios, shown.offsets)]
@@ -53,7 +53,7 @@ class Joints:
         self._holds = shown.when_unknown == 'hold'
         self._last = (nan,) * len(joints)
 
-    def of(self, values) -> tuple[float, ...]:
+    def of(self, values: Any) -> tuple[float, ...]:
         """Return positions, rates and efforts of one sample, as :func:`names` has them."""
         scales = self._scales
         positions = tuple(s.ratio * values[i] + s.offset for s, i in zip(scales, self._positions))

@@ -8,11 +8,21 @@ point.
 """
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cache
 from math import nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.parts import BETA, THETA1, THETA2, THETA3, THETA4, TRAVEL
+from fourbar_ros.mechanisms.parts import (
+    BETA,
+    Coordinate,
+    Output,
+    THETA1,
+    THETA2,
+    THETA3,
+    THETA4,
+    TRAVEL,
+)
 from fourbar_ros.mechanisms.points import PointMotion
 from fourbar_ros.pipeline import joints, wrenches
 
@@ -39,18 +49,18 @@ class FieldMap(NamedTuple):
     none, for each joint.
     """
 
-    fields: dict
-    absent: dict
-    place: dict
-    joints: tuple
+    fields: dict[str, dict[str, Any]]
+    absent: dict[str, tuple[str, ...]]
+    place: dict[str, int]
+    joints: tuple[Any, ...]
 
-    def expected(self, output, values):
+    def expected(self, output: str, values: Any) -> dict[str, Any]:
         """
         Return {field: number or tuple of numbers} of one output message, or of many.
 
         values are then arrays.
         """
-        def pick(source):
+        def pick(source: Any) -> Any:
             if isinstance(source, tuple):
                 return tuple(map(pick, source))
             return PASSIVE_EFFORT if source is None else values[self.place[source]]
@@ -58,13 +68,13 @@ class FieldMap(NamedTuple):
         return {**{field: pick(source) for field, source in self.fields[output].items()},
                 **dict.fromkeys(self.absent.get(output, ()), nan)}
 
-    def showing(self, places):
+    def showing(self, places: Iterable[int]) -> FieldMap:
         """Return the same with only these joints, by their places, in joint_states."""
         shown = {what: tuple(names[place] for place in places)
                  for what, names in self.fields['joint_states'].items()}
         return self._replace(fields=self.fields | {'joint_states': shown})
 
-    def in_use(self, output):
+    def in_use(self, output: str) -> set[int]:
         """Return the places of all values that an output has."""
         return {self.place[name] for source in self.fields[output].values()
                 for name in (source if isinstance(source, tuple) else (source,))
@@ -78,21 +88,22 @@ class Names(NamedTuple):
     Fields of motion and loads, input, output with its ratio, joints.
     """
 
-    motion: tuple
-    loads: tuple
-    driven: tuple
-    output: tuple
-    joints: tuple
+    motion: tuple[str, ...]
+    loads: tuple[str, ...]
+    driven: Coordinate
+    output: Output
+    joints: tuple[Coordinate, ...]
 
     @classmethod
-    def of(cls, mechanism):
+    def of(cls, mechanism: Any) -> Names:
         """Return the names of a mechanism."""
         return cls(mechanism.MOTION._fields, mechanism.LOADS._fields, mechanism.input_coordinate,
                    mechanism.outputs[0], tuple(joint.coordinate for joint in mechanism.JOINTS))
 
 
 @cache
-def layout(given, points=(), with_effort=True, own_joints=False, with_drive=False):
+def layout(given: Names, points: Any = (), with_effort: bool = True, own_joints: bool = False,
+           with_drive: bool = False) -> FieldMap:
     """
     Return the :class:`FieldMap` of a mechanism by its :class:`Names`, with named points.
 
@@ -128,7 +139,8 @@ def layout(given, points=(), with_effort=True, own_joints=False, with_drive=Fals
                     tuple((joint, _EFFORTS.get(joint)) for joint in given.joints))
 
 
-def _joint_states(coordinates, with_effort, own):
+def _joint_states(coordinates: Any, with_effort: bool, own: bool) -> dict[str, Any]:
+    fields: dict[str, Any]
     if own:
         count, names = len(coordinates), joints.names(len(coordinates))
         fields = {what: names[count * i:count * (i + 1)] for i, what in enumerate(joints.FIELDS)}
@@ -141,7 +153,7 @@ def _joint_states(coordinates, with_effort, own):
     return fields
 
 
-def driven_of(message, joint=''):
+def driven_of(message: Any, joint: str = '') -> Any:
     """
     Return (position, velocity, acceleration) from a Motion or of a joint of a JointState.
 
@@ -157,7 +169,7 @@ def driven_of(message, joint=''):
     return position, message.velocity[i] if i < len(message.velocity) else nan, nan
 
 
-def is_time(sec, nanosec):
+def is_time(sec: Any, nanosec: Any) -> bool:
     """
     Return whether a stamp is a time.
 

@@ -28,6 +28,7 @@ from __future__ import annotations
 
 from collections import deque
 from math import hypot, inf, isfinite, isinf, isnan, nan, remainder, sqrt, tau, ulp
+from typing import Any
 
 NANOSECOND = 1e-9        # [s]
 MEMORY = 100             # samples over which noise and size of the acceleration are averaged
@@ -53,7 +54,7 @@ class Estimate:
 
     """
 
-    def __init__(self, points, degree):
+    def __init__(self, points: Any, degree: int) -> None:
         n = len(points)
         mean = sum(t for t, _ in points) / n
         line = [t - mean for t, _ in points]                              # p1(t) = t - mean
@@ -72,11 +73,11 @@ class Estimate:
             self.curvature = 2.0 * self._bend
 
     @property
-    def gain(self):
+    def gain(self) -> Any:
         """Return the standard deviation of slope (line) or curvature over that of one y."""
         return 2.0 / sqrt(self._curve_norm) if self.degree == 2 else 1.0 / sqrt(self._norm)
 
-    def surprise(self, t, y):
+    def surprise(self, t: Any, y: Any) -> Any:
         """Return how far (t, y) is from the polynomial, in what noise of 1 in each y makes."""
         p = t - self._mean
         foretold = self._start + self._slope * p
@@ -115,38 +116,41 @@ class RateEstimator:
 
     """
 
-    def __init__(self, window=5, gap=1.0, jump=1.0, period=tau, length=1.0):
+    def __init__(self, window: int = 5, gap: float = 1.0, jump: float = 1.0,
+                 period: Any = tau, length: float = 1.0) -> None:
         self._gap, self._jump, self._period, self._length = gap / NANOSECOND, jump, period, length
-        self._samples = deque(maxlen=window)     # (time [ns], position, step to it, velocity)
+        # (time [ns], position, step to it, velocity)
+        self._samples: deque[tuple[Any, ...]] = deque(maxlen=window)
         self.restarts = self.late = 0
         self._scatter, self._size = _MeanSquare(), _MeanSquare()     # what surprises, what matters
         self._from_rates = False                 # whether the acceleration comes from velocities
         self.reset()
 
-    def reset(self):
+    def reset(self) -> None:
         """Forget all samples."""
         self._samples.clear()
         self._overtaken = None                   # a late sample, if it was the last one
-        self._fit, self._known = None, (nan, nan)
+        self._fit: Estimate | None = None
+        self._known = nan, nan
 
     @property
-    def noise(self):
+    def noise(self) -> Any:
         """Return the standard deviation of the estimated acceleration, NaN if not known yet."""
         if self._fit is None or isnan(self._known[1]) or self._scatter.number < ENOUGH:
             return nan
         return self._fit.gain * sqrt(max(self._scatter.value, self._resolution**2))
 
     @property
-    def lag(self):
+    def lag(self) -> Any:
         """Return by how much the estimated acceleration is late [s], NaN if there is none."""
         return nan if self._fit is None or isnan(self._known[1]) else self._fit.lag
 
     @property
-    def is_noise(self):
+    def is_noise(self) -> bool:
         """Return whether noise is a good part of the acceleration, or of velocity^2/length."""
         return self.noise > TOO_NOISY * sqrt(self._size.value)
 
-    def update(self, time, position, velocity=nan):
+    def update(self, time: float, position: Any, velocity: float = nan) -> Any:
         """
         Return (velocity, acceleration) at a new sample; NaN for what is not known yet.
 
@@ -173,7 +177,7 @@ class RateEstimator:
         self._known = self._estimate(velocity)
         return self._known
 
-    def _is_set_back(self, sample):
+    def _is_set_back(self, sample: Any) -> bool:
         """Return whether this sample is the second late one in a row, and follows the first."""
         before, self._overtaken = self._overtaken, sample
         if before is None or sample[0] <= before[0]:
@@ -183,11 +187,11 @@ class RateEstimator:
         self._append(*before)
         return True
 
-    def _restart(self):
+    def _restart(self) -> None:
         self.reset()
         self.restarts += 1
 
-    def _append(self, time, position, velocity):
+    def _append(self, time: float, position: Any, velocity: float) -> None:
         step = 0.0
         if self._samples:
             last_time, last_position, *_ = self._samples[-1]
@@ -200,7 +204,7 @@ class RateEstimator:
                 self._compare((time - last_time) * NANOSECOND, step, velocity)
         self._samples.append((time, position, step, velocity))
 
-    def _compare(self, t, step, velocity):
+    def _compare(self, t: Any, step: Any, velocity: float) -> None:
         """Learn from a new sample how far the fit before it was off."""
         from_rates = isfinite(velocity)
         if from_rates is not self._from_rates:
@@ -209,7 +213,7 @@ class RateEstimator:
             y = velocity - self._samples[-1][3] if from_rates else step
             self._scatter.add(self._fit.surprise(t, y))
 
-    def _estimate(self, velocity):
+    def _estimate(self, velocity: float) -> Any:
         now, position, *_ = self._samples[-1]
         from_rates = isfinite(velocity)
         if from_rates:
@@ -232,7 +236,7 @@ class RateEstimator:
         return velocity, acceleration
 
 
-def estimator_of(scene):
+def estimator_of(scene: Any) -> Any:
     """
     Return the :class:`RateEstimator` of a scene, for its node and for computing a bag again.
 
@@ -248,10 +252,10 @@ def estimator_of(scene):
 class _MeanSquare:
     """The mean square of the newest numbers, about MEMORY; what is not finite is left out."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.value, self.number = 0.0, 0
 
-    def add(self, x):
+    def add(self, x: Any) -> None:
         if isfinite(square := x * x):
             self.number = min(self.number + 1, MEMORY)
             self.value += (square - self.value) / self.number

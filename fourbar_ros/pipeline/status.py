@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from functools import cache
 from math import isfinite, isinf, isnan, nan
+from typing import Any
 
 from fourbar_ros.errors import InvalidParameter, OutOfRange, Toggle
 import numpy as np
@@ -16,12 +17,12 @@ STATUS_NAMES = ('ok', 'out of range', 'invalid input', 'toggle', 'rates unknown'
 
 
 @cache
-def _none_of(fields):
+def _none_of(fields: Any) -> Any:
     """Return a NamedTuple of this type of which nothing is known."""
     return fields(*[nan] * len(fields._fields))
 
 
-def evaluate(mechanism, position, rate, acceleration, with_loads):
+def evaluate(mechanism: Any, position: Any, rate: Any, acceleration: Any, with_loads: bool) -> Any:
     """
     Return (status, motion, loads): what does not exist is NaN, loads are all NaN if not asked for.
 
@@ -52,7 +53,7 @@ def evaluate(mechanism, position, rate, acceleration, with_loads):
     return INVALID_INPUT, mechanism.unknown(*given), _none_of(mechanism.LOADS)
 
 
-def _partly(status, mechanism, position, rate, acceleration):
+def _partly(status: Any, mechanism: Any, position: Any, rate: Any, acceleration: Any) -> Any:
     """
     Return the answer where not all of the motion exists.
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from math import nan, nextafter
+from typing import Any
 
 from fourbar_ros.mechanisms.points import make_point, PointMotion
 from fourbar_ros.numerics.number_types import REAL
@@ -32,12 +33,12 @@ class Stepper:
 
     """
 
-    def __init__(self, scene, acting=None):
+    def __init__(self, scene: Any, acting: Any = None) -> None:
         self._scene = scene
         self.linkage, self._policy = scene.linkage, scene.drive.out_of_range
         self._points = [make_point(REAL, scene.linkage, *point) for point in scene.points.values()]
-        self._good = None
-        self._limits = None
+        self._good: Any = None
+        self._limits: list[float] | None = None
         self._joints = (None if scene.joint_states.are_plain
                         else joints.Joints(scene.layout, scene.joint_states))
         self._nothing = (nan,) * (len(scene.layout.place)
@@ -45,11 +46,12 @@ class Stepper:
                                      else 0))
         self._drive_wrench = (wrenches.drive_wrench(scene.linkage, scene.layout.place)
                               if 'drive_wrench' in scene.outputs else None)
-        self.acting, self._loads_unknown = {}, False
+        self.acting: dict[str, Any] = {}
+        self._loads_unknown = False
         for link in scene.wrenches.links:
             self.act(link, (acting or {}).get(link) or wrenches.in_silence(scene, link, None))
 
-    def act(self, link, wrench):
+    def act(self, link: str, wrench: Any) -> None:
         """Have a Wrench act on a link from the next step on."""
         self.acting[link] = wrench
         external = wrenches.external(self._scene, self.acting)
@@ -57,7 +59,8 @@ class Stepper:
         if external is not None:
             self.linkage = self.linkage.with_external(external)
 
-    def step(self, position, rate, acceleration, with_loads, with_points):
+    def step(self, position: Any, rate: Any, acceleration: Any, with_loads: bool,
+             with_points: bool) -> Any:
         """
         Return (status, values).
 
@@ -77,25 +80,26 @@ class Stepper:
             values = self._at_limit(position)
         return status, values
 
-    def silence(self):
+    def silence(self) -> tuple[float, ...]:
         """Return values of which nothing is known but what is held."""
         return self._nothing + self._joints.of(self._nothing) if self._joints else self._nothing
 
-    def _completed(self, values):
+    def _completed(self, values: Any) -> Any:
         if self._drive_wrench:
             values += self._drive_wrench(values)
         return values + self._joints.of(values) if self._joints else values
 
-    def _of_points(self, motion, wanted):
+    def _of_points(self, motion: Any, wanted: Any) -> Any:
         return [value for point in self._points
                 for value in (point(motion) if wanted else _NO_POINT)]
 
-    def _at_limit(self, position):
+    def _at_limit(self, position: Any) -> Any:
         if self._limits is None:
             self._limits = [_inside(self.linkage, end, toward)
                             for low, high in self.linkage.input_ranges
                             for end, toward in ((low, high), (high, low))]
-        nearest = min(self._limits, key=lambda limit: abs(self.linkage.distance(position, limit)))
+        nearest = min(self._limits,
+                      key=lambda limit: abs(float(self.linkage.distance(position, limit))))
         _, motion, loads = evaluate(self.linkage, nearest, nan, nan, False)
         motion = motion._replace(**{name: nan for name in motion._fields
                                     if name.startswith(('omega', 'alpha'))
@@ -103,7 +107,7 @@ class Stepper:
         return self._completed((*motion, *loads, *self._of_points(motion, True)))
 
 
-def _inside(linkage, end, toward):
+def _inside(linkage: Any, end: float, toward: float) -> float:
     """Return the float nearest to the end of a range at which the linkage can be assembled."""
     while evaluate(linkage, end, 0.0, 0.0, False)[0] == OUT_OF_RANGE and end != toward:
         end = nextafter(end, toward)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import isfinite, nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.mechanics.bodies import Applied, External
 
@@ -32,13 +32,13 @@ class Wrench(NamedTuple):
 UNKNOWN = Wrench(nan, nan, nan)
 
 
-def constant(scene, link: str) -> Wrench:
+def constant(scene: Any, link: str) -> Wrench:
     """Return what the scene itself gives for a link."""
     applied = getattr(scene.linkage.external, link)
     return Wrench(applied.force_x, applied.force_y, applied.couple)
 
 
-def in_silence(scene, link: str, last: Wrench | None) -> Wrench:
+def in_silence(scene: Any, link: str, last: Wrench | None) -> Wrench:
     """Return what acts on a link while its topic is silent; ``last``: what came last, if any."""
     policy = scene.wrenches.when_silent
     if policy == 'unknown':
@@ -46,7 +46,7 @@ def in_silence(scene, link: str, last: Wrench | None) -> Wrench:
     return last if policy == 'hold' and last is not None else constant(scene, link)
 
 
-def external(scene, acting: dict[str, Wrench]) -> External | None:
+def external(scene: Any, acting: dict[str, Wrench]) -> External | None:
     """Return the External of a scene with what acts in place of constants; None if not known."""
     if not all(wrench.is_known for wrench in acting.values()):
         return None
@@ -56,7 +56,8 @@ def external(scene, acting: dict[str, Wrench]) -> External | None:
     return External(**given)
 
 
-def drive_wrench(linkage, place: dict[str, int]) -> Callable[[tuple], tuple[float, float, float]]:
+def drive_wrench(linkage: Any,
+                 place: dict[str, int]) -> Callable[[Any], tuple[float, float, float]]:
     """
     Return the function values -> (force_x, force_y, torque) of the linkage on its drive.
 
@@ -65,18 +66,18 @@ def drive_wrench(linkage, place: dict[str, int]) -> Callable[[tuple], tuple[floa
     """
     drive = place['driving_force' if linkage.is_driven_by_slide else 'driving_torque']
 
-    def turn(values):
+    def turn(values: Any) -> Any:
         nothing = 0.0 * abs(values[drive])               # NaN where the drive is not known
         return nothing, nothing, -values[drive]
 
-    def push(values):
+    def push(values: Any) -> Any:
         return -values[drive], 0.0 * abs(values[drive]), 0.0 * abs(values[drive])
 
     if not linkage.is_driven_by_slide or linkage.SLIDE_DIRECTION is None:
         return push if linkage.is_driven_by_slide else turn
     cosine, sine = (place[name] for name in linkage.SLIDE_DIRECTION)
 
-    def push_along(values):
+    def push_along(values: Any) -> Any:
         force = -values[drive]
         return force * values[cosine], force * values[sine], 0.0 * abs(force)
     return push_along

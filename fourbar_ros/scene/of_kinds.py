@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+from fourbar_ros.mechanisms.described import find_link
 from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.mechanisms.mechanism import find_link
 from fourbar_ros.mechanisms.parts import Link
 
 

@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Applied, Body, round_rod
+from fourbar_ros.mechanisms.contract import SLIDE
 from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.mechanisms.mechanism import Mechanism, SLIDE
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
 from fourbar_ros.pipeline.message_fields import layout, Names
 from fourbar_ros.scene import of_kinds, parameters

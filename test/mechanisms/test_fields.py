@@ -16,7 +16,7 @@ from fourbar_ros import (
 )
 from fourbar_ros.mechanisms import evaluation as arrays
 from fourbar_ros.mechanisms.evaluation import ONE_BY_ONE
-from fourbar_ros.numerics import recorded
+from fourbar_ros.numerics import program, recorded
 from fourbar_ros.numerics.number_types import ARRAY
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ KINDS = [FourBar(0.4, 1.2, 0.8, 1.0, **ACTING), FourBar(0.9, 0.4, 0.8, 1.0, mode
            for driven in ('crank', 'slide') for mode in (1, 2))]
 every_kind = pytest.mark.parametrize('mechanism', KINDS,
                                      ids=lambda m: f'{type(m).__name__}-{m.input}-{m.mode}')
-SIZES = (1, 5, ONE_BY_ONE, 2 * ONE_BY_ONE, 1000, recorded.CHUNK + 1)
+SIZES = (1, 5, ONE_BY_ONE, 2 * ONE_BY_ONE, 1000, program.CHUNK + 1)
 
 
 def names_of(mechanism):
@@ -62,7 +62,7 @@ def test_a_program_gives_the_bits_of_the_formula(mechanism):
 def test_chunks_give_the_bits_of_one_piece(mechanism, monkeypatch):
     x = np.linspace(-3.0, 3.0, 1003)
     whole = mechanism.step(x, 3.0, x)
-    monkeypatch.setattr(recorded, 'CHUNK', 128)
+    monkeypatch.setattr(program, 'CHUNK', 128)
     for one, other in zip(sum(mechanism.step(x, 3.0, x), ()), sum(whole, ())):
         assert np.array_equal(one, other, equal_nan=True)
 
@@ -148,8 +148,8 @@ def test_a_record_is_made_once_for_a_kind_and_less_is_done_for_less():
     (record, constants), (same, others) = (arrays.recorded(m, True) for m in (one, other))
     assert record is same and constants != others
     single = (False, True, True)
-    whole = recorded.program(record, arrays.range_of(record), single, constants.zeros)
-    angle = recorded.program(record, (one.MOTION._fields.index('theta4'),), single,
+    whole = program.program(record, arrays.range_of(record), single, constants.zeros)
+    angle = program.program(record, (one.MOTION._fields.index('theta4'),), single,
                              constants.zeros)
     assert len(angle.steps) < 0.25 * len(whole.steps)
     with pytest.raises(TypeError, match='where'):

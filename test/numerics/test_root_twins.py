@@ -5,12 +5,8 @@ The root search in plain floats and on arrays.
 
 Twins, compared directly, and against the roots themselves.
 """
-from fourbar_ros.numerics.roots import (
-    intervals_of_one,
-    intervals_with_roots,
-    newton_root,
-    newton_roots,
-)
+from fourbar_ros.numerics.newton import newton_root, newton_roots
+from fourbar_ros.numerics.roots import intervals_of_one, intervals_with_roots
 import numpy as np
 import pytest
 

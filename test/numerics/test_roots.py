@@ -2,6 +2,7 @@
 
 from math import pi
 
+from fourbar_ros.numerics import newton as newton_method
 from fourbar_ros.numerics import roots
 import numpy as np
 import pytest
@@ -66,7 +67,7 @@ def test_all_roots_are_bracketed_and_found_to_the_last_bits():
         return f, f / slope(coefficients, x, row)
 
     i, row, xa, xb, fa, guess = roots.find_brackets(positive_multiple, at, f, rise, True)
-    found = roots.newton_roots(newton, row, xa, xb, fa, guess)
+    found = newton_method.newton_roots(newton, row, xa, xb, fa, guess)
     total = 0
     for k in range(count):
         ours, theirs = (
@@ -105,9 +106,10 @@ def test_newton_in_a_bracket_against_brentq(function, derivative, low, high):
 
     truth = brentq(function, low, high, xtol=1e-15, rtol=4 * EPS, maxiter=1000)
     guess = 0.5 * (low + high)
-    one, _ = roots.newton_root(lambda x: (*step(x), None), low, high, float(function(low)), guess)
+    one, _ = newton_method.newton_root(lambda x: (*step(x), None), low, high,
+                                       float(function(low)), guess)
     given = [np.array([v, v]) for v in (low, high, function(low), guess)]
-    many = roots.newton_roots(
+    many = newton_method.newton_roots(
         lambda x, row: tuple(np.array(v) for v in zip(*map(step, x))), np.arange(2), *given
     )
     tolerance = (

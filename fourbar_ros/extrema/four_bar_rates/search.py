@@ -16,50 +16,54 @@ roots between samples, and is looked at closely.
 """
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from math import atan2, cos, fsum, inf, nan, sin
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.extrema.four_bar_rates.input_paths import half_turn, phases, POINTS_PER_FEATURE
 from fourbar_ros.extrema.four_bar_rates.sensitivity import rate_changes
+from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.mechanisms.four_bar.half_angle import half_angle_coefficients
-from fourbar_ros.mechanisms.four_bar.motion import make_motion
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
-from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, REAL
+from fourbar_ros.numerics.newton import newton_root
+from fourbar_ros.numerics.number_types import Function, NumberType, REAL
 from fourbar_ros.numerics.roots import (
     first_guess,
     fold,
     intervals_of_one,
     look_closer,
-    newton_root,
     turn_after,
 )
 import numpy as np
 
 # Of a full turn, at least. Half as many have missed nothing in 280 000 linkages of all kinds.
 SAMPLES = 24
+Sines = Callable[[Any, Any], tuple[Any, ...]]
+State = tuple[Any, ...]     # what the function of make_sines returns
 # A root may be moved by at most this [rad] to that of the more accurate formula.
 POLISH = 2.0**-12
 
 
-def make_sines(n: NumberType) -> Function:
+def make_sines(n: NumberType, constants: Sequence[Any]) -> Sines:
     """
-    Return the function (sh, ch, constants) -> g, g_u, k, k_u, X, Y at sh, ch = sin, cos(theta1/2).
+    Return the function (sh, ch) -> g, g_u, k, k_u, X, Y at sh, ch = sin, cos(theta1/2).
 
     ``constants`` are those of :func:`sine_constants`; the pose is found as in
     :func:`~fourbar_ros.mechanisms.four_bar.motion.make_motion`. u is in units of 1/(a2 a3): X =
     sin(y-b).
     """
     sqrt, fabs, where = n.sqrt, n.fabs, n.where
+    s1, s2, k, yA, yB, yC, yD, yM, bA, bB, bC, bD, bM, r13, r42, half, sign = constants
+    # as in the motion of a four-bar, (M1) and (M2): what adds for one angle adds for both
+    adding, other = (yB, yD, bB, bD, 1.0), (yA, yC, bA, bC, -1.0)
 
-    def sines(sh, ch, constants):
-        s1, s2, k, yA, yB, yC, yD, yM, bA, bB, bC, bD, bM, r13, r42, half, sign = constants
+    def sines(sh: Any, ch: Any) -> tuple[Any, ...]:
         ss, cc, sc = sh * sh, ch * ch, sh * ch
         u, w = s1 + k * cc, s2 + k * ss
         root = sign * sqrt(fabs(u * w))       # at a toggle u or w may round to less than zero
-        # as in the motion of a four-bar, (M1) and (M2): what adds for one angle adds for both
-        y_s, y_c, b_s, b_c, side = where(sc * root > 0.0, (yB, yD, bB, bD, 1.0),
-                                         (yA, yC, bA, bC, -1.0))
+        y_s, y_c, b_s, b_c, side = where(sc * root > 0.0, adding, other)
         signed = side * root
         p, q = y_s * ss + y_c * cc, yM * sc + signed
         scale = r42 / (p * p + q * q)
@@ -79,12 +83,9 @@ def make_sines(n: NumberType) -> Function:
     return sines
 
 
-sines = make_sines(REAL)
-sines_of_arrays = make_sines(ARRAY)
-
-
-def sine_constants(a1, a2, a3, a4, sign, exact_sum=fsum):
-    """Return the constants of :func:`sines`; the largest length should be about one."""
+def sine_constants(a1: Any, a2: Any, a3: Any, a4: Any, sign: Any,
+                   exact_sum: Function = fsum) -> tuple[Any, ...]:
+    """Return the constants of :func:`make_sines`; the largest length should be about one."""
     yA, yB, yC, yD, yM = half_angle_coefficients(a1, a2, a3, a4, exact_sum)
     bA, bB, bC, bD, bM = half_angle_coefficients(-a4, a3, -a2, -a1, exact_sum)       # of b - x
     return (difference_of_squares(a2, a3, a1, a4, exact_sum),
@@ -119,7 +120,9 @@ class Node(NamedTuple):
     step: float
 
 
-def rate_extrema(linkage, samples=SAMPLES, with_conditions=True):
+def rate_extrema(linkage: FourBar, samples: int = SAMPLES, with_conditions: bool = True
+                 ) -> tuple[tuple[list[RateExtremum], list[RateExtremum]],
+                            list[tuple[float, int, bool, bool]]]:
     """
     Return the extrema of theta4' and of theta4'' at constant input rate.
 
@@ -136,37 +139,40 @@ def rate_extrema(linkage, samples=SAMPLES, with_conditions=True):
         theta4'' go to plus infinity.
 
     """
-    constants = sine_constants(*scaled(linkage.lengths), linkage.sign)
+    a1, a2, a3, a4 = scaled(linkage.lengths)
+    constants = sine_constants(a1, a2, a3, a4, linkage.sign)
+    sines = make_sines(REAL, constants)
     upward = linkage.sign > 0.0       # X > 0: signs of g and k are those of theta4'' and theta4'''
-    motion = make_motion(REAL, *linkage.lengths, linkage.sign)
-    extrema, toggles = ([], []), []
+    motion = linkage.motion_formula(REAL, linkage.constants)
+    extrema: tuple[list[RateExtremum], list[RateExtremum]] = [], []
+    toggles: list[tuple[float, int, bool, bool]] = []
     for x, step, is_closed in _paths(constants, linkage.input_ranges[-1], samples // 2):
-        states = [sines(sin(0.5 * v), cos(0.5 * v), constants) for v in x]
+        states = [sines(sin(0.5 * v), cos(0.5 * v)) for v in x]
         if not is_closed:
             for i, side in ((0, 1), (-1, -1)):
                 g, Y = states[i][0], states[i][-1]
                 toggles.append((x[i], side, (Y > 0.0) is upward, (g > 0.0) is upward))
-        inside = [[] for _ in x]       # roots of k after each sample, as nodes of g
-        for i, falls, theta1, state in _roots_of_k(x, states, step / 3.0, is_closed, constants):
+        inside: list[list[Node]] = [[] for _ in x]       # nodes of g at the roots of k after x
+        for i, falls, theta1, state in _roots_of_k(sines, x, states, step / 3.0, is_closed):
             extrema[1].append(_extremum(linkage, motion, 1, theta1, falls is upward, state,
                                         with_conditions))
             inside[i].append(_node(theta1, 0, state))
-        for falls, theta1, state in _roots_of_g(x, states, inside, is_closed, constants):
+        for falls, theta1, state in _roots_of_g(sines, x, states, inside, is_closed):
             extrema[0].append(_extremum(linkage, motion, 0, theta1, falls is upward, state,
                                         with_conditions))
     return extrema, toggles
 
 
-def _node(x, which, state):
+def _node(x: float, which: int, state: State) -> Node:
     """Return the :class:`Node` of g (which = 0) or k (2)."""
     value, slope, X = state[which], state[which + 1], state[4]
     return Node(x, value, value * X / slope if slope else inf)
 
 
-def _root(which, a, b, constants):
-    """Return the root of g or k between nodes of different sign, and the :func:`sines` there."""
-    def at(x):
-        state = sines(sin(0.5 * x), cos(0.5 * x), constants)
+def _root(sines: Sines, which: int, a: Node, b: Node) -> tuple[float, State]:
+    """Return the root of g or k between nodes of different sign, and the sines there."""
+    def at(x: float) -> tuple[float, float, State]:
+        state = sines(sin(0.5 * x), cos(0.5 * x))
         value, slope = state[which], state[which + 1]
         return value, value * state[4] / slope if slope else inf, state
 
@@ -174,30 +180,32 @@ def _root(which, a, b, constants):
     return newton_root(at, a.theta1, b.theta1, a.value, guess)
 
 
-def _roots_of_k(x, states, third, is_closed, constants):
+def _roots_of_k(sines: Sines, x: list[float], states: list[State], third: float, is_closed: bool
+                ) -> Iterator[tuple[int, bool, float, State]]:
     """
     Yield (interval, whether k falls, theta1, sines) of the roots of k.
 
     ``third``: of a step of u.
     """
-    def k_at(x, _):
-        return np.array([sines(sin(0.5 * v), cos(0.5 * v), constants)[2] for v in x.tolist()])
+    def k_at(x: Array, _: Array) -> Array:
+        return np.array([sines(sin(0.5 * v), cos(0.5 * v))[2] for v in x.tolist()])
 
     k, rise = [state[2] for state in states], [third * state[3] for state in states]
     for i, is_plain in intervals_of_one(k, rise, is_closed):
         j = (i + 1) % len(x)
         xa, xb = x[i], turn_after(x[j], x[i])
         if is_plain:
-            pairs = (_node(xa, 2, states[i]), _node(xb, 2, states[j])),
+            pairs = [(_node(xa, 2, states[i]), _node(xb, 2, states[j]))]
         else:
             _, *parts = look_closer(k_at, np.zeros(1, int), np.array([xa]), np.array([xb]))
-            pairs = ((Node(xa, fa, nan), Node(xb, fb, nan))
-                     for xa, xb, fa, fb in zip(*(v.tolist() for v in parts)))
+            pairs = [(Node(xa, fa, nan), Node(xb, fb, nan))
+                     for xa, xb, fa, fb in zip(*(v.tolist() for v in parts))]
         for a, b in pairs:
-            yield i, a.value >= 0.0, *_root(2, a, b, constants)
+            yield i, a.value >= 0.0, *_root(sines, 2, a, b)
 
 
-def _roots_of_g(x, states, inside, is_closed, constants):
+def _roots_of_g(sines: Sines, x: list[float], states: list[State], inside: list[list[Node]],
+                is_closed: bool) -> Iterator[tuple[bool, float, State]]:
     """Yield (whether g falls, theta1, sines) of the roots of g: between samples and roots of k."""
     positive = [state[0] >= 0.0 for state in states]
     for i, j in enumerate([*range(1, len(x)), *[0] * is_closed]):
@@ -207,10 +215,11 @@ def _roots_of_g(x, states, inside, is_closed, constants):
                  _node(turn_after(x[j], x[i]), 0, states[j])]
         for a, b in zip(chain, chain[1:]):
             if (a.value >= 0.0) is not (b.value >= 0.0):
-                yield a.value >= 0.0, *_root(0, a, b, constants)
+                yield a.value >= 0.0, *_root(sines, 0, a, b)
 
 
-def _extremum(linkage, motion, order, x, is_maximum, state, with_conditions):
+def _extremum(linkage: FourBar, motion: Function, order: int, x: float, is_maximum: bool,
+              state: State, with_conditions: bool) -> RateExtremum:
     """Return the :class:`RateExtremum` at a root of g (order 0) or k (1)."""
     g, gu, k, ku, X, Y = state
     fields = motion(x, 1.0, 0.0)
@@ -230,7 +239,8 @@ def _extremum(linkage, motion, order, x, is_maximum, state, with_conditions):
                         size / abs(value) if value else inf)
 
 
-def _paths(constants, last_range, count):
+def _paths(constants: Sequence[float], last_range: tuple[float, float],
+           count: int) -> list[tuple[list[float], float, bool]]:
     """Return theta1 of each path's samples with toggles, their step in u, if it is closed."""
     s1, s2, k, *_, half, sign = constants
     period, unit, at = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
@@ -250,7 +260,8 @@ def _paths(constants, last_range, count):
 
 
 @cache
-def _phases(*arguments):
+def _phases(count: int, low_is_toggle: bool,
+            high_is_toggle: bool) -> tuple[list[tuple[float, float]], float]:
     """Return the pairs of :func:`.input_paths.phases` as floats, and the step."""
-    sines, cosines, step = phases(*arguments)
-    return list(zip(sines.tolist(), cosines.tolist())), step
+    of_u, cosines, step = phases(count, low_is_toggle, high_is_toggle)
+    return list(zip(of_u.tolist(), cosines.tolist())), step

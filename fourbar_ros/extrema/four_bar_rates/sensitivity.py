@@ -3,8 +3,10 @@
 """How the output's rate and acceleration of a four-bar change with its lengths, in closed form."""
 from __future__ import annotations
 
+from collections.abc import Sequence
 
-def rate_changes(lengths, motion, third):
+
+def rate_changes(lengths: Sequence[float], motion: Sequence[float], third: float) -> list[float]:
     """
     Return how theta4', theta4'' and theta4''' change with lengths: sum |d/da_i| a_i of each.
 

@@ -10,18 +10,21 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import acos, asin, asinh, atan2, fsum, pi, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External
+from fourbar_ros.mechanisms.contract import Constants, CRANK, CROSSED, OPEN, Ranges
 from fourbar_ros.mechanisms.four_bar import diagram
 from fourbar_ros.mechanisms.four_bar.loads import Loads, make_loads
 from fourbar_ros.mechanisms.four_bar.motion import make_motion, Motion
 from fourbar_ros.mechanisms.four_bar.seen_from_output import SeenFromOutput
-from fourbar_ros.mechanisms.mechanism import Constants, CRANK, CROSSED, Mechanism, OPEN
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
+    Arrow,
     BETA,
     Connection,
+    Diagram,
     GROUND,
     Joint,
     Length,
@@ -39,7 +42,7 @@ from fourbar_ros.numerics.number_types import Function, NumberType
 # Signs of (a4 - a1 + a3 - a2, a4 - a1 - a3 + a2, a2 + a3 - a4 - a1) for the eight basic planar 4R
 # linkages: McCarthy and Soh, Geometric Design of Linkages, whose first two are exchanged here. Of
 # a non-Grashof linkage the name says through which of 0 and pi theta1 and theta4 swing.
-_CLASSES = {
+_CLASSES: dict[tuple[int, ...], str] = {
     (1, 1, 1): 'Grashof crank-rocker',
     (-1, -1, 1): 'Grashof double-crank',
     (-1, 1, -1): 'Grashof rocker-crank',
@@ -59,13 +62,13 @@ class DeadPoint(NamedTuple):
     stretched: bool
 
 
-def _squares_of_half(one, other, a3, a4):
+def _squares_of_half(one: float, other: float, a3: float, a4: float) -> tuple[float, float]:
     """Return 4 r a4 (sin^2, cos^2) of half the angle at O1 of r = one + other, a3, a4."""
     return (fsum((a3, -one, -other, a4)) * fsum((a3, one, other, -a4)),
             fsum((one, other, a4, -a3)) * fsum((one, other, a4, a3)))
 
 
-def _ranges(a1, a2, a3, a4):
+def _ranges(a1: float, a2: float, a3: float, a4: float) -> Ranges:
     """
     Return the ranges of the angle at which a1 leaves the ground link.
 
@@ -140,7 +143,7 @@ class FourBar(Mechanism):
     DRAWN = (THETA1, BETA, THETA4)
     MOTION, LOADS = Motion, Loads
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         self._check()
         lengths = self.lengths
         longest = max(lengths)
@@ -152,13 +155,13 @@ class FourBar(Mechanism):
     # --- what it is -----------------------------------------------------------------------------
 
     @cached_property
-    def margins(self):
+    def margins(self) -> tuple[float, ...]:
         """Return a4 - a1 + a3 - a2, a4 - a1 - a3 + a2 and a2 + a3 - a4 - a1 [m]."""
         a1, a2, a3, a4 = self.lengths
         return (fsum((a4, -a1, a3, -a2)), fsum((a4, -a1, -a3, a2)), fsum((a2, a3, -a4, -a1)))
 
     @cached_property
-    def classification(self):
+    def classification(self) -> str:
         """
         Return the Grashof type by name.
 
@@ -169,12 +172,12 @@ class FourBar(Mechanism):
         return _CLASSES[tuple(1 if margin > 0.0 else -1 for margin in self.margins)]
 
     @property
-    def description(self):
+    def description(self) -> str:
         """Return what it is as text: its type."""
         return self.classification
 
     @cached_property
-    def closing_ranges(self):
+    def closing_ranges(self) -> Ranges:
         """
         Return the ranges of theta1 in which the linkage can be assembled [rad].
 
@@ -185,7 +188,7 @@ class FourBar(Mechanism):
         return _ranges(*self.lengths)
 
     @property
-    def singular_inputs(self):
+    def singular_inputs(self) -> list[complex]:
         """
         Return the complex theta1 of singular poses.
 
@@ -197,14 +200,15 @@ class FourBar(Mechanism):
         a1, a2, a3, a4 = scaled(self.lengths)
         root = 2.0 * sqrt(a1 * a4)
         s1, s2 = difference_of_squares(a2, a3, a1, a4), difference_of_squares(a1, -a4, a2, -a3)
-        far, near = sqrt(abs(s1)) / root, sqrt(abs(s2)) / root
-        far = complex(pi, 2.0 * asinh(far)) if s1 >= 0.0 else complex(2.0 * acos(min(far, 1.0)))
-        near = (complex(0.0, 2.0 * asinh(near)) if s2 >= 0.0
-                else complex(2.0 * asin(min(near, 1.0))))
+        outer, inner = sqrt(abs(s1)) / root, sqrt(abs(s2)) / root
+        far = (complex(pi, 2.0 * asinh(outer)) if s1 >= 0.0
+               else complex(2.0 * acos(min(outer, 1.0))))
+        near = (complex(0.0, 2.0 * asinh(inner)) if s2 >= 0.0
+                else complex(2.0 * asin(min(inner, 1.0))))
         return [far, -far, near, -near, complex(0.0, 2.0 * asinh(abs(a1 - a4) / root))]
 
     @cached_property
-    def output_ranges(self):
+    def output_ranges(self) -> Ranges:
         """
         Return the ranges of theta4 over all poses of both modes, as :attr:`input_ranges`.
 
@@ -219,12 +223,12 @@ class FourBar(Mechanism):
         return ((-pi, pi),) if ranges == [(0.0, 2.0 * pi)] else tuple(sorted(ranges))
 
     @property
-    def ranges_of_both_modes(self):
+    def ranges_of_both_modes(self) -> dict[str, Ranges]:
         """Return the ranges of theta4 over both modes by its name."""
         return {'theta4': self.output_ranges}
 
     @cached_property
-    def dead_points(self):
+    def dead_points(self) -> tuple[Any, ...]:
         """
         Return where theta4 turns back in this mode: its rate is zero at any speed of the crank.
 
@@ -248,21 +252,23 @@ class FourBar(Mechanism):
 
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
-        return make_motion(numbers, *constants.lengths, constants.sign)
+        a1, a2, a3, a4 = constants.lengths
+        return make_motion(numbers, a1, a2, a3, a4, constants.sign)
 
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
-        return make_loads(numbers, *constants.lengths, constants.bodies, constants.gravity,
+        a1, a2, a3, a4 = constants.lengths
+        return make_loads(numbers, a1, a2, a3, a4, constants.bodies, constants.gravity,
                           constants.external)
 
     @property
-    def connections(self):
+    def connections(self) -> tuple[Connection, ...]:
         """Return which links the four joints connect."""
         return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
                 Connection('coupler', 'output', (self.a2, 0.0), (self.a3, 0.0), turn=pi),
                 Connection(GROUND, 'output', (self.a4, 0.0)))
 
-    def link_motion(self, motion, link):
+    def link_motion(self, motion: Any, link: str) -> LinkMotion:
         """Return the LinkMotion of a link by name."""
         if link == 'output':
             return LinkMotion(self.a4, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_y, motion.sin_y,
@@ -270,31 +276,31 @@ class FourBar(Mechanism):
         crank = crank_motion(motion)
         if link == 'crank':
             return crank
-        return LinkMotion(*point_of(crank, self.a1), motion.cos_b, motion.sin_b, motion.omega_beta,
-                          motion.alpha_beta)
+        return LinkMotion._make((*point_of(crank, self.a1), motion.cos_b, motion.sin_b,
+                                 motion.omega_beta, motion.alpha_beta))
 
-    def driven_otherwise(self):
+    def driven_otherwise(self) -> tuple[SeenFromOutput, ...]:
         """Return the same linkage driven at its output link, once for each assembly mode."""
         mirrored = replace(self, a1=self.a3, a3=self.a1, bodies=None, external=External())
         return tuple(SeenFromOutput(mirrored.in_mode(mode), self.a1) for mode in self.MODES)
 
-    def transmission_sine(self, motion):
+    def transmission_sine(self, motion: Any) -> Any:
         """Return a number that is zero where the dyad is in line, at most one: sin(mu)."""
         return motion.sin_mu
 
-    def term_sizes(self, motion, rate, acceleration):
+    def term_sizes(self, motion: Any, rate: Any, acceleration: Any) -> dict[str, Any]:
         """Return {unit: size} of the terms of rates and accelerations, for noise bounds."""
         gain = min(1.0, self.a1 / min(self.a2, self.a3))
         return {'rad/s': gain * abs(rate), 'rad/s^2': gain * (abs(acceleration) + rate**2)}
 
-    def diagram(self, motion):
+    def diagram(self, motion: Any) -> Diagram:
         """Return what a picture shows in one pose."""
         return diagram.diagram(self, motion)
 
-    def velocity_polygon(self, motion):
+    def velocity_polygon(self, motion: Any) -> list[Arrow]:
         """Return the arrows of the velocities [m/s]; the pole is the origin."""
         return diagram.velocity_polygon(self, motion)
 
-    def acceleration_polygon(self, motion):
+    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
         """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
         return diagram.acceleration_polygon(self, motion)

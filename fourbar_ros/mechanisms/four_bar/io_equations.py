@@ -24,10 +24,11 @@ functions of angles use the same polynomial homogeneous in sin and cos(theta/2),
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.four_bar.half_angle import bilinear_factors
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import array, number
 import numpy as np
 
@@ -59,16 +60,16 @@ class IOEquation(NamedTuple):
     second: float
     mixed: float
     constant: float
-    lengths: tuple
+    lengths: tuple[float, ...]
 
     # --- in v = tan(theta/2), as printed ---------------------------------------------------------
 
-    def position(self, vi, vj):
+    def position(self, vi: Any, vj: Any) -> Any:
         """Return the left-hand side of Eqs. (16)-(21) [m^2]; zero for a pose."""
         return (self.both * vi**2 * vj**2 + self.first * vi**2 + self.second * vj**2
                 + self.mixed * vi * vj + self.constant)
 
-    def velocity(self, vi, vj, dvi, dvj):
+    def velocity(self, vi: Any, vj: Any, dvi: Any, dvj: Any) -> Array:
         """
         Return half the time derivative of :meth:`position`, Eqs.
 
@@ -77,18 +78,18 @@ class IOEquation(NamedTuple):
         by_i, by_j = self._slopes(vi, vj)
         return by_i * dvi + by_j * dvj
 
-    def acceleration(self, vi, vj, dvi, dvj, ddvi, ddvj):
+    def acceleration(self, vi: Any, vj: Any, dvi: Any, dvj: Any, ddvi: Any, ddvj: Any) -> Any:
         """Return the time derivative of :meth:`velocity`: Eqs. (28)-(33) with "= 0" [m^2/s^2]."""
         by_i, by_j = self._slopes(vi, vj)
         return (by_i * ddvi + by_j * ddvj + (self.both * vj**2 + self.first) * dvi**2
                 + (self.both * vi**2 + self.second) * dvj**2
                 + (4.0 * self.both * vi * vj + self.mixed) * dvi * dvj)
 
-    def _slopes(self, vi, vj):
+    def _slopes(self, vi: Any, vj: Any) -> Any:
         return ((self.both * vj**2 + self.first) * vi + 0.5 * self.mixed * vj,
                 (self.both * vi**2 + self.second) * vj + 0.5 * self.mixed * vi)
 
-    def denavit_hartenberg(self):
+    def denavit_hartenberg(self) -> Any:
         """
         Return the same equation in the paper's chain, Eqs.
 
@@ -108,7 +109,7 @@ class IOEquation(NamedTuple):
 
     # --- in angles: no angle is special ----------------------------------------------------------
 
-    def residual(self, ti, tj):
+    def residual(self, ti: Any, tj: Any) -> Any:
         """
         Return :meth:`position` times cos^2(theta_i/2) cos^2(theta_j/2).
 
@@ -118,7 +119,7 @@ class IOEquation(NamedTuple):
         """
         return self._form(_powers(ti)[0], _powers(tj)[0])
 
-    def ratio(self, ti, tj):
+    def ratio(self, ti: Any, tj: Any) -> Any:
         """
         Return d theta_j / d theta_i at a pose, Eqs.
 
@@ -128,7 +129,7 @@ class IOEquation(NamedTuple):
         with np.errstate(divide='ignore', invalid='ignore'):
             return -self._form(i1, j0) / self._form(i0, j1)
 
-    def second_ratio(self, ti, tj):
+    def second_ratio(self, ti: Any, tj: Any) -> Any:
         """Return d^2 theta_j / d theta_i^2 at a pose, from Eqs. (28)-(33) and (36)."""
         (i0, i1, i2), (j0, j1, j2) = _powers(ti), _powers(tj)
         with np.errstate(divide='ignore', invalid='ignore'):
@@ -137,7 +138,7 @@ class IOEquation(NamedTuple):
             return -(self._form(i2, j0)
                      + ratio * (2.0 * self._form(i1, j1) + ratio * self._form(i0, j2))) / by_j
 
-    def solve(self, ti):
+    def solve(self, ti: Any) -> Any:
         """
         Return both theta_j that belong to theta_i, or NaN where the linkage cannot close.
 
@@ -170,14 +171,14 @@ class IOEquation(NamedTuple):
             root = -root
         return _double_angle(p, r, m, root), _double_angle(p, r, m, -root)
 
-    def _form(self, one, other):
+    def _form(self, one: Any, other: Any) -> Any:
         """Return the bilinear form of (sin^2, cos^2, sin cos) of two half-angles."""
         return ((self.both * one[0] + self.second * one[1]) * other[0]
                 + (self.first * one[0] + self.constant * one[1]) * other[1]
                 + self.mixed * one[2] * other[2])
 
 
-def io_equation(lengths, i, j):
+def io_equation(lengths: Any, i: int, j: int) -> IOEquation:
     """
     Return the :class:`IOEquation` between theta_i and theta_j.
 
@@ -208,7 +209,7 @@ def io_equation(lengths, i, j):
     return IOEquation(i, j, both, first, second, mixed, constant, lengths)
 
 
-def four_lengths(lengths):
+def four_lengths(lengths: Any) -> tuple[float, ...]:
     """Return four finite numbers [m] as a tuple of floats, or raise InvalidParameter."""
     try:
         a1, a2, a3, a4 = lengths
@@ -218,21 +219,21 @@ def four_lengths(lengths):
     return tuple(number(f'a{i}', length) for i, length in enumerate((a1, a2, a3, a4), 1))
 
 
-def to_half_angle(theta, omega=0.0, alpha=0.0):
+def to_half_angle(theta: Any, omega: Any = 0.0, alpha: Any = 0.0) -> Any:
     """Return v = tan(theta/2) and its two time derivatives, Eqs. (34) and (36)."""
     v = np.tan(0.5 * array('theta', theta))
     stretch = 0.5 * (1.0 + v * v)
     return v, stretch * omega, stretch * (alpha + omega**2 * v)
 
 
-def from_half_angle(v, dv=0.0, ddv=0.0):
+def from_half_angle(v: Any, dv: Any = 0.0, ddv: Any = 0.0) -> Any:
     """Return theta = 2 atan(v) [rad] and its two time derivatives, Eqs. (35) and (37)."""
     stretch = 2.0 / (1.0 + v * v)
     omega = stretch * dv
     return 2.0 * np.arctan(v), omega, stretch * ddv - omega**2 * v
 
 
-def _powers(theta):
+def _powers(theta: Any) -> Any:
     """Return (sin^2, cos^2, sin cos) of the half-angle and two derivatives by theta."""
     half = 0.5 * array('theta', theta)
     sine, cosine = np.sin(half), np.cos(half)
@@ -241,7 +242,7 @@ def _powers(theta):
     return (square, rest, product), (product, -product, slope), (slope, -slope, -product)
 
 
-def _double_angle(p, r, m, root):
+def _double_angle(p: Any, r: Any, m: Any, root: Any) -> Any:
     """Return the angle whose half has the tangent (m + root)/p = r/(m - root)."""
     adds = m * root > 0.0
     numerator, denominator = np.where(adds, m + root, r), np.where(adds, p, m - root)

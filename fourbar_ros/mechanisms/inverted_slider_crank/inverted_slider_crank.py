@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External
+from fourbar_ros.mechanisms.contract import Constants, CRANK, OPEN, Ranges, SLIDE
 from fourbar_ros.mechanisms.inverted_slider_crank import diagram
 from fourbar_ros.mechanisms.inverted_slider_crank.loads import make_loads
 from fourbar_ros.mechanisms.inverted_slider_crank.motion import (
@@ -21,9 +22,11 @@ from fourbar_ros.mechanisms.inverted_slider_crank.motion import (
     make_crank_motion,
     make_slide_motion,
 )
-from fourbar_ros.mechanisms.mechanism import Constants, CRANK, EPS, Mechanism, OPEN, SLIDE
+from fourbar_ros.mechanisms.mechanism import EPS, Mechanism
 from fourbar_ros.mechanisms.parts import (
+    Arrow,
     Connection,
+    Diagram,
     GROUND,
     Joint,
     Length,
@@ -123,7 +126,7 @@ class InvertedSlider(Mechanism):
     DRAWN = (THETA1, THETA4, TRAVEL)
     MOTION, LOADS = InvertedSliderMotion, SliderLoads
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         self._check()
         if not closes(*self.lengths):
             raise InvalidParameter('offset', self.offset, 'the links cannot close: it must be '
@@ -132,12 +135,12 @@ class InvertedSlider(Mechanism):
         self._check_stroke()
 
     @cached_property
-    def margins(self):
+    def margins(self) -> tuple[float, ...]:
         """Return a4 - a1 - |h| and a1 - a4 - |h| [m]."""
         return margins(self.a1, self.a4, self.offset)
 
     @property
-    def classification(self):
+    def classification(self) -> str:
         """Return the type: crank and bar turn fully, or only the crank, or neither."""
         if 0.0 in self.margins:
             return 'change point'
@@ -146,7 +149,7 @@ class InvertedSlider(Mechanism):
                 'Grashof double-crank' if turns > 0.0 else 'non-Grashof double-rocker')
 
     @cached_property
-    def closing_ranges(self):
+    def closing_ranges(self) -> Ranges:
         """
         Return the ranges of the input in which the links close, from low to high.
 
@@ -165,7 +168,7 @@ class InvertedSlider(Mechanism):
         return ((low, 2.0 * pi - low),)
 
     @property
-    def singular_inputs(self):
+    def singular_inputs(self) -> list[complex]:
         """
         Return the complex inputs where the dyad is singular.
 
@@ -185,7 +188,7 @@ class InvertedSlider(Mechanism):
         return [complex(angle), complex(-angle), pole]
 
     @property
-    def dead_points(self):
+    def dead_points(self) -> tuple[Any, ...]:
         """
         Return where the bar of a driven crank turns back in this mode.
 
@@ -204,21 +207,23 @@ class InvertedSlider(Mechanism):
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
         make = make_crank_motion if self.input == CRANK else make_slide_motion
-        return make(numbers, *constants.lengths, constants.sign)
+        a1, a4, h = constants.lengths
+        return make(numbers, a1, a4, h, constants.sign)
 
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
-        return make_loads(numbers, *constants.lengths, self.input == CRANK, constants.bodies,
+        a1, a4, h = constants.lengths
+        return make_loads(numbers, a1, a4, h, self.input == CRANK, constants.bodies,
                           constants.gravity, constants.external)
 
     @property
-    def connections(self):
+    def connections(self) -> tuple[Connection, ...]:
         """Return which links the four joints connect."""
         return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
                 Connection('output', 'coupler', (0.0, self.offset), axis=(1.0, 0.0)),
                 Connection(GROUND, 'output', (self.a4, 0.0)))
 
-    def link_motion(self, motion, link):
+    def link_motion(self, motion: Any, link: str) -> LinkMotion:
         """Return the LinkMotion of a link by name."""
         if link == 'output':
             return LinkMotion(self.a4, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_y, motion.sin_y,
@@ -226,8 +231,8 @@ class InvertedSlider(Mechanism):
         crank = crank_motion(motion)
         if link == 'crank':
             return crank
-        return LinkMotion(*point_of(crank, self.a1), motion.cos_y, motion.sin_y, motion.omega4,
-                          motion.alpha4)
+        return LinkMotion._make((*point_of(crank, self.a1), motion.cos_y, motion.sin_y,
+                                 motion.omega4, motion.alpha4))
 
     def read_coordinate(self, numbers: NumberType, curves: Any) -> tuple[Any, Any, Any]:
         """Return the input and its two derivatives from coefficients of the links."""
@@ -242,21 +247,21 @@ class InvertedSlider(Mechanism):
                 dd_x * cosine + dd_y * sine + 2.0 * turn * d_across + bend * across
                 - turn * turn * along)
 
-    def transmission_sine(self, motion):
+    def transmission_sine(self, motion: Any) -> Any:
         """Return a number that is zero where the dyad is in line, at most one."""
         size = max(map(abs, self.lengths))
         slide, aside = motion.slide / size, self.offset / size
         opposite = slide if self.input == CRANK else self.a4 / size * motion.sin_x
         return opposite / (slide * slide + aside * aside)**0.5
 
-    def diagram(self, motion):
+    def diagram(self, motion: Any) -> Diagram:
         """Return what a picture shows in one pose."""
         return diagram.diagram(self, motion)
 
-    def velocity_polygon(self, motion):
+    def velocity_polygon(self, motion: Any) -> list[Arrow]:
         """Return the arrows of the velocities [m/s]; the pole is the origin."""
         return diagram.velocity_polygon(self, motion)
 
-    def acceleration_polygon(self, motion):
+    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
         """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
         return diagram.acceleration_polygon(self, motion)

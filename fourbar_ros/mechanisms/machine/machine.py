@@ -12,11 +12,12 @@ from dataclasses import dataclass, field, replace
 from dataclasses import fields as fields_of
 from functools import cached_property
 from math import pi
-from typing import Any
+from typing import Any, ClassVar
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest, Toggle
 from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
 from fourbar_ros.mechanisms.checks import STROKE, two_numbers
+from fourbar_ros.mechanisms.contract import Constants, CRANK, SLIDE
 from fourbar_ros.mechanisms.machine import diagram
 from fourbar_ros.mechanisms.machine.description import (
     checked_links,
@@ -31,12 +32,12 @@ from fourbar_ros.mechanisms.machine.description import (
     OF_ONE_MODE,
     RPR,
 )
-from fourbar_ros.mechanisms.machine.layout import layout_of
+from fourbar_ros.mechanisms.machine.layout import Layout, layout_of
 from fourbar_ros.mechanisms.machine.loads import make_loads
 from fourbar_ros.mechanisms.machine.motion import make_motion
 from fourbar_ros.mechanisms.machine.names import lengths_of, names_of
 from fourbar_ros.mechanisms.machine.ranges import Closings, find_ranges, Limit
-from fourbar_ros.mechanisms.mechanism import Constants, CRANK, Mechanism, SLIDE
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Arrow, Diagram
 from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.mechanisms.stroke import motion_within
@@ -97,6 +98,8 @@ class Machine(Mechanism):
     gravity: tuple[float, float] = (0.0, 0.0)
     external: Any = field(default_factory=dict)
     stroke: tuple[float, float] | None = None
+
+    layout: ClassVar[Layout]     # set for each one when it is made; no field
 
     TITLE = 'machine of dyads'
     TEXT = 'a driven link and dyads, any planar linkage of Assur groups of class II'

@@ -160,7 +160,7 @@ def make_motion(n: NumberType, layout: Layout, numbers: Sequence[Any],
     def motion(position: Any, rate: Any, acceleration: Any) -> tuple[Any, ...]:
         curves, slides, transmissions, errors = walk(position)
         square = rate * rate
-        fields = []
+        fields: list[Any] = []
         for curve in curves[1:]:
             turn, bend = curve[8:]
             fields += (atan2(curve[7], curve[6]), turn * rate,

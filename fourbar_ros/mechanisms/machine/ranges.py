@@ -176,8 +176,10 @@ def _split(bound: tuple[Limit, Limit] | None, name: str, in_complex: Closing,
     phi, value, slope = _resolved(path.start(), sample)
     is_open = value > 0.0
     changes = np.flatnonzero(is_open[1:] != is_open[:-1])
-    roots = [_root(in_floats, *path.to_input(phi[i:i + 2]).tolist(), bool(is_open[i]))
-             for i in changes]
+    roots = []
+    for i in changes:
+        low, high = path.to_input(phi[i:i + 2]).tolist()
+        roots.append(_root(in_floats, low, high, bool(is_open[i])))
     near = [z for i in np.flatnonzero((slope[:-1] <= 0.0) & (slope[1:] > 0.0)
                                       & is_open[:-1] & is_open[1:])
             for z in _complex_toggle(in_complex, path, phi[i:i + 2], value[i:i + 2],

@@ -8,7 +8,8 @@ from math import pi
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanics.bodies import Bodies, External
-from fourbar_ros.mechanisms.mechanism import Constants, CRANK, Mechanism, OPEN, SLIDE
+from fourbar_ros.mechanisms.contract import Constants, CRANK, OPEN, SLIDE
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
     Arrow,
     Connection,
@@ -147,11 +148,13 @@ class ScotchYoke(Mechanism):
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
         make = make_crank_motion if self.input == CRANK else make_slide_motion
-        return make(numbers, *constants.lengths, constants.sign)
+        a1, e = constants.lengths
+        return make(numbers, a1, e, constants.sign)
 
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
-        return make_loads(numbers, *constants.lengths, self.input == CRANK, constants.bodies,
+        a1, e = constants.lengths
+        return make_loads(numbers, a1, e, self.input == CRANK, constants.bodies,
                           constants.gravity, constants.external)
 
     @property
@@ -168,8 +171,8 @@ class ScotchYoke(Mechanism):
                               motion.slide_acceleration, 0.0,
                               1.0, 0.0, 0.0, 0.0)
         crank = crank_motion(motion)
-        return (crank if link == 'crank' else LinkMotion(*point_of(crank, self.a1), 0.0, 1.0, 0.0,
-                                                         0.0))
+        return (crank if link == 'crank' else LinkMotion._make((*point_of(crank, self.a1), 0.0,
+                                                                1.0, 0.0, 0.0)))
 
     def transmission_sine(self, motion: Any) -> Any:
         """Return a number that is zero where the yoke cannot turn the crank, at most one."""

@@ -14,10 +14,13 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External
-from fourbar_ros.mechanisms.mechanism import Constants, CRANK, Mechanism, OPEN, SLIDE
+from fourbar_ros.mechanisms.contract import Constants, CRANK, OPEN, Ranges, SLIDE
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
+    Arrow,
     BETA,
     Connection,
+    Diagram,
     GROUND,
     Joint,
     Length,
@@ -122,7 +125,7 @@ class SliderCrank(Mechanism):
     DRAWN = (THETA1, BETA, TRAVEL)
     MOTION, LOADS = SliderCrankMotion, SliderLoads
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         self._check()
         if not closes(*self.lengths):
             raise InvalidParameter('offset', self.offset, 'the links cannot close: it must be '
@@ -131,12 +134,12 @@ class SliderCrank(Mechanism):
         self._check_stroke()
 
     @cached_property
-    def margins(self):
+    def margins(self) -> tuple[float, ...]:
         """Return a2 - a1 - |e| and a1 - a2 - |e| [m]."""
         return margins(self.a1, self.a2, self.offset)
 
     @property
-    def classification(self):
+    def classification(self) -> str:
         """Return the type: whose full turns there are, the crank's, the coupler's or nobody's."""
         if 0.0 in self.margins:
             return 'change point'
@@ -145,7 +148,7 @@ class SliderCrank(Mechanism):
                 'Grashof rocker-slider' if coupler > 0.0 else 'non-Grashof rocker-slider')
 
     @cached_property
-    def closing_ranges(self):
+    def closing_ranges(self) -> Ranges:
         """
         Return the ranges of the input in which the links close, from low to high.
 
@@ -165,7 +168,7 @@ class SliderCrank(Mechanism):
         return ((low, pi - low),) if high is None else ((low, high), (pi - high, pi - low))
 
     @property
-    def singular_inputs(self):
+    def singular_inputs(self) -> list[complex]:
         """
         Return the complex inputs where crank and dyad are singular.
 
@@ -191,7 +194,7 @@ class SliderCrank(Mechanism):
         return found
 
     @property
-    def dead_points(self):
+    def dead_points(self) -> tuple[Any, ...]:
         """
         Return where the slider of a driven crank turns back in this mode.
 
@@ -211,10 +214,10 @@ class SliderCrank(Mechanism):
 
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
+        a1, a2, e = constants.lengths
         if self.input == CRANK:
-            return make_crank_motion(numbers, *constants.lengths, constants.sign,
-                                     self._has_long_crank)
-        return make_slider_motion(numbers, *constants.lengths, constants.sign)
+            return make_crank_motion(numbers, a1, a2, e, constants.sign, self._has_long_crank)
+        return make_slider_motion(numbers, a1, a2, e, constants.sign)
 
     @property
     def _has_long_crank(self) -> bool:
@@ -227,17 +230,18 @@ class SliderCrank(Mechanism):
 
     def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
-        return make_loads(numbers, *constants.lengths, self.input == CRANK, constants.bodies,
+        a1, a2, e = constants.lengths
+        return make_loads(numbers, a1, a2, e, self.input == CRANK, constants.bodies,
                           constants.gravity, constants.external)
 
     @property
-    def connections(self):
+    def connections(self) -> tuple[Connection, ...]:
         """Return which links the four joints connect."""
         return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (self.a1, 0.0)),
                 Connection('coupler', 'output', (self.a2, 0.0)),
                 Connection(GROUND, 'output', (0.0, self.offset), axis=(1.0, 0.0)))
 
-    def link_motion(self, motion, link):
+    def link_motion(self, motion: Any, link: str) -> LinkMotion:
         """Return the LinkMotion of a link by name."""
         if link == 'output':
             return LinkMotion(motion.slide, self.offset, motion.slide_velocity, 0.0,
@@ -246,21 +250,21 @@ class SliderCrank(Mechanism):
         crank = crank_motion(motion)
         if link == 'crank':
             return crank
-        return LinkMotion(*point_of(crank, self.a1), motion.cos_b, motion.sin_b, motion.omega_beta,
-                          motion.alpha_beta)
+        return LinkMotion._make((*point_of(crank, self.a1), motion.cos_b, motion.sin_b,
+                                 motion.omega_beta, motion.alpha_beta))
 
-    def transmission_sine(self, motion):
+    def transmission_sine(self, motion: Any) -> Any:
         """Return a number that is zero where the dyad is in line, at most one."""
         return motion.cos_b if self.input == CRANK else motion.sin_2
 
-    def diagram(self, motion):
+    def diagram(self, motion: Any) -> Diagram:
         """Return what a picture shows in one pose."""
         return diagram.diagram(self, motion)
 
-    def velocity_polygon(self, motion):
+    def velocity_polygon(self, motion: Any) -> list[Arrow]:
         """Return the arrows of the velocities [m/s]; the pole is the origin."""
         return diagram.velocity_polygon(self, motion)
 
-    def acceleration_polygon(self, motion):
+    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
         """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
         return diagram.acceleration_polygon(self, motion)

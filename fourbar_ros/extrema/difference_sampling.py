@@ -1,0 +1,84 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Quantities without a complex step (abs, max, a table): derivatives by differences."""
+from __future__ import annotations
+
+from itertools import repeat
+from math import sqrt
+from typing import Any
+
+from fourbar_ros.extrema.sampling import Sampler, State
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.roots import EPS
+import numpy as np
+
+# Step of real differences of fourth order, in samples: their error is about that of rounding.
+DIFFERENCE = 2.0**-6
+
+
+class DifferenceSampler(Sampler):
+    """
+    The same for functions without a complex step (abs, max, a table).
+
+    Derivatives by differences.
+    """
+
+    IS_COMPLEX = False
+    TURN = DIFFERENCE
+
+    _x: Array                # samples of the path in rising order
+
+    def of(self, linkage: Any) -> DifferenceSampler:
+        other = DifferenceSampler(linkage, self.quantities, self.rates, self.takes_columns)
+        other._x = self._x
+        return other
+
+    def _rows(self, state: State, x: Array) -> Array:
+        try:
+            return super()._rows(state, x)
+        except (TypeError, ValueError):       # a function of plain numbers: one sample at a time
+            motions, loads = (zip(*(np.broadcast_to(f, x.shape).ravel().tolist() for f in part))
+                              if isinstance(part, tuple) else repeat(part) for part in state)
+            states = [(self.linkage.MOTION(*v), self.linkage.LOADS(*w) if isinstance(w, tuple)
+                       else w)
+                      for v, w in zip(motions, loads)]
+            return np.reshape([[q.of(*s) for s in states] for q in self.quantities],
+                              (-1, *x.shape)).astype(float)
+
+    def sample(self, x: Array) -> tuple[Array, Array]:
+        self._x = x[np.argsort(x)]
+        return self.values(x), np.stack([self.slope(x, np.full(x.size, row))
+                                         for row in range(len(self.quantities))])
+
+    def step(self, x: Array) -> Array:
+        """
+        Return the step of differences at x.
+
+        A part of the distance between the samples around it.
+        """
+        i = np.clip(np.searchsorted(self._x, x), 1, self._x.size - 1)
+        return DIFFERENCE * (self._x[i] - self._x[i - 1])
+
+    def at(self, x: Array, row: Array) -> tuple[Array, Array]:
+        h = self.step(x)
+        points = np.concatenate((x, x + h, x - h, x + 2.0 * h, x - 2.0 * h), axis=-1)
+        value, *around = np.split(self.values(points)[np.tile(row, 5), ...,
+                                                      np.arange(5 * row.size)], 5)
+        return value, (8.0 * (around[0] - around[1]) - (around[2] - around[3])) / (12.0 * h.T)
+
+    def polish(self, x: Array, row: Array, sense: Array) -> Array:
+        """
+        Return x; at a kink of the quantity, the place of the extremum by golden section.
+
+        By hand, as scipy.optimize.minimize_scalar takes one bracket at a time: this takes all of
+        them, each of another quantity, with one evaluation of motion and loads a step.
+        """
+        low, high = x - 4.0 * self.step(x), x + 4.0 * self.step(x)
+        part, i = 0.5 * (sqrt(5.0) - 1.0), np.arange(x.size)
+        for _ in range(56):
+            one, other = high - part * (high - low), low + part * (high - low)
+            keeps_low = sense * self.values(one)[row, i] > sense * self.values(other)[row, i]
+            low, high = np.where(keeps_low, low, one), np.where(keeps_low, other, high)
+        better = 0.5 * (low + high)
+        gain = sense * (self.values(better)[row, i] - self.values(x)[row, i])
+        return np.where(gain > 64.0 * EPS * np.abs(self.values(x)[row, i]), better, x)
