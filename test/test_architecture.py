@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Who may import whom: layers, no circles, one place naming kinds, nothing private."""
 import ast
+import re
 
 import pytest
 from support import ROOT
@@ -176,3 +177,28 @@ def test_no_folder_is_large():
         folder = kind or folder_of(module)
         lines[folder] = lines.get(folder, 0) + len(path.read_text().splitlines())
     assert max(lines.values()) <= 0.2 * sum(lines.values()), lines
+
+
+def is_typed(function):
+    """Return whether all arguments and the result of a function are annotated."""
+    given = function.args
+    arguments = [*given.posonlyargs, *given.args, *given.kwonlyargs,
+                 *filter(None, (given.vararg, given.kwarg))]
+    return ((function.returns is not None or function.name == '__init__')
+            and all(a.annotation is not None or a.arg in ('self', 'cls') for a in arguments))
+
+
+def test_as_many_functions_are_typed_as_the_architecture_says():
+    shares = {}
+    for module, path in MODULES.items():
+        shares.setdefault(folder_of(module), []).extend(
+            [is_typed(node) for node in ast.walk(ast.parse(path.read_text()))
+             if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))])
+    text = (ROOT / 'docs' / 'architecture.md').read_text()
+    listed, least = re.search(r'Every function of ([^.]*?) is annotated.* at least (\d+) %',
+                              text).groups()
+    whole = re.findall(r'`(\w+)/`', listed)
+    assert len(whole) >= 6
+    assert {folder: shares[folder].count(False) for folder in whole} == dict.fromkeys(whole, 0)
+    every = [typed for share in shares.values() for typed in share]
+    assert sum(every) >= 0.01 * int(least) * len(every), sum(every) / len(every)

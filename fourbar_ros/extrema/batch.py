@@ -11,8 +11,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.extrema.batch_search import Rows, search_chunk
 from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.extrema.four_bar_rates.batch_search import Rows, search_chunk
 from fourbar_ros.extrema.methods import RATES
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar

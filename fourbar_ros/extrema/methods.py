@@ -5,17 +5,17 @@ Which search, which sample points and which proof serve which quantity of which 
 
 Chosen here, once a request.
 
-=============================  ============================================
-============================== quantity                       search
-proof =============================  ============================================
-============================== omega4, alpha4 of a four-bar,  :mod:`.four_bar_rates.search`; at a
-change    :mod:`.four_bar_rates.exact_count` constant input rate            point as the others
-omega4 of it, any input        :mod:`.path_search`, exact derivatives        the same
-others with a name             :mod:`.path_search`, exact derivatives        :mod:`.interval_proof`
-functions                      the same, or with differences: what a trial   the same
-                               of the exact derivatives says
-=============================  ============================================
-==============================
+=============================  ==================================  ========================
+quantity                       search                              proof
+=============================  ==================================  ========================
+omega4, alpha4 of a four-bar,  :mod:`.four_bar_rates.search`;      :mod:`.exact_count`
+constant input rate            at a change point as the others
+omega4 of it, any input        :mod:`.path_search`,                :mod:`.exact_count`
+                               exact derivatives
+others with a name             the same                            :mod:`.interval_proof`
+functions                      the same, or with differences:      :mod:`.interval_proof`
+                               what a trial of them says
+=============================  ==================================  ========================
 
 The sample points are those of :mod:`.four_bar_rates.input_paths` for a four-bar, of
 :mod:`.input_paths` for others.

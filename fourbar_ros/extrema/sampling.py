@@ -291,8 +291,8 @@ class Sampler:
         scales = self.linkage.term_sizes(motion, *self.rates)
         scales |= {'rad': 1.0, 'm': max(map(abs, self.linkage.lengths))}
         if self.needs_loads:
-            scales['N'] = force = sum(abs(f.real) for f in (loads.f41, loads.f21, loads.f32,
-                                                            loads.f43))
+            scales['N'] = force = sum(abs(getattr(loads, name).real)
+                                      for name in self.linkage.reactions)
             scales['N m'] = max(map(abs, self.linkage.lengths)) * force
         rows = np.stack([np.broadcast_to(scales.get(q.unit, 0.0), sine.shape)
                          for q in self.quantities])

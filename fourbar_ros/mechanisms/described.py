@@ -61,6 +61,13 @@ class Described(Contract):
         """Return the :class:`Link` of this name."""
         return find_link(self.LINKS, name)
 
+    @property
+    def reactions(self) -> tuple[str, ...]:
+        """Return the loads that are sizes of joint reactions: those with components _x, _y."""
+        fields = self.LOADS._fields
+        return tuple([name for name in fields if f'{name}_x' in fields and f'{name}_y' in fields
+                      and name != 'shaking_force'])
+
     def loads_of_links(self) -> dict[str, tuple[Body, Applied]]:
         """
         Return {name of a link: (Body, Applied)}: what is given for each.

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from fourbar_ros.extrema.batch_paths import Path, paths_of, stacked
 from fourbar_ros.extrema.find import CONSTANT, find_extrema, MAXIMUM
+from fourbar_ros.extrema.four_bar_rates.batch_paths import Path, paths_of, stacked
 from fourbar_ros.extrema.four_bar_rates.search import make_sines, POLISH, sine_constants
 from fourbar_ros.extrema.methods import RATES
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
