@@ -162,7 +162,7 @@ class Machine(Mechanism):
     # --- lengths and modes ----------------------------------------------------------------------
 
     @property
-    def lengths(self) -> tuple[float, ...]:     # type: ignore[override]
+    def lengths(self) -> tuple[float, ...]:
         """Return the lengths that are not zero [m]: of points, rods and offsets."""
         return tuple([value for _, value in lengths_of(self.stages)])
 
