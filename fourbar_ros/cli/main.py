@@ -12,6 +12,7 @@ import threading
 from fourbar_ros import __version__
 from fourbar_ros.cli import (
     bag,
+    balance,
     describe,
     draw,
     record,
@@ -25,7 +26,7 @@ from fourbar_ros.errors import FourBarError
 from fourbar_ros.optional import MissingPackage
 from fourbar_ros.scene.arguments import Parser
 
-VERBS = (show, scene, bag, record, replay, draw, describe, study, reproduce)
+VERBS = (show, scene, bag, record, replay, draw, describe, study, balance, reproduce)
 DESCRIPTION = """\
 Motion, loads and extrema of planar four-bars, slider-cranks and inverted slider-cranks, and tools
 for recorded runs. Works without ROS, except for record and replay, which talk to a node.
@@ -47,6 +48,7 @@ examples:
   fourbar describe paper -o paper.urdf         the scene as URDF; or --as sdf, --as mjcf
   fourbar replay bags/run --rate 2             publish a run again, twice as fast
   fourbar study STUDY.yaml -o DIR              compute many designs of a scene
+  fourbar balance paper                        counterweights for a scene
 
 exit codes: 0 good; 1 an error, reported in one line; 2 bad arguments; 3 done, but the result
 is not good (see the help of the verb)

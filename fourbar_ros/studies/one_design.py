@@ -9,13 +9,13 @@ one where it is in doubt.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import lru_cache
 from math import inf, isfinite, nan, pi, sqrt
 from typing import Any
 
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.mechanisms.points import link_motion, point_of
 from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.quadrature import between, full_turn
 from fourbar_ros.studies.measures import (
     CHANGE_POINT,
     CLASS,
@@ -32,28 +32,6 @@ import numpy as np
 
 # Inputs of the quadrature of a mean square, doubled until two results agree.
 POINTS, MOST_POINTS, MOST_NODES, AGREE = 128, 2**16, 1024, 1e-12
-
-
-def full_turn(points: int) -> tuple[Array, Array]:
-    """Return inputs and weights of the trapezoidal rule, which is spectral over a full turn."""
-    return 2.0 * pi * np.arange(points) / points, np.full(points, 1.0 / points)
-
-
-@lru_cache(maxsize=8)
-def _gauss(points: int) -> tuple[Array, Array]:
-    return np.polynomial.legendre.leggauss(points)
-
-
-def between(low: float, high: float, points: int) -> tuple[Array, Array]:
-    """
-    Return inputs and weights, of sum one, of Gauss's rule in the angle whose sine is the input.
-
-    Roots of the distance to a toggle at an end, as angles have, are smooth in that angle.
-    """
-    nodes, weights = _gauss(points)
-    phi = 0.5 * pi * nodes
-    return (0.5 * (low + high) + 0.5 * (high - low) * np.sin(phi),
-            0.25 * pi * weights * np.cos(phi))
 
 
 class Design:

@@ -1,0 +1,216 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Balancing beside closed forms, another optimiser, and the loads of the mechanism itself."""
+from dataclasses import replace
+from math import pi
+
+from fourbar_ros.balancing import BalanceError
+from fourbar_ros.balancing.full import full_force_balance
+from fourbar_ros.balancing.loads import body_of, Loads, numbers_of
+from fourbar_ros.balancing.peak import least_peak, peak
+from fourbar_ros.balancing.rms import Counterweight, front, least_rms, Places
+from fourbar_ros.cli.main import main
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanics.bodies import Body
+from fourbar_ros.scene.scene import load
+import numpy as np
+import pytest
+
+optimize = pytest.importorskip('scipy.optimize')
+EPS = 2.0**-52
+SCENES = ('paper', 'slider_crank', 'scotch_yoke', 'cylinder')
+
+
+def loads_of(name):
+    scene = load(name)
+    return Loads(scene.linkage, scene.drive.speed)
+
+
+def still(mechanism):
+    """Return a mechanism without weight and forces from outside."""
+    return replace(mechanism, gravity=(0.0, 0.0), external=type(mechanism.external)())
+
+
+def places_of(loads, links=None, radius=None):
+    radius = radius or 0.5 * max(map(abs, loads.mechanism.lengths))
+    links = links or [link.name for link in loads.mechanism.LINKS if link.turns]
+    return Places(loads, dict.fromkeys(links, radius))
+
+
+@pytest.mark.parametrize('name', SCENES)
+def test_loads_are_linear_in_masses_moments_and_inertias(name):
+    loads, rng = loads_of(name), np.random.default_rng(1)
+    x, _ = loads.nodes(64)
+    fields = [field for group in loads.groups.values() for field in group]
+    matrices = loads.matrices(x, fields)
+    unit = max(loads.mechanism.lengths)
+    for _ in range(3):
+        # the mechanism's own formulas, with other bodies: J >= m r^2 holds by construction
+        bodies = [Body(rng.uniform(0.1, 2.0), *(unit * rng.uniform(-0.5, 0.5, 2)),
+                       rng.uniform(0.0, 1.0) * unit**2) for _ in loads.links]
+        mechanism = replace(still(loads.mechanism), bodies=loads.mechanism.BODIES(*bodies))
+        numbers = np.concatenate([numbers_of(body) for body in bodies])
+        expected = mechanism.loads(x, loads.rate)
+        condition = float(np.max(mechanism.motion(x).condition))
+        for field, matrix in matrices.items():
+            terms = np.abs(matrix) @ np.abs(numbers)
+            error = np.abs(matrix @ numbers - getattr(expected, field))
+            assert (error <= 64 * EPS * condition * (terms.max() + 1e-300)).all(), field
+
+
+def test_bodies_and_their_numbers_are_the_same_thing():
+    body = Body(2.0, 0.3, -0.1, 0.5)
+    again = body_of(numbers_of(body))
+    for field in ('mass', 'cg_along', 'cg_across', 'inertia'):
+        assert getattr(again, field) == pytest.approx(getattr(body, field), rel=4 * EPS)
+    assert body_of(np.zeros(4)) == Body(0.0)
+
+
+@pytest.mark.parametrize(('name', 'links'), [
+    ('paper', ('crank', 'output')), ('paper', None), ('slider_crank', ('crank', 'coupler')),
+    ('cylinder', None)])
+def test_full_balance_leaves_no_shaking_force(name, links):
+    loads = loads_of(name)
+    found = full_force_balance(places_of(loads, links))
+    x, _ = loads.nodes(512)
+    before = still(loads.mechanism).loads(x, loads.rate).shaking_force
+    after = still(loads.balanced(found.numbers)).loads(x, loads.rate)
+    # as published by the node, from the bodies of the scene
+    assert after.shaking_force.max() <= 1e-13 * before.max()
+    assert found.bound <= found.value * (1.0 + 1e-12) and found.value <= found.bound * 1.001
+    radius = 0.5 * max(loads.mechanism.lengths)
+    for one in found.counterweights:
+        assert np.hypot(one.along, one.across) <= radius * (1.0 + 1e-9) and one.mass > 0.0
+
+
+def test_full_balance_of_a_4r_is_that_of_berkof_and_lowen():
+    # Berkof and Lowen 1969: m1 r1 = m2 r2' a1/a2 and m3 r3 = m2 r2 a3/a2, opposite directions,
+    # with r2, r2' from A and B to the coupler's centre of gravity; here it lies off the line.
+    linkage = load('paper').linkage
+    bodies = linkage.bodies
+    coupler = Body(bodies.coupler.mass, 0.5, 0.1, bodies.coupler.inertia)
+    linkage = replace(linkage, bodies=bodies._replace(coupler=coupler))
+    loads = Loads(linkage, 25.0)
+    found = full_force_balance(places_of(loads, ('crank', 'output')))
+    m, z = coupler.mass, complex(coupler.cg_along, coupler.cg_across) / linkage.a2
+    expected = {0: -m * (1.0 - z) * linkage.a1, 2: -m * z * linkage.a3}
+    for link, moment in expected.items():
+        _, along, across, _ = found.numbers[4 * link:4 * link + 4]
+        assert abs(complex(along, across) - moment) <= 1e-12 * abs(moment)
+
+
+def test_a_yoke_on_slides_cannot_be_force_balanced():
+    loads = loads_of('scotch_yoke')
+    with pytest.raises(BalanceError, match='remains at least, whatever their mass'):
+        full_force_balance(places_of(loads))
+
+
+@pytest.mark.parametrize('names', [('force',), ('moment',), ('torque',), ('f21',),
+                                   ('force', 'moment', 'torque')])
+def test_the_least_rms_is_proven_and_no_other_optimiser_finds_less(names):
+    loads = loads_of('paper')
+    places, mass = places_of(loads), 3.0
+    found = least_rms(places, names, mass)
+    assert found.bound <= found.value <= found.bound * (1.0 + 1e-8)
+    assert found.added <= mass * (1.0 + 1e-9)
+    root = loads.root(names)
+    assert np.linalg.norm(root @ found.numbers) == pytest.approx(found.value, rel=1e-12)
+    rng = np.random.default_rng(0)
+
+    def value(free):
+        """One counterweight on each link: masses from shares, places in polar coordinates."""
+        share, r, angle = free.reshape(3, -1)
+        masses = mass * share**2 / max(1.0, np.sum(share**2))
+        numbers = loads.given + sum(
+            m * places.column(link, d * np.cos(a), d * np.sin(a)) for link, m, d, a in
+            zip(places.radii, masses, 0.6 * np.sin(r), angle))
+        return np.linalg.norm(root @ numbers)
+
+    best = min(optimize.minimize(value, rng.uniform(0.0, 2.0, 9), method='Nelder-Mead',
+                                 options={'maxiter': 1500}).fun for _ in range(3))
+    assert best >= found.bound * (1.0 - 1e-12)
+
+
+def test_rms_is_that_of_the_mechanism():
+    loads = loads_of('paper')
+    found = least_rms(places_of(loads), ('moment',), 2.0)
+    x = 2.0 * pi * np.arange(4096) / 4096
+    moment = still(loads.balanced(found.numbers)).loads(x, loads.rate).shaking_moment
+    assert found.value == pytest.approx(np.sqrt(np.mean(moment**2)), rel=1e-10)
+
+
+@pytest.mark.parametrize('name', ['force', 'moment', 'torque'])
+def test_a_front_falls_is_convex_and_every_point_is_proven(name):
+    loads = loads_of('paper')
+    found = front(places_of(loads), (name,), np.linspace(0.0, 20.0, 30))
+    values = np.array([one.value for one in found])
+    size = values[0]
+    assert values[0] == pytest.approx(loads.rms(name, loads.given), rel=1e-12)
+    assert (np.diff(values) <= 1e-9 * size).all()
+    assert (np.diff(values, 2) >= -1e-7 * size).all()
+    assert all(one.bound <= one.value * (1.0 + 1e-12) for one in found)
+    assert all(one.value - one.bound <= 1e-8 * size for one in found)
+
+
+@pytest.mark.parametrize(('scene', 'name'), [('paper', 'force'), ('paper', 'torque'),
+                                             ('slider_crank', 'f41'), ('cylinder', 'force')])
+def test_the_least_peak_is_that_of_the_extrema_and_is_proven(scene, name):
+    loads = loads_of(scene)
+    mass = 0.5 * float(loads.given[::4].sum())
+    found = least_peak(places_of(loads), name, mass)
+    assert found.bound <= found.value <= found.bound * (1.0 + 1e-5)
+    assert found.added <= mass * (1.0 + 1e-9)
+    assert found.value <= peak(loads, name, loads.given)[0]
+    low, high = loads.mechanism.input_ranges[0]
+    x = np.linspace(low, high, 5001)[1:-1]
+    field = {'force': 'shaking_force', 'torque': 'driving_torque'}.get(name, name)
+    scanned = getattr(still(loads.balanced(found.numbers)).loads(x, loads.rate), field)
+    assert np.abs(scanned).max() <= found.value * (1.0 + 1e-9)
+    rms = least_rms(places_of(loads), (name,), mass)
+    assert found.value <= peak(loads, name, rms.numbers)[0] * (1.0 + 1e-9)
+
+
+def test_gravity_and_loads_from_outside_stay_as_they_are():
+    scene = load('cylinder')
+    loads = Loads(scene.linkage, scene.drive.speed)
+    found = full_force_balance(places_of(loads))
+    balanced = loads.balanced(found.numbers)
+    assert balanced.gravity == scene.linkage.gravity and balanced.gravity != (0.0, 0.0)
+
+
+def test_what_cannot_be_balanced_is_said():
+    with pytest.raises(BalanceError, match='no masses'):
+        loads_of('slides_7_7')
+    linkage = load('paper').linkage
+    with pytest.raises(BalanceError, match='toggle'):
+        Loads(replace(linkage, a1=0.9, a2=0.5), 25.0)
+    loads = loads_of('paper')
+    with pytest.raises(InvalidParameter, match='must be one of crank, coupler, output'):
+        Places(loads, {'handle': 1.0})
+    with pytest.raises(InvalidParameter, match='unknown'):
+        least_rms(places_of(loads), ('noise',), 1.0)
+
+
+def test_the_command_writes_a_scene_that_is_balanced(tmp_path, capsys):
+    file, picture = tmp_path / 'balanced.yaml', tmp_path / 'change.png'
+    assert main(['balance', 'paper', '-o', str(file), '--plot', str(picture)]) == 0
+    said = capsys.readouterr().out
+    assert 'full force balance' in said and 'RMS before' in said
+    scene = load(file)
+    x = np.linspace(0.0, 6.2, 400)
+    before = load('paper').linkage.loads(x, 25.0).shaking_force.max()
+    assert scene.linkage.loads(x, 25.0).shaking_force.max() <= 1e-13 * before
+    assert picture.read_bytes()[1:4] == b'PNG'
+    assert main(['balance', 'paper', '--minimize', 'force', '--mass', '1', '--front',
+                 str(tmp_path / 'front.svg'), '--points', '5', '--radius', 'crank=0.3']) == 0
+    assert 'none below' in capsys.readouterr().out and (tmp_path / 'front.svg').exists()
+    for arguments, text in ((['--minimize', 'force'], '--minimize needs --mass'),
+                            (['--mass', '1'], 'go with --minimize'),
+                            (['--minimize', 'forse', '--mass', '1'], 'did you mean force')):
+        assert main(['balance', 'paper', *arguments]) == 1
+        assert text in capsys.readouterr().err
+
+
+def test_a_counterweight_is_a_point():
+    one = Counterweight('crank', 2.0, 0.3, 0.4)
+    assert one.numbers.tolist() == pytest.approx([2.0, 0.6, 0.8, 0.5])
