@@ -3,7 +3,7 @@
 """Differences between recorded and recomputed messages, and their summary."""
 from __future__ import annotations
 
-from math import inf
+from math import inf, isnan
 from typing import NamedTuple
 
 import numpy as np
@@ -82,3 +82,10 @@ def distance(a, b):
         distance = np.where(unknown, np.where((a == b) | (np.isnan(a) & np.isnan(b)), 0.0, inf),
                             distance)
     return float(distance.max())
+
+
+def apart(a, b):
+    """Return the difference of two numbers, by the same rules."""
+    if a == b or (isnan(a) and isnan(b)):
+        return 0.0
+    return inf if isnan(a - b) else abs(a - b)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from math import inf, isnan, nan
 
+from fourbar_ros.bag.difference import apart
 from fourbar_ros.pipeline import joints
 from fourbar_ros.pipeline.message_fields import driven_of, is_time
 from fourbar_ros.pipeline.rate_estimator import estimator_of
@@ -91,7 +92,7 @@ class Driven:
             acceleration = estimate if isnan(acceleration) else acceleration
         for field, there, expected in zip(FIELDS, driven, (given[0], velocity, acceleration)):
             if is_known or not isnan(given[FIELDS.index(field)]):
-                self.largest[field] = max(self.largest[field], _apart(there, expected))
+                self.largest[field] = max(self.largest[field], apart(there, expected))
         self.unknown += not is_known
 
     def _estimated(self, stamp, given, driven):
@@ -127,9 +128,3 @@ def inputs_of(columns, scene):
     scale = joints.Scale(scene.drive.joint_ratio, scene.drive.joint_offset)
     return columns.places, stamps, np.stack(scale.to_input(tree.position[i], velocity, unknown),
                                             axis=1)
-
-
-def _apart(a, b):
-    if a == b or (isnan(a) and isnan(b)):
-        return 0.0
-    return inf if isnan(a - b) else abs(a - b)

@@ -128,7 +128,7 @@ def _resolved(scene, node, types):
     """
     namespace = node.rpartition('/')[0]
     wanted = {topic.name: topic for topic in (DRIVEN, SCENE, *scene.topics.values(),
-                                              *scene.wrench_topics,
+                                              *scene.wrench_topics, *scene.drive_topics,
                                               *INPUTS.values())}
     topics = {}
     for name, topic in wanted.items():

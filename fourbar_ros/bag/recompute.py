@@ -28,7 +28,7 @@ from fourbar_ros.pipeline.message_fields import driven_of
 from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.scene.scene import from_values
-from fourbar_ros.scene.topics import DRIVEN, INPUTS
+from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, INPUTS, TORQUE
 import numpy as np
 
 __all__ = ['Difference', 'Recomputed', 'compare', 'distance', 'recompute', 'scene_of']
@@ -95,11 +95,22 @@ class _Comparison:
                                       {topic: name for name, topic in origin.topics.items()})
         self._in_order, self._settled = origin.in_order, -inf
         self._is_cold = rosbag2.REPEATS in about         # what it holds may be of the part before
-        self._source = next((name for name in INPUTS if name in origin.topics), None)
+        self._source = next((name for name in (*INPUTS, DRIVE_STATE.name)
+                             if name in origin.topics), None)
+        self._moved = self._moved_of(origin, about)
         is_same_estimator = about.get(rate_estimator.KEY) == str(rate_estimator.VERSION)
         self._scene, self._driven = None, Driven(origin.scene, is_same_estimator)
         self._tallies, self._acting, self._early = {}, Acting(), []
         self.change(origin.scene, None)
+
+    @staticmethod
+    def _moved_of(origin, about):
+        """Return what steps the drive again, None where there is none or no order to step in."""
+        if origin.scene.dynamics is None or not origin.in_order:
+            return None
+        from fourbar_ros.bag.moved import Moved  # and the equation of motion
+        from fourbar_ros.dynamics.stepper import KEY
+        return Moved(origin.scene, about.get(KEY, 'unknown'))
 
     def is_new(self, scene):
         """Return whether a scene counts as a change: rosbag2 repeats the latched one."""
@@ -116,6 +127,8 @@ class _Comparison:
                                                     scene.layout)
         self._acting.wrenches = self._stepper.acting
         self._driven.change(scene)
+        if self._moved:
+            self._moved.change(scene)
         self._wanted = scene.needs_loads, 'points' in scene.outputs
         self._constant = {'mode': scene.linkage.mode,
                           'change_point_margin': scene.linkage.change_point_margin,
@@ -153,6 +166,11 @@ class _Comparison:
         raw = [inputs_of(found, self._scene) for found in by_name.get(self._source, ())]
         if raw and self._in_order:
             self._driven.take(*in_order(raw))
+        if self._moved:
+            for found in by_name.get(TORQUE.name, ()):
+                self._moved.commands(found)
+            for found in by_name.get(DRIVE_STATE.name, ()):
+                self._moved.compare(found)
         if DRIVEN.name not in by_name:
             return
         self._check_text(by_name[DRIVEN.name])
@@ -309,6 +327,10 @@ class _Comparison:
         for field, value in self._driven.largest.items() if self._driven.compared else ():
             self._note(DRIVEN.name, field, value)
         self.counts[DRIVEN.name] = self.inputs
+        if self._moved:
+            self.counts[DRIVE_STATE.name] = self._moved.compared + self._moved.alone
+            for field, value in self._moved.largest.items():
+                self._note(DRIVE_STATE.name, field, value)
         differences = [Difference(self.topics[name], field, self.counts[name], value)
                        for (name, field), value in self.largest.items() if name in self.counts]
         return Recomputed(differences, self.inputs, self.compared, self.unmatched, self.missing,
@@ -323,6 +345,9 @@ class _Comparison:
             return (f'not computed again: driven by the {self._scene.drive.source}, no input in '
                     'the bag')
         text = f'{driven.compared} computed again from {self.topics[self._source]}'
+        if self._moved:
+            text += (f' ({self._moved.integrator}), {self._moved.compared} of these states '
+                     'stepped again from the one before')
         if driven.unknown:
             text += (f', {driven.unknown} with rates estimated from samples before it or by '
                      'another version')

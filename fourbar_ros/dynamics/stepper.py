@@ -21,7 +21,8 @@ from fourbar_ros.dynamics.step_equations import Elastic, plus, Rigid, Solver, St
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError
 
-VERSION = 1                # of the method: a bag is stepped again by the same one only
+KEY = 'integrator'         # in a bag: what made its motion
+NAME = 'steps of the node, version 1'     # a bag is stepped again by the same version only
 DONE, BUDGET, LIMIT, FAILED = 'done', 'budget used up', 'at a limit', 'not finite'
 
 GAMMA = 0.25
@@ -143,10 +144,8 @@ class OneStep:
             change, solver = self._linear(state, piece)
             while True:
                 h = min(h, left)
-                needed = len(A) if h == left else len(A) + 2      # 2: to go on behind it
-                if self._count + needed > self._budget:
-                    # what is left in one implicit Euler step, which needs no evaluation
-                    return plus(state, 1.0, solver(1.0 / left)(change)), False
+                if self._count + len(A) + (0 if h == left else 2 + len(A)) > self._budget:
+                    return self._rest(state, left, piece, change, solver), False
                 new, scale = self._try(state, h, piece, change, solver)
                 if scale >= 1.0:
                     to_kink = self._to_kink(state, new, h * change[self._motor], piece, piece_at)
@@ -156,6 +155,15 @@ class OneStep:
                 h *= scale
             state, left, h = new, left - h, h * scale
         return state, True
+
+    def _rest(self, state: State, left: float, piece: Piece, change: State,
+              solver: Solver) -> State:
+        """Return the state after all that is left, at one go: both methods are stable."""
+        if self._count + len(A) <= self._budget:
+            new, scale = self._try(state, left, piece, change, solver)
+            if scale > SMALLEST:
+                return new
+        return plus(state, 1.0, solver(1.0 / left)(change))      # implicit Euler
 
     def _linear(self, state: State, piece: Piece) -> tuple[State, Solver]:
         """Return dx/dt, and the solver of its Jacobian, whose column of q is a difference."""

@@ -144,6 +144,13 @@ class Scene(NamedTuple):
         return [TORQUE, DRIVE_STATE] if self.drive.source == TORQUE.name else [DRIVE_STATE]
 
     @property
+    def mover(self):
+        """Return the :class:`~fourbar_ros.dynamics.mover.Mover`, which makes the motion."""
+        from fourbar_ros.dynamics.mover import Mover
+        return Mover(self.dynamics.system(self.linkage), self.drive.tolerance, self.drive.budget,
+                     self.drive.source == TORQUE.name)
+
+    @property
     def layout(self):
         """Return the :class:`~fourbar_ros.pipeline.message_fields.FieldMap` of its values."""
         found = layout(Names.of(self.linkage), tuple(self.points), self.needs_loads,

@@ -9,6 +9,7 @@ from fourbar_msgs.msg import LinkageState, Motion
 from fourbar_ros.scene import scene
 import pytest
 from sensor_msgs.msg import JointState
+from support.harness import set_parameters
 from support.scenes import PAPER, ROCKER
 
 NANOSECONDS = 10**9
@@ -128,21 +129,6 @@ def test_unstamped_inputs_are_stamped_on_arrival(drive, client):
 
 
 # --- changes while it runs -----------------------------------------------------------------------
-
-def set_parameters(client, values, atomically=False):
-    from rcl_interfaces.srv import SetParameters, SetParametersAtomically
-    from rclpy.parameter import Parameter
-    kind = SetParametersAtomically if atomically else SetParameters
-    caller = client.node.create_client(kind, '/fourbar/set_parameters'
-                                       + ('_atomically' if atomically else ''))
-    client.until(caller.service_is_ready, 'the parameter service')
-    future = caller.call_async(kind.Request(
-        parameters=[Parameter(name, value=value).to_parameter_msg()
-                    for name, value in values.items()]))
-    client.until(future.done, 'the answer')
-    client.node.destroy_client(caller)
-    return [future.result().result] if atomically else future.result().results
-
 
 def test_parameters_change_between_two_steps_or_are_refused_with_the_reason(drive, client):
     send, _ = drive({}, source='motion')

@@ -142,3 +142,19 @@ class Client(client.Client):
         super().close()
         self.node.destroy_node()
         rclpy.try_shutdown()
+
+
+def set_parameters(client, values, atomically=False):
+    """Change parameters of a node; return the results."""
+    from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+    from rclpy.parameter import Parameter
+    kind = SetParametersAtomically if atomically else SetParameters
+    caller = client.node.create_client(kind, '/fourbar/set_parameters'
+                                       + ('_atomically' if atomically else ''))
+    client.until(caller.service_is_ready, 'the parameter service')
+    future = caller.call_async(kind.Request(
+        parameters=[Parameter(name, value=value).to_parameter_msg()
+                    for name, value in values.items()]))
+    client.until(future.done, 'the answer')
+    client.node.destroy_client(caller)
+    return [future.result().result] if atomically else future.result().results

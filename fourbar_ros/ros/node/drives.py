@@ -77,7 +77,8 @@ class TimerDrive(Drive):
             self._node.failure = error
 
     def _run(self):
-        settings, angle, began = self.settings, self.settings.start, time.monotonic()
+        settings, began = self.settings, time.monotonic()
+        self._begin(settings)
         offset, checked = self._offset(), began
         sample, period = 0, 1.0 / settings.rate
         while not self._stopping:
@@ -99,13 +100,23 @@ class TimerDrive(Drive):
             moment = began + elapsed
             if moment - checked > CHECK_CLOCK:
                 offset, checked = self._follow_clock(offset), moment
-            now = angle + settings.speed * elapsed
-            self._stream.step(sec_nanosec(round(moment * 1e9) + offset), now, settings.speed, 0.0)
+            self._sample(sec_nanosec(round(moment * 1e9) + offset), settings, elapsed)
             sample += 1
             # go on from here at the new speed and rate
             if self.settings is not settings:
-                settings, angle, began, sample = self.settings, now, moment, 1
+                self._go_on(settings, elapsed)
+                settings, began, sample = self.settings, moment, 1
                 period = 1.0 / settings.rate
+
+    def _begin(self, settings):
+        self._angle = settings.start
+
+    def _sample(self, stamp, settings, elapsed):
+        self._stream.step(stamp, self._angle + settings.speed * elapsed, settings.speed, 0.0)
+
+    def _go_on(self, settings, elapsed):
+        """Take the angle of now as that from which it goes on with other settings."""
+        self._angle += settings.speed * elapsed
 
     def _offset(self):
         return self._node.get_clock().now().nanoseconds - time.monotonic_ns()

@@ -17,6 +17,7 @@ from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.ros.node.worker import Worker
 from fourbar_ros.ros.stop import Stop
 from fourbar_ros.scene.arguments import check_node_arguments, NODE_HELP, node_names
+from fourbar_ros.scene.of_dynamics import SOURCES
 from fourbar_ros.scene.topics import FIND_EXTREMA, SERVICES
 import rclpy
 from rclpy.exceptions import NameValidationException, ParameterException
@@ -69,9 +70,14 @@ class FourBarNode(Node):
                                f'driven by {scene.drive.source}')
 
     def _drive_of(self, source):
+        is_simulated = self.get_parameter('use_sim_time').value
+        if source in SOURCES:
+            # only these scenes need their modules and messages
+            from fourbar_ros.ros.node.torque import SimulatedTorqueDrive, TorqueDrive
+            return SimulatedTorqueDrive if is_simulated else TorqueDrive
         if source != 'timer':
             return TopicDrive
-        return SimulatedTimerDrive if self.get_parameter('use_sim_time').value else TimerDrive
+        return SimulatedTimerDrive if is_simulated else TimerDrive
 
     def _wrench_inputs(self, scene):
         if not scene.wrenches.links:
@@ -95,7 +101,7 @@ class FourBarNode(Node):
         self.stream.apply(scene)
         if self.wrenches:
             self.wrenches.apply(scene)
-        if settings_changed:
+        if settings_changed or scene.dynamics:
             self.drive.apply(scene.drive)
 
     def fail(self, error):

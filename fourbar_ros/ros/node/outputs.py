@@ -11,13 +11,14 @@ from typing import NamedTuple
 
 from fourbar_ros.pipeline.status import OK
 from fourbar_ros.ros.node.publishers import TopicPublisher
-from fourbar_ros.scene.topics import DRIVEN
+from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN
 
 
 class Wanted(NamedTuple):
     """The outputs that a step is for, and what it has to compute for them."""
 
     driven: bool
+    drive_state: bool
     outputs: list[TopicPublisher]
     with_loads: bool
     with_points: bool
@@ -41,7 +42,7 @@ class Outputs:
 
     def __init__(self, node, recording):
         self._node, self._recording = node, recording
-        self._driven, self.named = self._publisher(DRIVEN), []
+        self._driven, self._drive_state, self.named = self._publisher(DRIVEN), None, []
 
     def apply(self, scene):
         """Take over a scene: create and destroy publishers."""
@@ -51,22 +52,27 @@ class Outputs:
             there[name].destroy()
         self.named = [there.get(name) or self._publisher(topic)
                       for name, topic in scene.topics.items()]
-        for output in (self._driven, *self.named):
+        if scene.dynamics and not self._drive_state:
+            self._drive_state = self._publisher(DRIVE_STATE)
+        for output in self._every():
             output.apply(scene)
         self._update()
+
+    def _every(self):
+        return [self._driven, *([self._drive_state] if self._drive_state else []), *self.named]
 
     def _publisher(self, topic):
         return TopicPublisher(self._node, topic, self._update)
 
     def _update(self):
         """Note what is needed: when a subscriber comes or leaves, not in every step."""
-        every = [self._driven, *self.named]
+        every = self._every()
         self._all = self._needed_for(every)
         self._subscribed = self._needed_for([output for output in every if output.is_heard])
 
     def _needed_for(self, those):
         outputs = [output for output in self.named if output in those]
-        return Wanted(self._driven in those, outputs,
+        return Wanted(self._driven in those, self._drive_state in those, outputs,
                       any(output.needs_loads for output in outputs),
                       any(output.is_point for output in outputs))
 
@@ -77,6 +83,10 @@ class Outputs:
     def send_driven(self, stamp, values):
         """Send the driven motion."""
         self._send([self._driven], stamp, OK, values)
+
+    def send_drive_state(self, stamp, status, values):
+        """Send the state of a drive that works by torque."""
+        self._send([self._drive_state], stamp, status, values)
 
     def send(self, stamp, status, values, outputs=None):
         """Send these outputs; all of the scene by default."""

@@ -5,9 +5,10 @@ from __future__ import annotations
 
 from math import isnan
 
+from fourbar_ros.pipeline.message_fields import FieldMap
 from fourbar_ros.ros.messages import resolve, set_constants
 from fourbar_ros.ros.node import packed, qos
-from fourbar_ros.scene.topics import OUTPUTS, QUEUE_DEPTH
+from fourbar_ros.scene.topics import DRIVE_STATE, OUTPUTS, QUEUE_DEPTH
 from rclpy.event_handler import PublisherEventCallbacks, UnsupportedEventTypeError
 
 
@@ -55,7 +56,8 @@ class TopicPublisher:
         """Take over a scene."""
         set_constants(self.name, self._message, scene)
         self._positions = _needed(self.name, scene)
-        self.pack, is_packed = packed.writer(self.name, self._message, scene.layout)
+        layout = drive_layout() if self.name == DRIVE_STATE.name else scene.layout
+        self.pack, is_packed = packed.writer(self.name, self._message, layout)
         if not is_packed:
             self._node.get_logger().info(f'{self._topic.topic}: {self._topic.type} cannot be '
                                          'packed here, ROS serialises every message', once=True)
@@ -74,6 +76,14 @@ class TopicPublisher:
     def destroy(self):
         """Leave the graph."""
         self._node.destroy_publisher(self._publisher)
+
+
+def drive_layout():
+    """Return the FieldMap of a DriveState, whose values are those of DriveValues."""
+    from fourbar_ros.dynamics.mover import DriveValues  # only these scenes need it
+    names = DriveValues._fields
+    return FieldMap({DRIVE_STATE.name: dict(zip(names, names))}, {},
+                    {name: i for i, name in enumerate(names)}, ())
 
 
 def _needed(name, scene):

@@ -92,8 +92,8 @@ class Recording:
             with contextlib.suppress(BagError):
                 # a bag that ended by an error, which was logged
                 self._writer.close()
-        topics = [DRIVEN, SCENE, *scene.wrench_topics, *scene.topics.values(),
-                  *scene.pictures.values()]
+        topics = [DRIVEN, SCENE, *scene.drive_topics, *scene.wrench_topics,
+                  *scene.topics.values(), *scene.pictures.values()]
         if scene.drive.source in INPUTS:
             topics.append(INPUTS[scene.drive.source])
         topics, resolved = self._without_our_own(topics)
@@ -101,6 +101,9 @@ class Recording:
                  'node': self._node.get_fully_qualified_name(),
                  'units': 'SI: m, kg, s, rad, N, N m', 'software': json.dumps(software()),
                  rate_estimator.KEY: str(rate_estimator.VERSION)}
+        if scene.dynamics:
+            from fourbar_ros.dynamics import stepper
+            about[stepper.KEY] = stepper.NAME
         writer = BagWriter(directory_of(scene), name,
                            [channel(topic, resolved[topic.name]) for topic in topics], about,
                            tell=self._node.get_logger().error,

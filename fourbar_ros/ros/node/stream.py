@@ -108,19 +108,48 @@ class Stream:
     def step(self, stamp, position, rate, acceleration):
         """Evaluate one input and send the outputs; ``stamp``: (seconds, nanoseconds)."""
         with self._lock:
-            self.steps += 1
-            wanted = self.outputs.wanted()
-            if wanted.driven:
-                self.outputs.send_driven(stamp, self._as_it_came(position, rate, acceleration))
-            seen = self.pictures.are_due(stamp)
-            if not wanted.outputs and not seen:
-                return
-            status, self._values = self._stepper.step(
-                position, rate, acceleration, wanted.with_loads or seen and self.pictures.of_loads,
-                wanted.with_points)
-            self.outputs.send(stamp, status, self._values, wanted.outputs)
-            if seen:
-                self.pictures.send(stamp, self._values)
+            status = self._step(stamp, position, rate, acceleration, self.outputs.wanted())
+        self._note(status, position)
+
+    def step_by(self, stamp, move):
+        """
+        Step to where a drive moves: ``move()`` gives its status and DriveValues.
+
+        Nothing else happens meanwhile: what a bag holds before a step had a say in it.
+        """
+        with self._lock:
+            wanted, (drive_status, values) = self.outputs.wanted(), move()
+            if wanted.drive_state:
+                self.outputs.send_drive_state(stamp, drive_status, values)
+            status = self._step(stamp, values.position, values.velocity, values.acceleration,
+                                wanted)
+        self._note(status, values.position)
+
+    def between_steps(self, topic, data, take):
+        """Record an input and take it, ``take()``, between two steps."""
+        with self._lock:
+            self._recording.write(topic, data)
+            take()
+
+    def _step(self, stamp, position, rate, acceleration, wanted):
+        """Send what is wanted; return the status, None if nothing was computed."""
+        self.steps += 1
+        if wanted.driven:
+            self.outputs.send_driven(stamp, self._as_it_came(position, rate, acceleration))
+        seen = self.pictures.are_due(stamp)
+        if not wanted.outputs and not seen:
+            return None
+        status, self._values = self._stepper.step(
+            position, rate, acceleration, wanted.with_loads or seen and self.pictures.of_loads,
+            wanted.with_points)
+        self.outputs.send(stamp, status, self._values, wanted.outputs)
+        if seen:
+            self.pictures.send(stamp, self._values)
+        return status
+
+    def _note(self, status, position):
+        if status is None:
+            return
         if status != OK:
             self.bad_steps += 1
         if status != self.status:                        # once per change, not per sample

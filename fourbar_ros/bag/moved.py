@@ -1,0 +1,101 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Is the motion that a node made from torque the one that its drive makes?
+
+Every DriveState is computed again from the one before it, and the torque in effect from what came
+on the topic. Of a bag whose motion another integrator made, accelerations and torques are computed
+again from the states.
+"""
+from __future__ import annotations
+
+from math import inf, isfinite, isnan
+
+from fourbar_ros.bag.difference import apart
+from fourbar_ros.dynamics.mover import DriveValues, OK, SILENT
+from fourbar_ros.dynamics.stepper import NAME
+from fourbar_ros.scene.topics import TORQUE
+import numpy as np
+
+
+class Moved:
+    """
+    Goes through the states of a drive as a mover does.
+
+    Parameters
+    ----------
+    scene : Scene
+    integrator : str
+        What the bag says of it.
+
+    Attributes
+    ----------
+    largest : dict
+        {field: largest difference}.
+    compared, alone : int
+        States that were stepped again from the one before; those of which the accelerations and
+        torques alone were: at a start, after a gap, of another integrator.
+
+    """
+
+    def __init__(self, scene, integrator):
+        self.integrator, self._steps = integrator, integrator == NAME
+        self.largest, self.compared, self.alone = {}, 0, 0
+        self._before, self._commands, self._torque = (None, 0), [], None
+        self.change(scene)
+
+    def change(self, scene):
+        """Take another scene; the state stays."""
+        self._scene, self._mover = scene, scene.mover
+
+    def commands(self, columns):
+        """Take messages of the torque topic."""
+        wrench = columns.tree.wrench
+        torques = (wrench.force.x if self._scene.linkage.is_driven_by_slide else wrench.torque.z)
+        limit = self._scene.drive.torque_limit
+        limit = inf if isnan(limit) else limit
+        self._commands += [(place, min(max(torque, -limit), limit))
+                           for place, torque in zip(columns.places.tolist(), torques.tolist())
+                           if isfinite(torque)]
+
+    def compare(self, columns):
+        """Compare DriveStates, in order."""
+        statuses = columns.records['status'].tolist()
+        rows = np.stack([columns.records[name] for name in DriveValues._fields], axis=1)
+        for place, stamp, status, row in zip(columns.places.tolist(), columns.stamps.tolist(),
+                                             statuses, rows.tolist()):
+            self._one(place, stamp, status, DriveValues(*row))
+
+    def _one(self, place, stamp, status, values):
+        while self._commands and self._commands[0][0] < place:
+            self._torque = self._commands.pop(0)[1]
+        (before, at), self._before = self._before, (values, stamp)
+        self._note('command', self._command_apart(status, values.command))
+        follows = before is not None and 0.5 < (stamp - at) * 1e-9 / (values.step or inf) < 1.5
+        if not (follows and self._steps):
+            state = self._mover.state(values)
+            again = self._mover.values(state, values.step, values.command, values.evaluations)
+            self.alone += 1
+        else:
+            expected, again = self._mover.next(before, values.step, values.command,
+                                               status == SILENT)
+            self._note('status', 0.0 if expected == status else inf)
+            self.compared += 1
+        for name, there, expected in zip(values._fields, values, again):
+            self._note(name, apart(there, expected))
+
+    def _command_apart(self, status, command):
+        """Return how far a torque in effect is from what the topic and its policy say."""
+        if self._scene.drive.source != TORQUE.name:
+            return 0.0 if isnan(command) else inf
+        has_zero = self._scene.drive.when_silent == 'zero'
+        if status == SILENT and has_zero:
+            return apart(command, 0.0)
+        if self._torque is None:                         # what came before the bag is not known
+            return 0.0
+        # held at a limit, or out of budget, it may be silent too
+        return min(apart(command, self._torque),
+                   apart(command, 0.0) if has_zero and status not in (OK, SILENT) else inf)
+
+    def _note(self, field, value):
+        self.largest[field] = max(self.largest.get(field, 0.0), value)

@@ -1,0 +1,96 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The state of a drive from one sample to the next, in the numbers of a DriveState message."""
+from __future__ import annotations
+
+from math import isnan, nan
+from typing import NamedTuple
+
+from fourbar_ros.dynamics.drives import DCMotor
+from fourbar_ros.dynamics.step_equations import State
+from fourbar_ros.dynamics.stepper import BUDGET, DONE, FAILED, LIMIT, OneStep
+from fourbar_ros.dynamics.system import System
+
+# The same numbers as the STATUS_ constants of fourbar_msgs/DriveState (a test compares them).
+OK, SILENT, OUT_OF_BUDGET, AT_LIMIT, NOT_FINITE = range(5)
+STATUS_NAMES = ('ok', 'no torque comes', 'budget of the step used up', 'held at a limit',
+                'held: not finite')
+_STATUS = {DONE: OK, BUDGET: OUT_OF_BUDGET, LIMIT: AT_LIMIT, FAILED: NOT_FINITE}
+
+
+class DriveValues(NamedTuple):
+    """Fields of a DriveState message, in its units; what a drive does not have is NaN."""
+
+    step: float
+    command: float
+    position: float
+    velocity: float
+    acceleration: float
+    twist: float
+    motor_position: float
+    motor_velocity: float
+    motor_torque: float
+    torque: float
+    current: float
+    speed_error_integral: float
+    evaluations: float
+
+
+class Mover:
+    """
+    Advances a drive and its linkage from one message to the next.
+
+    The numbers of a message are all there is to know of the state: a bag can be stepped again.
+
+    Parameters
+    ----------
+    system : System
+    tolerance, budget : float, int
+        Of a step, see :class:`~fourbar_ros.dynamics.stepper.OneStep`.
+    takes_commands : bool
+        The torque comes from a topic.
+
+    """
+
+    def __init__(self, system: System, tolerance: float, budget: int,
+                 takes_commands: bool) -> None:
+        self._one, self._takes_commands = OneStep(system, tolerance, budget), takes_commands
+        drive = system.drive
+        self._has_shaft = drive is not None and drive.shaft is not None
+        source = drive.source if drive else None
+        self._own = ('' if source is None or not source.start else
+                     'current' if isinstance(source, DCMotor) else 'speed_error_integral')
+
+    def start(self, command: float = 0.0) -> DriveValues:
+        """Return the values at the start."""
+        return self.values(self._one.start, 0.0, command, 0)
+
+    def values(self, state: State, step: float, command: float, evaluations: int) -> DriveValues:
+        """Return the values of a state."""
+        position, rate, twist, speed, own = state
+        command = command if self._takes_commands else nan
+        found = self._one.torques(state, command if self._takes_commands else None)
+        twist, speed = (twist, speed) if self._has_shaft else (nan, rate)
+        return DriveValues(
+            step, command, position, rate, found.acceleration, twist,
+            position + twist if self._has_shaft else position, speed, found.of_motor,
+            found.on_input, own if self._own == 'current' else nan,
+            own if self._own == 'speed_error_integral' else nan, float(evaluations))
+
+    def state(self, values: DriveValues) -> State:
+        """Return the state that values stand for, also after a change of shaft or source."""
+        own = getattr(values, self._own) if self._own else 0.0
+        own = 0.0 if isnan(own) else own
+        if not self._has_shaft:
+            return values.position, values.velocity, 0.0, 0.0, own
+        twist = 0.0 if isnan(values.twist) else values.twist
+        return values.position, values.velocity, twist, values.motor_velocity, own
+
+    def next(self, values: DriveValues, step: float, command: float = 0.0,
+             is_silent: bool = False) -> tuple[int, DriveValues]:
+        """Return (status, values) after a time [s] under the torque of a topic, or of a motor."""
+        done = self._one.advance(self.state(values), step,
+                                 command if self._takes_commands else None)
+        status = _STATUS[done.status]
+        return (SILENT if status == OK and is_silent else status,
+                self.values(done.state, step, command, done.evaluations))

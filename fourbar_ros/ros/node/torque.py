@@ -1,0 +1,208 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Move the input by torque, of a topic or of a motor, on the grid of the clock."""
+from __future__ import annotations
+
+from math import inf, isfinite, isnan, nan
+import time
+
+from fourbar_ros.dynamics.mover import (
+    AT_LIMIT,
+    NOT_FINITE,
+    OK,
+    OUT_OF_BUDGET,
+    SILENT,
+    STATUS_NAMES,
+)
+from fourbar_ros.ros.messages import resolve, sec_nanosec
+from fourbar_ros.ros.node import qos
+from fourbar_ros.ros.node.drives import CATCH_UP, Drive, TimerDrive
+from fourbar_ros.scene.topics import INPUT_DEPTH, TORQUE
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
+
+COUNTED = ('late', 'missed', 'clock_steps', 'torques', 'malformed', 'not_finite', 'limited',
+           'silences', 'budgets_used_up', 'stops_at_a_limit', 'failures')
+_COUNTER = {OUT_OF_BUDGET: 'budgets_used_up', AT_LIMIT: 'stops_at_a_limit',
+            NOT_FINITE: 'failures'}
+
+
+class Command:
+    """
+    The torque of the topic: the last finite one, within the limit, or what silence means.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+    stream : Stream
+    counts : dict
+        To count in.
+
+    """
+
+    def __init__(self, node, stream, counts):
+        self._node, self._stream, self._counts = node, stream, counts
+        self._type, self._torque, self._heard = resolve(TORQUE.type), 0.0, -inf
+        self._was_silent = True
+        profile = QoSProfile(depth=INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
+        self._subscription = qos.create(node, 'subscription', self._type, TORQUE.topic,
+                                        self._receive, profile, raw=True)
+
+    def destroy(self):
+        """Unsubscribe."""
+        self._node.destroy_subscription(self._subscription)
+
+    @property
+    def age(self):
+        """Return the time since the newest torque [s], NaN before the first."""
+        return time.monotonic() - self._heard if self._heard > -inf else nan
+
+    def now(self, settings):
+        """Return (torque in effect, whether the topic is silent), during a step."""
+        is_silent = self._heard == -inf or 0.0 < settings.timeout < self.age
+        if is_silent and not self._was_silent:
+            self._counts['silences'] += 1
+            self._node.log.warning('torque', f'{TORQUE.topic}: no torque for '
+                                             f'{settings.timeout:g} s: {settings.when_silent}')
+        self._was_silent = is_silent
+        return (0.0 if is_silent and settings.when_silent == 'zero' else self._torque), is_silent
+
+    def _receive(self, data):
+        try:
+            wrench = deserialize_message(data, self._type).wrench
+        # whatever a foreign writer sends, the node goes on; a bag does not hold it
+        except Exception:
+            self._note('malformed', f'a message that is no {TORQUE.type}')
+            return
+        scene = self._stream.scene
+        torque = wrench.force.x if scene.linkage.is_driven_by_slide else wrench.torque.z
+        self._counts['torques'] += 1
+
+        def take():
+            if isfinite(torque):
+                self._torque, self._heard = self._limited(torque, scene.drive), time.monotonic()
+        if not isfinite(torque):
+            self._note('not_finite', 'a torque that is not finite: ignored')
+        self._stream.between_steps(TORQUE.name, data, take)
+
+    def _limited(self, torque, settings):
+        limit = inf if isnan(settings.torque_limit) else settings.torque_limit
+        if abs(torque) > limit:
+            self._note('limited', f'a torque of {torque:g} is more than drive.torque_limit')
+        return min(max(torque, -limit), limit)
+
+    def _note(self, what, text):
+        self._counts[what] += 1
+        self._node.log.warning(what, f'{TORQUE.topic}: {text}')
+
+
+class Moving:
+    """What both drives by torque have: the state, and what the diagnostics say of it."""
+
+    COUNTED = COUNTED
+
+    def _prepare(self):
+        self._scene, self._mover, self._values, self._status = None, None, None, OK
+        scene = self._stream.scene
+        self._command = (Command(self._node, self._stream, self.counts)
+                         if scene.drive.source == TORQUE.name else None)
+
+    def age(self):
+        """Return the time since the newest torque [s], NaN if there is none to wait for."""
+        return self._command.age if self._command else nan
+
+    def state(self):
+        """Return (values, problems) for the diagnostics."""
+        if self._values is None:
+            return {}, []
+        return ({'drive': STATUS_NAMES[self._status],
+                 'input': f'{self._values.position:.6g}', 'speed': f'{self._values.velocity:.6g}',
+                 'torque': f'{self._values.torque:.6g}',
+                 'evaluations in a step': f'{self._values.evaluations:.0f}'},
+                [STATUS_NAMES[self._status]] if self._status != OK else [])
+
+    def _move(self, step):
+        """Return (status, values) a time later; the first time those of the start."""
+        if self._scene is not self._stream.scene:        # another one; the state stays
+            self._scene, self._mover = self._stream.scene, self._stream.scene.mover
+        command, is_silent = (self._command.now(self._scene.drive) if self._command
+                              else (nan, False))
+        if self._values is None:
+            self._values = self._mover.start(command)
+            return SILENT if is_silent else OK, self._values
+        status, self._values = self._mover.next(self._values, step, command, is_silent)
+        if status != self._status:
+            self._status = status
+            self._node.log.warning(f'drive {status}', f'drive: {STATUS_NAMES[status]}')
+        if status in _COUNTER:
+            self.counts[_COUNTER[status]] += 1
+        return status, self._values
+
+
+class TorqueDrive(Moving, TimerDrive):
+    """
+    Torque on the wall clock: sample k belongs to start + k / rate.
+
+    Every sample moves the state by one period. Samples that a machine misses are not made up for:
+    the motion stands still meanwhile.
+    """
+
+    def start(self):
+        """Subscribe, start the thread."""
+        self._prepare()
+        super().start()
+
+    def stop(self):
+        """Stop it and wait for the sample in hand."""
+        super().stop()
+        if self._command:
+            self._command.destroy()
+
+    def _begin(self, settings):
+        """Begin at the start of the scene."""
+
+    def _sample(self, stamp, settings, elapsed):
+        self._stream.step_by(stamp, lambda: self._move(1.0 / settings.rate))
+
+    def _go_on(self, settings, elapsed):
+        """Go on from the state of now."""
+
+
+class SimulatedTorqueDrive(Moving, Drive):
+    """Torque on simulated time: a ROS timer; each sample moves the state by what has passed."""
+
+    def start(self):
+        """Subscribe, start the timer."""
+        self._prepare()
+        self._last = 0
+        self._timer = self._node.create_timer(1.0 / self.settings.rate, self._tick)
+
+    def stop(self):
+        """Stop it."""
+        self._node.destroy_timer(self._timer)
+        if self._command:
+            self._command.destroy()
+
+    def apply(self, settings):
+        """Take over a scene, and its rate."""
+        rate_changed = settings.rate != self.settings.rate
+        super().apply(settings)
+        if rate_changed:
+            self._node.destroy_timer(self._timer)
+            self._timer = self._node.create_timer(1.0 / settings.rate, self._tick)
+
+    def _tick(self):
+        now = self._node.get_clock().now().nanoseconds
+        if now == 0:
+            return                                       # no /clock yet
+        step = (now - self._last) * 1e-9
+        if self._last and now < self._last:
+            self.counts['clock_steps'] += 1
+            self._node.get_logger().warning('simulated time went back: starting again')
+            self._values = None
+        elif self._last and step > CATCH_UP:             # the motion stands still meanwhile
+            self.counts['missed'] += 1
+            step = 1.0 / self.settings.rate
+        is_new, self._last = now != self._last, now
+        if is_new:
+            self._stream.step_by(sec_nanosec(now), lambda: self._move(step))

@@ -1,0 +1,165 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""A real node that is driven by torque, of a topic or of a motor; its bags are stepped again."""
+from math import inf, isnan, nan
+
+from fourbar_msgs.msg import DriveState
+from fourbar_ros.bag.info import info
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.recompute import compare
+from fourbar_ros.dynamics import mover
+from fourbar_ros.dynamics.drives import MotorLine
+from fourbar_ros.dynamics.simulate import simulate
+from fourbar_ros.scene import scene
+from fourbar_ros.scene.topics import DRIVE_STATE, TORQUE
+from geometry_msgs.msg import WrenchStamped
+import numpy as np
+import pytest
+from support.harness import set_parameters
+from support.scenes import PAPER, RODS
+
+TORQUE_DRIVEN = {**PAPER, **RODS, 'gravity.y': -9.81, 'drive.source': 'torque',
+                 'drive.rate': 200.0, 'outputs': ['state', 'loads']}
+MOTOR_DRIVEN = {**TORQUE_DRIVEN, 'drive.source': 'motor', 'motor.stall_torque': 400.0,
+                'motor.free_speed': 26.0, 'motor.rotor_inertia': 0.5, 'shaft.stiffness': 1e9,
+                'shaft.damping': 100.0, 'drive.rate': 1000.0}
+
+
+def recording(tmp_path):
+    return {'recording.directory': str(tmp_path), 'recording.name': 'run',
+            'recording.start': True}
+
+
+def states(client):
+    """Listen to the state of the drive; return the growing list of messages."""
+    heard = []
+    client.node.create_subscription(DriveState, '/fourbar/drive_state', heard.append, 1000)
+    return heard
+
+
+def torques(client):
+    """Return the function that sends a torque."""
+    publisher = client.node.create_publisher(WrenchStamped, '/fourbar/torque', 10)
+    client.until(publisher.get_subscription_count, 'the node at the torque topic')
+
+    def send(torque):
+        message = WrenchStamped()
+        message.wrench.torque.z = torque
+        publisher.publish(message)
+        return True
+    return send
+
+
+def in_bag(path, topic):
+    return [record.message for record in Bag(path).records([topic])]
+
+
+def test_the_numbers_of_the_status_are_those_of_the_message():
+    names = ('OK', 'SILENT', 'BUDGET', 'AT_LIMIT', 'FAILED')
+    assert [getattr(DriveState, f'STATUS_{name}') for name in names] == [
+        mover.OK, mover.SILENT, mover.OUT_OF_BUDGET, mover.AT_LIMIT, mover.NOT_FINITE]
+    fields = list(DriveState.get_fields_and_field_types())
+    assert tuple(fields[fields.index('step'):]) == mover.DriveValues._fields
+
+
+def test_a_motor_turns_the_paper_linkage_as_scipy_says(run_node, client, tmp_path):
+    node = run_node({**MOTOR_DRIVEN, **recording(tmp_path)})
+    heard = states(client)
+    client.until(lambda: len(heard) > 200, 'states of the drive')
+    assert node.stop() == 0
+    path = tmp_path / 'run'
+    found = compare(path)
+    assert not found.problems() and found.largest == 0.0 and info(path, check=True).is_sound
+    assert 'stepped again from the one before' in found.driven and found.inputs > 100
+    there = in_bag(path, '/fourbar/drive_state')
+    assert there[0].step == 0.0 and {m.step for m in there[1:]} == {0.001}
+    assert {m.status for m in there} == {DriveState.STATUS_OK}
+    dynamics = scene.from_values(MOTOR_DRIVEN)
+    times = 0.001 * np.arange(1, 80)
+    run = simulate(dynamics.dynamics.system(dynamics.linkage), 0.08, 1e-8, times=times)
+    ours = np.array([[m.position, m.velocity] for m in there[1:80]]).T
+    error = np.abs(ours - run.states[:2])
+    # the torque comes at once: the shaft rings at 9 kHz, which 1 kHz damps instead of following
+    assert error[0].max() < 1e-5 and error[1, 40:].max() < 1e-4
+    last = there[50]
+    assert last.motor_torque == pytest.approx(400.0 * (1 - last.motor_velocity / 26.0))
+    assert last.twist * 1e9 + 100.0 * (last.motor_velocity - last.velocity) == last.torque
+    assert isnan(last.current) and isnan(last.command) and last.motor_position == pytest.approx(
+        last.position + last.twist)
+
+
+def test_a_torque_topic_with_gaps_nan_and_jumps(run_node, client, tmp_path):
+    node = run_node({**TORQUE_DRIVEN, **recording(tmp_path), 'drive.timeout': 0.3,
+                     'drive.torque_limit': 50.0})
+    heard = states(client)
+    send = torques(client)
+    client.until(lambda: heard, 'a state')
+    assert heard[-1].status == DriveState.STATUS_SILENT and heard[-1].command == 0.0
+    # the first may come before the node knows the publisher
+    client.until(lambda: heard[-1].command == 5.0 or not send(5.0), 'the torque in effect')
+    for bad in (nan, inf, -inf):
+        send(bad)
+    send(1e300)                                          # a jump, to the limit
+    client.until(lambda: heard[-1].command == 50.0, 'the limited torque')
+    send(-20.0)
+    client.until(lambda: heard[-1].command == -20.0, 'the torque after the jump')
+    client.until(lambda: heard[-1].status == DriveState.STATUS_SILENT, 'silence')
+    assert heard[-1].command == 0.0
+    send(3.0)
+    client.until(lambda: heard[-1].command == 3.0, 'the torque after the gap')
+    assert node.stop() == 0
+    assert {m.command for m in heard} <= {0.0, 5.0, 50.0, -20.0, 3.0}
+    assert all(np.isfinite([m.position, m.velocity, m.acceleration]).all() for m in heard)
+    assert 'not finite' in node.said and 'drive.torque_limit' in node.said
+    found = compare(tmp_path / 'run')
+    assert not found.problems() and found.largest == 0.0, found
+    assert len(in_bag(tmp_path / 'run', '/fourbar/torque')) >= 7
+
+
+def test_silence_may_hold_the_torque(run_node, client, tmp_path):
+    run_node({**TORQUE_DRIVEN, 'drive.timeout': 0.2, 'drive.when_silent': 'hold'})
+    heard = states(client)
+    send = torques(client)
+    client.until(lambda: (heard and heard[-1].command == 4.0) or not send(4.0), 'the torque')
+    client.until(lambda: (heard[-1].command, heard[-1].status)
+                 == (4.0, DriveState.STATUS_SILENT), 'silence')
+
+
+def test_a_bag_of_another_motor_is_found_out(run_node, client, tmp_path, monkeypatch):
+    node = run_node({**MOTOR_DRIVEN, **recording(tmp_path)})
+    heard = states(client)
+    client.until(lambda: len(heard) > 20, 'states')
+    assert node.stop() == 0
+    assert not compare(tmp_path / 'run').problems()
+    monkeypatch.setattr(MotorLine, '__post_init__', lambda line: object.__setattr__(
+        line, 'stall_torque', 1.000001 * line.stall_torque))
+    found = compare(tmp_path / 'run')
+    assert {d.field for d in found.differences if d.largest} >= {'position', 'motor_torque'}
+
+
+def test_parameters_change_while_it_runs_and_the_state_goes_on(run_node, client, tmp_path):
+    node = run_node({**MOTOR_DRIVEN, **recording(tmp_path)})
+    heard = states(client)
+    client.until(lambda: len(heard) > 20, 'states')
+    assert set_parameters(client, {'motor.stall_torque': 100.0})[0].successful
+    mark = len(heard)
+    client.until(lambda: len(heard) > mark + 40, 'states after the change')
+    refused, = set_parameters(client, {'motor.kind': 'dc'})
+    assert not refused.successful and 'motor.voltage' in refused.reason
+    change = {'motor.kind': 'controller', 'motor.speed': 5.0, 'motor.proportional': 50.0,
+              'motor.integral': 10.0}
+    assert set_parameters(client, change, atomically=True)[0].successful
+    client.until(lambda: not isnan(heard[-1].speed_error_integral), 'the controller')
+    mark = len(heard)
+    client.until(lambda: len(heard) > mark + 20, 'states of the controller')
+    assert node.stop() == 0
+    steps = [b.position - a.position for a, b in zip(heard, heard[1:])]
+    assert max(map(abs, steps)) < 26.0 * 2 * 0.001       # nowhere a jump
+    assert not compare(tmp_path / 'run').problems()
+
+
+def test_topics_of_other_drives_are_not_there(run_node, client):
+    run_node({**PAPER, **RODS})
+    client.call('evaluate', position=0.5)
+    names = [name for name, _ in client.node.get_topic_names_and_types()]
+    assert not any(name.endswith((DRIVE_STATE.topic[1:], TORQUE.topic[1:])) for name in names)
