@@ -20,13 +20,15 @@ from fourbar_ros.cli import (
     reproduce,
     scene,
     show,
+    simulate,
     study,
 )
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.optional import MissingPackage
 from fourbar_ros.scene.arguments import Parser
 
-VERBS = (show, scene, bag, record, replay, draw, describe, study, balance, reproduce)
+VERBS = (show, scene, simulate, bag, record, replay, draw, describe, study, balance,
+         reproduce)
 DESCRIPTION = """\
 Motion, loads and extrema of planar four-bars, slider-cranks and inverted slider-cranks, and tools
 for recorded runs. Works without ROS, except for record and replay, which talk to a node.
@@ -43,6 +45,7 @@ examples:
   fourbar show slides_7_6 --at 60 --acceleration 100
   fourbar show cylinder --at 1.5               a boom and its cylinder, 1.5 m long
   fourbar scene check paper                    what a node with this scene does, and what it costs
+  fourbar simulate motor --until 2             a motor starts a linkage: extrema over the run
   fourbar bag info bags/run                    what a bag contains
   fourbar bag recompute bags/run               recompute every recorded output and compare
   fourbar describe paper -o paper.urdf         the scene as URDF; or --as sdf, --as mjcf

@@ -163,3 +163,9 @@ def test_topics_of_other_drives_are_not_there(run_node, client):
     client.call('evaluate', position=0.5)
     names = [name for name, _ in client.node.get_topic_names_and_types()]
     assert not any(name.endswith((DRIVE_STATE.topic[1:], TORQUE.topic[1:])) for name in names)
+
+
+def test_a_change_point_linkage_is_refused(run_node):
+    node = run_node({**TORQUE_DRIVEN, 'linkage.a1': 0.5, 'linkage.a2': 1.0, 'linkage.a3': 0.5,
+                     'linkage.a4': 1.0, 'drive.start': 1.0})
+    assert node.wait() == 2 and 'fourbar simulate' in node.said

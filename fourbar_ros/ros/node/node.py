@@ -6,7 +6,7 @@ from __future__ import annotations
 import contextlib
 import sys
 
-from fourbar_ros.errors import FourBarError
+from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.ros.node import parameters, services
 from fourbar_ros.ros.node.diagnostics import Diagnostics
 from fourbar_ros.ros.node.drives import SimulatedTimerDrive, TimerDrive, TopicDrive
@@ -72,6 +72,10 @@ class FourBarNode(Node):
     def _drive_of(self, source):
         is_simulated = self.get_parameter('use_sim_time').value
         if source in SOURCES:
+            if self.stream.scene.linkage.change_point_margin == 0.0:
+                raise InvalidParameter('drive.source', source, 'at its change points this linkage '
+                                       'goes on in the other assembly mode, which a node does not '
+                                       'follow: use fourbar simulate')
             # only these scenes need their modules and messages
             from fourbar_ros.ros.node.torque import SimulatedTorqueDrive, TorqueDrive
             return SimulatedTorqueDrive if is_simulated else TorqueDrive

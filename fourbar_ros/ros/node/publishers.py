@@ -55,7 +55,7 @@ class TopicPublisher:
     def apply(self, scene):
         """Take over a scene."""
         set_constants(self.name, self._message, scene)
-        self._positions = _needed(self.name, scene)
+        self._positions = needed(self.name, scene)
         layout = drive_layout() if self.name == DRIVE_STATE.name else scene.layout
         self.pack, is_packed = packed.writer(self.name, self._message, layout)
         if not is_packed:
@@ -86,7 +86,7 @@ def drive_layout():
                     {name: i for i, name in enumerate(names)}, ())
 
 
-def _needed(name, scene):
+def needed(name, scene):
     """Return the places of the values without which a message is not sent."""
     if name != 'joint_states' or scene.joint_states.when_unknown != 'skip':
         return ()

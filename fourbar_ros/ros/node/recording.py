@@ -97,10 +97,7 @@ class Recording:
         if scene.drive.source in INPUTS:
             topics.append(INPUTS[scene.drive.source])
         topics, resolved = self._without_our_own(topics)
-        about = {'scene': scene.as_json, 'topics': json.dumps(resolved),
-                 'node': self._node.get_fully_qualified_name(),
-                 'units': 'SI: m, kg, s, rad, N, N m', 'software': json.dumps(software()),
-                 rate_estimator.KEY: str(rate_estimator.VERSION)}
+        about = about_of(scene, resolved, self._node.get_fully_qualified_name())
         if scene.dynamics:
             from fourbar_ros.dynamics import stepper
             about[stepper.KEY] = stepper.NAME
@@ -168,6 +165,13 @@ class Recording:
         writer, channels = self._writer, self._channels
         if writer:
             writer.write_all([(channels[topic], data) for topic, data in messages])
+
+
+def about_of(scene, topics, node):
+    """Return what a bag keeps about a run; ``topics``: {short name: name in the bag}."""
+    return {'scene': scene.as_json, 'topics': json.dumps(topics), 'node': node,
+            'units': 'SI: m, kg, s, rad, N, N m', 'software': json.dumps(software()),
+            rate_estimator.KEY: str(rate_estimator.VERSION)}
 
 
 def directory_of(scene):

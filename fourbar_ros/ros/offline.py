@@ -1,0 +1,141 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The bag of a simulated run: the messages that its node would publish, without a node."""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from math import isnan
+from pathlib import Path
+import time
+
+from fourbar_ros.bag.recorder import BagWriter
+from fourbar_ros.dynamics import stepper
+from fourbar_ros.dynamics.mover import OK, SILENT
+from fourbar_ros.errors import BagError
+from fourbar_ros.pipeline.status import OK as KNOWN
+from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.ros.messages import resolve, sec_nanosec, set_constants, to_stamp
+from fourbar_ros.ros.node import packed
+from fourbar_ros.ros.node.publishers import drive_layout, needed
+from fourbar_ros.ros.node.recording import about_of
+from fourbar_ros.ros.schemas import channel
+from fourbar_ros.scene.files import NODE
+from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, SCENE, TORQUE
+from rclpy.serialization import serialize_message
+
+FULL = 20_000          # messages that may wait for the disk
+MIXED = 'the motion goes into the other assembly mode'
+
+
+class RunClock:
+    """The time that a bag notes: that of the run [ns]."""
+
+    def __init__(self, start: int) -> None:
+        self._now = start
+
+    def set(self, now: int) -> None:
+        """Go on to a time."""
+        self._now = now
+
+    def now(self) -> int:
+        """Return it."""
+        return self._now
+
+
+def write_bag(simulated, path: Path, progress: Callable[[int], None]) -> Path:
+    """
+    Write the bag of a :class:`~fourbar_ros.scene.simulated.SimulatedScene`; return its path.
+
+    Parameters
+    ----------
+    simulated : SimulatedScene
+    path : Path
+        Of the new bag.
+    progress : callable
+        Called with the number of samples done.
+
+    Raises
+    ------
+    BagError
+        It exists, or cannot be written; or the run changes its assembly mode, which the messages
+        of a scene do not.
+
+    """
+    scene, run = simulated.scene, simulated.run
+    changes = (run.modes != scene.linkage.mode).nonzero()[0]
+    if changes.size:
+        raise BagError(f'{path}: {MIXED} at {run.time[changes[0]]:g} s; the outputs of a scene '
+                       'are those of one: simulate until then, or without a bag')
+    topics = [DRIVEN, SCENE, *scene.drive_topics, *scene.topics.values()]
+    names = {topic.name: _resolved(topic.topic) for topic in topics}
+    about = {**about_of(scene, names, NODE),
+             stepper.KEY: f'{run.method}, tolerance {run.tolerance:g}, {run.status}, '
+                          f'error {run.error:.3g}'}
+    clock = RunClock(time.time_ns())
+    writer = BagWriter(str(path.parent), path.name,
+                       [channel(topic, names[topic.name]) for topic in topics], about)
+    writer.clock = clock
+    numbers = {topic.name: number for number, topic in enumerate(topics)}
+    try:
+        for count, (stamp, messages) in enumerate(_messages(simulated, topics, clock.now())):
+            clock.set(stamp)
+            while writer.waiting > FULL and not writer.error:
+                time.sleep(0.01)
+            writer.write_all([(numbers[name], data) for name, data in messages])
+            progress(count + 1)
+    finally:
+        writer.close()
+    return writer.path
+
+
+def _messages(simulated, topics, start: int) -> Iterator[tuple[int, list[tuple[str, bytes]]]]:
+    """Yield (time [ns], [(short name, bytes), ...]) of each sample, in the order of a node."""
+    scene, stepper_of = simulated.scene, Stepper(simulated.scene)
+    makers = {topic.name: _maker(topic, scene) for topic in topics
+              if topic not in (SCENE, TORQUE)}
+    first = [(SCENE.name, serialize_message(resolve(SCENE.type)(data=scene.as_json)))]
+    is_silent = scene.drive.source == TORQUE.name and isnan(simulated.torque)
+    if scene.drive.source == TORQUE.name and not is_silent:
+        first.append((TORQUE.name, _torque(scene, simulated.torque, start)))
+    nothing = [float('nan')] * len(scene.layout.place)
+    places = [scene.layout.place[name] for name in scene.linkage.input_coordinate]
+    offsets = (simulated.run.time * 1e9).round().astype(int).tolist()
+    for offset, values in zip(offsets, simulated.drive_values()):
+        motion = values.position, values.velocity, values.acceleration
+        driven = list(nothing)
+        for place, value in zip(places, motion):
+            driven[place] = value
+        status, found = stepper_of.step(*motion, scene.needs_loads, bool(scene.points))
+        outputs = [name for name in scene.topics
+                   if status == KNOWN or not any(isnan(found[place])
+                                                 for place in needed(name, scene))]
+        stamp = sec_nanosec(start + offset)
+        given = {DRIVE_STATE.name: (SILENT if is_silent else OK, values),
+                 DRIVEN.name: (KNOWN, driven), **dict.fromkeys(outputs, (status, found))}
+        yield start + offset, first + [
+            (name, makers[name](stamp, state, scene.linkage.mode, numbers))
+            for name, (state, numbers) in given.items()]
+        first = []
+
+
+def _maker(topic, scene) -> Callable[..., bytes]:
+    """Return the function (stamp, status, mode, values) -> bytes of a message."""
+    message = resolve(topic.type)()
+    set_constants(topic.name, message, scene)
+    layout = drive_layout() if topic is DRIVE_STATE else scene.layout
+    return packed.writer(topic.name, message, layout)[0]
+
+
+def _torque(scene, torque: float, start: int) -> bytes:
+    message = resolve(TORQUE.type)()
+    message.header.stamp = to_stamp(start)
+    if scene.linkage.is_driven_by_slide:
+        message.wrench.force.x = torque
+    else:
+        message.wrench.torque.z = torque
+    return serialize_message(message)
+
+
+def _resolved(topic: str) -> str:
+    """Return the name of a topic of a node that is called fourbar."""
+    return topic.replace('~', NODE, 1) if topic.startswith('~') else f'/{topic}'

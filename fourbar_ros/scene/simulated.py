@@ -1,0 +1,164 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""A scene whose motion follows from torque, run without ROS: samples, extrema over the run."""
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import isnan, nan, pi
+from typing import Any, NamedTuple
+
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.numerics.given import number
+from fourbar_ros.scene.of_dynamics import SOURCES
+from fourbar_ros.scene.topics import TORQUE
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+TURN = 2.0 * pi
+
+
+class Peak(NamedTuple):
+    """Smallest and largest value of a quantity over a run, and when they are reached [s]."""
+
+    name: str
+    unit: str
+    low: float
+    low_at: float
+    high: float
+    high_at: float
+
+
+class Ripple(NamedTuple):
+    """Speed over the last turn: smallest, largest, their mean, coefficient of fluctuation."""
+
+    low: float
+    high: float
+    mean: float
+    coefficient: float
+
+
+class SimulatedScene(NamedTuple):
+    """A scene and its :class:`~fourbar_ros.dynamics.simulate.Run` at the samples of the node."""
+
+    scene: Any
+    run: Any
+    torque: float       # constant torque in place of the topic; NaN: none is given
+
+    def drive_values(self) -> Iterator[Any]:
+        """Yield the DriveValues of each sample, as a node would publish them."""
+        mover, command = self.scene.mover, 0.0 if isnan(self.torque) else self.torque
+        before = nan
+        for time, state in zip(self.run.time.tolist(), self.states.T.tolist()):
+            step = 0.0 if isnan(before) else time - before
+            values = mover.values(tuple(state), step, command, 0)
+            yield values._replace(evaluations=nan)
+            before = time
+
+    @property
+    def states(self) -> Array:
+        """Return the states in the order of the node's steps, of shape (5, n)."""
+        run, names = self.run, self.run.system.names
+        found = np.zeros((5, run.time.size))
+        found[:2] = run.states[:2]
+        if 'motor_position' in names:
+            found[2] = run.states[2] - run.states[0]
+            found[3] = run.states[3]
+        if 'source_0' in names:
+            found[4] = run.states[names.index('source_0')]
+        return found
+
+    def peaks(self) -> list[Peak]:
+        """Return the extrema of speed, drive and, where they are known, loads at the samples."""
+        run, linkage = self.run, self.scene.linkage
+        per_second = f'{linkage.input_coordinate.unit}/s'
+        force = 'N' if linkage.is_driven_by_slide else 'N m'
+        motor = np.array([run.system.motor_torque(t, y)
+                          for t, y in zip(run.time.tolist(), run.states.T.tolist())])
+        rows: list[tuple[str, str, Array]] = [
+            ('speed of the input', per_second, run.rate),
+            ('acceleration of the input', f'{per_second}^2', run.acceleration),
+            ('torque on the input', force, run.torque), ('torque of the motor', force, motor),
+            *self._loads()]
+        return [_peak(name, unit, values, run.time) for name, unit, values in rows
+                if not np.isnan(values).all()]
+
+    def _loads(self) -> list[tuple[str, str, Array]]:
+        """Return (name, unit, values) of loads; none with springs, which are not in them."""
+        from fourbar_ros.mechanisms.quantities import known
+        run, linkage = self.run, self.scene.linkage
+        if self.scene.dynamics.elements:
+            return []
+        quantities = known(type(linkage), linkage.input)
+        found: dict[str, Array] = {}
+        for mode in np.unique(run.modes).tolist():
+            here = run.modes == mode
+            _, loads = linkage.in_mode(mode).step(run.position[here], run.rate[here],
+                                                  run.acceleration[here])
+            for name in loads._fields:
+                if name in quantities:
+                    found.setdefault(name, np.full(run.time.size, nan))
+                    found[name][here] = getattr(loads, name)
+        return [(name, quantities[name].unit, values) for name, values in found.items()]
+
+    def ripple(self) -> Ripple | None:
+        """Return the Ripple of a crank that has gone through a whole turn at the end, or None."""
+        run = self.run
+        gone = np.abs(run.position - run.position[-1])
+        turned = np.flatnonzero(gone >= TURN)
+        if self.scene.linkage.is_driven_by_slide or not turned.size:
+            return None
+        rates = run.rate[turned[-1]:]
+        low, high = float(rates.min()), float(rates.max())
+        mean = 0.5 * (low + high)
+        return Ripple(low, high, mean, (high - low) / abs(mean)) if low * high > 0.0 else None
+
+
+def simulate_scene(scene: Any, until: float, tolerance: float = 1e-8, method: str = 'auto',
+                   torque: float = nan) -> SimulatedScene:
+    """
+    Run a scene from its start, sampled as its node samples.
+
+    Parameters
+    ----------
+    scene : Scene
+        With ``drive.source: torque`` or ``motor``.
+    until : float
+        [s]
+    tolerance, method : float, str
+        See :func:`fourbar_ros.dynamics.simulate.simulate`.
+    torque : float
+        Constant torque (force) of the drive, for ``drive.source: torque``; NaN: none comes.
+
+    Raises
+    ------
+    InvalidParameter, MissingPackage
+
+    """
+    from fourbar_ros.dynamics.drives import ConstantTorque
+    from fourbar_ros.dynamics.simulate import simulate
+    if scene.dynamics is None:
+        raise InvalidParameter('drive.source', scene.drive.source, 'the motion is given, there is '
+                               f'nothing to simulate: must be {" or ".join(SOURCES)}')
+    dynamics, source = scene.dynamics, scene.drive.source
+    if not isnan(torque):
+        if source != TORQUE.name:
+            raise InvalidParameter('torque', torque, f'goes with drive.source: {TORQUE.name}; '
+                                   f'this scene has {source}')
+        dynamics = dynamics._replace(drive=replace(dynamics.drive, source=ConstantTorque(torque)))
+    until = number('until', until, 'must be a positive number', above=0.0)
+    count = int(until * scene.drive.rate * (1.0 + 1e-12))
+    if count < 1:
+        raise InvalidParameter('until', until, 'is less than one sample: drive.rate is '
+                               f'{scene.drive.rate:g} Hz')
+    times = np.arange(count + 1) / scene.drive.rate
+    times[-1] = min(times[-1], until)
+    run = simulate(dynamics.system(scene.linkage), until, tolerance, method, times.tolist())
+    return SimulatedScene(scene, run, torque)
+
+
+def _peak(name: str, unit: str, values: Array, times: Array) -> Peak:
+    low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
+    return Peak(name, unit, float(values[low]), float(times[low]), float(values[high]),
+                float(times[high]))
