@@ -201,6 +201,5 @@ def _crank_angles(linkage: Any, found: Sequence[Found]) -> list[float]:
     """
     places = linkage.input_unit * np.array([part.place for part in found])
     inward = np.array([part.side for part in found]) * 4.0 * EPS * np.abs(places)
-    angles = linkage.motion(places).theta1
-    return fold(np.where(np.isnan(angles), linkage.motion(places + inward).theta1,
-                         angles)).tolist()
+    angles, inside = (linkage.crank_angle(linkage.motion(at)) for at in (places, places + inward))
+    return fold(np.where(np.isnan(angles), inside, angles)).tolist()

@@ -151,7 +151,7 @@ def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End],
     elif end.is_flat:
         limits = sampler.limits(side)
     else:
-        limits = _limits_at_toggle(sampler, samples, side, rows)
+        limits = _limits_at_toggle(sampler, samples, where, rows)
     nearest = samples.path.inward(side)[0]
     limits = sampler.next_to(samples.values[:, nearest], limits, np.arange(limits.size))
     falls = samples.slopes[:, nearest] * side > 0.0        # seen from inside
@@ -161,14 +161,15 @@ def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End],
             for row in rows.tolist()]
 
 
-def _limits_at_toggle(sampler: Sampler, samples: Samples, side: int, rows: Array) -> Array:
+def _limits_at_toggle(sampler: Sampler, samples: Samples, where: tuple[int, End],
+                      rows: Array) -> Array:
     """
     Return the limits of all quantities at a toggle; right for ``rows``.
 
     Quantities are meromorphic in the path's parameter: one that grows twofold each time the
     distance falls to a quarter has a pole. The others go on smoothly into the other assembly mode.
     """
-    values, path = samples.values, samples.path
+    values, path, (side, end) = samples.values, samples.path, where
     inward = path.inward(side)
     size = np.abs(values[:, inward[:5:2]])
     has_pole = (size[:, 0] > 2.0 * size[:, 1]) & (size[:, 1] > 2.0 * size[:, 2])
@@ -177,7 +178,8 @@ def _limits_at_toggle(sampler: Sampler, samples: Samples, side: int, rows: Array
         return limits
     first = path.half_a_step_from(side)
     near = first + side * np.arange(NEIGHBOURS)
-    beyond = sampler.of(sampler.linkage.in_mode(3 - sampler.linkage.mode)).values(path.x[near])
+    mode = sampler.linkage.mode_beyond(sampler.unit * end.x)
+    beyond = sampler.of(sampler.linkage.in_mode(mode)).values(path.x[near])
     every = np.arange(len(beyond))[:, None]
     one_sided = values[:, near] @ _UP_TO
     # An angle in [0, pi] goes on as its negative.

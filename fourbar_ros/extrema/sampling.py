@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import replace
 from math import pi
 from typing import Any, ClassVar, NamedTuple
 
@@ -167,8 +166,7 @@ class Sampler:
     def with_lengths(self, lengths: Sequence[tuple[float, ...]], x: Array,
                      row: Array) -> Sequence[Array]:
         """Return :meth:`at` for mechanisms of other lengths, shapes (n, mechanisms)."""
-        others = [replace(self.linkage, **dict(zip(self.linkage.length_names, changed)))
-                  for changed in lengths]
+        others = [self.linkage.with_lengths(changed) for changed in lengths]
         if not self.takes_columns:
             return [np.stack(parts, axis=1)
                     for parts in zip(*(self.of(other).at(x, row) for other in others))]

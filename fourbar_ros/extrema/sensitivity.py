@@ -26,7 +26,8 @@ def perturbed_lengths(mechanism: Any) -> tuple[list[float], list[tuple[float, ..
     """Return a relative step for each length, and the lengths changed by it."""
     size = min(LARGEST, max(SMALLEST, PART * mechanism.change_point_margin))
     signs, margin = min(zip(mechanism.MARGIN_SIGNS, mechanism.margins),
-                        key=lambda pair: abs(pair[1]))
+                        key=lambda pair: abs(pair[1]),
+                        default=((1,) * len(mechanism.lengths), 0.0))
     steps = [sign * size if margin >= 0.0 else -sign * size for sign in signs]
     lengths = mechanism.lengths
     return steps, [(*lengths[:i], length * (1.0 + step), *lengths[i + 1:])

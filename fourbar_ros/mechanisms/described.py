@@ -134,6 +134,14 @@ class Described(Contract):
         size = max(map(abs, self.lengths))
         return {'rad/s': omega, 'rad/s^2': alpha, 'm/s': size * omega, 'm/s^2': size * alpha}
 
+    def crank_angle(self, motion: Any) -> Any:
+        """Return the angle of the crank in a motion [rad]."""
+        return motion.theta1
+
+    def mode_beyond(self, _limit: float) -> int:
+        """Return the mode into which quantities go on smoothly at a toggle at a limit."""
+        return 3 - int(self.mode)
+
     def unknown(self, position: float, rate: float, acceleration: float) -> Any:
         """Return the motion of which only the input is known; the rest is NaN."""
         fields = dict.fromkeys(self.MOTION._fields, nan)

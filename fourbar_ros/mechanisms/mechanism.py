@@ -9,7 +9,7 @@ called for floats and arrays, with the same rules for all. What a kind states ab
 """
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import fields as fields_of
 from dataclasses import replace
 from functools import cache, cached_property
@@ -72,6 +72,10 @@ class Mechanism(Described):
     def in_mode(self: _Self, mode: int) -> _Self:
         """Return the same mechanism in another assembly mode."""
         return self if mode == self.mode else replace(self, mode=mode)
+
+    def with_lengths(self: _Self, lengths: Sequence[float]) -> _Self:
+        """Return the same mechanism with other :attr:`lengths`."""
+        return replace(self, **dict(zip(self.length_names, lengths)))
 
     def with_external(self: _Self, external: External) -> _Self:
         """

@@ -93,32 +93,37 @@ POSITIONS = {quantity.name: quantity for quantity in (
 
 def known(mechanism: Any, driven: str = CRANK) -> dict[str, Quantity]:
     """Return {name: Quantity} of a mechanism, or of a kind driven at its crank or slide."""
-    return _known(mechanism.MOTION._fields, mechanism.LOADS._fields, mechanism.INPUTS[driven])
+    return _known(mechanism.MOTION._fields, mechanism.LOADS._fields, mechanism.INPUTS[driven],
+                  mechanism.QUANTITIES)
 
 
 @cache
-def _known(motion: Any, loads: Any, coordinate: Coordinate) -> dict[str, Quantity]:
+def _known(motion: Any, loads: Any, coordinate: Coordinate,
+           own: tuple[Quantity, ...]) -> dict[str, Quantity]:
     """Return {name: Quantity} of these fields, without those that are given or zero."""
     absent = {coordinate.rate, coordinate.acceleration,
               'driving_force' if coordinate.unit == 'rad' else 'driving_torque'}
-    return {name: quantity for name, quantity in QUANTITIES.items()
+    every = QUANTITIES | {quantity.name: quantity for quantity in own if not is_position(quantity)}
+    return {name: quantity for name, quantity in every.items()
             if name not in absent and name in (loads if quantity.is_load else motion)}
 
 
 def positions(mechanism: Any, driven: str = CRANK) -> dict[str, Quantity]:
     """Return {name: Quantity} of the positions of a mechanism, or a kind, that are not given."""
-    return {name: quantity for name, quantity in POSITIONS.items()
+    every = POSITIONS | {quantity.name: quantity for quantity in mechanism.QUANTITIES
+                         if is_position(quantity)}
+    return {name: quantity for name, quantity in every.items()
             if name in mechanism.MOTION._fields and name != mechanism.INPUTS[driven].position}
 
 
 def is_published(quantity: Any) -> bool:
     """Return whether this is one of the quantities with a name."""
-    return (QUANTITIES.get(quantity.name) or POSITIONS.get(quantity.name)) is quantity
+    return isinstance(quantity, Quantity)
 
 
 def is_position(quantity: Any) -> bool:
     """Return whether this is one of the positions with a name."""
-    return POSITIONS.get(quantity.name) is quantity
+    return is_published(quantity) and not quantity.is_load and quantity.unit in ('rad', 'm')
 
 
 def select(names: Sequence[str], mechanism: Any, others: Sequence[Any] = ()) -> list[Any]:

@@ -386,9 +386,9 @@ def random_machines(seed, count, dyads=(1, 6), least_sine=0.0, near_limit=False)
     """
     Yield (machine with everything acting, input) of machines that can be assembled.
 
-    None has a link ten metres away or ten times as fast as the input, where absolute places and
-    velocities have lost a digit of relative ones. ``near_limit``: the input is 1e-1 to 1e-12 of
-    its range from a toggle.
+    None has a link ten metres away, nor with derivatives above ten (m, rad): places and rates
+    relative to another such link have lost a digit in absolute ones. ``near_limit``: the input is
+    1e-1 to 1e-12 of its range from a toggle.
     """
     rng = np.random.default_rng(seed)
     while count:
@@ -415,7 +415,8 @@ def random_machines(seed, count, dyads=(1, 6), least_sine=0.0, near_limit=False)
                  *rng.uniform(-3.0, 3.0, 2).tolist())
         motion = machine.motion(*given)
         sizes = [abs(getattr(motion, f'{what}_{link}')) for link in machine.layout.moving
-                 for what in (('x', 'y') if near_limit else ('x', 'y', 'dx', 'dy', 'ratio'))]
+                 for what in (('x', 'y') if near_limit else
+                              ('x', 'y', 'dx', 'dy', 'ratio', 'ddx', 'ddy', 'bend'))]
         if max(sizes) < 10.0 and abs(machine.transmission_sine(motion)) > least_sine:
             count -= 1
             yield machine, given

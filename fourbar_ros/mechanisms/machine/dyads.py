@@ -256,7 +256,7 @@ def make_prp(n: NumberType, _sign: Any, cos_1: Any, sin_1: Any, cos_2: Any,
                 pdx - swing1 * y1 + ds1 * x1, pdy + swing1 * x1 + ds1 * y1,
                 pddx + (a1 + dds1) * x1 - b1 * y1, pddy + (a1 + dds1) * y1 + b1 * x1)
         return ((*at_b, x1, y1, turn1, bend1), (*at_b, x2, y2, turn2, bend2),
-                (s1, ds1, dds1, s2, ds2, dds2), cross, x1 * x2 + y1 * y2)
+                (s1, ds1, dds1, s2, ds2, dds2), cross + 0.0 * s1, x1 * x2 + y1 * y2)
     return motion
 
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from dataclasses import fields as fields_of
 from functools import cached_property
-from math import pi
+from math import nan, pi
 from typing import Any, ClassVar
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest, Toggle
@@ -46,6 +46,9 @@ from fourbar_ros.numerics.straight_line import straight_line
 
 DRIVERS = (CRANK, SLIDE, CYLINDER)
 NO_BODY = Body(0.0)
+# What a machine makes of its dyads when it is asked for.
+_MADE = ('constants', 'stages', 'input_ranges', '_closings', '_made', '_motion_of_one', '_of_one',
+         'record_of_motion', 'record_with_loads')
 
 
 @dataclass(frozen=True)
@@ -102,6 +105,7 @@ class Machine(Mechanism):
     layout: ClassVar[Layout]     # set for each one when it is made; no field
 
     TITLE = 'machine of dyads'
+    MARGIN_SIGNS = ()
     TEXT = 'a driven link and dyads, any planar linkage of Assur groups of class II'
 
     def __post_init__(self) -> None:
@@ -167,14 +171,20 @@ class Machine(Mechanism):
         return tuple([value for _, value in lengths_of(self.stages)])
 
     def with_lengths(self, lengths: Sequence[float]) -> Machine:
-        """Return the same machine with other :attr:`lengths`."""
+        """Return the same machine with other :attr:`lengths`; it may close nowhere."""
         given = dict(zip(self.length_names, lengths))
-        dyads = [_with_lengths(dyad, given) for dyad in self.stages]
-        if self.cylinder is None:
-            return replace(self, dyads=tuple(dyads))
-        own, *dyads = dyads
-        return replace(self, dyads=tuple(dyads),
-                       cylinder=self.cylinder._replace(base=own.second, pin=own.first))
+        return self._with_stages([_with_lengths(dyad, given) for dyad in self.stages])
+
+    def _with_stages(self, stages: Sequence[Dyad]) -> Machine:
+        """Return the same structure of other dyads, its own of a cylinder first."""
+        other = object.__new__(type(self))
+        kept = {name: value for name, value in self.__dict__.items() if name not in _MADE}
+        other.__dict__.update(kept, stages=tuple(stages), dyads=tuple(stages))
+        if self.cylinder is not None:
+            own = stages[0]
+            other.__dict__.update(dyads=tuple(stages[1:]), cylinder=self.cylinder._replace(
+                base=own.second, pin=own.first, mode=own.mode))
+        return other
 
     @property
     def signs(self) -> tuple[float, ...]:
@@ -189,15 +199,26 @@ class Machine(Mechanism):
         return 1 + sum((dyad.mode - 1) << i for i, dyad in enumerate(self.stages))
 
     def in_mode(self, mode: int) -> Machine:
-        """Return the same machine with other modes of its dyads."""
+        """Return the same machine with other modes of its dyads; it may close nowhere."""
         if mode == self.mode:
             return self
         modes = [1 + ((mode - 1) >> i & 1) for i in range(len(self.stages))]
-        dyads = [replace(dyad, mode=own) for dyad, own in zip(self.stages, modes)]
-        if self.cylinder is None:
-            return replace(self, dyads=tuple(dyads))
-        return replace(self, dyads=tuple(dyads[1:]),
-                       cylinder=self.cylinder._replace(mode=modes[0]))
+        return self._with_stages([replace(dyad, mode=own)
+                                  for dyad, own in zip(self.stages, modes)])
+
+    def mode_beyond(self, limit: float) -> int:
+        """Return the mode into which quantities go on smoothly at a toggle at a limit."""
+        place = [dyad.name for dyad in self.stages].index(self._limit_next_to(limit).dyad)
+        has_one = self.stages[place].kind in OF_ONE_MODE     # goes on in x, not in its root
+        return self.mode if has_one else 1 + ((self.mode - 1) ^ (1 << place))
+
+    def _limit_next_to(self, position: float) -> Limit:
+        ends = [end for bound in self.limits if bound for end in bound]
+        return min(ends, key=lambda end: abs(self.distance(position, end.x)))
+
+    def crank_angle(self, motion: Any) -> Any:
+        """Return the angle of the crank in a motion [rad]; NaN of a machine without one."""
+        return motion.theta_crank if self.input != SLIDE else nan * motion.rate
 
     @property
     def modes(self) -> dict[int, str]:
@@ -253,9 +274,8 @@ class Machine(Mechanism):
         error = super()._why_no_motion(position)
         if not isinstance(error, Toggle):
             return error
-        ends = [end for bound in self.limits if bound for end in bound]
-        nearest_end = min(ends, key=lambda end: abs(self.distance(position, end.x)))
-        return Toggle(error.name, position, self.input_coordinate.unit, nearest_end.dyad)
+        return Toggle(error.name, position, self.input_coordinate.unit,
+                      self._limit_next_to(position).dyad)
 
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""

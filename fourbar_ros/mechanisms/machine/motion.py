@@ -19,6 +19,8 @@ triangle inequality along the chain of dyads: with E the sum of the errors of P 
     (C5)  RPR: |s| d angle = E + |h|
     (C6)  RPP, PRP: d B = (E + |s1| d angle_1 + |s2| d angle_2) / |sine|
     (C7)  crank turned by a cylinder: d psi = ((rho^2 + b^2)/(rho b) + 2 |cos psi|) / |sin psi|
+
+The transmission angle of a cylinder is that of its rod and the arm from O1 to its pin (C8).
 """
 from __future__ import annotations
 
@@ -121,17 +123,26 @@ def make_walk(n: NumberType, layout: Layout, numbers: Sequence[Any],
         work.append((stage.first, stage.second, given, layout.meet(stage), moves,
                      make_errors(n, stage, given)))
 
+    with_cylinder, hypot = layout.driver == CYLINDER, n.hypot
+
+    def arm_and_rod(rod: Curve) -> tuple[Any, Any]:
+        x, y, cosine, sine = *rod[:2], *rod[6:8]
+        per = 1.0 / hypot(x, y)
+        return (x * sine - y * cosine) * per, (x * cosine + y * sine) * per             # (C8)
+
     def walk(position: Any) -> Any:
         curve, error = driver(position)
         curves, slides, transmissions = [FIXED, curve], [], []
         errors: list[Errors] = [EXACT, error]
+        turns_crank = with_cylinder
         for i, j, given, meet, moves, errors_of in work:
             first, second = curves[i], curves[j]
             one, two, slid, sine, cosine = moves(*nodes_of(first, second, given, meet), first,
                                                  second)
             curves += (one, two)
             slides.append(slid)
-            transmissions.append((sine, cosine))
+            transmissions.append((sine, cosine) if not turns_crank else arm_and_rod(one))
+            turns_crank = False
             errors += errors_of(errors[i], errors[j], slid, sine, cosine)
         return curves, slides, transmissions, errors
     return walk

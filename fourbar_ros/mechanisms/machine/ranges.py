@@ -6,7 +6,8 @@ Where a machine can be assembled: the ranges of its input, dyad by dyad.
 A dyad closes where its *closing* is positive, a number without unit that vanishes at its toggles:
 
     (R1)  RRR: ((r1 + r2)^2 - q)(q - (r1 - r2)^2) / (r1 + r2)^4
-    (R2)  RRP: (r1 - h)(r1 + h) / r1^2        RPR: (|d| - h)(|d| + h) / (|d|^2 + h^2)
+    (R2)  RRP: (r1 - h)(r1 + h) / r1^2        RPR: (|d|^2 - h^2) / (a length)^2
+    (R3)  PRP: t1 x t2, which may have either sign: a range ends where the lines are parallel
 
 Within the range of the dyads before it, a closing is analytic in phi, with x = middle + half
 sin(phi) between two toggles. It is sampled with its derivative (a complex step) and halved until
@@ -16,18 +17,19 @@ range that is wider than the last pieces, some 1e-10 of the whole, and proves no
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import pi
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.machine.description import CYLINDER, RPR, RRP, RRR
+from fourbar_ros.mechanisms.machine.description import CYLINDER, PRP, RPR, RRP, RRR
 from fourbar_ros.mechanisms.machine.dyads import FIXED, MAKERS, nodes_of, turned
-from fourbar_ros.mechanisms.machine.layout import Layout
+from fourbar_ros.mechanisms.machine.layout import Layout, Stage
 from fourbar_ros.mechanisms.machine.motion import make_driver
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import COMPLEX, NumberType, REAL
 import numpy as np
 
+CLOSING = (RRR, RRP, RPR, PRP)     # kinds that do not close at any input
 PIECES, MOST_HALVINGS = 96, 26
 STEP = 2.0**-200                 # complex step
 MISFIT, ROUNDING = 1e-4, 2.0**-47
@@ -36,10 +38,14 @@ Closing = Callable[[Any], Any]
 
 
 class Limit(NamedTuple):
-    """An end of a range: the input, and the dyad that is at a toggle there."""
+    """An end of a range: the input, and the dyad that is at a toggle there, if one is."""
 
     x: float
     dyad: str
+
+    def turned(self) -> Limit:
+        """Return the same one turn later."""
+        return Limit(self.x + 2.0 * pi, self.dyad)
 
 
 class Closings(NamedTuple):
@@ -56,10 +62,13 @@ class Closings(NamedTuple):
 
 
 def make_closing(n: NumberType, kind: str, numbers: Sequence[Any]) -> Callable[..., Any]:
-    """Return the function (D, curve of the second link) -> closing of a dyad, (R1), (R2)."""
-    sizes = numbers[4:]
+    """Return the function (D, curves of the links it hangs on) -> closing of a dyad."""
+    sizes, size = numbers[4:], sum(map(abs, numbers))
 
-    def closing(apart: Sequence[Any], second: Any) -> Any:
+    def closing(apart: Sequence[Any], first: Any, second: Any) -> Any:
+        if kind == PRP:
+            (x1, y1), (x2, y2) = turned(first, *sizes[:2])[:2], turned(second, *sizes[2:])[:2]
+            return x1 * y2 - y1 * x2
         x, y = apart[:2]
         q = x * x + y * y
         if kind == RRR:
@@ -70,8 +79,7 @@ def make_closing(n: NumberType, kind: str, numbers: Sequence[Any]) -> Callable[.
             t_x, t_y = turned(second, *sizes[1:])[:2]
             h = (y * t_x - x * t_y) / sizes[0]
             return (1.0 - h) * (1.0 + h)
-        square = sizes[0] * sizes[0]
-        return (q - square) / (q + square)
+        return (q - sizes[0] * sizes[0]) / (size * size)
     return closing
 
 
@@ -91,7 +99,8 @@ def make_closings(n: NumberType, layout: Layout, numbers: Sequence[Any], signs: 
             first, second = curves[stage.first], curves[stage.second]
             curves += move(*nodes_of(first, second, its, layout.meet(stage)), first, second)[:2]
         first, second = curves[last.first], curves[last.second]
-        return closing(nodes_of(first, second, given, layout.meet(last))[2], second)
+        return closing(nodes_of(first, second, given, layout.meet(last))[2], first,
+                       second)
     return closing_at
 
 
@@ -120,14 +129,15 @@ def find_ranges(layout: Layout, numbers: Sequence[Any], signs: Sequence[Any],
         low, high = bounds
         if layout.driver == CYLINDER:
             low, high = cylinder_range(numbers[0])
-        limits = [(Limit(low, CYLINDER), Limit(high, CYLINDER))]
+        name = CYLINDER if layout.driver == CYLINDER else ''
+        limits = [(Limit(low, name), Limit(high, name))]
     near: list[complex] = []
     for count, stage in enumerate(layout.stages):
-        if stage.kind in (RRR, RRP, RPR) and stage.name != CYLINDER:
+        if stage.kind in CLOSING and stage.name != CYLINDER:
             made = [make_closings(n, layout, numbers, signs, count) for n in (COMPLEX, REAL)]
             found = []
             for bound in limits:
-                parts, minima = _split(bound, stage.name, *made)
+                parts, minima = _split(bound, stage, *made)
                 found += parts
                 near += minima
             limits = found
@@ -163,10 +173,10 @@ class _Path(NamedTuple):
         return 0.5 * pi * np.sin(0.5 * pi * np.linspace(-1.0, 1.0, PIECES + 1)) * (1.0 - 1e-7)
 
 
-def _split(bound: tuple[Limit, Limit] | None, name: str, in_complex: Closing,
+def _split(bound: tuple[Limit, Limit] | None, stage: Stage, in_complex: Closing,
            in_floats: Closing) -> tuple[list[Any], list[complex]]:
     """Return the parts of a range in which one more dyad closes, and complex toggles near it."""
-    path = _Path.of(bound)
+    path, is_signed = _Path.of(bound), stage.kind == PRP
 
     def sample(phi: Array) -> tuple[Array, Array]:
         with np.errstate(all='ignore'):
@@ -180,21 +190,31 @@ def _split(bound: tuple[Limit, Limit] | None, name: str, in_complex: Closing,
     for i in changes:
         low, high = path.to_input(phi[i:i + 2]).tolist()
         roots.append(_root(in_floats, low, high, bool(is_open[i])))
+    if is_signed:
+        value, slope = np.abs(value), np.where(is_open, slope, -slope)
     near = [z for i in np.flatnonzero((slope[:-1] <= 0.0) & (slope[1:] > 0.0)
-                                      & is_open[:-1] & is_open[1:])
+                                      & (is_open[:-1] == is_open[1:]) & (value[1:] > 0.0))
             for z in _complex_toggle(in_complex, path, phi[i:i + 2], value[i:i + 2],
                                      slope[i:i + 2])]
     if not roots:
-        return ([bound] if is_open.all() else []), near
-    ends = [Limit(x, name) for x in roots]
+        return ([bound] if is_open.all() or is_signed else []), near
+    ends = [Limit(x, stage.name) for x in roots]
+    if is_signed:
+        return list(_between_all(bound, ends)), near
     if path.is_closed:
         if is_open[0]:       # the first part began before -pi
-            first = ends.pop(0)
-            ends.append(Limit(first.x + 2.0 * pi, name))
+            ends.append(ends.pop(0).turned())
     else:
         assert bound is not None
         ends = [bound[0]] * bool(is_open[0]) + ends + [bound[1]] * bool(is_open[-1])
     return list(zip(ends[::2], ends[1::2])), near
+
+
+def _between_all(bound: tuple[Limit, Limit] | None,
+                 ends: list[Limit]) -> Iterator[tuple[Limit, Limit]]:
+    """Yield the parts between limits of which both sides are open."""
+    every = [*ends, ends[0].turned()] if bound is None else [bound[0], *ends, bound[1]]
+    return zip(every, every[1:])
 
 
 def _resolved(phi: Array, sample: Callable[[Array], tuple[Array, Array]]) -> tuple[Array, ...]:

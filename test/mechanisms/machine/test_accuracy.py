@@ -23,7 +23,9 @@ def in_conditions(name, value, truth, condition):
         error, condition = abs(mp.arg(mp.expj(truth - value))), max(condition, 1.0)
     if error < ZERO:
         return 0.0
-    return float(error / (EPS * condition)) if condition else np.inf
+    if not condition:        # no datum moves it: it must be an exact zero
+        return np.inf if value else 0.0
+    return float(error / (EPS * condition))
 
 
 def first_of_many(machine, given):
@@ -60,7 +62,7 @@ def check_loads(machine, given):
 
 
 def test_the_dyads_of_random_machines_are_of_all_kinds_and_drives():
-    machines = [machine for machine, _ in random_machines(401, 30)]
+    machines = [machine for machine, _ in random_machines(401, 12)]
     assert {dyad.kind for machine in machines for dyad in machine.dyads} == {
         'RRR', 'RRP', 'RPR', 'RPP', 'PRP'}
     assert {machine.input for machine in machines} == {'crank', 'slide', 'cylinder'}
@@ -68,7 +70,7 @@ def test_the_dyads_of_random_machines_are_of_all_kinds_and_drives():
 
 @pytest.mark.parametrize('is_near', [False, True], ids=['anywhere', 'near a toggle'])
 def test_motion_and_loads(is_near):
-    for machine, given in random_machines(402, 8, near_limit=is_near):
+    for machine, given in random_machines(402, 5, near_limit=is_near):
         check_motion(machine, given)
         check_loads(machine, given)
 

@@ -1,0 +1,144 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Where machines can be assembled, and all extrema there: against dense scans of their motion."""
+from math import isinf, pi
+
+from fourbar_ros import find_extrema, FourBar
+from fourbar_ros.mechanisms.machine.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.machine import Machine
+from fourbar_ros.mechanisms.quantities import known, positions
+import numpy as np
+import pytest
+from support.dyad_reference import random_machines
+from support.scans import check_against_scan
+
+EPS = 2.0**-52
+
+
+def smooth(machine):
+    """Return its quantities but the magnitudes of what acts along one line: kinks at zero."""
+    slides = {name for name, is_slide in machine.layout.joints() if is_slide}
+    return [quantity for quantity in known(machine, machine.input).values()
+            if quantity.name not in slides]
+
+
+def check_ranges(machine, points):
+    """A scan has poses inside the ranges and nowhere else; limits are exact to some last bits."""
+    if machine.input == 'crank':
+        x = -pi + 2.0 * pi * (np.arange(points) + 0.5) / points
+    else:
+        low, high = machine.stroke or (machine.closing_ranges[0][0] - 1.0,
+                                       machine.closing_ranges[-1][1] + 1.0)
+        x = low + (high - low) * (np.arange(points) + 0.5) / points
+    motion = machine.motion(x)
+    works = np.isfinite(motion[len(motion) - len(machine.stages):]).all(axis=0)
+    inside = np.zeros(points, bool)
+    for low, high in machine.input_ranges:
+        for turn in (-2.0 * pi, 0.0, 2.0 * pi) if machine.input == 'crank' else (0.0,):
+            inside |= (x > low + turn) & (x < high + turn)
+    assert (works == inside).all(), machine
+    for bound in machine.limits:
+        for end, side in zip(bound or (), (1.0, -1.0)):
+            if machine.is_in_stroke(end.x):
+                stage = [dyad.name for dyad in machine.stages].index(end.dyad)
+                check_limit(machine, end.x, side, stage)
+
+
+def check_limit(machine, limit, side, stage):
+    """Next to a limit the sine of the dyad that it names falls as the root of the distance."""
+    unit = max(abs(limit), machine.input_unit)
+    near = machine.motion(limit + side * unit * np.array((1e-12, 1e-10)))
+    sine = np.abs(near[len(near) - len(machine.stages) + stage])
+    assert np.isfinite(sine).all()
+    assert sine[0] < 0.2 * sine[1] < 0.02
+
+
+def test_ranges_of_random_machines():
+    count = 0
+    for machine, _ in random_machines(601, 16, dyads=(1, 5)):
+        check_ranges(machine, 4001)
+        count += sum(bound is not None for bound in machine.limits)
+    assert count >= 6
+
+
+@pytest.mark.slow
+def test_ranges_of_many_machines():
+    for machine, _ in random_machines(602, 500):
+        check_ranges(machine, 40001)
+
+
+def test_a_range_narrower_than_any_grid():
+    """Rods that just reach, over some 2e-6 rad: found from the derivative, not from a sample."""
+    reach = 0.6 + 1e-13
+    machine = Machine([Dyad('d', 'RRR', Point('crank', 0.4), Point('ground', 1.0), ('a', 'b'),
+                            length_1=0.5 * reach, length_2=0.5 * reach)])
+    (low, high), = machine.input_ranges
+    half = np.arccos((0.4**2 + 1.0 - reach**2) / 0.8)
+    assert 1e-7 < half < 1e-5
+    assert abs(high - half) < 1e-2 * half
+    assert abs(low + half) < 1e-2 * half
+
+
+def test_limits_are_those_of_a_four_bar_to_the_last_bits():
+    kind = FourBar(1.0, 1.2, 0.8, 0.5)
+    machine = Machine([Dyad('d', 'RRR', Point('crank', 1.0), Point('ground', 0.5), ('b', 'c'),
+                            length_1=1.2, length_2=0.8)])
+    assert np.allclose(kind.input_ranges, machine.input_ranges, rtol=0.0, atol=8.0 * EPS)
+
+
+def test_extrema_are_those_of_a_four_bar():
+    kind = FourBar(0.4, 1.2, 0.8, 1.0)
+    machine = Machine([Dyad('d', 'RRR', Point('crank', 0.4), Point('ground', 1.0), ('b', 'output'),
+                            length_1=1.2, length_2=0.8)])
+    ours = find_extrema(machine, ('omega_output', 'alpha_output', 'theta_output'), 25.0)
+    theirs = find_extrema(kind, ('omega4', 'alpha4', 'theta4'), 25.0)
+    assert len(ours) == len(theirs) == 6
+    for one, other in zip(ours, theirs):
+        assert (one.kind, one.is_global) == (other.kind, other.is_global)
+        assert abs(one.theta1 - other.theta1) <= 16 * EPS * (1.0 + other.condition) * 10.0
+        assert abs(one.value - other.value) <= 64 * EPS * abs(other.value) * (
+            1.0 + other.value_condition)
+        # the machine knows one length more: the place of O4 beside that of the crank's pin
+        assert 0.1 < one.condition / other.condition < 10.0
+
+
+@pytest.mark.parametrize('seed', [611, 612])
+def test_extrema_of_random_machines(seed):
+    number = 0
+    for machine, _ in random_machines(seed, 6, dyads=(1, 4)):
+        number += check_against_scan(machine, smooth(machine), 1.3, -0.7, 4000)
+    assert number > 100
+
+
+@pytest.mark.slow
+def test_extrema_of_many_machines():
+    number = 0
+    for machine, _ in random_machines(613, 150, dyads=(1, 5)):
+        number += check_against_scan(machine, smooth(machine), 1.3, -0.7, 20000)
+    assert number > 3000
+
+
+def test_rates_are_unbounded_at_the_toggle_of_a_dyad_and_positions_are_not():
+    machine = Machine([Dyad('d', 'RRR', Point('crank', 0.4), Point('ground', 1.0), ('a', 'b'),
+                            length_1=0.5, length_2=0.4)])
+    ends = [e for e in find_extrema(machine, ('omega_b', 'theta_b', 'transmission_angle_d'))
+            if e.place == 'limit']
+    assert len(ends) == 6
+    for end in ends:
+        assert isinf(end.value) is (end.quantity == 'omega_b')
+        if end.quantity == 'transmission_angle_d':
+            assert min(abs(end.value), abs(end.value - pi)) < 1e-6
+    assert set(positions(machine)) == {'theta_a', 'theta_b', 'transmission_angle_d',
+                                       'transmission_angle'}
+
+
+def test_a_proof_by_interval_bounds():
+    pytest.importorskip('flint')
+    machine = Machine([Dyad('lower', 'RRR', Point('crank', 0.3), Point('ground', 1.0),
+                            ('coupler', 'rocker'), length_1=1.2, length_2=0.8),
+                       Dyad('upper', 'RRP', Point('rocker', 0.9, 0.2), Point('ground', 0.0, 0.5),
+                            ('rod', 'ram'), length_1=1.5, direction_2=0.0)])
+    assert machine.turns_fully
+    found = find_extrema(machine, ('slide_ram_velocity', 'omega_rod'), certify=True)
+    assert {extremum.proof for extremum in found} == {'interval bounds'}
+    assert len(found) >= 4
