@@ -15,7 +15,8 @@ import sys
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT), str(ROOT / 'docs')]
 
-import formulas  # noqa: E402
+import approximations  # noqa: E402
+import formulas  # noqa: E402, I100
 from fourbar_ros.cli import main  # noqa: E402, I100
 from fourbar_ros.mechanisms.kinds import KINDS  # noqa: E402
 from fourbar_ros.mechanisms.quantities import known, POSITIONS, positions, QUANTITIES  # noqa: E402
@@ -32,6 +33,7 @@ from fourbar_ros.scene.topics import (  # noqa: E402
     SCENE,
     SERVICES,
     TORQUE,
+    TRAJECTORIES,
     WRENCHES,
 )
 from fourbar_ros.studies.measures import INPUT, OF_MECHANISM, PARTS, QUANTITY  # noqa: E402
@@ -149,12 +151,26 @@ def study_tables():
                                         for name, (text, unit) in OF_MECHANISM.items()])}
 
 
+def approximation_tables():
+    """Return {name: Markdown table} of mimic.md, and of transmission.md."""
+    table = formulas.table
+    return ({'mimic': table(('scene', 'output', 'travel', 'line', 'cubic', 'rate of the line'),
+                            list(approximations.mimic_rows()))},
+            {'static_map': table(('rate', 'largest torque', 'of the static map', 'error'),
+                                 list(approximations.static_rows())),
+             'trajectories': table(('topic', 'type', 'what'),
+                                   [(f'`{t.topic}`', f'`{t.type}`', t.text)
+                                    for t in TRAJECTORIES.values()])})
+
+
 def pages():
     """Return {path: text as it should be} of the pages with tables."""
     return {DOCS / name: filled(DOCS / name, tables)
             for name, tables in (('node.md', node_tables()), ('formulas.md', formulas.tables()),
                                  ('command_line.md', command_tables()),
-                                 ('studies.md', study_tables()))}
+                                 ('studies.md', study_tables()),
+                                 ('mimic.md', approximation_tables()[0]),
+                                 ('transmission.md', approximation_tables()[1]))}
 
 
 def filled(page, tables):

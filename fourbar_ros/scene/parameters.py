@@ -152,6 +152,9 @@ PARAMETERS = {parameter.name: parameter for parameter in (
     Parameter('joint_states.only_passive', 'bool', False, '',
               'leave the driven joint out of joint_states: for a node that publishes on the topic '
               'it listens to, as a relay does', live=False),
+    Parameter('trajectories', 'bool', False, '',
+              'translate trajectories of the output joint into those of the driven joint, and '
+              'back; drive.start chooses the branch', live=False),
     Parameter('recording.start', 'bool', False, '', 'start recording with the first sample',
               live=False),
     Parameter('recording.directory', 'string', 'bags', '', 'directory for the bags', live=False),

@@ -114,6 +114,23 @@ PICTURES = {topic.name: topic for topic in (
           'output; latched, sent on every change', latched=True),
 )}
 
+# With `trajectories`: what comes, what is answered, and why something is not.
+_TRAJECTORY = 'trajectory_msgs/msg/JointTrajectory'
+TRAJECTORIES = {topic.name: topic for topic in (
+    Topic('output_trajectory', '~/output_trajectory', _TRAJECTORY,
+          'wanted trajectory of the output joint, its effort on what it moves'),
+    Topic('drive_trajectory', '~/output_trajectory/drive', _TRAJECTORY,
+          'answer: the trajectory of the driven joint, with the effort that the drive must give'),
+    Topic('input_trajectory', '~/input_trajectory', _TRAJECTORY,
+          'trajectory of the driven joint, with the effort of the drive'),
+    Topic('followed_trajectory', '~/input_trajectory/output', _TRAJECTORY,
+          'answer: the trajectory of the output joint, with its effort on what it moves'),
+    Topic('trajectory_refused', '~/trajectory_refused', 'std_msgs/msg/String',
+          'why a trajectory was not answered, e.g. which toggle it would pass'),
+)}
+
+RECEIVED_TRAJECTORIES = ('output_trajectory', 'input_trajectory')
+
 
 def topics_of(outputs, points):
     """

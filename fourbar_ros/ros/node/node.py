@@ -57,6 +57,7 @@ class FourBarNode(Node):
         self.stream = Stream(self, scene, self.recording)
         self.drive = self._drive_of(scene.drive.source)(self, self.stream, self.recording)
         self.wrenches = self._wrench_inputs(scene)
+        self.trajectories = self._trajectories(scene)
         parameters.watch(self, lambda: self.stream.scene, self.apply)
         self.workers = {name: Worker(name, self.get_logger().error) for name in
                         dict.fromkeys(service.worker for service in SERVICES.values()) if name}
@@ -89,6 +90,12 @@ class FourBarNode(Node):
         from fourbar_ros.ros.node.wrenches import WrenchInputs  # and its messages
         return WrenchInputs(self, self.stream, self.recording)
 
+    def _trajectories(self, scene):
+        if not scene.values['trajectories']:
+            return None
+        from fourbar_ros.ros.node.trajectories import Trajectories  # and its messages
+        return Trajectories(self, scene)
+
     def _action_server(self):
         try:
             from fourbar_ros.ros.node.actions import ExtremaServer
@@ -105,6 +112,8 @@ class FourBarNode(Node):
         self.stream.apply(scene)
         if self.wrenches:
             self.wrenches.apply(scene)
+        if self.trajectories:
+            self.trajectories.apply(scene)
         if settings_changed or scene.dynamics:
             self.drive.apply(scene.drive)
 

@@ -14,8 +14,10 @@ from fourbar_ros.scene.topics import (
     INPUTS,
     OUTPUTS,
     PICTURES,
+    RECEIVED_TRAJECTORIES,
     SCENE,
     topics_of,
+    TRAJECTORIES,
     WRENCHES,
 )
 from rclpy.qos import (
@@ -84,8 +86,11 @@ def _why_not(parts, value, topics):
 def _topics(node, scene):
     """Return {resolved topic: publisher or subscription} of all that a scene may ever use."""
     outputs = topics_of(OUTPUTS, scene.points).values()
+    received = [TRAJECTORIES[name] for name in RECEIVED_TRAJECTORIES]
+    sent = [topic for topic in TRAJECTORIES.values() if topic not in received]
     return {node.resolve_topic_name(topic.topic): entity
             for entity, topics in (('publisher', (DRIVEN, SCENE, *APPLIED.values(), *outputs,
-                                                  *PICTURES.values())),
-                                   ('subscription', (*INPUTS.values(), *WRENCHES.values())))
+                                                  *PICTURES.values(), *sent)),
+                                   ('subscription', (*INPUTS.values(), *WRENCHES.values(),
+                                                     *received)))
             for topic in topics}

@@ -1,0 +1,147 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Trajectories through a mechanism and back, power balance, and what cannot be followed."""
+from fourbar_ros import FourBar, InvalidParameter
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.transmission.branches import branch_of
+from fourbar_ros.transmission.transmission import CannotFollow, trajectory, Transmission
+import numpy as np
+import pytest
+from support import contract
+
+EPS = 2.0**-52
+every_case = pytest.mark.parametrize('case', contract.CASES, ids=contract.name_of)
+ROCKER = FourBar(0.4, 1.2, 0.8, 1.0)
+DOUBLE = FourBar(1.0, 0.9, 1.1, 0.3)         # double-crank: the output turns on and on
+
+
+def drawn(case, seed=21):
+    """Return a mechanism with everything acting and an input in the middle of a branch."""
+    mechanism, _ = next(contract.ordinary(case, seed, 1))
+    low, high = mechanism.input_ranges[0]
+    branch = branch_of(mechanism, low + 0.37 * (high - low))
+    return mechanism, branch
+
+
+def inner(branch, count=40):
+    """Return inputs of a branch away from its ends."""
+    low, high = branch.inputs[0], branch.inputs[-1]
+    return low + (high - low) * np.linspace(0.12, 0.88, count)
+
+
+@every_case
+def test_there_and_back_is_where_it_began(case):
+    mechanism, branch = drawn(case)
+    inputs, rng = inner(branch), np.random.default_rng(3)
+    driven = trajectory(inputs, *rng.normal(size=(3, len(inputs))))
+    through = Transmission(mechanism, float(inputs[7]))
+    back = through.to_input(through.to_output(driven))
+    motion = mechanism.motion(inputs, 1.0)
+    output = mechanism.outputs[0].coordinate
+    ratio = getattr(motion, output.rate)
+    # of inputs behind a small ratio, and of terms that cancel
+    worst = (1.0 + motion.condition) * (1.0 + 1.0 / np.abs(ratio))**3 * (1.0 + np.abs(
+        getattr(motion, output.acceleration)))
+    for got, want in zip(back, driven):
+        size = 1.0 + np.abs(want).max()
+        assert (np.abs(got - want) <= np.maximum(1e-12, 64.0 * EPS * worst) * size).all()
+
+
+@every_case
+def test_power_of_drive_and_output_differ_by_what_the_links_take(case):
+    """T x' = M y' + the power that masses, gravity and external loads take, computed apart."""
+    mechanism, branch = drawn(case)
+    inputs, rng = inner(branch), np.random.default_rng(4)
+    through = Transmission(mechanism, float(inputs[3]))
+    wanted = through.to_output(trajectory(inputs, *rng.normal(size=(3, len(inputs)))))
+    driven = through.to_input(wanted)
+    links, size = np.zeros(len(inputs)), np.abs(driven.effort * driven.rate)
+    motion = mechanism.motion(*driven[:3])
+    for link, (body, applied) in mechanism.loads_of_links().items():
+        its = mechanism.link_motion(motion, link)
+        centre = point_motion(mechanism, motion, link, body.cg_along, body.cg_across)
+        at = point_motion(mechanism, motion, link, applied.along, applied.across)
+        parts = (body.mass * (centre.acceleration_x - mechanism.gravity[0]) * centre.velocity_x,
+                 body.mass * (centre.acceleration_y - mechanism.gravity[1]) * centre.velocity_y,
+                 body.inertia * its.alpha * its.omega, -applied.couple * its.omega,
+                 -applied.force_x * at.velocity_x, -applied.force_y * at.velocity_y)
+        links = links + sum(parts)
+        size = size + sum(map(np.abs, parts))
+    balance = driven.effort * driven.rate - wanted.effort * wanted.rate - links
+    bound = 1e-12 * (1.0 + np.array(motion.condition))
+    assert (np.abs(balance) <= bound * (size + np.abs(wanted.effort * wanted.rate))).all()
+
+
+@every_case
+def test_rates_are_those_of_a_difference(case):
+    """A second formulation: differences of positions in time, without any ratio."""
+    mechanism, branch = drawn(case)
+    inputs = inner(branch, 3)
+    through = Transmission(mechanism, float(inputs[1]))
+    wanted = through.to_output(trajectory(inputs))
+    h, speed = 1e-4, 0.3 * (branch.outputs[-1] - branch.outputs[0])
+    for y in wanted.position:
+        times = h * np.arange(-2, 3)
+        x = through.to_input(trajectory(y + speed * times + 0.5 * speed * times**2)).position
+        got = through.to_input(trajectory(y, speed, speed))
+        rate = (x[0] - 8.0 * x[1] + 8.0 * x[3] - x[4]) / (12.0 * h)
+        curve = (-x[0] + 16.0 * x[1] - 30.0 * x[2] + 16.0 * x[3] - x[4]) / (12.0 * h * h)
+        scale = 1.0 + abs(got.rate[0]) + abs(got.acceleration[0])
+        assert abs(rate - got.rate[0]) <= 1e-8 * scale
+        assert abs(curve - got.acceleration[0]) <= 1e-5 * scale
+
+
+def test_branches_end_at_the_dead_points():
+    dead = sorted(point.theta1 % (2.0 * np.pi) for point in ROCKER.dead_points)
+    ends = {round(end.input % (2.0 * np.pi), 12)
+            for start in (dead[0] + 0.1, dead[1] + 0.1) for end in branch_of(ROCKER, start).ends}
+    assert ends == {round(angle, 12) for angle in dead}
+
+
+def test_beyond_a_toggle_it_is_refused_with_its_angle():
+    through = Transmission(ROCKER, 1.0)
+    low, high = sorted(end.output for end in through.branch.ends)
+    top = max(through.branch.ends, key=lambda end: end.output)
+    with pytest.raises(CannotFollow) as error:
+        through.to_input(trajectory([high - 0.1, high + 0.01]))
+    assert str(error.value) == (
+        f'sample 1: theta4 = {high + 0.01:.8g} rad lies beyond the toggle {high:.8g} rad, where '
+        f'the output turns back, at theta1 = {top.input:.8g} rad')
+    with pytest.raises(CannotFollow, match='sample 0: theta4 = .* lies beyond the toggle'):
+        through.to_input(trajectory([low - 1e-6]))
+    assert np.isfinite(through.to_input(trajectory([high - 1e-6, low + 1e-6])).position).all()
+
+
+def test_the_drive_does_not_leave_its_branch():
+    through = Transmission(ROCKER, 1.0)
+    beyond = max(end.input for end in through.branch.ends) + 0.2
+    with pytest.raises(CannotFollow, match='sample 0: theta1 = .* where the output turns back'):
+        through.to_output(trajectory([beyond]))
+
+
+def test_an_output_that_turns_on_and_on_is_followed_for_many_turns():
+    through = Transmission(DOUBLE, 0.3)
+    assert through.branch.ends is None
+    inputs = 0.3 + np.linspace(0.0, 40.0, 2001)
+    output = through.to_output(trajectory(inputs, 2.0))
+    assert abs(output.position[-1] - output.position[0]) > 30.0
+    assert np.abs(through.to_input(output).position - inputs).max() <= 1e-12 * 40.0
+
+
+def test_wrapped_angles_are_taken_the_short_way():
+    through = Transmission(DOUBLE, 0.3)
+    inputs = 0.3 + np.linspace(0.0, 10.0, 501)
+    output = through.to_output(trajectory(inputs))
+    wrapped = (output.position + np.pi) % (2.0 * np.pi) - np.pi
+    assert np.abs(through.to_input(trajectory(wrapped)).position - inputs).max() <= 1e-11
+
+
+def test_without_masses_the_effort_is_the_static_map():
+    through, wanted = Transmission(ROCKER, 1.0), trajectory([1.9, 2.0], 1.0, 0.0, [3.0, -2.0])
+    assert (through.to_input(wanted).effort == through.static_effort(wanted)).all()
+
+
+@pytest.mark.parametrize('wrong', [float('nan'), float('inf')])
+def test_a_sample_that_is_not_finite_is_refused(wrong):
+    with pytest.raises(InvalidParameter, match='must be finite in every sample'):
+        trajectory([1.0, wrong])
