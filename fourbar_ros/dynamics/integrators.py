@@ -4,7 +4,8 @@
 scipy's integrators behind one function.
 
 Each part of a run, between jumps of the torque and in one coordinate, is an integration of its
-own.
+own. A free motion is projected back to its energy every so many steps (Hairer, Lubich and Wanner,
+Geometric Numerical Integration, section IV.4): its errors then do not add up in the energy.
 """
 from __future__ import annotations
 
@@ -19,6 +20,7 @@ from fourbar_ros.dynamics.phase import (
     GAVE_UP,
     HANDED_OVER,
     Phase,
+    PROJECTED,
 )
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError
@@ -29,6 +31,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 METHODS = ('auto', 'DOP853', 'LSODA', 'Radau', 'RK45', 'BDF')
 MOST_STEPS = 10**8
+PROJECT_EVERY = 50      # steps
 EPS = 2.0**-52
 
 
@@ -40,6 +43,7 @@ class Part(NamedTuple):
     states: Array
     end: str
     evaluations: int
+    given: float = 0.0      # energy that projections gave before it [J]
 
     def at(self, places: Any) -> Part:
         """Return it at some of its times."""
@@ -82,10 +86,16 @@ class Task(NamedTuple):
     tolerance: float
     wanted: Array | None
     also: Array | None
+    most: float
+    is_projected: bool
+
+
+class _UsedUp(Exception):
+    """More evaluations than allowed: the error estimate of the integrator is rounding."""
 
 
 def integrate(system: System, until: float, method: str, tolerance: float, wanted: Array | None,
-              also: Array | None = None) -> Result:
+              also: Array | None = None, most: float = inf) -> Result:
     """
     Integrate from time 0.
 
@@ -101,26 +111,36 @@ def integrate(system: System, until: float, method: str, tolerance: float, wante
         Times of the result; not given: those of the steps, and ``also``.
     also : ndarray, optional
         Times that must be among those of the steps.
+    most : float
+        Evaluations of the equation of motion after which it gives up.
 
     """
     breaks = system.drive.source.breaks if system.drive else ()
     ends = [*sorted(t for t in breaks if 0.0 < t < until), until]
     (phase, state), first, has_ended = system.course.at(system.start), 0.0, False
+    evaluations, given = 0, 0.0
     parts: list[Part] = []
+    energy = phase.energy(state) if system.is_conservative else None
     while ends:
         if has_ended:
             phase, state = phase.next(state)
         last = ends[0]
         part = _run(Task(phase, _before(phase.derivative, last) if breaks else phase.derivative,
                          system.events(phase), state, first, last, method, tolerance,
-                         _inside(wanted, first, last), _inside(also, first, last)))
+                         _inside(wanted, first, last), _inside(also, first, last),
+                         most - evaluations, energy is not None))
+        evaluations += part.evaluations
         stands = part.end == HANDED_OVER and part.time[-1] <= nextafter(first, inf)
+        part = part._replace(given=given)
         parts.append(part._replace(end=AT_LIMIT) if stands else part)
         state, first = part.states[:, -1].tolist(), float(part.time[-1])
         has_ended = parts[-1].end == HANDED_OVER
+        if energy is not None:
+            before, state = phase.energy(state), phase.with_energy(state, energy)
+            given += phase.energy(state) - before
         if parts[-1].end == COMPLETE:
             ends.pop(0)
-        elif not has_ended:
+        elif not has_ended and parts[-1].end != PROJECTED:
             break
     return Result(tuple(_of_interest(parts, wanted)), parts[-1].end)
 
@@ -181,7 +201,11 @@ def _run_compiled(task: Task) -> Part:
             states.append(state.copy())
             if excess is not None and len(times) > 1 and excess(time, state) > 0.0:
                 end = HANDED_OVER
-        return -1 if end == HANDED_OVER else 0
+            elif count > task.most:
+                end = GAVE_UP
+            elif task.is_projected and len(times) > PROJECT_EVERY and time < task.last:
+                end = PROJECTED
+        return 0 if end == COMPLETE else -1
 
     solver = ode(counted).set_integrator('dop853', rtol=task.tolerance, atol=task.tolerance,
                                          nsteps=MOST_STEPS)
@@ -205,7 +229,13 @@ def _run_general(task: Task) -> Part:
 
     count = len(task.start)
 
+    evaluations = 0
+
     def derivative(time: float, state: Array) -> Any:
+        nonlocal evaluations
+        evaluations += 1
+        if evaluations > task.most:
+            raise _UsedUp
         try:
             return task.derivative(time, state.tolist())
         except FourBarError:
@@ -214,10 +244,13 @@ def _run_general(task: Task) -> Part:
     events = [*task.events, *([task.phase.excess] if task.phase.can_end else [])]
     times = (None if task.wanted is None else
              np.unique([task.first, *task.wanted, task.last]))
-    # solve_ivp limits rtol to 100 eps itself, and warns
-    done = solve_ivp(derivative, (task.first, task.last), task.start, task.method, times,
-                     events=events, rtol=max(task.tolerance, 100.0 * EPS), atol=task.tolerance,
-                     dense_output=times is None and task.also is not None)
+    try:      # solve_ivp limits rtol to 100 eps itself, and warns
+        done = solve_ivp(derivative, (task.first, task.last), task.start, task.method, times,
+                         events=events, rtol=max(task.tolerance, 100.0 * EPS), atol=task.tolerance,
+                         dense_output=times is None and task.also is not None)
+    except _UsedUp:
+        return Part(task.phase, np.array([task.first]), np.array([task.start]).T, GAVE_UP,
+                    evaluations)
     time, states = done.t, done.y
     if done.sol is not None and task.also is not None:
         time, states = _with(time, states, task.also, done.sol)

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from math import pi, remainder, sin
+from math import pi, remainder, sin, sqrt
 from typing import Any
 
 from fourbar_ros.dynamics.equation import Equation, make_reading
@@ -30,8 +30,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 State = Sequence[float]
 # how a part of a run ends
-COMPLETE, GAVE_UP, AT_LIMIT, AT_CHANGE_POINT, HANDED_OVER = (
-    'complete', 'gave up', 'at a limit', 'at a change point', 'handed over')
+COMPLETE, GAVE_UP, AT_LIMIT, AT_CHANGE_POINT, HANDED_OVER, PROJECTED = (
+    'complete', 'gave up', 'at a limit', 'at a change point', 'handed over', 'projected')
+CLOSE = 1e-3       # largest part of the kinetic energy that a projection may change
 LONGEST = 2.0      # |do/dp| at which o takes over from p
 TURN = 2.0 * pi
 
@@ -91,6 +92,18 @@ class Phase:
         if other.is_input:
             position = self.course.continuous(position)
         return other, [float(position), float(ratio * state[1]), *state[2:]]
+
+    def energy(self, state: State) -> float:
+        """Return kinetic plus potential energy at a state [J]."""
+        return float(self.equation.energy(float(state[0]), float(state[1])))
+
+    def with_energy(self, state: State, energy: float) -> list[float]:
+        """Return the state whose rate gives this energy, which is nearly its own."""
+        missing = energy - self.energy(state)
+        twice = self.equation.terms(state[0]).inertia * state[1]**2
+        share = 2.0 * missing / twice if twice else 1.0
+        return ([state[0], state[1] * sqrt(1.0 + share), *state[2:]] if abs(share) < CLOSE
+                else list(state))
 
     def input_of(self, position: float) -> tuple[float, float, float]:
         """Return the input and its two derivatives with respect to the coordinate."""

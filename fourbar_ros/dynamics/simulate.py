@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import inf
 
 from fourbar_ros.dynamics.integrators import integrate, METHODS, Part, Result
 from fourbar_ros.dynamics.phase import AT_CHANGE_POINT, AT_LIMIT, COMPLETE, GAVE_UP
@@ -36,6 +37,8 @@ STIFF = 2.0e3              # fastest mode [rad] in the run for each rad that the
 FIRST = 0.1                # tolerance of the first run over that asked for
 TIGHTER = 0.1              # tolerance of a run over that of the one it is compared with
 LAST, TIGHTEST = 1e-13, 1e-14     # of these two; beyond them rounding governs
+# evaluations after which a run gives up: so many, and so many times those of the first
+LEAST_MOST, MOST_MORE = 300_000, 100
 COMPARED = 12              # times of a run at which it is compared, if none are asked for
 
 
@@ -154,18 +157,19 @@ def _checked(system: System, until: float, asked: float, method: str,
              wanted: Array | None) -> Run:
     """Integrate at two tolerances, ever tighter, until their difference is small enough."""
     unit, evaluations = system.mechanism.input_unit, 0
-    tolerance = max(FIRST * asked, LAST)
+    tolerance, most = max(FIRST * asked, LAST), inf
     while True:
-        rough = integrate(system, until, method, tolerance, wanted)
+        rough = integrate(system, until, method, tolerance, wanted, None, most)
+        most = min(most, LEAST_MOST + MOST_MORE * rough.evaluations)
         tighter = max(TIGHTER * tolerance, TIGHTEST)
-        fine = integrate(system, until, method, tighter, wanted, _some(rough.time))
+        fine = integrate(system, until, method, tighter, wanted, _some(rough.time), most)
         evaluations += rough.evaluations + fine.evaluations
         error = _difference(rough, fine)
         run = _run(system, fine, ENDS.get(fine.end, NOT_CONVERGED), error, method, tighter,
                    evaluations)
         if error <= asked * unit and run.drift <= asked:
             return run
-        if tolerance <= LAST:
+        if tolerance <= LAST or evaluations > most:
             return replace(run, status=NOT_CONVERGED)
         # the error of a run is in proportion to its tolerance
         wanted_part = 0.3 * asked * unit / max(error, 1e-300)
@@ -223,13 +227,17 @@ def _run(system: System, result: Result, status: str, error: float, method: str,
 
 
 def energy_drift(system: System, parts: Sequence[Part]) -> float:
-    """Return the largest change of energy less work, over the energy in play of these states."""
-    found = []
+    """
+    Return the largest change of energy less work, over the energy in play of these states.
+
+    What projections gave or took counts as an error.
+    """
+    found: list[tuple[Array, Array, Array]] = []
     for part in parts:
         equation, states = part.phase.equation, part.states
         kinetic = 0.5 * equation.terms(states[0]).inertia * states[1]**2
         work = 0.0 * kinetic if system.is_conservative else states[-1]
-        found.append((kinetic, equation.potential(states[0]), work))
+        found.append((kinetic, equation.potential(states[0]), work + part.given))
     kinetic, potential, work = (np.concatenate(rows) for rows in zip(*found))
     constant = kinetic + potential - work
     in_play = np.max(kinetic) + np.ptp(potential) + np.ptp(work)

@@ -17,9 +17,7 @@ from fourbar_ros.dynamics.elements import GROUND, TorsionSpring
 from fourbar_ros.dynamics.free_motion import FreeMotion
 from fourbar_ros.dynamics.simulate import (
     choose_method,
-    energy_drift,
     LIMIT,
-    NOT_CHECKED,
     REACHED,
     simulate,
 )
@@ -119,18 +117,6 @@ def test_every_method_and_the_quadrature_agree(method):
     assert abs(run.position[-1] - FreeMotion(system).position(1.0)) <= 1e-6
 
 
-def test_energy_stays_in_twenty_turns_and_a_wrong_energy_is_seen():
-    bodies = Bodies(Body(1.0, 0.2, 0.0, 0.1), Body(2.0, 0.6, 0.1, 0.2), Body(1.5, 0.4, 0.0, 0.1))
-    system = System(FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies), 0.2, 9.0)
-    run = simulate(system, 20.0, 1e-12, check=False)
-    assert run.status == NOT_CHECKED and run.position[-1] > 20.0 * 2.0 * pi
-    assert run.drift <= 1e-10
-    part, = run.parts
-    wrong = part.states.copy()
-    wrong[1] *= 1.0 + 1e-6 * run.time
-    assert energy_drift(system, [part._replace(states=wrong)]) > 1e-5
-
-
 def test_couples_do_work_over_turns():
     """J w^2 / 2 = couple times angle, also past half a turn of the link."""
     linkage = FourBar(1.0, 2.0, 1.0, 2.0, bodies=Bodies(*[Body(0.0, inertia=0.5)] * 3),
@@ -139,16 +125,6 @@ def test_couples_do_work_over_turns():
     run = simulate(System(linkage, 0.5), 3.0, 1e-9)
     assert run.status == REACHED and run.position[-1] > 2.0 * pi
     assert run.position[-1] == pytest.approx(0.5 + 0.5 * 3.0 * 9.0, abs=1e-8)
-
-
-def test_the_order_of_the_methods_is_as_it_should_be():
-    """Tolerances a hundredfold apart: errors about a hundredfold apart."""
-    bodies = Bodies(Body(1.0, 0.2, 0.0, 0.1), Body(2.0, 0.6, 0.1, 0.2), Body(1.5, 0.4, 0.0, 0.1))
-    system = System(FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies), 0.2, 9.0)
-    exact = float(FreeMotion(system).position(3.0))
-    errors = [abs(simulate(system, 3.0, tolerance, check=False).position[-1] - exact)
-              for tolerance in (1e-5, 1e-7, 1e-9)]
-    assert errors[0] > 10.0 * errors[1] > 100.0 * errors[2]
 
 
 def test_a_driven_slide_stops_at_the_end_of_its_stroke():

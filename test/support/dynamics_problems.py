@@ -7,6 +7,7 @@ from fourbar_ros import Applied, Bodies, Body, External, FourBar, round_rod, Sli
 from fourbar_ros.dynamics.elements import Attachment, Spring
 from fourbar_ros.dynamics.system import System
 import mpmath as mp
+from support.machines import exact_links
 
 # P2, q(10) and its rate: two formulations by Taylor series agree in all of these digits.
 P2_POSITION, P2_RATE = '1.27567584865023941071419054572', '-0.23991499719600068392576030065'
@@ -55,3 +56,95 @@ def paper_linkage(**options):
     """Return the crank-rocker of config/paper.yaml."""
     rods = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8)))
     return FourBar(0.4, 1.2, 0.8, 1.0, bodies=rods, **options)
+
+
+# --- extremes: J changes by many powers of ten within a small angle -----------------------------
+
+
+def light_crank(inertia=1e-6):
+    """A heavy slider on a light crank: at the dead centres the crank alone is left of J."""
+    slider_crank = SliderCrank(0.5, 1.0, bodies=Bodies(Body(0.0, inertia=inertia), Body(0.0),
+                                                       Body(1.0)))
+    return System(slider_crank, 0.5, 1.0)
+
+
+def near_change_point(gap=1e-6):
+    """Rods of a linkage that lies flat but for a gap: its output whips past the flat position."""
+    rod = Body(1.0, 0.5, 0.0, 1.0 / 12.0)
+    linkage = FourBar(0.5, 1.0, 1.0, 0.5 + gap, bodies=Bodies(rod, rod, rod))
+    return System(linkage, 1.0, 3.0)
+
+
+def light_rods(mass=1e-8):
+    """A heavy output link on rods of hardly any mass, a crank-rocker: dead points of the output."""
+    bodies = Bodies(Body(mass, 0.2, 0.0, mass), Body(mass, 0.6, 0.0, mass),
+                    Body(2.0, 0.4, 0.0, 0.3))
+    return System(FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies), 0.5, 1.0)
+
+
+EXTREMES = {'light crank 1e-6': light_crank, 'light crank 1e-12': lambda: light_crank(1e-12),
+            'light rods 1e-8': light_rods, 'near a change point 1e-6': near_change_point,
+            'near a change point 1e-10': lambda: near_change_point(1e-10),
+            'near lock-up 1e-2': near_lock_up,
+            'near lock-up 1e-8': lambda: near_lock_up(2.0 * (1.0 - 1e-8))}
+
+
+def exact_free_time(system, position):
+    """
+    Return the time at which a free linkage without gravity gets to a position, to 10 digits.
+
+    By (F1) in 20 digits, with an inertia from the rates of the bodies' centres: by the angles of
+    the loop, not by the formulas under test. Peaks are where a link is at rest or a dyad in line.
+    """
+    mechanism, (start, rate) = system.mechanism, system.start
+    with mp.workdps(20):
+        first = exact_speeds_inertia(mechanism, mp.mpf(start)) * mp.mpf(rate)**2
+
+        def per_angle(q):
+            return mp.sqrt(exact_speeds_inertia(mechanism, q) / first)
+        turns, rest = divmod(position - start, 2.0 * pi)
+        total = mp.mpf(0)
+        if turns:
+            total += int(turns) * _peaked(per_angle, mp.mpf(start), 2 * mp.pi, mechanism)
+        # the turns are of 2 pi as a float; what is missing to the exact ones belongs to the rest
+        rest = mp.mpf(position) - mp.mpf(start) - int(turns) * 2 * mp.pi
+        return total + _peaked(per_angle, mp.mpf(start), rest, mechanism)
+
+
+def _peaked(function, start, length, mechanism):
+    """Return the integral over an angle, in parts that crowd at the singular inputs."""
+    places = []
+    dead = [point.theta1 for point in getattr(mechanism, 'dead_points', ())]
+    for value in (*(complex(z).real for z in mechanism.singular_inputs), *dead, 0.0, pi):
+        base = start + mp.fmod(mp.mpf(value) - start, 2 * mp.pi) % (2 * mp.pi)
+        for peak in (base - 2 * mp.pi, base, base + 2 * mp.pi):
+            places.append(peak)
+            for i in range(1, 22, 2):
+                places += [peak - mp.mpf(2)**-i, peak + mp.mpf(2)**-i]
+    inside = sorted({place for place in places if start < place < start + length})
+    return mp.quad(function, [start, *inside, start + length], maxdegree=3)
+
+
+def exact_speeds_inertia(mechanism, q):
+    """Return J(q) of a driven crank from positions in the current precision."""
+    links, bodies = exact_links(mechanism, q), mechanism.bodies
+    a1 = mp.mpf(mechanism.a1)
+    b = links['coupler'][1]
+    a_rate = a1 * mp.mpc(0, 1) * mp.expj(q)
+    if isinstance(mechanism, FourBar):
+        y = links['output'][1]
+        a2, a3 = mp.mpf(mechanism.a2), mp.mpf(mechanism.a3)
+        # a1 i e^{iq} + a2 b' i e^{ib} = a3 y' i e^{iy}
+        determinant = a2 * a3 * mp.sin(b - y)
+        b1 = a1 * a3 * mp.sin(y - q) / determinant
+        y1 = a1 * a2 * mp.sin(b - q) / determinant
+        rates = ((mp.mpc(0), 1, q), (a_rate, b1, b), (mp.mpc(0), y1, y))
+    else:
+        b1 = -a1 * mp.cos(q) / (mp.mpf(mechanism.a2) * mp.cos(b))
+        slide = -a1 * mp.sin(q) - mp.mpf(mechanism.a2) * mp.sin(b) * b1
+        rates = ((mp.mpc(0), 1, q), (a_rate, b1, b), (mp.mpc(slide), 0, mp.mpf(0)))
+    total = mp.mpf(0)
+    for body, (joint, turn, angle) in zip(bodies, rates):
+        arm = mp.mpc(body.cg_along, body.cg_across) * mp.expj(angle)
+        total += body.mass * abs(joint + mp.mpc(0, 1) * arm * turn)**2 + body.inertia * turn**2
+    return total

@@ -1,0 +1,136 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Energy over many turns, order of the integrators, power at every sample, extreme scenes."""
+from math import pi
+
+from fourbar_ros import Applied, Bodies, Body, External, FourBar
+from fourbar_ros.dynamics.drives import DCMotor, Drive
+from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
+from fourbar_ros.dynamics.free_motion import FreeMotion
+from fourbar_ros.dynamics.simulate import (
+    energy_drift,
+    NOT_CHECKED,
+    NOT_CONVERGED,
+    REACHED,
+    simulate,
+)
+from fourbar_ros.dynamics.system import System
+from fourbar_ros.mechanisms.points import link_motion, point_motion
+import mpmath as mp
+import numpy as np
+import pytest
+from support.dynamics_problems import exact_free_time, EXTREMES, light_crank
+
+scipy = pytest.importorskip('scipy')
+BODIES = Bodies(Body(1.0, 0.2, 0.0, 0.1), Body(2.0, 0.6, 0.1, 0.2), Body(1.5, 0.4, 0.0, 0.1))
+
+
+def free(**options):
+    return System(FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES, **options), 0.2, 9.0)
+
+
+@pytest.mark.parametrize('turns', [100, pytest.param(10_000, marks=pytest.mark.slow)])
+def test_energy_of_a_free_motion_stays_over_many_turns(turns):
+    """By DOP853 and by quadrature, to 1e-10; both end where the turn began."""
+    system = free(gravity=(0.0, -9.81))
+    motion = FreeMotion(system)
+    run = simulate(system, turns * motion.period, 1e-14, check=False)
+    energy = system.equation.energy(run.position, run.rate)
+    in_play = np.ptp(system.equation.potential(run.position)) + np.max(
+        energy - system.equation.potential(run.position))
+    assert run.status == NOT_CHECKED and np.ptp(energy) <= 1e-10 * in_play
+    assert run.position[-1] == pytest.approx(0.2 + 2.0 * pi * turns, abs=1e-12 * turns + 1e-10)
+    times = np.linspace(0.0, turns * motion.period, 501)
+    energy = system.equation.energy(motion.position(times), motion.rate(times))
+    assert np.ptp(energy) <= 1e-10 * in_play
+
+
+def test_a_wrong_energy_is_seen_and_projections_hide_nothing():
+    """The sum of what projections gave is the drift of a run without any."""
+    system = free()
+    run = simulate(system, 20.0, 1e-8, check=False)
+    assert len(run.parts) > 5
+    energy = system.equation.energy(run.position, run.rate)
+    assert run.drift > 3.0 * np.ptp(energy) / energy[0] > 0.0
+    wrong = [part._replace(states=part.states * [[1.0], [1.0 + 1e-6 * part.time[0]]])
+             for part in run.parts]
+    assert energy_drift(system, wrong) > 1e-5
+
+
+@pytest.mark.parametrize('method, order', [('RK45', 5), ('Radau', 5), ('DOP853', 8)])
+def test_errors_fall_with_the_order_of_the_method_at_least(method, order):
+    """Error against evaluations, logarithmically; steps that adapt make it steeper."""
+    system = free()
+    exact = float(FreeMotion(system).position(1.0))
+    points = []
+    for tolerance in 10.0**-np.arange(5.0, 11.0):
+        run = simulate(system, 1.0, float(tolerance), method, check=False)
+        points.append((run.evaluations, abs(run.position[-1] - exact)))
+    evaluations, errors = np.log(np.array(points)).T
+    assert order <= -np.polyfit(evaluations, errors, 1)[0] <= 2.0 * order
+
+
+def test_power_balances_at_every_sample():
+    """Motor, flywheel, loads, springs and dampers: of the bodies alone, sum to 1e-12 of parts."""
+    external = External(Applied(0.3, 0.1, 2.0, -3.0, 0.4), Applied(couple=-0.5))
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES, gravity=(0.0, -9.81), external=external)
+    spring = Spring(Attachment(GROUND, 0.1, 0.9), Attachment('coupler', 0.3, 0.2), 40.0, 0.5, 3.0)
+    torsion = TorsionSpring('crank', 'coupler', 3.0, 0.2, 0.6)
+    drive = Drive(DCMotor(24.0, 0.5, 0.1, 0.01, 10.0), rotor=0.05, flywheel=0.1)
+    run = simulate(System(linkage, 0.3, 2.0, [spring, torsion], drive), 2.0, 1e-6,
+                   times=np.linspace(0.0, 2.0, 101))
+    assert run.status == REACHED
+    for sample in zip(run.position.tolist(), run.rate.tolist(), run.acceleration.tolist(),
+                      run.torque.tolist()):
+        parts = power_of(linkage, spring, torsion, sample, drive.rigid_inertia)
+        assert abs(sum(parts)) <= 1e-12 * sum(map(abs, parts))
+
+
+def power_of(linkage, spring, torsion, sample, inertia):
+    """Return what bodies and dampers take up, less what loads, springs and drive give [W]."""
+    position, rate, acceleration, torque = sample
+    motion = linkage.motion(position, rate, acceleration)
+    parts = [inertia * rate * acceleration, -torque * rate]
+    for link, body in linkage.bodies._asdict().items():
+        centre = point_motion(linkage, motion, link, body.cg_along, body.cg_across)
+        turning = link_motion(linkage, motion, link)
+        parts += [*(body.mass * centre.velocity * (centre.acceleration - linkage.gravity)),
+                  body.inertia * turning.omega * turning.alpha]
+        if link in linkage.external._fields:
+            applied = getattr(linkage.external, link)
+            at = point_motion(linkage, motion, link, applied.along, applied.across).velocity
+            parts += [-applied.force_x * at[0], -applied.force_y * at[1],
+                      -applied.couple * turning.omega]
+    end = point_motion(linkage, motion, 'coupler', spring.second.along, spring.second.across)
+    apart = end.place - (spring.first.along, spring.first.across)
+    length = np.hypot(*apart)
+    growth = float(apart @ end.velocity) / length
+    crank, coupler = (link_motion(linkage, motion, link) for link in ('crank', 'coupler'))
+    angle = np.angle(complex(coupler.cosine, coupler.sine) / complex(crank.cosine, crank.sine)
+                     * np.exp(-1j * torsion.free_angle))
+    turn = coupler.omega - crank.omega
+    return [*parts, spring.stiffness * (length - spring.free_length) * growth,
+            spring.damping * growth**2, torsion.stiffness * angle * turn,
+            torsion.damping * turn**2]
+
+
+@pytest.mark.parametrize('name', [
+    name if name == 'light rods 1e-8' else pytest.param(name, marks=pytest.mark.slow)
+    for name in EXTREMES])
+@pytest.mark.parametrize('method', ['auto', 'LSODA'])
+def test_a_wrong_answer_is_never_a_success(name, method):
+    """J changes by up to 1e12 within a small angle; what is asked for holds, or is refused."""
+    system, tolerance = EXTREMES[name](), 1e-6
+    run = simulate(system, 3.0, tolerance, method)
+    time = exact_free_time(system, float(run.position[-1]))
+    error = float(abs(time - mp.mpf(float(run.time[-1])))) * abs(run.rate[-1])
+    assert run.status == NOT_CONVERGED or (run.status == REACHED and error <= tolerance)
+    if method == 'auto' and name != 'near a change point 1e-10':
+        assert run.status == REACHED
+
+
+def test_what_no_tolerance_resolves_is_refused_and_soon():
+    """Rounding governs below 1e-9 where J falls to 1e-12: refused after bounded work."""
+    run = simulate(light_crank(1e-12), 3.0, 1e-9)
+    assert run.status == NOT_CONVERGED and run.error > 1e-9
+    assert run.evaluations < 5_000_000
