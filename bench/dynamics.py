@@ -1,73 +1,236 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Torque-driven motion: error against CPU time on the reference problems."""
+"""Torque-driven motion: error against CPU time of simulate and scipy's integrators."""
 from pathlib import Path
 import sys
 import time
+from typing import NamedTuple
+import warnings
 
 import mpmath as mp
 import numpy as np
 from scipy.integrate import solve_ivp
 
 sys.path.insert(0, str(Path(__file__).parent.parent / 'test'))
-from fourbar_ros.dynamics.free_motion import FreeMotion  # noqa: E402, I100
-from fourbar_ros.dynamics.simulate import simulate  # noqa: E402
+from fourbar_ros import SliderCrank  # noqa: E402
+from fourbar_ros.dynamics.drives import Drive, MotorLine, Shaft, SpeedController  # noqa: E402
+from fourbar_ros.dynamics.free_motion import FreeMotion  # noqa: E402
+from fourbar_ros.dynamics.simulate import REACHED, simulate  # noqa: E402
+from fourbar_ros.dynamics.system import System  # noqa: E402
+from fourbar_ros.errors import FourBarError  # noqa: E402
 from support.dynamics_problems import (  # noqa: E402
+    light_crank,
+    light_rods,
+    near_change_point,
     near_lock_up,
     one_window,
     one_window_exact,
     P2_POSITION,
     P4_POSITION,
+    paper_linkage,
     sundials_slider_crank,
 )
 
-ROUNDS = 5
+FIGURE = Path(__file__).resolve().parent.parent / 'docs' / 'bench' / 'dynamics'
+TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
+METHODS = ('RK45', 'DOP853', 'LSODA', 'Radau', 'BDF')
+BUDGET = 60_000            # evaluations after which a method counts as stuck
+ALLOWED = 10.0             # times the tolerance: errors above it are called wrong
+
+
+class Scene(NamedTuple):
+    """A problem: its system, its end [s], the position there, where that is from."""
+
+    family: str
+    name: str
+    system: System
+    until: float
+    exact: float
+    source: str
+
+
+class Outcome(NamedTuple):
+    """What one run gave: error of the last position, CPU time, what was reported."""
+
+    error: float
+    milliseconds: float
+    status: str
+
+
+class StuckError(Exception):
+    """More evaluations than the budget."""
+
+
+def motor(k=None, flywheel=0.0):
+    """P6: the paper's crank-rocker, a motor line, a rotor, an elastic shaft."""
+    shaft = None if k is None else Shaft(k, 1e-3 * k)
+    drive = Drive(MotorLine(400.0, 26.0), rotor=0.5, shaft=shaft, flywheel=flywheel)
+    return System(paper_linkage(), 0.0, 0.0, drive=drive)
+
+
+def controlled(gain):
+    """A slider-crank held at 150 rad/s by a proportional controller."""
+    bodies = type(paper_linkage().bodies)
+    crank = SliderCrank(0.15, 0.30, bodies=bodies(*paper_linkage().bodies))
+    return System(crank, 0.0, 149.0, drive=Drive(SpeedController(150.0, proportional=gain)))
+
+
+def by_two(system, until):
+    """Return the position by Radau and LSODA at the tightest tolerances, and their difference."""
+    ends = [solve_ivp(lambda t, y: system.derivative(t, y.tolist()), (0.0, until), system.start,
+                      method, rtol=tolerance, atol=tolerance).y[0, -1]
+            for method, tolerance in (('Radau', 1e-11), ('LSODA', 1e-12))]
+    return float(ends[0]), f'Radau 1e-11, LSODA 1e-12 differ by {abs(ends[1] - ends[0]):.0e}'
+
+
+def scenes():
+    """Yield all scenes, from soft to extreme."""
+    with mp.workdps(30):
+        window = float(one_window_exact(mp.mpf(20)))
+    yield Scene('soft', 'P2', sundials_slider_crank(), 10.0, float(P2_POSITION), '29 digits')
+    yield Scene('soft', 'P3, N = 1', one_window(), 20.0, window, 'elliptic functions')
+    yield Scene('soft', 'P4', near_lock_up(), 4.99, float(P4_POSITION), '32 digits')
+    for k in (1e2, 1e5, 1e7, 1e9):
+        system = motor(k)
+        yield Scene('stiff', f'P6, shaft {k:.0e}', system, 0.3, *by_two(system, 0.3))
+    system = controlled(1e6)
+    yield Scene('stiff', 'controller gain 1e6', system, 0.05, *by_two(system, 0.05))
+    system = motor(1e5, flywheel=1e6)
+    yield Scene('stiff', 'flywheel 1e6', system, 0.3, *by_two(system, 0.3))
+    for name, system in (('light rods 1e-8', light_rods()),
+                         ('light crank 1e-12', light_crank(1e-12)),
+                         ('lock-up 1e-8', near_lock_up(2.0 * (1.0 - 1e-8))),
+                         ('change point 1e-10', near_change_point(1e-10))):
+        motion = FreeMotion(system)
+        yield Scene('extreme', name, system, 2.0, float(motion.position(2.0)),
+                    f'quadrature, {motion.accuracy:.0e} of the time')
 
 
 def timed(run):
-    """Return the result and the least CPU time of some rounds [ms]."""
-    least = np.inf
-    for _ in range(ROUNDS):
+    """Return the result of a call and its CPU time [ms], the least of two."""
+    spent = []
+    for _ in range(2):
         start = time.process_time()
         result = run()
-        least = min(least, time.process_time() - start)
-    return result, 1e3 * least
+        spent.append(1e3 * (time.process_time() - start))
+        if spent[0] > 300.0:
+            break
+    return result, min(spent)
 
 
-def scipy_alone(system, until, tolerance):
-    """Return the position at the end by solve_ivp's DOP853 on the same equation."""
-    def derivative(now, state):
-        return system.derivative(now, state.tolist())
-    return solve_ivp(derivative, (0.0, until), system.start, 'DOP853', rtol=max(tolerance, 3e-14),
-                     atol=tolerance).y[0, -1]
+def ours(scene, tolerance):
+    """Return the Outcome of simulate, which checks itself."""
+    run, spent = timed(lambda: simulate(scene.system, scene.until, tolerance))
+    return Outcome(abs(run.position[-1] - scene.exact), spent, run.status)
 
 
-def problems():
-    """Yield name, system, end and exact position."""
-    with mp.workdps(30):
-        yield 'P2', sundials_slider_crank(), 10.0, float(P2_POSITION)
-        yield 'P3', one_window(), 20.0, float(one_window_exact(mp.mpf(20)))
-        yield 'P4', near_lock_up(), 4.99, float(P4_POSITION)
+def theirs(scene, method, tolerance):
+    """Return the Outcome of solve_ivp on the same equation."""
+    derivative, count = scene.system.derivative, 0
+
+    def counted(now, state):
+        nonlocal count
+        count += 1
+        if count > BUDGET:
+            raise StuckError
+        try:
+            return derivative(now, state.tolist())
+        except FourBarError:
+            return [np.nan] * len(state)
+
+    def run():
+        nonlocal count
+        count = 0
+        try:
+            return solve_ivp(counted, (0.0, scene.until), scene.system.start, method,
+                             rtol=tolerance, atol=tolerance)
+        except StuckError:
+            return None
+    with warnings.catch_warnings():
+        warnings.simplefilter('ignore')
+        done, spent = timed(run)
+    if done is None:
+        return Outcome(np.nan, spent, 'stuck')
+    return Outcome(abs(done.y[0, -1] - scene.exact), spent,
+                   REACHED if done.success else 'failed')
+
+
+def cell(outcome, tolerance):
+    """Return an outcome as text; a wrong answer that was called a success in bold."""
+    if outcome.status not in (REACHED,):
+        return f'{outcome.status}, {outcome.milliseconds:.0f}'
+    text = f'{outcome.error:.0e}, {outcome.milliseconds:.1f}'
+    return f'**{text}**' if outcome.error > ALLOWED * tolerance else text
+
+
+def summary(results):
+    """Print for each method how often it was right, wrong without saying so, and stuck."""
+    print('\n| | right | success reported, error > 10 tolerances | stuck or gave up |\n'
+          '| --- | --- | --- | --- |')
+    for method in ('simulate', *METHODS):
+        every = [(tolerance, outcome) for (_, name, tolerance), outcome in results.items()
+                 if name == method]
+        good = [o.error <= ALLOWED * t for t, o in every if o.status == REACHED]
+        print(f'| {method} | {sum(good)} | {len(good) - sum(good)} | {len(every) - len(good)} |')
+
+
+def draw(results, names):
+    """Draw error against CPU time for each scene."""
+    import matplotlib
+    matplotlib.use('Agg')
+    matplotlib.rcParams['svg.hashsalt'] = 'fourbar'
+    from matplotlib import pyplot
+    columns = 4
+    rows = -(-len(names) // columns)
+    figure, axes = pyplot.subplots(rows, columns, figsize=(13.0, 3.0 * rows),
+                                   layout='constrained')
+    for axis, name in zip(axes.flat, names):
+        for i, method in enumerate(('simulate', *METHODS)):
+            points = [(o.milliseconds, max(o.error, 1e-15))
+                      for (scene, other, _), o in results.items()
+                      if (scene, other) == (name, method) and o.status == REACHED]
+            if points:
+                axis.loglog(*zip(*points), 'o-' if i == 0 else '.-', color=f'C{i}', label=method,
+                            linewidth=1.8 if i == 0 else 1.0)
+        axis.set_title(name, fontsize=10)
+        axis.grid(alpha=0.3)
+    for axis in axes.flat[len(names):]:
+        axis.set_axis_off()
+    figure.supxlabel('CPU time [ms]')
+    figure.supylabel('error of the last position [rad]')
+    handles, labels = axes.flat[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc='lower right', ncols=2)
+    figure.savefig(FIGURE.with_suffix('.svg'), metadata={'Date': None})
+    figure.savefig(FIGURE.with_suffix('.png'), dpi=100)
+    pyplot.close(figure)
+    print('\n![Error against CPU time of simulate and scipy](dynamics.svg)')
 
 
 def main():
-    """Print a table in Markdown."""
-    print('| problem | tolerance '
-          '| checked: error, ms | one run: error, ms | solve_ivp: error, ms |')
-    print('| --- | --- | --- | --- | --- |')
-    for name, system, until, exact in problems():
-        for tolerance in (1e-6, 1e-9, 1e-12):
-            cells = []
-            for run in (lambda: simulate(system, until, tolerance).position[-1],
-                        lambda: simulate(system, until, tolerance, check=False).position[-1],
-                        lambda: scipy_alone(system, until, tolerance)):
-                position, milliseconds = timed(run)
-                cells.append(f'{abs(position - exact):.1e}, {milliseconds:.1f}')
-            print(f'| {name} | {tolerance:.0e} | {" | ".join(cells)} |', flush=True)
-        if system.is_conservative:
-            position, milliseconds = timed(lambda: FreeMotion(system).position(until))
-            cell = f'{abs(position - exact):.1e}, {milliseconds:.1f}'
-            print(f'| {name} | quadrature | {cell} | | |', flush=True)
+    """Print tables in Markdown and draw the figure."""
+    print('Error of the last position [rad], CPU time [ms], at tolerances 1e-6 and 1e-10. '
+          '`simulate` runs twice or more and checks itself; the others are `solve_ivp`, once, on '
+          'the same equation. Bold: success was reported with an error above 10 tolerances. '
+          f'*Stuck*: more than {BUDGET} evaluations.\n')
+    results, names, family = {}, [], None
+    for scene in scenes():
+        names.append(scene.name)
+        if scene.family != family:
+            family = scene.family
+            print(f'\n## {family.capitalize()}\n\n| scene, reference | tolerance | simulate | '
+                  f'{" | ".join(METHODS)} |\n|{" --- |" * (len(METHODS) + 3)}')
+        for tolerance in TOLERANCES:
+            results[scene.name, 'simulate', tolerance] = ours(scene, tolerance)
+            for method in METHODS:
+                results[scene.name, method, tolerance] = theirs(scene, method, tolerance)
+            if tolerance in (1e-6, 1e-10):
+                cells = [cell(results[scene.name, method, tolerance], tolerance)
+                         for method in ('simulate', *METHODS)]
+                print(f'| {scene.name} ({scene.source}) | {tolerance:.0e} | {" | ".join(cells)} |',
+                      flush=True)
+    print('\n## All of them')
+    summary(results)
+    draw(results, names)
 
 
 if __name__ == '__main__':

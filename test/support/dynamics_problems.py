@@ -76,7 +76,7 @@ def near_change_point(gap=1e-6):
 
 
 def light_rods(mass=1e-8):
-    """A heavy output link on rods of hardly any mass, a crank-rocker: dead points of the output."""
+    """A heavy output link on rods of hardly any mass: dead points of the output."""
     bodies = Bodies(Body(mass, 0.2, 0.0, mass), Body(mass, 0.6, 0.0, mass),
                     Body(2.0, 0.4, 0.0, 0.3))
     return System(FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies), 0.5, 1.0)
