@@ -19,10 +19,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from fourbar_ros.dynamics.drives import Shaft
-from fourbar_ros.dynamics.equation import Terms
 from fourbar_ros.dynamics.pieces import Piece
 
 State = tuple[float, float, float, float, float]
+Terms = tuple[float, float, float, float, float]          # J, J'/2, Q, D, of couples
 Solver = Callable[[float], Callable[[State], State]]      # g -> (r -> u)
 
 
@@ -46,7 +46,7 @@ class Rigid:
     def derivative(terms: Terms, state: State, piece: Piece) -> State:
         """Return dx/dt."""
         _, w, _, _, z = state
-        inertia, half_slope, force, damping = terms
+        inertia, half_slope, force, damping, _ = terms
         torque, by_speed, by_own, own, own_by_speed, own_by_own = piece
         return (w, (force + torque + by_own * z + (by_speed - damping - half_slope * w) * w)
                 / inertia, 0.0, 0.0, own + own_by_speed * w + own_by_own * z)
@@ -54,7 +54,7 @@ class Rigid:
     @staticmethod
     def linear(terms: Terms, state: State, piece: Piece, by_position: float) -> Solver:
         """Return the function g -> (r -> u); ``by_position``: of the acceleration."""
-        inertia, half_slope, _, damping = terms
+        inertia, half_slope, _, damping, _ = terms
         _, by_speed, by_own, _, own_by_speed, own_by_own = piece
         by_rate = (by_speed - damping - 2.0 * half_slope * state[1]) / inertia
         by_own /= inertia
@@ -86,7 +86,7 @@ class Elastic:
         """Return dx/dt."""
         _, w, s, v, z = state
         k, c, rotor = self._given
-        inertia, half_slope, force, damping = terms
+        inertia, half_slope, force, damping, _ = terms
         torque, by_speed, by_own, own, own_by_speed, own_by_own = piece
         on_input = k * s + c * (v - w)
         return (w, (force + on_input - (damping + half_slope * w) * w) / inertia, v - w,
@@ -96,7 +96,7 @@ class Elastic:
     def linear(self, terms: Terms, state: State, piece: Piece, by_position: float) -> Solver:
         """Return the function g -> (r -> u); ``by_position``: of the acceleration."""
         k, c, rotor = self._given
-        inertia, half_slope, _, damping = terms
+        inertia, half_slope, _, damping, _ = terms
         _, by_speed, by_own, _, own_by_speed, own_by_own = piece
         rate_by_rate = -(damping + c + 2.0 * half_slope * state[1]) / inertia
         motor_by_speed, motor_by_own = (by_speed - c) / rotor, by_own / rotor

@@ -75,7 +75,7 @@ class OneStep:
 
     def __init__(self, system: System, tolerance: float, budget: int) -> None:
         self._system, self._budget, self._count = system, budget, 0
-        self._terms, self._unit = system.equation.terms, system.mechanism.input_unit
+        self._terms, self._unit = system.equation.of_one, system.mechanism.input_unit
         self._tolerance = tolerance * self._unit
         self._drive = system.drive or Drive(ConstantTorque())
         shaft, rotor = self._drive.shaft, self._drive.rotor

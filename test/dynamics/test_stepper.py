@@ -91,7 +91,7 @@ def test_work_is_counted_and_never_more_than_the_budget():
     for budget in (12, 20, 60):
         calls = 0
         one = OneStep(system, 1e-11, budget)
-        terms_of = system.equation.terms
+        terms_of = system.equation.of_one
 
         def counted(position, terms_of=terms_of):
             nonlocal calls
