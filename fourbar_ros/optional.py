@@ -12,6 +12,7 @@ BAGS = 'pip install mcap lz4 zstandard'
 INSTALL = {'mcap': BAGS, 'lz4': BAGS, 'zstandard': BAGS, 'matplotlib': 'pip install matplotlib',
            'pyarrow': 'pip install pyarrow', 'flint': 'pip install python-flint',
            'scipy': 'pip install scipy', 'distributed': 'pip install distributed',
+           'nicegui': 'pip install nicegui',
            'rich': 'pip install rich', 'yaml': 'pip install pyyaml'}
 ROS = ('rclpy', 'rcl_interfaces', 'rosidl_runtime_py', 'rpyutils', 'ament_index_python')
 ROS_HINT = 'source a ROS 2 workspace that contains fourbar_ros, or run  make run  in its source'

@@ -16,7 +16,7 @@ LAYERS = (('errors',), ('optional',), ('numerics',), ('mechanics',), ('mechanism
           ('extrema', 'pipeline', 'dynamics'),
          ('formats', 'scene', 'report', 'transmission'),
          ('bag', 'reproduction', 'description', 'studies', 'balancing'),
-         ('ros',), ('cli',))
+         ('ros',), ('live',), ('cli',))
 LEVEL = {folder: level for level, folders in enumerate(LAYERS) for folder in folders}
 LATERAL = {('report', 'scene'), ('reproduction', 'bag'), ('scene', 'report')}
 
@@ -32,6 +32,7 @@ THIRD_PARTY = {'yaml': ('scene', 'formats', 'bag', 'reproduction', 'studies', 'r
                'mcap': ('formats', 'bag'),
                'rich': ('report', 'cli', 'ros', 'reproduction'),
                'matplotlib': ('report', 'bag', 'reproduction', 'studies', 'balancing', 'cli'),
+               'nicegui': ('live',),
                'flint': ('numerics', 'extrema'),
                'scipy': ('dynamics', 'studies', 'balancing'), 'pyarrow': ('bag', 'studies'),
                'distributed': ('studies',)}

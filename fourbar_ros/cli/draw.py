@@ -9,6 +9,10 @@ EPILOG = """\
 examples:
   fourbar draw paper --at 60 -o pose.pdf
   fourbar draw slides_7_6 --at 60 --speed 10 --acceleration 100 -o example_7_6.svg
+  fourbar draw paper --animate -o paper.gif          the linkage moving through a cycle
+  fourbar draw paper --over paths -o paths.pdf       coupler curves of the points
+  fourbar draw paper --over hodographs -o hodographs.pdf
+  fourbar draw paper --over forces -o polar.svg      shaking force and bearing loads as vectors
 """
 
 
@@ -19,19 +23,42 @@ def add(verbs):
                     'Draw the linkage with its joint forces and its velocity and acceleration '
                     'polygons, to scale.\nRequires matplotlib.', EPILOG)
     draw.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
-    add_pose(draw, 'input angle [degrees], or slide [m]', is_required=True)
+    add_pose(draw, 'input angle [degrees], or slide [m]')
+    draw.add_argument('--animate', action='store_true',
+                      help='instead of one pose: a cycle, as .gif, or as .mp4 if ffmpeg is there')
+    draw.add_argument('--over', choices=('paths', 'hodographs', 'forces'),
+                      help='instead of one pose, over a cycle: the paths of the points, their '
+                           'velocities as vectors, or the forces on the ground as vectors')
     draw.add_argument('-o', '--out', metavar='FILE', required=True, help=PICTURE_HELP)
     draw.set_defaults(run=_draw)
 
 
 def _draw(arguments):
-    from fourbar_ros.report.drawing import make_figure, save
-    from fourbar_ros.report.poses import step_at
-    from fourbar_ros.report.tables import class_name, mode_name, rate_unit
+    from fourbar_ros.errors import InvalidParameter
     from fourbar_ros.scene.scene import load
     scene = load(arguments.scene)
     linkage = scene.linkage.in_mode(arguments.mode or scene.linkage.mode)
     speed = scene.drive.speed if arguments.speed is None else arguments.speed
+    points = {name: tuple(point) for name, point in scene.points.items()}
+    if arguments.animate:
+        from fourbar_ros.report.animation import animate
+        print(animate(linkage, speed, points, arguments.out))
+    elif arguments.over:
+        from fourbar_ros.report.cycles import make_cycle_figure
+        from fourbar_ros.report.drawing import save
+        print(save(make_cycle_figure(arguments.over, linkage, speed, arguments.acceleration,
+                                     points), arguments.out))
+    elif arguments.at is None:
+        raise InvalidParameter('--at', None, 'must be given, or --animate, or --over')
+    else:
+        _draw_pose(arguments, linkage, speed, points)
+
+
+def _draw_pose(arguments, linkage, speed, points):
+    """Draw one pose with its forces and polygons."""
+    from fourbar_ros.report.drawing import make_figure, save
+    from fourbar_ros.report.poses import step_at
+    from fourbar_ros.report.tables import class_name, mode_name, rate_unit
     _, motion, loads = step_at(linkage, arguments.at, speed, arguments.acceleration)
     pose = (f'{linkage.input_coordinate.position} {arguments.at:.8g} '
             f'{"m" if linkage.is_driven_by_slide else "deg"}')
@@ -40,5 +67,4 @@ def _draw(arguments):
                        *([f'{arguments.acceleration:g} {unit}^2']
                          if arguments.acceleration else []),
                        f'assembly mode {mode_name(linkage)}'])
-    points = {name: tuple(point) for name, point in scene.points.items()}
     print(save(make_figure(linkage, motion, loads, title, points), arguments.out))

@@ -15,6 +15,7 @@ from fourbar_ros.cli import (
     balance,
     describe,
     draw,
+    live,
     record,
     replay,
     reproduce,
@@ -27,7 +28,7 @@ from fourbar_ros.errors import FourBarError
 from fourbar_ros.optional import MissingPackage
 from fourbar_ros.scene.arguments import Parser
 
-VERBS = (show, scene, simulate, bag, record, replay, draw, describe, study, balance,
+VERBS = (show, live, draw, scene, simulate, bag, record, replay, describe, study, balance,
          reproduce)
 DESCRIPTION = """\
 Motion, loads and extrema of planar four-bars, slider-cranks and inverted slider-cranks, and tools

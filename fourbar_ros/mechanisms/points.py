@@ -120,6 +120,34 @@ def crank_motion(motion: Any) -> LinkMotion:
                       motion.alpha1)
 
 
+def instant_centre(link: LinkMotion, other: LinkMotion | None = None) -> Any:
+    """
+    Return the instant centre of a link relative to another one, or to the ground.
+
+    The point where both have one velocity (Aronhold and Kennedy): v + omega x (P - O) is the same
+    for both. At infinity, as NaN or inf, where both turn at one rate.
+
+    Parameters
+    ----------
+    link, other : LinkMotion
+        Of floats or arrays of shape (...); the first two of the pole P_ij. None: the ground.
+
+    Returns
+    -------
+    ndarray, shape (..., 2) [m]
+
+    """
+    def at_origin(one: LinkMotion) -> tuple[Any, Any]:
+        return one.v_x + one.omega * one.y, one.v_y - one.omega * one.x
+
+    (v_x, v_y), omega = at_origin(link), link.omega
+    if other is not None:
+        u_x, u_y = at_origin(other)
+        v_x, v_y, omega = v_x - u_x, v_y - u_y, omega - other.omega
+    with np.errstate(divide='ignore', invalid='ignore'):
+        return vector(np.divide(-v_y, omega), np.divide(v_x, omega))
+
+
 def make_point(n: NumberType, mechanism: Any, link: str, along: float, across: float) -> Function:
     """Return motion -> fields of :class:`PointMotion` for a point fixed to a link."""
     hypot, where = n.hypot, n.where

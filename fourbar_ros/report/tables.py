@@ -66,6 +66,13 @@ def what_it_is(linkage, title):
     """Return the table of a linkage's own properties."""
     table = plain_table(str(title), ('', ''))
     table.show_header = False
+    for row in facts(linkage):
+        table.add_row(*row)
+    return table
+
+
+def facts(linkage):
+    """Return a linkage's own properties as a list of (name, text)."""
     rows = [('lengths', '  '.join(f'{name} {length:g}'
                                   for name, length in zip(linkage.length_names, linkage.lengths))
              + '  m'),
@@ -92,9 +99,7 @@ def what_it_is(linkage, title):
         rows += [(f'{name}', f'{body.mass:.6g} kg, {body.inertia:.6g} kg m^2, CG at '
                              f'({body.cg_along:g}, {body.cg_across:g}) m')
                  for name, body in linkage.bodies._asdict().items()]
-    for row in rows:
-        table.add_row(*row)
-    return table
+    return rows
 
 
 def extrema_table(extrema, title):

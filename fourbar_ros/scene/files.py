@@ -197,9 +197,15 @@ def scalar(text: str) -> bool | int | float | str:
 
 
 def as_text(values: dict[str, Any]) -> str:
-    """Return a flat dict of parameters as the text of a ROS 2 parameter file for any node."""
+    """
+    Return a flat dict of parameters as the text of a ROS 2 parameter file for any node.
+
+    Those that are not given (NaN) are left out; numbers have all their digits.
+    """
     tree: dict[str, Any] = {}
     for name, value in values.items():
+        if value != value:
+            continue
         *path, last = name.split('.')
         place = tree
         for step in path:

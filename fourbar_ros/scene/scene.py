@@ -20,7 +20,7 @@ from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
 from fourbar_ros.pipeline.message_fields import layout, Names
 from fourbar_ros.scene import of_kinds, parameters
 from fourbar_ros.scene.dynamics import Dynamics, of_values
-from fourbar_ros.scene.files import flatten, read_values, SceneError  # noqa: F401
+from fourbar_ros.scene.files import as_text, flatten, read_values, SceneError  # noqa: F401
 from fourbar_ros.scene.topics import (
     APPLIED,
     DRIVE_STATE,
@@ -116,6 +116,12 @@ class Scene(NamedTuple):
     def as_json(self):
         """Return the given parameters as JSON (NaN stands for "not given", and is no JSON)."""
         return json.dumps({name: value for name, value in self.values.items() if value == value})
+
+    @property
+    def as_text(self):
+        """Return the text of its scene file: what is given and no default."""
+        return as_text({name: value for name, value in self.values.items()
+                        if value != parameters.find(name).default})
 
     @property
     def topics(self):

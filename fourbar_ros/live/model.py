@@ -1,0 +1,188 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""What a page shows of a scene: a cycle of the mechanism, its extrema, the facts; no page yet."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil, degrees, pi
+from typing import Any
+
+from fourbar_ros.extrema.find import Extremum, find_extrema
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.points import point_motion, PointMotion
+from fourbar_ros.mechanisms.quantities import is_published, positions, select
+from fourbar_ros.pipeline.status import evaluate
+from fourbar_ros.report.cycles import usual_points
+from fourbar_ros.scene.scene import from_values, Scene
+import numpy as np
+
+SAMPLES = 361           # of a cycle: one a degree of a full turn
+WITHIN = 1e-9           # of a range that ends in a toggle: its curves stop so far before the end
+LIMIT = 1e9             # a curve that grows beyond this many times its median leaves the chart
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """
+    The mechanism over one range of its input at constant rate and acceleration.
+
+    Parameters
+    ----------
+    inputs : array of shape (n,)
+        Position of the input [rad] or [m], from low to high.
+    motion, loads : NamedTuples of arrays of shape (n,)
+        ``loads`` is None without masses.
+
+    """
+
+    inputs: np.ndarray
+    motion: Any
+    loads: Any
+
+
+@dataclass(frozen=True)
+class Shown:
+    """
+    A scene as a page shows it: in one assembly mode, at one rate and acceleration of the input.
+
+    Parameters
+    ----------
+    scene : Scene
+    acceleration : float
+        Of the input [rad/s^2] or [m/s^2]; the rate is the scene's ``drive.speed``.
+
+    """
+
+    scene: Scene
+    acceleration: float = 0.0
+
+    @property
+    def linkage(self) -> Mechanism:
+        """Return the mechanism."""
+        return self.scene.linkage
+
+    @property
+    def rate(self) -> float:
+        """Return the rate of the input [rad/s] or [m/s]."""
+        return self.scene.drive.speed
+
+    @property
+    def ranges(self) -> tuple[tuple[float, float], ...]:
+        """Return the ranges of the input [rad] or [m]."""
+        return self.linkage.input_ranges
+
+    @cached_property
+    def cycles(self) -> tuple[Cycle, ...]:
+        """Return a :class:`Cycle` for each range of the input."""
+        return tuple(self._cycle(*bounds) for bounds in self.ranges)
+
+    def _cycle(self, low: float, high: float) -> Cycle:
+        margin = WITHIN * (high - low)
+        turns = self.linkage.turns_fully
+        inputs = (np.linspace(low, high, SAMPLES) if turns
+                  else np.linspace(low + margin, high - margin, SAMPLES))
+        if self.linkage.bodies is None:
+            return Cycle(inputs, self.linkage.motion(inputs, self.rate, self.acceleration), None)
+        return Cycle(inputs, *self.linkage.step(inputs, self.rate, self.acceleration))
+
+    @cached_property
+    def quantities(self) -> dict[str, Any]:
+        """Return {name: quantity} of all that can be drawn over the input."""
+        found = select((), self.linkage, self.scene.point_quantities)
+        return ({quantity.name: quantity for quantity in found}
+                | positions(self.linkage, self.linkage.input))
+
+    @property
+    def usual_quantities(self) -> list[str]:
+        """Return the names drawn first: the output's rates, the drive, the shaking force."""
+        coordinate = self.linkage.outputs[0].coordinate
+        wanted = (coordinate.rate, coordinate.acceleration, 'driving_torque', 'driving_force',
+                  'shaking_force')
+        return [name for name in wanted if name in self.quantities]
+
+    def curves(self, name: str) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Return (inputs, values) of a quantity for each range of the input."""
+        quantity = self.quantities[name]
+        return [(cycle.inputs, np.broadcast_to(quantity.of(cycle.motion, cycle.loads),
+                                               cycle.inputs.shape)) for cycle in self.cycles]
+
+    def extrema(self, names: Sequence[str]) -> list[Extremum]:
+        """Return the extrema of these quantities; positions have none but at known places."""
+        wanted = [self.quantities[name] for name in names]
+        return find_extrema(self.linkage, [quantity.name if is_published(quantity) else quantity
+                                           for quantity in wanted],
+                            self.rate, self.acceleration, conditions=False) if wanted else []
+
+    def place_of(self, extremum: Extremum) -> float:
+        """Return the input of an extremum [rad] or [m], within the ranges."""
+        if self.linkage.is_driven_by_slide:
+            return extremum.slide
+        angle = extremum.theta1
+        inside = [angle + turn for turn in (0.0, -2.0 * pi, 2.0 * pi)
+                  if any(low - 1e-9 <= angle + turn <= high + 1e-9 for low, high in self.ranges)]
+        return inside[0] if inside else angle
+
+    def pose(self, position: float, rate: float | None = None,
+             acceleration: float | None = None) -> tuple[int, Any, Any]:
+        """
+        Return (status, motion, loads) at an input; loads None without masses.
+
+        Rate and acceleration, where not given, are those of what is shown.
+        """
+        status, motion, loads = evaluate(
+            self.linkage, position, self.rate if rate is None else rate,
+            self.acceleration if acceleration is None else acceleration,
+            self.linkage.bodies is not None)
+        return status, motion, loads if self.linkage.bodies else None
+
+    @cached_property
+    def points(self) -> dict[str, tuple[str, float, float]]:
+        """
+        Return {name: (link, along, across)} of the points whose curves are drawn.
+
+        Those of the scene, or the middle of the first link that no pivot of the ground holds.
+        """
+        return dict(usual_points(self.linkage, {name: tuple(point) for name, point
+                                                in self.scene.points.items()}))
+
+    @cached_property
+    def traces(self) -> dict[str, list[PointMotion]]:
+        """Return {name: motion of the point over each range}."""
+        return {name: [point_motion(self.linkage, cycle.motion, *point) for cycle in self.cycles]
+                for name, point in self.points.items()}
+
+    @cached_property
+    def poses(self) -> list[tuple[Any, Any]]:
+        """Return some forty (motion, loads) over the cycles, for the size of pictures."""
+        found = []
+        for cycle in self.cycles:
+            step = max(1, ceil(len(cycle.inputs) * len(self.cycles) / 40))
+            for i in range(0, len(cycle.inputs), step):
+                status, motion, loads = self.pose(float(cycle.inputs[i]))
+                if status == 0:
+                    found.append((motion, loads))
+        return found
+
+    def shown_input(self, position: float) -> float:
+        """Return an input in the unit of the page: degrees, or m."""
+        return position if self.linkage.is_driven_by_slide else degrees(position)
+
+    @property
+    def input_unit(self) -> str:
+        """Return the unit of the input on the page."""
+        return 'm' if self.linkage.is_driven_by_slide else 'deg'
+
+
+def shown(values: dict[str, Any], acceleration: float = 0.0) -> Shown:
+    """
+    Return what is shown of a flat dict of parameters.
+
+    Raises
+    ------
+    InvalidParameter
+        A value is impossible; the message names it and says what is allowed.
+
+    """
+    return Shown(from_values(values), acceleration)

@@ -1,0 +1,45 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The page of a running node: it follows the node's topics and sets the node's parameters."""
+from __future__ import annotations
+
+from typing import Any
+
+from fourbar_ros.live.course import OfNode
+from fourbar_ros.live.page import Page
+from fourbar_ros.live.watched import Watched
+from nicegui import run
+
+
+class NodePage(Page):
+    """A page whose scene and motion are those of a node."""
+
+    def __init__(self, watched: Watched, query: dict[str, str]):
+        super().__init__(watched.node, watched.values, {},
+                         lambda shown: OfNode(shown, watched.latest))
+        self.watched, self.version = watched, watched.version
+
+    def build(self) -> None:
+        """Build the elements of the page; it moves at once."""
+        super().build()
+        self.timer.activate()
+        self.play.set_visibility(False)
+        self.slider.disable()
+        self.field.disable()
+
+    async def change(self, name: str, value: Any) -> None:
+        """Set a parameter of the node; what it refuses is shown, and holds for none."""
+        if value is None or value == self.values.get(name):
+            return
+        # sliders that yield whole numbers mean doubles
+        value = float(value) if isinstance(self.values.get(name), float) else value
+        self.problem = await run.io_bound(self.watched.set, name, value)
+
+    def _tick(self) -> None:
+        if self.version != self.watched.version:
+            self.version, self.values = self.watched.version, self.watched.values
+            self.rebuild(keep_problem=True)
+        super()._tick()
+
+    def _remember(self) -> None:
+        """Leave the address alone: the state is the node's."""

@@ -1,0 +1,110 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""A mechanism moving through a cycle, as an animated GIF or an MP4."""
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.report.cycles import cycles, Points, usual_points
+from fourbar_ros.report.drawing import CannotDraw, need_matplotlib, STYLE
+import numpy as np
+
+FRAMES, PER_SECOND = 90, 25
+INK, LINK, POINT = '#1c1c1c', '#5a6b7d', '#8a5200'
+
+
+def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path) -> Path:
+    """
+    Write a cycle of a mechanism as .gif or .mp4 and return the path.
+
+    Back and forth where the input has limits; over its first range if it has several.
+
+    Raises
+    ------
+    CannotDraw
+        Another suffix, no ffmpeg for .mp4, or the file cannot be written.
+
+    """
+    need_matplotlib('draw --animate')
+    import matplotlib
+    from matplotlib.animation import FuncAnimation
+    from matplotlib.figure import Figure
+    path = Path(path)
+    poses = _poses(mechanism, rate)
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(6.4, 4.8), layout='constrained')
+        axes = figure.subplots()
+        frame = _Frame(axes, mechanism, usual_points(mechanism, points), poses)
+        moving = FuncAnimation(figure, frame.draw, frames=len(poses), blit=False)
+        try:
+            moving.save(path, writer=_writer(path), dpi=100)
+        except OSError as error:
+            raise CannotDraw(f'{path}: {error.strerror or error}') from None
+    return path
+
+
+def _writer(path: Path) -> Any:
+    from matplotlib.animation import FFMpegWriter, PillowWriter
+    if path.suffix == '.gif':
+        return PillowWriter(fps=PER_SECOND)
+    if path.suffix != '.mp4':
+        raise CannotDraw(f'{path}: an animation is a .gif or an .mp4')
+    if not FFMpegWriter.isAvailable():
+        raise CannotDraw(f'{path}: .mp4 requires the program ffmpeg; .gif does not')
+    return FFMpegWriter(fps=PER_SECOND)
+
+
+def _poses(mechanism: Mechanism, rate: float) -> list[Any]:
+    """Return the motions of the frames, one NamedTuple of floats each."""
+    inputs = cycles(mechanism, FRAMES)[0]
+    if mechanism.turns_fully:
+        inputs = inputs[:-1] if rate >= 0.0 else inputs[:0:-1]
+    else:
+        inputs = np.concatenate([inputs[::2], inputs[-2:0:-2]])
+    found = []
+    for position in inputs:
+        try:
+            found.append(mechanism.motion(float(position), rate))
+        except FourBarError:            # a singular pose has no rates
+            continue
+    return found
+
+
+class _Frame:
+    """Draws the frames; the axes keep one scale for all of them."""
+
+    def __init__(self, axes: Any, mechanism: Mechanism, points: Points, poses: list[Any]):
+        self.axes, self.mechanism, self.points, self.poses = axes, mechanism, points, poses
+        self.paths = {name: np.array([point_motion(mechanism, motion, *point).place
+                                      for motion in poses]) for name, point in points.items()}
+        ends = [place for motion in poses
+                for place in mechanism.diagram(motion).joints.values()]
+        ends = np.concatenate([np.array(ends), *self.paths.values()])
+        low, high = ends.min(axis=0), ends.max(axis=0)
+        room = 0.08 * float(max(high - low))
+        self.limits = (low - room, high + room)
+
+    def draw(self, number: int) -> None:
+        """Draw one frame."""
+        axes, motion = self.axes, self.poses[number]
+        diagram = self.mechanism.diagram(motion)
+        axes.clear()
+        axes.set_axis_off()
+        axes.set_aspect('equal')
+        (left, bottom), (right, top) = self.limits
+        axes.set(xlim=(left, right), ylim=(bottom, top))
+        for name, path in self.paths.items():
+            axes.plot(*path.T, color=POINT, lw=1.2)
+            axes.plot(*point_motion(self.mechanism, motion, *self.points[name]).place, 'o',
+                      color=POINT, ms=5)
+        for bar in diagram.bars:
+            axes.plot(*zip(bar.start, bar.end), color=LINK, lw=5, solid_capstyle='round')
+        for block in diagram.blocks:
+            axes.plot(*block.place, 's', ms=14, mfc='#dfe5ec', mec=INK)
+        for name, place in diagram.joints.items():
+            axes.plot(*place, '^' if name in diagram.ground else 'o',
+                      ms=9 if name in diagram.ground else 6, mfc='w', mec=INK)

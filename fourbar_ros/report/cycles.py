@@ -1,0 +1,117 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+A mechanism over cycles of its input, for print and as moving pictures.
+
+Paths of points, velocities and forces as vectors. Only the functions that draw import matplotlib.
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.report.drawing import CannotDraw, need_matplotlib, STYLE
+import numpy as np
+
+SAMPLES = 721
+WITHIN = 1e-9        # of a range that ends in toggles: rates are unbounded at its very ends
+OUTLIER = 30.0       # vectors so many times the median one are beyond the picture
+Points = Mapping[str, tuple[str, float, float]]
+
+
+def cycles(mechanism: Mechanism, count: int = SAMPLES) -> list[np.ndarray]:
+    """Return inputs over each range of a mechanism, arrays of shape (count,) [rad] or [m]."""
+    found = []
+    for low, high in mechanism.input_ranges:
+        margin = 0.0 if mechanism.turns_fully else WITHIN * (high - low)
+        found.append(np.linspace(low + margin, high - margin, count))
+    return found
+
+
+def usual_points(mechanism: Mechanism, points: Points) -> Points:
+    """Return the points of a scene, or the middle of the first link between moving joints."""
+    if points:
+        return points
+    for link in mechanism.LINKS:
+        if link.length and not link.first_joint.startswith('O'):
+            return {'middle': (link.name, 0.5 * getattr(mechanism, link.length), 0.0)}
+    return {}
+
+
+def make_cycle_figure(what: str, mechanism: Mechanism, rate: float, acceleration: float = 0.0,
+                      points: Points = MappingProxyType({})) -> Any:
+    """
+    Return a matplotlib Figure of what happens over all ranges of the input.
+
+    Parameters
+    ----------
+    what : str
+        'paths' of the points [m], their 'hodographs' [m/s], or 'forces' on the ground [N].
+    mechanism : Mechanism
+    rate, acceleration : float
+        Of the input [rad/s] or [m/s], and its square.
+    points : mapping
+        {name: (link, along, across)}; empty: the middle of the coupler.
+
+    Raises
+    ------
+    CannotDraw
+        There is nothing to draw: no point, or no masses.
+
+    """
+    need_matplotlib('draw')
+    import matplotlib
+    from matplotlib.figure import Figure
+    curves, unit = _curves(what, mechanism, (rate, acceleration), usual_points(mechanism, points))
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(7.0, 7.0), layout='constrained')
+        axes = figure.subplots()
+        for name, parts in curves.items():
+            colour = axes.plot([], [], label=name)[0].get_color()
+            for part in parts:
+                axes.plot(*part.T, color=colour, lw=1.6)
+        if what != 'paths':
+            axes.axhline(0.0, color='0.6', lw=0.7)
+            axes.axvline(0.0, color='0.6', lw=0.7)
+        axes.set_aspect('equal', adjustable='datalim')
+        axes.set(xlabel=f'x [{unit}]', ylabel=f'y [{unit}]',
+                 title=f'{what} over a cycle: {mechanism.description}')
+        axes.legend()
+    return figure
+
+
+def _curves(what: str, mechanism: Mechanism, rates: tuple[float, float],
+            points: Points) -> tuple[dict[str, list[np.ndarray]], str]:
+    """Return ({name: curves of shape (n, 2)}, unit)."""
+    if what == 'forces':
+        if mechanism.bodies is None:
+            raise CannotDraw('forces need masses: see bodies.* in docs/node.md')
+        steps = [mechanism.step(inputs, *rates)[1] for inputs in cycles(mechanism)]
+        names = {'shaking_force': 'shaking force'} | _ground_forces(mechanism)
+        return {text: [_bounded(np.stack([getattr(loads, f'{name}_x'),
+                                          getattr(loads, f'{name}_y')], axis=-1))
+                       for loads in steps] for name, text in names.items()}, 'N'
+    if not points:
+        raise CannotDraw('no point to draw: give points.NAME.link, .along, .across')
+    field, unit = ('place', 'm') if what == 'paths' else ('velocity', 'm/s')
+    motions = [mechanism.motion(inputs, *rates) for inputs in cycles(mechanism)]
+    return {name: [_bounded(getattr(point_motion(mechanism, motion, *point), field))
+                   for motion in motions] for name, point in points.items()}, unit
+
+
+def _ground_forces(mechanism: Mechanism) -> dict[str, str]:
+    """Return {field of the loads: name} of the forces at the joints of the ground."""
+    inputs = cycles(mechanism, 5)[0]
+    diagram = mechanism.diagram(mechanism.motion(float(inputs[2]), 1.0))
+    return {name: f'F{name[1:]}' for name, joint in diagram.forces.items()
+            if joint in diagram.ground}
+
+
+def _bounded(vectors: np.ndarray) -> np.ndarray:
+    """Return vectors of shape (n, 2) with those beyond the picture as NaN."""
+    size = np.hypot(*vectors.T)
+    bound = OUTLIER * float(np.nanmedian(size)) or np.inf
+    return np.where((size <= bound)[:, None], vectors, np.nan)
