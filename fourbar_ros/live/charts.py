@@ -66,9 +66,10 @@ def _panels(shown: Shown, names: Sequence[str], series: list[dict[str, Any]],
                   for i, name in enumerate(names)],
         'xAxis': [{'type': 'value', 'gridIndex': i, 'min': low, 'max': high, 'axisLabel': ink,
                    'name': label if i == panels[-1] else '', 'nameLocation': 'middle',
-                   'nameGap': 26, 'nameTextStyle': ink} for i in panels],
+                   'nameGap': 26, 'nameTextStyle': ink, 'splitLine': _grid(is_dark)}
+                  for i in panels],
         'yAxis': [{'type': 'value', 'gridIndex': i, 'scale': True, 'splitNumber': 4,
-                   'axisLabel': ink} for i in panels],
+                   'axisLabel': ink, 'splitLine': _grid(is_dark)} for i in panels],
         'tooltip': {'trigger': 'axis'},
         'axisPointer': {'link': [{'xAxisIndex': 'all'}]},
         'series': series + [cursor_series(i, None) for i in panels],
@@ -77,6 +78,10 @@ def _panels(shown: Shown, names: Sequence[str], series: list[dict[str, Any]],
 
 def _ink(is_dark: bool) -> str:
     return '#e4e4e4' if is_dark else '#222222'
+
+
+def _grid(is_dark: bool) -> dict[str, Any]:
+    return {'lineStyle': {'color': '#3a3f45' if is_dark else '#dddddd'}}
 
 
 def _curve(shown: Shown, name: str, place: int, extrema: Sequence[Extremum]) -> dict[str, Any]:
@@ -138,7 +143,8 @@ def polar(shown: Shown, is_dark: bool) -> dict[str, Any]:
     series.append({'type': 'scatter', 'id': 'now', 'name': 'now', 'data': [], 'symbolSize': 10,
                    'color': CURSOR})
     bound = float(f'{1.08 * largest:.2g}') or 1.0
-    axis = {'type': 'value', 'min': -bound, 'max': bound, 'axisLabel': {'color': _ink(is_dark)},
+    axis = {'type': 'value', 'min': -bound, 'max': bound, 'splitLine': _grid(is_dark),
+            'axisLabel': {'color': _ink(is_dark), 'showMinLabel': False, 'showMaxLabel': False},
             'nameTextStyle': {'color': _ink(is_dark)}}
     return {'animation': False, 'aria': {'enabled': True}, 'backgroundColor': 'transparent',
             'darkMode': is_dark,

@@ -157,7 +157,7 @@ class Page:
                 self.curves = ui.echart({}).classes('w-full').props(
                     'role=img aria-label="curves over the input, extrema marked"')
             with ui.tab_panel('Forces').classes('q-pa-none'):
-                self.polar = ui.echart({}).style('width:440px;height:470px').props(
+                self.polar = ui.echart({}).style('width:400px;height:380px').props(
                     'role=img aria-label="polar diagram of the shaking force and reactions"')
             with ui.tab_panel('Polygons').classes('q-pa-none'):
                 self.polygons = []

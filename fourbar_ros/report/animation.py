@@ -34,14 +34,14 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
     from matplotlib.animation import FuncAnimation
     from matplotlib.figure import Figure
     path = Path(path)
-    poses = _poses(mechanism, rate)
+    writer, poses = _writer(path), _poses(mechanism, rate)
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(6.4, 4.8), layout='constrained')
         axes = figure.subplots()
         frame = _Frame(axes, mechanism, usual_points(mechanism, points), poses)
         moving = FuncAnimation(figure, frame.draw, frames=len(poses), blit=False)
         try:
-            moving.save(path, writer=_writer(path), dpi=100)
+            moving.save(path, writer=writer, dpi=100)
         except OSError as error:
             raise CannotDraw(f'{path}: {error.strerror or error}') from None
     return path

@@ -13,7 +13,8 @@ from support.scenes import PAPER, RODS
 PAGES = [ROOT / 'README.md', *sorted((ROOT / 'docs').glob('*.md'))]
 PYTHON = re.compile(r'(?<=```python\n)(.*?)```', re.S)
 BLOCK = re.compile(r'^```(?:bash|sh|shell|console)?\n(.*?)^```', re.S | re.M)
-NEEDS_ROS = {'record', 'replay', 'run'}  # verbs that need a running node
+# verbs that need a running node, or serve a page until they are interrupted
+NEEDS_ROS = {'record', 'replay', 'run', 'live'}
 
 
 def commands(page):

@@ -171,8 +171,8 @@ def test_a_click_on_an_extremum_goes_there(tab):
 
 
 def test_the_keyboard_moves_the_input(tab):
-    from selenium.webdriver.common.keys import Keys
     from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.keys import Keys
     tab.driver.execute_script(
         'document.querySelector(\'[role=slider][aria-label="input"]\').focus()')
     before = tab.now()['theta1']
@@ -193,7 +193,8 @@ def test_nothing_leaves_this_machine(tab):
             tab.driver.get_log('performance')]
     urls = {message['params']['request']['url'] for message in sent
             if message['method'] == 'Network.requestWillBeSent'}
-    assert urls and all(re.match(r'(http://127\.0\.0\.1:|data:|blob:|chrome:)', url) for url in urls)
+    local = re.compile(r'(http://127\.0\.0\.1:|data:|blob:|chrome:)')
+    assert urls and all(map(local.match, urls))
 
 
 @pytest.mark.parametrize(('headers', 'code'), [
