@@ -153,7 +153,8 @@ def measured(what, count, rows):
 
 def write_long(folder, channels, about, messages, total):
     """Write a long bag as fast as it goes; return (path, memory at each tenth [MB])."""
-    from fourbar_ros.bag.recorder import BagWriter, QUEUE_MESSAGES
+    from fourbar_ros.bag.intake import QUEUE_MESSAGES
+    from fourbar_ros.bag.recorder import BagWriter
     # A chunk in 5 ms here is about one in 0.1 s of the run.
     writer = BagWriter(folder, 'long', channels, about, flush_period=0.005, sync_period=0.0)
     memory = []

@@ -1,51 +1,104 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Which forces from outside acted in which step: the bag says so whenever they change."""
+"""
+Which forces from outside acted in which step.
+
+The topic of the wrench in effect says so whenever it changes. A bag of ``ros2 bag`` may hold the
+wrenches alone that the node received: then they act until the next one, or until they time out.
+"""
 from __future__ import annotations
 
 from math import inf
 
 from fourbar_ros.pipeline.wrenches import Wrench
-from fourbar_ros.scene.topics import APPLIED
+from fourbar_ros.scene.topics import APPLIED, WRENCHES
 import numpy as np
 
-APPLIED_ON = {topic.name: link for link, topic in APPLIED.items()}
 UNSETTLED = 200_000_000  # [ns] around a change, in which a bag of rosbag2 does not tell the order
 
 
 class Acting:
-    """Hands what acts to a stepper, in the order of the bag."""
+    """
+    Hands what acts to a stepper, in the order of the bag.
 
-    def __init__(self):
+    Parameters
+    ----------
+    topics : dict
+        {short name: topic} of the bag.
+    links : sequence of str
+        Those that a topic loads.
+
+    """
+
+    def __init__(self, topics, links):
         self.wrenches = {}                               # by link, as a stepper keeps them
         self._waiting = []                   # (place, link, Wrench)
-        self._times = np.zeros(0)            # when they were logged [ns]
+        self._times = np.zeros(0)            # when one was logged that differs from before [ns]
+        self._newest = {}                    # the last wrench of each link
+        self._source = {link: topic.name for link, topic in APPLIED.items()}
+        self._received = {}                  # {link: log times [ns]} where only these are known
+        for link in links:
+            if APPLIED[link].name not in topics and WRENCHES[link].name in topics:
+                self._source[link] = WRENCHES[link].name
+                self._received[link] = np.zeros(0)
 
-    def take(self, by_name: dict) -> None:
+    def take(self, by_name, frame_id):
         """Take the messages of a block that say what acts; ``by_name``: lists of Columns."""
-        self._times = self._times[-1:]
-        for name, link in APPLIED_ON.items():
-            for columns in by_name.get(name, ()):
-                wrench = columns.tree.wrench
-                numbers = (part.tolist()
-                           for part in (wrench.force.x, wrench.force.y, wrench.torque.z))
-                self._waiting += [(place, link, Wrench(*each))
-                                  for place, *each in zip(columns.places.tolist(), *numbers)]
-                self._times = np.concatenate((self._times, columns.times))
+        changes = self._times[-1:].tolist()
+        for link, name in self._source.items():
+            messages = sorted(message for columns in by_name.get(name, ())
+                              for message in _messages(columns, link in self._received, frame_id))
+            for place, time, wrench in messages:
+                self._waiting.append((place, link, wrench))
+                if wrench != self._newest.get(link):
+                    changes.append(time)
+                self._newest[link] = wrench
+            if link in self._received:
+                times = [time for _, time, _ in messages]
+                self._received[link] = np.array([*self._received[link][-1:], *times])
+        self._times = np.sort(np.array(changes))
         self._waiting.sort(key=lambda event: event[0])
-        self._times.sort()
 
     def apply(self, stepper, until: float = inf) -> None:
-        """Have a stepper feel what came before a place in the bag."""
+        """Apply to a stepper what acted before a place in the bag."""
         while self._waiting and self._waiting[0][0] < until:
             _, link, wrench = self._waiting.pop(0)
             stepper.act(link, wrench)
 
-    def is_settled(self, times: np.ndarray) -> np.ndarray:
-        """Return which motions, by the time they were logged, are not near a change."""
-        if not len(self._times):
-            return np.ones(len(times), bool)
-        after = np.searchsorted(self._times, times)
-        before = self._times[np.maximum(after - 1, 0)]
-        next_one = self._times[np.minimum(after, len(self._times) - 1)]
-        return np.minimum(abs(times - before), abs(times - next_one)) > UNSETTLED
+    def is_settled(self, times: np.ndarray, timeout: float) -> np.ndarray:
+        """
+        Return which motions, by the time they were logged, are not near a change.
+
+        A bag of the received wrenches alone does not show what acts before the first and after
+        ``timeout`` [s] without one, 0 for never.
+        """
+        good = _distance(self._times, times) > UNSETTLED
+        longest = timeout * 1e9 - UNSETTLED if timeout else inf
+        for received in self._received.values():
+            before = np.searchsorted(received, times) - 1
+            last = received[np.maximum(before, 0)] if len(received) else np.zeros(len(times))
+            good &= (before >= 0) & (times - last < longest)
+        return good
+
+
+def _distance(changes, times):
+    """Return how far each time is from the nearest change."""
+    if not len(changes):
+        return np.full(len(times), inf)
+    after = np.searchsorted(changes, times)
+    before = changes[np.maximum(after - 1, 0)]
+    next_one = changes[np.minimum(after, len(changes) - 1)]
+    return np.minimum(abs(times - before), abs(times - next_one))
+
+
+def _messages(columns, is_received, frame_id):
+    """Return [(place, log time, Wrench)] of messages; of received ones those that a node takes."""
+    wrench = columns.tree.wrench
+    is_ours = np.ones(len(columns.times), bool)
+    if is_received and 'header.frame_id' in columns.records.dtype.names:    # else it is empty
+        is_ours = columns.records['header.frame_id'] == frame_id.encode()
+    # a couple is the same in all frames
+    is_ours |= (wrench.force.x == 0.0) & (wrench.force.y == 0.0)
+    parts = (columns.places, columns.times, wrench.force.x, wrench.force.y, wrench.torque.z)
+    return [(place, time, Wrench(*each))
+            for place, time, *each in zip(*(part[is_ours].tolist() for part in parts))]

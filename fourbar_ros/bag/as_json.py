@@ -42,10 +42,11 @@ def of_info(bag, info):
                         'missing': topic.missing} for topic in info.topics]}
 
 
-def of_recomputed(bag, found, tolerance):
+def of_recomputed(bag, found, tolerance, accept_rounding=False):
     """Return the dict of a Recomputed."""
-    return {'bag': str(bag), 'good': not found.problems(tolerance),
-            'problems': found.problems(tolerance),
+    problems = found.problems(tolerance, accept_rounding)
+    return {'bag': str(bag), 'good': not problems, 'problems': problems,
+            'by_rounding': found.is_rounding, 'verdict': found.verdict(),
             'largest': found.largest, 'tolerance': tolerance, 'cut': found.cut,
             'inputs': found.inputs,
             'compared': found.compared, 'unmatched': found.unmatched, 'missing': found.missing,

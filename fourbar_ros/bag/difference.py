@@ -6,16 +6,27 @@ from __future__ import annotations
 from math import inf, isnan
 from typing import NamedTuple
 
+from fourbar_ros.bag.rounding import LIMIT
 import numpy as np
 
 
 class Difference(NamedTuple):
-    """Largest difference of one field of one topic over all its messages; of texts infinite."""
+    """
+    Largest difference of one field of one topic over all its messages; of texts infinite.
+
+    ``units``: the largest one in eps times the condition of the value, infinite if not known.
+    """
 
     topic: str
     field: str
     messages: int
     largest: float
+    units: float = inf
+
+    @property
+    def is_rounding(self):
+        """Return whether two versions of the software may differ so by rounding."""
+        return self.largest == 0.0 or self.units <= LIMIT
 
 
 class Recomputed(NamedTuple):
@@ -58,13 +69,42 @@ class Recomputed(NamedTuple):
         """Return the largest of all differences."""
         return max((difference.largest for difference in self.differences), default=0.0)
 
-    def problems(self, tolerance=0.0):
-        """Return the problems as a list of texts; empty for a good bag."""
+    @property
+    def units(self):
+        """Return the largest of all differences in eps times condition."""
+        return max((difference.units for difference in self.differences if difference.largest),
+                   default=0.0)
+
+    @property
+    def is_rounding(self):
+        """Return whether there are differences, and rounding explains all of them."""
+        return self.largest > 0.0 and all(d.is_rounding for d in self.differences)
+
+    def verdict(self):
+        """Return what the differences are, in one line; empty if there are none."""
+        if not self.largest:
+            return ''
+        real = [difference for difference in self.differences if not difference.is_rounding]
+        if not real:
+            return (f'differences by rounding only: at most {self.units:.2g} eps times the '
+                    f'condition of the value; two versions may differ by {LIMIT:g}')
+        worst = max(real, key=lambda difference: difference.units)
+        size = (f'{worst.units:.2g} eps times the condition of the value; rounding explains '
+                f'{LIMIT:g}' if worst.units < inf else 'which rounding does not explain')
+        return f'real differences: {worst.topic} {worst.field} by {worst.largest:g}, {size}'
+
+    def problems(self, tolerance=0.0, accept_rounding=False):
+        """
+        Return the problems as a list of texts; empty for a good bag.
+
+        ``tolerance``: differences up to this count as none; ``accept_rounding``: so do those that
+        rounding explains.
+        """
         counts = ((self.unmatched, 'outputs without their motion'),
                   (self.missing, 'outputs missing'),
                   (self.doubled, 'outputs more than once'))
         found = [f'{count} {text}' for count, text in counts if count]
-        if self.largest > tolerance:
+        if self.largest > tolerance and not (accept_rounding and self.is_rounding):
             found.insert(0, f'differences up to {self.largest:g}')
         return found if self.compared else ['nothing could be compared', *found]
 
@@ -73,7 +113,7 @@ def distance(a, b):
     """
     Return the largest difference of two arrays.
 
-    NaN against NaN is none, against a number infinite.
+    NaN equals NaN; NaN against a number is infinite.
     """
     with np.errstate(invalid='ignore'):
         distance = np.abs(a - b)

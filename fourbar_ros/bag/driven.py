@@ -1,10 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-Is what a node says of its driven joint what its input says?.
-
-The input as it came is in the bag too.
-"""
+"""Check the driven motions that a node reports against the inputs that it received."""
 from __future__ import annotations
 
 from math import inf, isnan, nan
@@ -50,7 +46,7 @@ class Driven:
         self.change(scene)
 
     def change(self, scene):
-        """Take over another scene: with other settings of the drive the estimate starts afresh."""
+        """Take over another scene; with other settings of the drive the estimate starts afresh."""
         drive = scene.drive
         if drive == self._drive:
             return
@@ -64,7 +60,7 @@ class Driven:
         """
         Take messages of the input, in order.
 
-        places in the bag, stamps [ns], (position, velocity, acceleration).
+        Places in the bag, stamps [ns], (position, velocity, acceleration).
         """
         self._inputs += zip(places.tolist(), stamps.tolist(), motions.tolist())
 
@@ -80,6 +76,26 @@ class Driven:
             else:
                 self._one(stamp, motion, *source[1:])
         self._inputs = waiting[at:]
+
+    def summary(self, topic, in_order, moved=None):
+        """
+        Return in one line how the motions were checked.
+
+        ``topic`` is that of the input, None if the bag has none; ``in_order``: the bag keeps the
+        order of input and motion; ``moved`` has stepped a drive again, if the scene has one.
+        """
+        if topic is None:
+            return f'not recomputed: driven by the {self._drive.source}, no input in the bag'
+        if not in_order:
+            return 'not recomputed: the order of input and motion is not in the bag'
+        text = f'{self.compared} recomputed from {topic}'
+        if moved:
+            text += (f' ({moved.integrator}), {moved.compared} of these states stepped again from '
+                     'the one before')
+        if self.unknown:
+            text += (f', {self.unknown} with rates estimated from samples before it or by another '
+                     'version')
+        return text + (f'; {self.without} without an input' if self.without else '')
 
     def _one(self, stamp, driven, told, given):
         self.compared += 1
@@ -109,9 +125,9 @@ class Driven:
 
 def inputs_of(columns, scene):
     """
-    Return (places, stamps, motions) of messages of the input, those without the joint left out.
+    Return (places, stamps, motions) of input messages; those without the joint are left out.
 
-    Stamp 0: none.
+    Stamp 0: the message has none.
     """
     stamp = [columns.records[f'header.stamp.{field}'] for field in ('sec', 'nanosec')]
     stamps = np.where(is_time(*stamp), columns.stamps, 0)
@@ -128,3 +144,12 @@ def inputs_of(columns, scene):
     scale = joints.Scale(scene.drive.joint_ratio, scene.drive.joint_offset)
     return columns.places, stamps, np.stack(scale.to_input(tree.position[i], velocity, unknown),
                                             axis=1)
+
+
+def moved_of(origin, about):
+    """Return what steps the drive again, None where there is none or no order to step in."""
+    if origin.scene.dynamics is None or not origin.in_order:
+        return None
+    from fourbar_ros.bag.moved import Moved  # and the equation of motion
+    from fourbar_ros.dynamics.stepper import KEY
+    return Moved(origin.scene, about.get(KEY, 'unknown'))

@@ -1,10 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-The numbers of a bag as CSV, NPZ or Parquet.
-
-Block by block, so that long bags need no memory.
-"""
+"""Export the numbers of a bag as CSV, NPZ or Parquet, in blocks of bounded memory."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -18,9 +14,10 @@ import numpy as np
 
 BYTES = ('u1', 'i1')        # formats of elements whose arrays are pictures, clouds and the like
 FORMATS = ('csv', 'npz', 'parquet')
+ONE_FILE = ('.csv', '.parquet')         # endings of a path that is to be a file with one table
 
 
-def export(path, out, format_='csv', topics=None, progress=None):
+def export(path, out, format_=None, topics=None, progress=None):
     """
     Write every topic of a bag as a table.
 
@@ -35,9 +32,11 @@ def export(path, out, format_='csv', topics=None, progress=None):
     path : str or Path
         Bag.
     out : str or Path
-        Folder for the tables (csv, parquet) or the .npz file; must not exist.
-    format_ : str
-        'csv', 'npz' (keys ``TOPIC/COLUMN``) or 'parquet' (needs pyarrow).
+        Folder for the tables (csv, parquet), the .npz file, or a .csv or .parquet file for the
+        table of one topic; must not exist.
+    format_ : str, optional
+        'csv', 'npz' (keys ``TOPIC/COLUMN``) or 'parquet' (needs pyarrow); default: by the ending
+        of ``out``, csv for a folder.
     topics : list of str, optional
         Only these.
 
@@ -47,9 +46,12 @@ def export(path, out, format_='csv', topics=None, progress=None):
         Rows by table.
 
     """
+    out, bag = Path(out), Bag(path)
+    format_ = format_ or format_of(out)
     if format_ not in FORMATS:
         raise BagError(f'format {format_!r}: must be one of {", ".join(FORMATS)}')
-    out, bag = Path(out), Bag(path)
+    if out.suffix in ONE_FILE and out.suffix != f'.{format_}':
+        raise BagError(f'{out}: ends in {out.suffix}, but the format is {format_}')
     make = {'csv': Csv, 'npz': Npz, 'parquet': Parquet}[format_]
     tables, names = {}, _Names()
     with workshop(out) as folder:
@@ -65,8 +67,26 @@ def export(path, out, format_='csv', topics=None, progress=None):
                            f'{", ".join(sorted(known))}')
         for written in tables.values():
             written.close()
-        make.finish(folder, tables.values()).rename(out)
+        made = make.finish(folder, tables.values())
+        if out.suffix in ONE_FILE:
+            made = _only_file(made, out, known)
+        made.rename(out)
     return {written.name: written.rows for written in tables.values()}
+
+
+def format_of(out):
+    """Return the format that the ending of a path stands for, csv where it stands for none."""
+    ending = Path(out).suffix.removeprefix('.')
+    return ending if ending in FORMATS else 'csv'
+
+
+def _only_file(folder, out, known):
+    """Return the only table in a folder; raises BagError if there are several."""
+    files = sorted(folder.iterdir())
+    if len(files) != 1:
+        raise BagError(f'{out}: one file holds one table, these are {len(files)}; select a topic '
+                       f'with --topics ({", ".join(sorted(known))}), or give a folder')
+    return files[0]
 
 
 class _Names:
@@ -91,7 +111,7 @@ class _Names:
 
 
 def _by_table(block, fixed):
-    """Return {key: columns} of a block: what goes into one table, in the order of the bag."""
+    """Return {key: columns} of a block: the rows for each table, in the order of the bag."""
     parts = {}
     for found in block:
         columns = table(found)

@@ -144,7 +144,7 @@ def missing_of(numbers, count, last=None, gaps=None):
 
 
 def _told(bag):
-    """Return (topics, start, end) as the summary of one file tells them, None if it does not."""
+    """Return (topics, start, end) from the summary of one file, None if it lacks them."""
     summary = bag.summary()
     if not summary or not summary.statistics:
         return None

@@ -9,7 +9,7 @@ import os
 from pathlib import Path
 
 from fourbar_ros.errors import BagError, FourBarError
-from fourbar_ros.formats import rosbag2
+from fourbar_ros.formats import rosbag2_folder
 
 
 def bags_below(paths):
@@ -24,18 +24,18 @@ def bags_below(paths):
     for path in map(Path, paths):
         bags = _bags_in(path)
         if not bags:
-            raise BagError(f'{path}: holds no bags{rosbag2.hint_of(path)}')
+            raise BagError(f'{path}: holds no bags{rosbag2_folder.hint_of(path)}')
         found |= {bag.resolve(): bag for bag in reversed(bags) if bag.resolve() not in found}
     return sorted(found.values())
 
 
 def _bags_in(path):
     if not path.is_dir():
-        rosbag2.files_of(path)                           # says that there is no such bag
+        rosbag2_folder.files_of(path)                           # says that there is no such bag
         return [path]
     if next(path.glob('*.mcap'), None):
         try:
-            rosbag2.files_of(path)
+            rosbag2_folder.files_of(path)
             return [path]
         except BagError:                                 # loose files of several bags
             return sorted(path.glob('*.mcap'))
@@ -62,7 +62,7 @@ def each(work, bags, jobs=0, done=None):
     jobs = min(jobs or os.cpu_count() or 1, len(bags))
     if jobs < 2:
         return [_tell(_attempted(work, bag), number, done) for number, bag in enumerate(bags, 1)]
-    # Started anew, not forked: this process may have threads.
+    # Spawned, not forked: this process may have threads.
     pool = ProcessPoolExecutor(jobs, mp_context=get_context('spawn'))
     try:
         futures = [pool.submit(_attempted, work, bag) for bag in bags]

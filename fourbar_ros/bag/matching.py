@@ -3,8 +3,10 @@
 """Match each output with its motion of the driven joint, and count missing ones."""
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import NamedTuple
 
+from fourbar_ros.pipeline.status import INPUT_TIMEOUT
 import numpy as np
 
 
@@ -12,7 +14,7 @@ class Window(NamedTuple):
     """
     The newest inputs: places, stamps, statuses, whether their outputs are known, values.
 
-    Outputs seen by name.
+    ``motions``: those that the values are of, shape (3, n); ``seen``: outputs by name.
     """
 
     places: np.ndarray
@@ -20,6 +22,7 @@ class Window(NamedTuple):
     status: np.ndarray
     known: np.ndarray
     values: np.ndarray
+    motions: np.ndarray
     seen: dict
 
     def followed_by(self, new):
@@ -35,9 +38,9 @@ class Window(NamedTuple):
 
     def source_of(self, places, stamps):
         """
-        Return which input each output belongs to, -1 for none.
+        Return the input that each output belongs to, -1 for none.
 
-        The last before it, or any of its stamp.
+        That is the last input before it or, if its stamp differs, any input of the same stamp.
         """
         source = np.searchsorted(self.places, places, side='right') - 1
         good = (source >= 0) & (self.stamps[source] == stamps)
@@ -51,7 +54,7 @@ class Window(NamedTuple):
 
 
 class Tally:
-    """Outputs of one name: what is missing between the first and the last, what is doubled."""
+    """Counts the missing and doubled outputs of one name, between its first and last message."""
 
     def __init__(self, from_the_start):
         self.missing = self.doubled = self.open = 0
@@ -61,7 +64,7 @@ class Tally:
         """
         Count the outputs of the next inputs.
 
-        How many were seen of each, and whether one was due.
+        ``seen``: how many there are for each input; ``due``: whether there should be one.
         """
         self.doubled += int(np.maximum(seen - 1, 0).sum())
         there, gone = np.flatnonzero(seen), due & (seen == 0)
@@ -74,7 +77,30 @@ class Tally:
 
 
 def in_order(parts):
-    """Return arrays of several Columns as one each, by their places, which come first."""
+    """Return the arrays of several Columns joined and sorted by their places, which come first."""
     joined = [np.concatenate(part) for part in zip(*parts)]
     order = np.argsort(joined[0], kind='stable')
     return [part[order] for part in joined]
+
+
+def says_silence(columns, name, layout):
+    """
+    Return which messages of an output say that the input has stopped.
+
+    joint_states may hold positions meanwhile.
+    """
+    if 'status' in columns.records.dtype.names:
+        return columns.records['status'] == INPUT_TIMEOUT
+    fields = ('velocity',) if name == 'joint_states' else layout.fields[name]
+    silent = np.ones(len(columns.times), bool)
+    for field in fields:
+        values = np.isnan(attrgetter(field)(columns.tree))
+        silent &= values.all(axis=0) if values.ndim == 2 else values
+    return silent
+
+
+def rows_of(value, count):
+    """Return a value of ``count`` messages, or a tuple of them, as an array (..., count)."""
+    parts = [np.broadcast_to(part, count)
+             for part in (value if isinstance(value, tuple) else (value,))]
+    return np.stack(parts) if isinstance(value, tuple) else parts[0]

@@ -1,9 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Which scene a bag was made with, and which of its topics is which output.
+Which scene a bag was made with, and which topic is which output.
 
-Of our recorder, or of rosbag2's.
+Bags of our recorder say so in their metadata; in bags of rosbag2 the topics are searched.
 """
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ class Pace:
         self.begin()
 
     def begin(self):
-        """Begin anew at 0."""
+        """Start again at 0."""
         self._passed, self._since = 0.0, self._clock()
 
     def passed(self):
@@ -79,7 +79,7 @@ class Pace:
 
 
 def span(path):
-    """Return (first, last) log time of a finished bag [ns], None where that is not told."""
+    """Return (first, last) log time of a finished bag [ns], None where it is not known."""
     bag = path if isinstance(path, Bag) else Bag(path)
     told = [summary and summary.statistics for summary in (part.summary() for part in bag.parts)]
     begun = [statistics for statistics in told if statistics and statistics.message_count]

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Fields of a bag over time, as a picture. Needs matplotlib, imported when it is used."""
+"""Fields of a bag over time or over a field, as a picture; requires matplotlib when used."""
 from __future__ import annotations
 
 from difflib import get_close_matches
@@ -13,7 +13,7 @@ from fourbar_ros.errors import BagError
 import numpy as np
 
 WIDTH, HEIGHT, DPI = 9.0, 2.4, 100      # [in] a picture, and each of its axes; pixels an inch
-# stretches of a curve that are drawn by their extremes: two a pixel
+# stretches of a curve that are drawn by their extrema: two a pixel
 POINTS = int(2 * WIDTH * DPI)
 _ELEMENT = re.compile(r'(.+)\[(.+)\]')
 
@@ -124,7 +124,7 @@ def _starts(bag):
     places, stamps, logged = (np.concatenate(parts)
                               for parts in zip(*((c.places, c.stamps, c.times) for c in headed)))
     first = np.flatnonzero(stamps > 0)[places[stamps > 0].argmin()]
-    # the first are unstamped: the log tells how much later this is
+    # the first are unstamped: log times show how much later this is
     if (places[stamps == 0] < places[first]).any():
         return begin, stamps[first] - (logged[first] - begin)
     return begin, stamps[stamps > 0].min()
@@ -198,29 +198,80 @@ def _advice(name, known):
     return f'{guess}{hint}topics are {", ".join(known)}'
 
 
-def plot(path, names, out, progress=None):
-    """Draw fields over time into a file (.png, .svg, .pdf); those of one unit share an axis."""
+def over(path, names, x, progress=None):
+    """
+    Return {name: (x, values, unit)} and the unit of x, for fields over another field of the bag.
+
+    A value belongs to the x of the same stamp; stamps without x are left out. An angle x of more
+    than a turn is taken modulo 2 pi, and a NaN interrupts the curve where that jumps.
+
+    Parameters
+    ----------
+    path, names, progress
+        As for :func:`series`.
+    x : str
+        ``TOPIC.FIELD``.
+
+    """
+    found = series(path, dict.fromkeys([x, *names]), progress)
+    at, places, unit = found[x]
+    order = np.argsort(at, kind='stable')
+    at, places = at[order], places[order]
+    curves = {}
+    for name in names:
+        times, values, own = found[name]
+        index = np.minimum(np.searchsorted(at, times), len(at) - 1)
+        known = at[index] == times
+        if not known.any():
+            raise BagError(f'{name}: no message has the stamp of one with {x}')
+        curves[name] = (*_turns(places[index[known]], values[known], unit), own)
+    return curves, unit
+
+
+def _turns(x, values, unit):
+    """Return a curve over an angle x of more than a turn, turn by turn; others as they are."""
+    if unit != 'rad' or not np.nanmax(x) - np.nanmin(x) > 2.0 * np.pi:
+        return x, values
+    x = np.mod(x, 2.0 * np.pi)
+    jumps = np.flatnonzero(abs(np.diff(x)) > np.pi) + 1
+    return np.insert(x, jumps, np.nan), np.insert(values.astype(float), jumps, np.nan)
+
+
+def plot(path, names, out, progress=None, x=None):
+    """
+    Draw fields into a file (.png, .svg, .pdf); those of one unit share an axis.
+
+    They are drawn over time or, if ``x`` is given, over that field.
+    """
     try:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
     except ImportError:
         raise BagError('plot requires matplotlib: pip install matplotlib') from None
-    found = series(path, names, progress, POINTS)
+    if x is None:
+        found, label = series(path, names, progress, POINTS), 'time since the first message [s]'
+    else:
+        found, unit = over(path, names, x, progress)
+        label = f'{x} [{unit}]' if unit else x
     units = list(dict.fromkeys(unit or name for name, (_, _, unit) in found.items()))
     figure = Figure(figsize=(WIDTH, HEIGHT * len(units) + 0.6), dpi=DPI, layout='constrained')
     FigureCanvasAgg(figure)
     axes = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
     for axis, unit in zip(axes, units):
-        for name, (times, values, own) in found.items():
-            if (own or name) == unit:
-                axis.plot(times, values, label=name, linewidth=1.0)
-                axis.set_ylabel(f'[{own}]' if own else '')
-        axis.legend(loc='lower left', bbox_to_anchor=(0.0, 0.98), ncols=4, frameon=False,
-                    fontsize='small')
-        axis.grid(True, alpha=0.3)
-    axes[-1].set_xlabel('time since the first message [s]')
+        _draw(axis, {name: curve for name, curve in found.items() if (curve[2] or name) == unit})
+    axes[-1].set_xlabel(label)
     figure.suptitle(str(path), fontsize='medium')
     try:
         figure.savefig(out)
     except (OSError, ValueError) as error:
         raise BagError(f'{out}: {error}') from None
+
+
+def _draw(axis, curves):
+    """Draw curves of one unit."""
+    for name, (x, values, unit) in curves.items():
+        axis.plot(x, values, label=name, linewidth=1.0)
+        axis.set_ylabel(f'[{unit}]' if unit else '')
+    axis.legend(loc='lower left', bbox_to_anchor=(0.0, 0.98), ncols=4, frameon=False,
+                fontsize='small')
+    axis.grid(True, alpha=0.3)

@@ -9,29 +9,18 @@ Read a bag without ROS: a directory or a single .mcap file; finished, cut, or st
 from __future__ import annotations
 
 import contextlib
-from dataclasses import replace
 from pathlib import Path
 import time
 
+from fourbar_ros.bag.channels import Channels
+from fourbar_ros.bag.part_reader import PartReader
 from fourbar_ros.bag.records import Columns, Raw, Record
 from fourbar_ros.errors import BagError
-from fourbar_ros.formats import rosbag2
-from fourbar_ros.formats.cdr import Decoder
-from fourbar_ros.formats.file_metadata import metadata_in, repeats_in
-from fourbar_ros.formats.mcap_records import (
-    Damaged,
-    HEAD,
-    IS_MESSAGE,
-    MESSAGE,
-    message_of,
-    parse,
-    split,
-    unpacked,
-)
-from fourbar_ros.formats.mcap_scan import chunk_index, ending, is_being_written, MAGIC, Scan
-from mcap.opcode import Opcode
+from fourbar_ros.formats import rosbag2, rosbag2_folder
+from fourbar_ros.formats.file_lock import is_being_written
+from fourbar_ros.formats.file_metadata import metadata_in
+from fourbar_ros.formats.mcap_ending import ending
 from mcap.reader import make_reader
-from mcap.records import Channel, Schema
 import numpy as np
 
 BLOCK = 20_000          # messages that are decoded together: large for numpy, small for the memory
@@ -62,13 +51,9 @@ class Bag:
     """
 
     def __init__(self, path):
-        self.path, self.files = Path(path), rosbag2.files_of(path)
-        self.channels, self._schemas, self._decoders = {}, {}, {}
-        # definitions of the file that is read by their numbers there, and {(kind, number there):
-        # number here}
-        self._here, self._numbers, self._is_first, self._read = {}, {}, True, 0
-        # channels that were looked at; whose messages are compressed
-        self._plain, self._packed = set(), set()
+        self.path, self.files = Path(path), rosbag2_folder.files_of(path)
+        self._channels = Channels(self.path)
+        self.channels = self._channels.by_number
         self.cut, self.damage = None, []
 
     # --- about it -------------------------------------------------------------------------------
@@ -76,7 +61,7 @@ class Bag:
     @property
     def is_being_written(self):
         """Return whether a recorder is at work on it."""
-        return any(is_being_written(file) for file in rosbag2.files_of(self.path))
+        return any(is_being_written(file) for file in rosbag2_folder.files_of(self.path))
 
     @property
     def file(self):
@@ -125,7 +110,7 @@ class Bag:
         except BagError:
             found = {}
         if rosbag2.ENDED not in found:              # there was no room for it in the file
-            found |= rosbag2.about_beside(self.files[-1])
+            found |= rosbag2_folder.about_beside(self.files[-1])
         return found
 
     # --- messages -------------------------------------------------------------------------------
@@ -155,8 +140,8 @@ class Bag:
         """
         for item in self.chunks(topics, start, follow):
             for number, sequence, stamp, data in item:
-                yield Raw(self.channels[number].topic, self._schema(number).name, stamp, sequence,
-                          data, number)
+                yield Raw(self.channels[number].topic, self.type_of_channel(number), stamp,
+                          sequence, data, number)
 
     def columns(self, topics=None, progress=None):
         """Yield all :class:`Columns`, block by block; arguments as in :meth:`blocks`."""
@@ -222,54 +207,33 @@ class Bag:
                      for layout, rows, records in self.decoder_of(number).arrays(data)]
         return sorted(made, key=lambda columns: columns.places[0])
 
+    # --- topics met so far ----------------------------------------------------------------------
+
     def type_of(self, topic):
-        """Return the type of a topic met so far."""
-        return self._schema_of(topic).name
+        """Return the type of a topic."""
+        return self.type_of_channel(self._channels.of(topic).id)
 
     def type_of_channel(self, number):
-        """Return the type of a channel met so far."""
-        return self._schema(number).name
+        """Return the type of a channel."""
+        return self._channels.schema(number).name
 
     def qos_of(self, topic):
-        """Return the QoS profiles, as dicts, under which a topic met so far was offered."""
-        return rosbag2.profiles_of(self._channel_of(topic).metadata.get(rosbag2.QOS, ''))
+        """Return the QoS profiles, as dicts, under which a topic was offered."""
+        return self._channels.qos(topic)
 
     def hash_of(self, topic):
-        """Return the type hash of a topic met so far, empty if the bag does not say."""
-        return self._channel_of(topic).metadata.get(rosbag2.HASH, '')
-
-    def _channel_of(self, topic):
-        return next(channel for channel in self.channels.values() if channel.topic == topic)
-
-    def _schema_of(self, topic):
-        return self._schema(self._channel_of(topic).id)
-
-    def _schema(self, number):
-        channel = self.channels[number]
-        schema = self._schemas.get(channel.schema_id)
-        if schema is None:
-            raise BagError(f'{self.path}: {channel.topic} has no schema')
-        return schema
+        """Return the type hash of a topic, empty if the bag does not say."""
+        return self._channels.of(topic).metadata.get(rosbag2.HASH, '')
 
     def decoder(self, topic):
-        """Return the Decoder of a topic met so far, of its first channel if it has several."""
-        return self.decoder_of(self._channel_of(topic).id)
+        """Return the Decoder of a topic, of its first channel if it has several."""
+        return self.decoder_of(self._channels.of(topic).id)
 
     def decoder_of(self, number):
-        """Return the Decoder of a channel met so far."""
-        if number not in self._decoders:
-            schema, channel = self._schema(number), self.channels[number]
-            if channel.message_encoding != 'cdr' or schema.encoding != 'ros2msg':
-                raise BagError(f'{self.path}: {channel.topic} is {channel.message_encoding!r} '
-                               f'defined in {schema.encoding!r}; only cdr in ros2msg is decoded: '
-                               'rosbags-convert makes that')
-            try:
-                self._decoders[number] = Decoder(schema.name, schema.data.decode())
-            except UnicodeDecodeError:
-                raise BagError(f'{self.path}: the schema of {channel.topic} is no text') from None
-        return self._decoders[number]
+        """Return the Decoder of a channel."""
+        return self._channels.decoder(number)
 
-    # --- the file -------------------------------------------------------------------------------
+    # --- the files ------------------------------------------------------------------------------
 
     def chunks(self, topics=None, start=None, follow=False, progress=None):
         """
@@ -278,20 +242,27 @@ class Bag:
         Of a finished file with an index only the chunks are read that can hold what is asked for.
         """
         wanted = None if topics is None else set(topics)
-        self.damage, self.cut, self._read = [], False, 0
+        self.damage, self.cut, read = [], False, 0
+        wait = self._wait if follow else None
         for place, path in enumerate(self._each_file(follow)):
+            name = self.path if len(self.files) == 1 else path
+            part = PartReader(path, name, self._channels, place == 0, wait, self.damage)
+            was_cut, self.cut = self.cut, True
             # its recorder keeps only the newest parts
             with contextlib.suppress(FileNotFoundError):
-                for found in self._chunks_of(path, place, wanted, start, follow, progress):
+                done = progress and (lambda there, before=read: progress(before + there))
+                for found in part.chunks(wanted, start, done):
                     chosen = self._chosen(found, wanted, start)
                     if chosen:
                         yield chosen
+                self.cut = was_cut or not part.is_complete
+                read += part.size
 
     def _each_file(self, follow):
         """Yield the files of the bag, of one being written also those to come."""
         done = set()
         while True:
-            new = [file for file in rosbag2.files_of(self.path) if file not in done]
+            new = [file for file in rosbag2_folder.files_of(self.path) if file not in done]
             if new:
                 done.add(new[0])
                 yield new[0]
@@ -305,154 +276,11 @@ class Bag:
         time.sleep(POLL)
         return True
 
-    def _chunks_of(self, path, place, wanted, start, follow, progress):
-        """Yield the messages of one file, chunk by chunk."""
-        with open(path, 'rb') as file:
-            begin = file.read(len(MAGIC))
-            # longer ones are the scan's to judge
-            if len(begin) < len(MAGIC) and not MAGIC.startswith(begin):
-                raise BagError(f'{path}: not an MCAP file')
-            scan = Scan(file, self._wait if follow else None, self.damage)
-            was_cut, self.cut = self.cut, True
-            self._here, self._numbers, self._is_first = {}, {}, place == 0
-            # The checksum at the end covers these; a topic that was hit is seen before its
-            # messages are read.
-            for record in scan.ending.of((Schema, Channel)) if scan.ending else ():
-                self._learn(record)
-            repeats = {} if self._is_first else None
-            for offset, opcode, body in self._walk(file, scan, wanted, start):
-                try:
-                    found = self._item(scan, offset, opcode, body)
-                except Damaged as error:
-                    if scan.is_followed_by_zeros():
-                        break                       # a power cut in the middle of this record
-                    if opcode:
-                        scan.spoil(offset, error)
-                    raise BagError(f'{self.path if len(self.files) == 1 else path}: at byte '
-                                   f'{offset}: {error}; fourbar bag recover keeps the '
-                                   'rest') from None
-                if found:
-                    # told before the first message; the file may have been empty
-                    if repeats is None:
-                        repeats = repeats_in(path)
-                    yield self._without(found, repeats) if repeats else found
-                if progress:
-                    progress(self._read + scan.end)
-            self.cut = was_cut or not scan.complete
-            self._read += scan.end
-
-    def _walk(self, file, scan, wanted, start):
-        """Return an iterator over the records of a file; an index selects those that matter."""
-        index = None if wanted is start is None else chunk_index(file, scan.ending)
-        if not index or not self._here:
-            return scan
-        numbers = {number for (kind, number), record in self._here.items()
-                   if kind is Channel and (wanted is None or record.topic in wanted)}
-        return scan.only([offset for offset, _, last, channels in index
-                          if (start is None or last >= start)
-                          and (not channels or channels & numbers)])
-
-    def _without(self, found, repeats):
-        """
-        Return messages without those that a part repeats at its beginning.
-
-        Then ``repeats`` is emptied.
-        """
-        begins = {number: repeats.get(channel.topic, 0)
-                  for number, channel in self.channels.items()}
-        kept = [item for item in found if item[1] >= begins[item[0]]]
-        if len(kept) == len(found):
-            repeats.clear()
-        return kept
-
-    def _item(self, scan, offset, opcode, body):
-        """Return the messages of a record."""
-        if opcode is None:
-            raise Damaged(body)
-        if opcode == Opcode.CHUNK:
-            chunk = parse(opcode, body)
-            found = self._messages(unpacked(chunk))
-            scan.admit(offset, chunk, [item[2] for item in found])
-            return found
-        if opcode == Opcode.MESSAGE:
-            return self._messages(HEAD.pack(opcode, len(body)) + body)
-        if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
-            self._learn(parse(opcode, body))
-        return None
-
     def _chosen(self, found, wanted, start):
         if wanted is not None:
-            numbers = {number for number, channel in self.channels.items()
-                       if channel.topic in wanted}
+            numbers = self._channels.of_topics(wanted)
             found = [item for item in found if item[0] in numbers]
         return found if start is None else [item for item in found if item[2] >= start]
-
-    def _messages(self, content):
-        """Return [(channel, sequence, log time, bytes)] of the content of a chunk."""
-        found, unpack = [], MESSAGE.unpack_from
-        for _, opcode, begin, end in split(content):
-            if opcode == IS_MESSAGE:
-                channel, sequence, stamp, _ = unpack(content, begin)
-                found.append((channel, sequence, stamp, content[begin + 22:end]))
-            elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
-                self._learn(parse(opcode, content[begin:end]))
-        try:
-            numbers = {number: self._numbers[Channel, number]
-                       for number in {item[0] for item in found}}
-        except KeyError:
-            raise Damaged('message of an unknown channel') from None
-        if any(number != here for here, number in numbers.items()):
-            found = [(numbers[item[0]], *item[1:]) for item in found]
-        return self._unpacked(found, set(numbers.values()) - self._plain) if numbers else found
-
-    def _unpacked(self, found, new):
-        """
-        Return messages as they were sent.
-
-        The first one of a channel tells whether they were compressed.
-        """
-        if new:
-            first = {number: data for number, _, _, data in reversed(found)}
-            packed = {number for number in new if self.channels[number].message_encoding == 'cdr'
-                      and message_of(first[number]) is not first[number]}
-            self._packed |= packed
-            self._plain |= new
-        if not self._packed:
-            return found
-        return [(number, sequence, stamp, message_of(data) if number in self._packed else data)
-                for number, sequence, stamp, data in found]
-
-    def _learn(self, record):
-        """Keep a definition; in the later files of a split bag it may have another number."""
-        kind = type(record)
-        if self._here.setdefault((kind, record.id), record) != record:
-            raise Damaged(f'{kind.__name__.lower()} {record.id} is another one than before')
-        if (kind, record.id) in self._numbers:
-            return
-        known = self.channels if kind is Channel else self._schemas
-        if kind is Channel:
-            record = replace(record, schema_id=self._numbers.get((Schema, record.schema_id),
-                                                                 record.schema_id))
-        number = record.id
-        if number in known and not _is_same(known[number], record):
-            if self._is_first:
-                raise Damaged(f'{kind.__name__.lower()} {record.id} is another one than before')
-            number = next((n for n, other in known.items() if _is_same(other, record)),
-                          max(known) + 1)
-        known.setdefault(number, replace(record, id=number))
-        self._numbers[kind, record.id] = number
-
-
-def _is_same(a, b):
-    """
-    Return whether two definitions are the same, whatever their numbers.
-
-    QoS may differ between parts.
-    """
-    if isinstance(a, Channel):
-        return (a.topic, a.message_encoding, a.schema_id) == (b.topic, b.message_encoding,
-                                                              b.schema_id)
-    return (a.name, a.encoding, a.data) == (b.name, b.encoding, b.data)
 
 
 def records(path, topics=None, start=None, follow=False):

@@ -14,10 +14,12 @@ from fourbar_ros.bag.recover_parts import recover_parts
 from fourbar_ros.bag.recovered import Recovered
 from fourbar_ros.bag.whole import workshop
 from fourbar_ros.errors import BagError
-from fourbar_ros.formats import rosbag2
+from fourbar_ros.formats import rosbag2, rosbag2_folder
+from fourbar_ros.formats.file_lock import is_being_written
 from fourbar_ros.formats.mcap_records import Damaged, in_short, LARGEST, MESSAGE, OURS, parse, SEAL
-from fourbar_ros.formats.mcap_scan import is_being_written, Scan
+from fourbar_ros.formats.mcap_scan import Scan
 from fourbar_ros.formats.mcap_writer import Container
+from fourbar_ros.formats.yaml_text import dumped, loaded
 from mcap import __version__ as mcap_version
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema, Statistics
@@ -47,14 +49,14 @@ def recover(path, out=None, progress=None):
         It is being written, it holds nothing, or the new bag exists.
 
     """
-    if len(rosbag2.files_of(path)) > 1:
+    if len(rosbag2_folder.files_of(path)) > 1:
         return recover_parts(recover, path, Path(out) if out else beside(path), progress)
-    source = rosbag2.file_of(path)
+    source = rosbag2_folder.file_of(path)
     if is_being_written(source):
         raise BagError(f'{path}: is being written; stop the recording first')
     out = Path(out) if out else beside(path)
     with workshop(out) as folder:
-        folder, file = rosbag2.create(folder, out.name)
+        folder, file = rosbag2_folder.create(folder, out.name)
         with open(source, 'rb') as old, file:
             scan = Scan(old)
             copy = _Copy(scan, file, progress)
@@ -138,28 +140,24 @@ class _Copy:
         """Write metadata of what is there now, and the end."""
         self.container.flush()
         try:
-            old = rosbag2.loaded(self._metadata or '')
+            old = loaded(self._metadata or '')
         except BagError:
             old = None
         old = old if isinstance(old, dict) else {}
         about = rosbag2.about_of(old)
         if rosbag2.ENDED not in about:
-            about |= rosbag2.about_beside(source)
+            about |= rosbag2_folder.about_beside(source)
         about['recovered_by'] = f'{OURS}{__version__}'
         about.update(self._told(about))
         metadata = rosbag2.describe(f'{folder.name}_0.mcap', self.container, about,
                                     str(old.get('ros_distro') or ''),
-                                    rosbag2.packing_of(old, source))
-        self.container.add_metadata(rosbag2.RECORD, {rosbag2.KEY: rosbag2.dumped(metadata)})
+                                    rosbag2_folder.packing_of(old, source))
+        self.container.add_metadata(rosbag2.RECORD, {rosbag2.KEY: dumped(metadata)})
         self.container.finish()
-        rosbag2.write_metadata_file(folder, metadata)
+        rosbag2_folder.write_metadata_file(folder, metadata)
 
     def _told(self, about):
-        """
-        Return what custom_data say of the numbers, the end and the losses.
-
-        Of the rest nobody knows.
-        """
+        """Return the entries of custom_data about numbers, end and losses."""
         container, numbers = self.container, rosbag2.mapping_in(about, rosbag2.NUMBERS)
         statistics = self._scan.ending.of(Statistics) if self._scan.ending else []
         had = statistics[0].channel_message_counts if statistics else {}

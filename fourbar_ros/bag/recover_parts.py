@@ -1,14 +1,16 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Make a whole bag of a split one: each part for itself, in a folder of the same layout."""
+"""Recover a split bag part by part into a folder of the same layout."""
 from __future__ import annotations
 
+from collections import Counter
 import shutil
-import tempfile
 
+from fourbar_ros.bag.info import info
 from fourbar_ros.bag.recovered import Recovered
+from fourbar_ros.bag.whole import workshop
 from fourbar_ros.errors import BagError
-from fourbar_ros.formats import rosbag2
+from fourbar_ros.formats import rosbag2, rosbag2_folder
 import yaml
 
 
@@ -16,17 +18,14 @@ def recover_parts(recover, path, out, progress=None):
     """
     Recover every file of a split bag into the folder ``out``.
 
-    By the function ``recover(file, folder, progress)``. A part of which nothing is left is named
-    among the damages; its number is not used again.
+    ``recover(file, folder, progress)`` recovers one. A part of which nothing is left is named
+    among the damages, and its number is not used again.
     """
-    if out.exists():
-        raise BagError(f'{out}: exists already; nothing is overwritten')
     found, metadata, damaged, read = [], [], [], 0
-    out.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=out.parent, prefix=f'.{out.name}.') as folder:
-        work, whole = out.parent / folder / 'part', out.parent / folder / out.name
-        whole.mkdir(parents=True)
-        for source in rosbag2.files_of(path):
+    with workshop(out) as folder:
+        work, whole = folder / 'part', folder / out.name
+        whole.mkdir()
+        for source in rosbag2_folder.files_of(path):
             try:
                 made = recover(source, work / out.name,
                                progress and (lambda there, before=read: progress(before + there)))
@@ -40,17 +39,30 @@ def recover_parts(recover, path, out, progress=None):
             found.append(made)
             damaged += [f'{source.name}: {text}' for text in made.damaged]
             metadata.append(_moved(work / out.name, whole,
-                                   f'{out.name}_{rosbag2.part_of(source)[1]}.mcap'))
+                                   f'{out.name}_{rosbag2_folder.part_of(source)[1]}.mcap'))
         if not found:
             raise BagError(f'{path}: nothing to recover')
-        rosbag2.write_metadata_file(whole, rosbag2.merged(metadata))
+        rosbag2_folder.write_metadata_file(whole, rosbag2.merged(metadata))
+        topics = info(whole).topics
         whole.rename(out)
-    missing = {}
-    for topic, count in (pair for made in found for pair in made.missing.items()):
-        missing[topic] = missing.get(topic, 0) + count
-    return Recovered(out, sum(made.messages for made in found), sum(made.lost for made in found),
-                     damaged, missing,
+    return Recovered(out, sum(topic.messages for topic in topics), sum(m.lost for m in found),
+                     damaged, _missing(found, topics),
                      all(made.was_whole for made in found) and not damaged)
+
+
+def _missing(found, topics):
+    """
+    Return {topic: missing messages} of a recovered bag.
+
+    The numbers of the whole bag show what a lost part held; its parts show losses where nobody
+    numbered the messages.
+    """
+    missing = Counter()
+    for made in found:
+        missing.update(made.missing)
+    for topic in topics:
+        missing[topic.topic] = max(missing[topic.topic], topic.missing or 0)
+    return {topic: count for topic, count in missing.items() if count}
 
 
 def _moved(folder, whole, name):

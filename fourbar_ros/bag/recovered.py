@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The answer of a recovery."""
+"""The result of a recovery."""
 from __future__ import annotations
 
 from pathlib import Path

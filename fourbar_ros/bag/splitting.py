@@ -1,11 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Decide when a bag continues in a new file, what that repeats, which old ones may go."""
+"""When a bag continues in a new file, what that file repeats, which old files may be removed."""
 from __future__ import annotations
 
 from typing import NamedTuple
 
-# a bag that keeps the newest seconds has so many parts, unless it is told otherwise
+# a bag that keeps the newest seconds has so many parts, unless split otherwise
 SHARE = 10
 
 
@@ -57,7 +57,7 @@ class Splitter:
         """
         Return whether a new part begins with this message.
 
-        ``size``: of the part so far [bytes].
+        ``size`` is that of the part so far [bytes].
         """
         if self._begun is None:
             self._begun = time
@@ -88,9 +88,9 @@ class Splitter:
 
     def outdated(self, starts):
         """
-        Return how many of the oldest parts, which began at these times [ns], may go.
+        Return how many of the oldest parts may be removed.
 
-        The rest is long enough.
+        ``starts``: when the parts began [ns]; the remaining ones cover the time to keep.
         """
         keep = self._split.keep * 1e9
         return sum(start <= starts[-1] - keep for start in starts[1:]) if keep else 0

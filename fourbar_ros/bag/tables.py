@@ -3,7 +3,7 @@
 """
 Tables that grow block by block, in one format each: CSV, NPZ, Parquet.
 
-No file stays open for them.
+CSV and NPZ keep no file open between blocks.
 """
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Csv:
 
     @staticmethod
     def fixed(values):
-        """Return what may not change within a column."""
+        """Return the property that is constant within a column; CSV has none."""
         return
 
     def __init__(self, folder, name, columns):
@@ -43,12 +43,12 @@ class Csv:
 
     @staticmethod
     def finish(folder, _):
-        """Return what is to stand under the name that was asked for."""
+        """Return the file or folder to be moved to the requested name."""
         return _in_folder(folder)
 
 
 def _in_folder(folder):
-    """Return the folder of the tables, made with the permissions that folders have."""
+    """Return the folder of the tables, created with the usual permissions."""
     made = folder / 'tables'
     made.mkdir(exist_ok=True)
     return made
@@ -82,17 +82,15 @@ class Parquet:
 
 class Npz:
     """
-    Every column grows in a file of its own.
+    Each column grows in its own file; the files are moved into the .npz at the end.
 
-    They go into the .npz at the end, each being removed then.
-
-    Texts are as wide as the longest of their column. Bytes of all rows stand one after the other,
-    and ``COLUMN.ends`` says where those of each row end.
+    Texts are as wide as the longest of their column. Bytes of all rows are stored one after the
+    other, and ``COLUMN.ends`` says where those of each row end.
     """
 
     @staticmethod
     def fixed(values):
-        """Return what may not change within a column."""
+        """Return the property that is constant within a column."""
         return values.dtype.kind if values.dtype.kind in 'UO' else values.dtype.str
 
     def __init__(self, folder, name, columns):
@@ -120,7 +118,7 @@ class Npz:
 
     @staticmethod
     def finish(folder, tables):
-        """Return what is to stand under the name that was asked for."""
+        """Return the file or folder to be moved to the requested name."""
         part = folder / 'all.npz'
         with zipfile.ZipFile(part, 'w', zipfile.ZIP_STORED, allowZip64=True) as archive:
             for written in tables:

@@ -71,6 +71,6 @@ def bar(text: str, total: int) -> Iterator[Callable[[int], None]]:
 @contextmanager
 def reading(path, text: str) -> Iterator[Callable[[int], None]]:
     """Show how much of a bag is read; gives the function to call with the bytes read."""
-    from fourbar_ros.formats.rosbag2 import files_of
+    from fourbar_ros.formats.rosbag2_folder import files_of
     with bar(text, sum(file.stat().st_size for file in files_of(path))) as step:
         yield step

@@ -1,9 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Serialised messages (CDR) as numbers, by the definition in the bag; no message type is known here.
+Serialised messages (CDR) as numbers, by the definition in the bag; no type is hard-coded.
 
-A :class:`Layout` knows where each field lies in a message whose strings and sequences have given
+A :class:`Layout` knows where each field lies in messages whose strings and sequences have the same
 lengths. All messages of one layout are read as one numpy array of records, 50 times faster than
 one by one.
 """
@@ -37,7 +37,7 @@ class Leaf(NamedTuple):
 
     @property
     def name(self):
-        """Return the path as one writes it in Python."""
+        """Return the path as written in Python."""
         return ''.join(f'[{step}]' if isinstance(step, int) else f'.{step}'
                        for step in self.path)[1:]
 
@@ -262,9 +262,7 @@ class Decoder:
 
     def arrays(self, messages):
         """
-        Yield (layout, rows, records) for a list of serialised messages.
-
-        All of one layout at a time.
+        Yield (layout, rows, records) for a list of serialised messages, layout by layout.
 
         ``rows`` are their places in the list, ``records`` a numpy array of the layout's dtype.
         """

@@ -1,10 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-Message definitions (.msg).
-
-The one parser, for the schemas in bags and for those of installed packages.
-"""
+"""Message definitions (.msg): one parser for schemas in bags and for installed packages."""
 from __future__ import annotations
 
 import re
@@ -24,9 +20,9 @@ _UNIT = re.compile(r'\s*\[([^\]]+)\]')      # our definitions begin every commen
 
 class Field(NamedTuple):
     """
-    A field of a message: ``count`` is None for a single one, -1 for a sequence.
+    A field of a message.
 
-    ``unit`` as commented.
+    ``count`` is None for a single value, -1 for a sequence; ``unit`` is the one in the comment.
     """
 
     name: str

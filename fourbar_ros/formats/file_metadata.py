@@ -6,8 +6,10 @@ import json
 
 from fourbar_ros.errors import BagError
 from fourbar_ros.formats import rosbag2
+from fourbar_ros.formats.mcap_ending import ending
 from fourbar_ros.formats.mcap_records import Damaged, HEAD, parse
-from fourbar_ros.formats.mcap_scan import ending, Scan
+from fourbar_ros.formats.mcap_scan import Scan
+from fourbar_ros.formats.yaml_text import loaded
 from mcap.opcode import Opcode
 from mcap.records import MetadataIndex, Statistics
 
@@ -19,7 +21,7 @@ def metadata_in(path):
         for record in metadata_records(file):
             if record.name == rosbag2.RECORD and rosbag2.KEY in record.metadata:
                 with contextlib.suppress(BagError):
-                    found = rosbag2.loaded(record.metadata[rosbag2.KEY])
+                    found = loaded(record.metadata[rosbag2.KEY])
     return found if isinstance(found, dict) else None
 
 

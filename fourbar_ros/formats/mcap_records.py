@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The records of an MCAP file one by one: what their bytes must be, and what the bytes say."""
+"""The records of an MCAP file one by one: checked and parsed."""
 from __future__ import annotations
 
 from io import BytesIO
@@ -23,11 +23,12 @@ from mcap.records import (
 )
 import zstandard
 
+MAGIC = b'\x89MCAP0\r\n'              # first and last bytes of a file
 HEAD = Struct('<BQ')                # opcode and length of every record
 IS_MESSAGE = int(Opcode.MESSAGE)     # compares in a tenth of the time
 # channel, sequence, log time, publish time: what a message starts with
 MESSAGE = Struct('<HIQQ')
-WRONG_TIMES = 'chunk tells other times than its messages'
+WRONG_TIMES = 'chunk states other times than its messages have'
 # [bytes] a chunk or message is taken for; rosbag2's chunks have 0.75 MiB
 LARGEST = 1 << 28
 # what the library of a header begins with in a bag of our recorder
@@ -53,9 +54,7 @@ class Damaged(BagError):
 
 def filled(opcode, size, read):
     """
-    Return the size of a body by the lengths inside it.
-
-    -1 if it ends before them.
+    Return the size of a body according to the lengths inside it; -1 if it ends before them.
 
     ``read(struct, place)`` returns the number at a place of the body.
     """
@@ -111,7 +110,7 @@ def unpacked(chunk):
         data = _decompressed(chunk)
     except Damaged:
         raise
-    except Exception as error:      # of either library, or no memory for the size that is told
+    except Exception as error:      # of either library, or no memory for the stated size
         raise Damaged(f'chunk cannot be decompressed: {error}') from None
     if len(data) != chunk.uncompressed_size or chunk.uncompressed_crc not in (0, zlib.crc32(data)):
         raise Damaged('chunk has a wrong checksum')
@@ -122,16 +121,16 @@ def _decompressed(chunk):
     """
     Return the content of a Chunk.
 
-    Refuses a size that the data do not confirm before memory is taken for it.
+    A size that the data do not confirm is refused before memory is allocated for it.
     """
     size = chunk.uncompressed_size
     if chunk.compression == '':
         return chunk.data
     if size > LARGEST:
-        raise Damaged(f'chunk of {size} bytes; at most {LARGEST} are taken')
+        raise Damaged(f'chunk of {size} bytes; the limit is {LARGEST}')
     if chunk.compression == 'zstd':
         if zstandard.frame_content_size(chunk.data) not in (-1, size):
-            raise Damaged('chunk is told to have another size than its data')
+            raise Damaged('chunk states another size than its data have')
         return unzstd(chunk.data, size)
     if chunk.compression == 'lz4':
         return unlz4(chunk.data, size)
@@ -155,7 +154,7 @@ PACKED = {zstandard.FRAME_HEADER: unzstd, (0x184D2204).to_bytes(4, 'little'): un
 
 
 def message_of(data):
-    """Return a message that was compressed by itself; the data as they are if none was."""
+    """Return the uncompressed message; data that were not compressed are returned as they are."""
     unpack = PACKED.get(data[:4])
     if unpack is None:
         return data
@@ -166,15 +165,15 @@ def message_of(data):
     if len(found) > LARGEST:
         raise Damaged(f'message of more than {LARGEST} bytes')
     if unpack is unzstd and zstandard.frame_content_size(data) not in (-1, len(found)):
-        raise Damaged('message is told to have another size than its data')
+        raise Damaged('message states another size than its data have')
     return found
 
 
 def tells_its_times(chunk, times):
     """
-    Return whether a Chunk tells the first and last of these log times.
+    Return whether a Chunk states the first and last of these log times.
 
-    Its checksum does not cover that.
+    Its checksum does not cover them.
     """
     return not times or (chunk.message_start_time,
                          chunk.message_end_time) == (min(times), max(times))

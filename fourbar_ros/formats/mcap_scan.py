@@ -1,126 +1,39 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Walk through an MCAP file record by record.
-
-Finished, cut by a crash, still being written, or damaged.
+Walk through an MCAP file record by record, be it finished, cut, being written or damaged.
 
 The library's readers want the index at the end of a file, which a crash never writes; its stream
-reader takes 4 us a message, this one less than 1. Neither asks whether a record is what it says.
-Here the lengths inside a record must fill it, and where they do not, the walk goes on at the next
-record that is whole.
+reader takes 4 us a message, this one less than 1. Neither checks that a record is what it claims.
+Here the lengths inside a record must fill it; if they do not, the walk continues at the next whole
+record.
 """
 from __future__ import annotations
 
-import contextlib
-import fcntl
 import os
 import re
-from struct import Struct
-from typing import NamedTuple
 import zlib
 
 from fourbar_ros.errors import BagError
+from fourbar_ros.formats.mcap_ending import ending
 from fourbar_ros.formats.mcap_records import (
     Damaged,
     filled,
     HEAD,
     IS_MESSAGE,
+    MAGIC,
     OURS,
     parse,
     SHAPES,
-    split,
     tells_its_times,
-    TYPES,
     WRONG_TIMES,
 )
 from mcap.opcode import Opcode
-from mcap.records import MetadataIndex, Statistics
 
-MAGIC = b'\x89MCAP0\r\n'
 # what can be in a chunk as well
 _LOOSE = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})
-_END = Struct('<BQQQI8s')           # the footer and the magic behind it
-# head of a chunk's index; of a channel in it
-_CHUNK_INDEX, _ENTRY = Struct('<QQQQI'), Struct('<HQ')
 # [bytes] what is searched at once, at first and at most
 _FIRST_WINDOW, _WINDOW = 1 << 12, 1 << 22
-
-
-class Ending(NamedTuple):
-    """
-    How a finished file ends.
-
-    Where its summary begins, records of that, and what is wrong with it.
-    """
-
-    start: int
-    records: tuple
-    damage: str = ''
-
-    def of(self, kind):
-        """Return the records of a type."""
-        return [record for record in self.records if isinstance(record, kind)]
-
-    @property
-    def is_chunked(self):
-        """Return whether no message is outside of a chunk; False if that is not told."""
-        return any(told.chunk_count or not told.message_count for told in self.of(Statistics))
-
-
-def ending(file):
-    """Return the Ending of an open file, None if it was not finished."""
-    at = os.fstat(file.fileno()).st_size - _END.size
-    if at < len(MAGIC):
-        return None
-    file.seek(at)
-    tail = file.read(_END.size)
-    opcode, length, start, _, crc, magic = _END.unpack(tail)
-    is_footer = (opcode, length) == (Opcode.FOOTER, 20)
-    if not is_footer and magic != MAGIC:
-        return None
-    start = start or at
-    if not is_footer or magic != MAGIC or not len(MAGIC) <= start <= at:
-        return Ending(0, (), f'at byte {at}: the last bytes of the file are wrong')
-    file.seek(start)
-    summary = file.read(at - start)
-    if crc not in (0, zlib.crc32(tail[:25], zlib.crc32(summary))):
-        return Ending(0, (), f'at byte {at}: the index at the end of the file has a wrong '
-                             'checksum')
-    try:
-        found = Ending(start, tuple(parse(opcode, summary[begin:end])
-                                    for _, opcode, begin, end in split(summary)
-                                    if opcode in TYPES))
-        if any(place.offset + place.length > start for place in found.of(MetadataIndex)):
-            raise Damaged('the index at the end of the file leads nowhere')
-        return found
-    except Damaged as error:           # of a writer without checksums
-        return Ending(0, (), f'at byte {start}: {error}')
-
-
-def chunk_index(file, end):
-    """
-    Return [(offset, first log time, last log time, channels)] of the chunks.
-
-    For a file with a sound Ending. None if there is no index of all chunks, or messages lie
-    outside of them.
-    """
-    told = end.of(Statistics) if end and not end.damage else []
-    if not told or not told[0].chunk_count:
-        return None
-    file.seek(end.start)
-    summary = file.read(os.fstat(file.fileno()).st_size - _END.size - end.start)
-    found = [_place(summary, begin) for _, opcode, begin, _ in split(summary)
-             if opcode == Opcode.CHUNK_INDEX]
-    good = len(found) == told[0].chunk_count and all(place[0] < end.start for place in found)
-    return sorted(found, key=lambda place: place[0]) if good else None
-
-
-def _place(summary, begin):
-    first, last, offset, _, size = _CHUNK_INDEX.unpack_from(summary, begin)
-    begin += _CHUNK_INDEX.size
-    return (offset, first, last,
-            {number for number, _ in _ENTRY.iter_unpack(summary[begin:begin + size])})
 
 
 class Scan:
@@ -195,7 +108,7 @@ class Scan:
         self.complete = True
 
     def only(self, offsets):
-        """Yield the records at these offsets, which the index tells; the rest is not looked at."""
+        """Yield the records at these offsets, taken from the index, and skip all others."""
         for offset in offsets:
             found = self._record_at(offset)
             self.end = offset + HEAD.size + len(found[2]) if found else offset + HEAD.size
@@ -206,18 +119,17 @@ class Scan:
         self.complete = True
 
     def spoil(self, offset, why):
-        """Note that the bytes from an offset up to ``end`` are damaged; returns why."""
+        """Note that the bytes from an offset up to ``end`` are damaged; return the reason."""
         self.damage.append(f'at byte {offset}: {why}')
         self.lost += self.end - offset
         return why
 
     def admit(self, offset, chunk, times):
         """
-        Note what is wrong with the place of a sound Chunk and with the times it tells.
+        Note what is wrong with the place of a sound Chunk and the times it states.
 
-        Given its log times.
-
-        Raises Damaged for a copy of an earlier one. Our recorder's log times never go back.
+        ``times`` are its log times; those of our recorder never go back. Raises Damaged for a copy
+        of an earlier chunk.
         """
         if not tells_its_times(chunk, times):
             self.damage.append(f'at byte {offset}: {WRONG_TIMES}')
@@ -252,7 +164,7 @@ class Scan:
         """
         Compare the checksum of the data.
 
-        What changed is in no chunk if nothing was found before.
+        If no damage was found before, the change is outside the chunks.
         """
         self.ending = ending(self._file)       # it may be new
         self.complete = self.ending is not None
@@ -351,21 +263,3 @@ class Scan:
                     return begin + at
             begin, window = begin + window, min(2 * window, _WINDOW)
         return 0
-
-
-def mark_as_being_written(file):
-    """Lock an open file; the lock ends with the process, which shows whether it crashed."""
-    with contextlib.suppress(OSError):       # file systems without locks
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-
-
-def is_being_written(path):
-    """Return whether a recorder has this file open."""
-    with open(path, 'rb') as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return True
-        except OSError:
-            pass
-        return False

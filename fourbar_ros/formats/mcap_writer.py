@@ -1,11 +1,12 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 Write an MCAP file that is whole up to the last flush, whatever happens after it.
 
 The record types are the mcap library's, the order is ours: one append per flush, undone if the
-disk
-refuses it, so that the file can always be finished in place. (The library's own Writer counts
-messages
-that never reached the disk and cannot be asked to forget them; it also takes 3 us a message.)
+disk refuses it, so that the file can always be finished in place. (The library's own Writer counts
+messages that never reached the disk and cannot be asked to forget them; it also takes 3 us a
+message.)
 """
 from __future__ import annotations
 
@@ -16,8 +17,8 @@ import zlib
 from fourbar_ros.formats.mcap_records import (
     Damaged,
     encoded,
-    HEAD,
     IS_MESSAGE,
+    MAGIC,
     MESSAGE,
     parse,
     SEAL,
@@ -25,21 +26,9 @@ from fourbar_ros.formats.mcap_records import (
     split,
     unpacked,
 )
-from fourbar_ros.formats.mcap_scan import MAGIC
+from fourbar_ros.formats.mcap_summary import Summary
 from mcap.opcode import Opcode
-from mcap.records import (
-    Channel,
-    Chunk,
-    ChunkIndex,
-    DataEnd,
-    Footer,
-    Header,
-    Metadata,
-    MetadataIndex,
-    Schema,
-    Statistics,
-    SummaryOffset,
-)
+from mcap.records import Channel, Chunk, Header, Metadata, Schema
 import zstandard
 
 CHUNK_SIZE = 1 << 20          # [bytes] a chunk is closed at this size, flush or not
@@ -62,13 +51,9 @@ class Container:
         self._file = file
         self.size = 0                                  # [bytes] what is in the file for good
         self._crc = 0
-        self.schemas, self.channels = {}, {}
-        self.counts = defaultdict(int)                 # messages in the file, by channel
-        # [ns] log times of the first and the last of them
-        self.start, self.end = None, 0
-        # Encoded, since an hour has 36 000 of them: 5 MB, as objects it would be 40.
-        self._chunk_indices, self._chunks = bytearray(), 0
-        self._metadata_indices = []
+        self._summary = Summary()
+        self.schemas, self.channels = self._summary.schemas, self._summary.channels
+        self.counts = self._summary.counts             # messages in the file, by channel
         self._compressor = zstandard.ZstdCompressor(level=LEVEL)
         # oldest and newest sequence number, by channel
         self.first, self.last = {}, {}
@@ -78,6 +63,16 @@ class Container:
         self._unchecked = set()
         self._clear()
         self._append(MAGIC + encoded(Header(profile, library)))
+
+    @property
+    def start(self):
+        """Return the log time of the first message in the file [ns], None if there is none."""
+        return self._summary.start
+
+    @property
+    def end(self):
+        """Return the log time of the last message in the file [ns]."""
+        return self._summary.end
 
     def add_schema(self, name, text, encoding='ros2msg'):
         """Return the number of a new schema; it is written with the next messages."""
@@ -96,8 +91,8 @@ class Container:
         Take a Schema or Channel of another file under the number it has; again is no error.
 
         One that a checksum covers (``checked``) takes the place of one that none did, as long as
-        no message
-        was written under it; returns whether it did. Any other difference raises Damaged.
+        no message was written under it; returns whether it did. Any other difference raises
+        Damaged.
         """
         known = self.schemas if isinstance(record, Schema) else self.channels
         if isinstance(record, Channel) and record.schema_id not in (0, *self.schemas):
@@ -134,7 +129,7 @@ class Container:
         sealed.metadata[SEAL] = seal(sealed)
         offset, record = self.size, encoded(sealed)
         self._append(record)
-        self._metadata_indices.append(MetadataIndex(offset, len(record), name))
+        self._summary.add_metadata(offset, len(record), name)
 
     def add_message(self, channel, sequence, time, data, published=None):
         """Take a message; arguments are trusted. The next :meth:`flush` has it in the file."""
@@ -176,8 +171,7 @@ class Container:
         Write a chunk of another file, its index and times made anew.
 
         ``admit(chunk, log times)`` is called before anything is written. Returns the definitions
-        in it that
-        took the place of damaged ones; raises Damaged before anything is written.
+        in it that took the place of damaged ones; raises Damaged before anything is written.
         """
         chunk = parse(Opcode.CHUNK, body)
         content, index = unpacked(chunk), defaultdict(list)
@@ -210,30 +204,10 @@ class Container:
     def finish(self):
         """Write the end: statistics and indices; on OSError the file stays as it was."""
         self.flush()
-        if not self._chunks:
+        if not self._summary.chunks:
             # no message, but a reader may ask for the topics
             self._append(self._front())
-        end = encoded(DataEnd(self._crc))
-        start = self.size + len(end)
-        parts, offsets = bytearray(), []
-        statistics = Statistics(
-            attachment_count=0, schema_count=len(self.schemas), channel_count=len(self.channels),
-            chunk_count=self._chunks, metadata_count=len(self._metadata_indices),
-            message_count=sum(self.counts.values()), channel_message_counts=dict(self.counts),
-            message_start_time=self.start or 0, message_end_time=self.end)
-        for opcode, content in ((Opcode.SCHEMA, encoded(*self.schemas.values())),
-                                (Opcode.CHANNEL, encoded(*self.channels.values())),
-                                (Opcode.STATISTICS, encoded(statistics)), (Opcode.CHUNK_INDEX,
-                                self._chunk_indices),
-                                (Opcode.METADATA_INDEX, encoded(*self._metadata_indices))):
-            if content:
-                offsets.append(SummaryOffset(opcode, start + len(parts), len(content)))
-            parts += content
-        offset_start = start + len(parts)
-        summary = parts + encoded(*offsets)
-        crc = zlib.crc32(HEAD.pack(Opcode.FOOTER, 20) + struct.pack('<QQ', start, offset_start),
-                         zlib.crc32(summary))
-        self._append(b''.join((end, summary, encoded(Footer(start, offset_start, crc)), MAGIC)))
+        self._append(self._summary.ending(self.size, self._crc))
 
     # --------------------------------------------------------------------------------------------
 
@@ -280,16 +254,9 @@ class Container:
             at += len(parts[-1])
         offset = self.size
         self._append(b''.join(parts))
-        self._chunks += 1
+        self._summary.add_chunk(chunk, offset, len(record), offsets, index,
+                                at - offset - len(record))
         self._pending = {data: told + 1 for data, told in self._pending.items() if told + 1 < TOLD}
-        self._chunk_indices += encoded(ChunkIndex(
-            len(record), offset, chunk.compression, len(chunk.data), chunk.message_end_time,
-            at - offset - len(record), offsets, chunk.message_start_time, chunk.uncompressed_size))
-        for channel, entries in index.items():
-            self.counts[channel] += len(entries) // 2
-        low = chunk.message_start_time
-        self.start = low if self.start is None else min(self.start, low)
-        self.end = max(self.end, chunk.message_end_time)
 
     def _append(self, data):
         """Write all of it or, on OSError, nothing."""

@@ -1,17 +1,15 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What rosbag2 of Jazzy keeps around the messages: folder, file names, QoS, metadata version 9."""
+"""What rosbag2 of Jazzy stores besides the messages: channels, and metadata of version 9."""
 from __future__ import annotations
 
 import json
 import os
-from pathlib import Path
 import re
-import time
 from typing import NamedTuple
 
 from fourbar_ros.errors import BagError
-import yaml
+from fourbar_ros.formats.yaml_text import dumped, loaded
 
 VERSION = 9
 NOT_STARTED = 2**63 - 1     # rosbag2's starting time of a bag without messages
@@ -23,9 +21,6 @@ QOS, HASH = 'offered_qos_profiles', 'topic_type_hash'      # keys of the metadat
 # these messages the recorder had to drop; topics of which a later part of a split bag repeats one
 # message, of a number before the first.
 ENDED, LOST, NUMBERS, DROPPED, REPEATS = 'ended', 'lost', 'numbers', 'dropped', 'repeats'
-_LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
-DEEPEST = 100               # levels in a YAML text
-LARGEST = 1 << 19           # values in a YAML text, those that aliases stand for counted each time
 _ENDLESS = {'sec': 9223372036, 'nsec': 854775807}
 
 
@@ -41,7 +36,7 @@ class Channel(NamedTuple):
 
     @property
     def qos(self):
-        """Return the QoS profile in rosbag2's words."""
+        """Return the QoS profile as rosbag2 writes it."""
         return {'history': 'keep_last', 'depth': self.depth,
                 'reliability': 'reliable', 'durability': 'transient_local' if self.latched
                 else 'volatile',
@@ -89,46 +84,11 @@ def describe(file_name, container, about, distro=None, packing=('', '')):
     }
 
 
-def loaded(text):
-    """
-    Return what YAML text says: lists, dicts, texts and numbers.
-
-    Raises BagError for anything else, and for aliases that stand for more than LARGEST values when
-    written out.
-    """
-    try:
-        _check_depth(text)
-        found = yaml.load(text, Loader=_LOADER)
-    except (yaml.YAMLError, ValueError, TypeError, RecursionError) as error:
-        raise BagError(f'no YAML: {" ".join(str(error).split())[:200]}') from None
-    seen, rest = 0, [found]
-    while rest:
-        value = rest.pop()
-        seen += 1
-        if isinstance(value, (dict, list)):
-            rest += value.values() if isinstance(value, dict) else value
-        elif isinstance(value, str):
-            seen += len(value) // 64
-        if seen + len(rest) > LARGEST:
-            raise BagError(f'YAML of more than {LARGEST} values')
-    return found
-
-
-def _check_depth(text):
-    """Raise BagError for lists so deeply nested that the recursive loader would fail."""
-    depth = 0
-    for event in yaml.parse(text, Loader=_LOADER):
-        depth += (isinstance(event, yaml.CollectionStartEvent)
-                  - isinstance(event, yaml.CollectionEndEvent))
-        if depth > DEEPEST:
-            raise BagError(f'YAML of more than {DEEPEST} levels')
-
-
 def profiles_of(text):
     """
-    Return the QoS profiles, as dicts, that the metadata of a channel tell.
+    Return the QoS profiles in the metadata of a channel, as dicts.
 
-    None if they are in other words.
+    Empty if they cannot be read.
     """
     try:
         found = loaded(text)
@@ -146,11 +106,7 @@ def about_of(metadata):
 
 
 def mapping_in(about, key):
-    """
-    Return the dict that custom_data keep as JSON under a key.
-
-    Empty if there is nothing of the kind.
-    """
+    """Return the dict stored as JSON under a key of custom_data, empty if there is none."""
     try:
         found = json.loads(about.get(key, '{}'))
     except (TypeError, ValueError, RecursionError):
@@ -203,76 +159,6 @@ def _start(file):
     return file['starting_time']['nanoseconds_since_epoch']
 
 
-def dumped(value):
-    """Return a value as YAML."""
-    return yaml.dump(value, Dumper=_NoAliases, sort_keys=False, width=2**30)
-
-
-class _NoAliases(getattr(yaml, 'CSafeDumper', yaml.SafeDumper)):
-
-    def ignore_aliases(self, data):
-        return True
-
-
-def write_metadata_file(folder, metadata):
-    """Write metadata.yaml, at once or not at all."""
-    part = folder / 'metadata.yaml.part'
-    part.write_text(dumped({'rosbag2_bagfile_information': metadata}))
-    part.replace(folder / 'metadata.yaml')
-
-
-def create(directory, name):
-    """
-    Make the folder and the file of a bag, both new; return (path of the folder, open file).
-
-    An empty name takes a fresh one from the clock. Raises BagError.
-    """
-    directory = Path(directory)
-    fresh = not check_name(name)
-    path = directory / (name or fresh_name())
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        while fresh and path.exists():                 # two in one millisecond
-            path = directory / fresh_name()
-        path.mkdir()
-    except FileExistsError:
-        what = path if directory.is_dir() else directory
-        raise BagError(f'{what}: exists already; recordings never overwrite') from None
-    except OSError as error:
-        raise BagError(f'{path}: {error.strerror}') from None
-    try:
-        return path, open(path / f'{path.name}_0.mcap', 'x+b', buffering=0)
-    except OSError as error:
-        path.rmdir()
-        raise BagError(f'{path}: {error.strerror}') from None
-
-
-def create_part(folder, number):
-    """Make the next file of a bag that is split; return (path, open file)."""
-    path = folder / f'{folder.name}_{number}.mcap'
-    return path, open(path, 'x+b', buffering=0)
-
-
-def free_name(directory, name):
-    """
-    Return a name or, where it is taken, NAME_2, NAME_3, .
-
-    An empty one stays so. Raises BagError.
-    """
-    found, number = check_name(name), 1
-    while name and os.path.lexists(Path(directory, found)):
-        number += 1
-        found = f'{name}_{number}'
-    return found
-
-
-def fresh_name():
-    """Return a name from the clock."""
-    nanoseconds = time.time_ns()
-    return time.strftime('fourbar_%Y_%m_%d-%H_%M_%S', time.localtime(nanoseconds // 10**9)) \
-        + f'_{nanoseconds % 10**9 // 10**6:03d}'
-
-
 def check_channels(channels):
     """Raise BagError for a channel that no reader would take."""
     for channel in channels:
@@ -288,110 +174,3 @@ def check_channels(channels):
             raise BagError(f'{channel.topic}: schema and hash must be text, depth a whole number')
     if len({channel.topic for channel in channels}) != len(channels):
         raise BagError('a topic is given twice')
-
-
-def check_name(name):
-    """
-    Return the name of a bag.
-
-    Raises BagError if it could lead out of the recording directory.
-    """
-    if (not isinstance(name, str) or name in ('.', '..') or '/' in name
-            or not (name + 'x').isprintable()):
-        raise BagError(f'bag name {name!r}: must be a plain name inside the recording directory')
-    return name
-
-
-def file_of(path):
-    """
-    Return the .mcap file of a bag given as directory or file.
-
-    Raises BagError if there are several.
-    """
-    files = files_of(path)
-    if len(files) > 1:
-        raise BagError(f'{path}: holds {len(files)} .mcap files, name one')
-    return files[0]
-
-
-def files_of(path):
-    """
-    Return the .mcap files of a bag in order.
-
-    Of a split bag its parts NAME_0.mcap, NAME_1.mcap, ...
-
-    The folder is asked, not metadata.yaml alone: after a crash it may not know the newest part.
-    """
-    path = Path(path)
-    if not path.exists():
-        raise BagError(f'{path}: no such bag')
-    if path.is_file():
-        return [path]
-    files = sorted(path.glob('*.mcap'), key=part_of)
-    if not files:
-        raise BagError(f'{path}: holds no .mcap files{hint_of(path)}')
-    if len(files) > 1 and len({part_of(file)[0] for file in files}) > 1:
-        told = _told_files(path)
-        if not {file.name for file in files} <= told.keys():
-            raise BagError(f'{path}: holds {len(files)} .mcap files of different bags, name one')
-        files.sort(key=lambda file: told[file.name])
-    return files
-
-
-def hint_of(path):
-    """Return what to do with a bag of another kind."""
-    if packed := sorted(path.glob('*.mcap.*')):
-        tool = {'.zst': 'zstd -d', '.zstd': 'zstd -d', '.lz4': 'lz4 -d'}.get(packed[0].suffix,
-                                                                             'unpack')
-        return (f': {packed[0].name} is compressed as a whole; first: {tool} {packed[0]} -o '
-                f'{packed[0].with_suffix("")}')
-    if list(path.glob('*.db3*')):
-        return (f': this is an sqlite3 bag; first: rosbags-convert --src {path} --dst {path}_mcap '
-                '--dst-storage mcap')
-    if list(path.glob('*.bag')):
-        return ': this is a bag of ROS 1; rosbags-convert makes one of ROS 2'
-    return ''
-
-
-def part_of(file):
-    """Return (name of the bag, number of the part) of a file NAME_N.mcap."""
-    stem, _, number = file.stem.rpartition('_')
-    return (stem, int(number)) if number.isdecimal() else (file.stem, 0)
-
-
-def about_beside(file):
-    """
-    Return the custom_data in the metadata.yaml of a file, if they tell why the recording ended.
-
-    Else empty.
-    """
-    found = _metadata_file(file.parent)
-    about = about_of(found) if file.name in _names(found) else {}
-    return about if ENDED in about else {}
-
-
-def packing_of(metadata, file):
-    """Return rosbag2's (compression_format, compression_mode) if messages are compressed."""
-    for told in (metadata, _metadata_file(file.parent)):
-        if str(told.get('compression_mode')).lower() == 'message':
-            return str(told.get('compression_format')), 'message'
-    return '', ''
-
-
-def _told_files(path):
-    """Return {name: place} of the files that metadata.yaml names."""
-    return {name: place for place, name in enumerate(_names(_metadata_file(path)))}
-
-
-def _names(metadata):
-    told = metadata.get('relative_file_paths')
-    return [Path(str(name)).name for name in told] if isinstance(told, list) else []
-
-
-def _metadata_file(folder):
-    """Return what metadata.yaml tells, an empty dict if there is none."""
-    try:
-        found = loaded((folder / 'metadata.yaml').read_text())['rosbag2_bagfile_information']
-    except (OSError, UnicodeDecodeError, BagError, KeyError, TypeError):
-        found = None
-    return found if isinstance(found, dict) else {}

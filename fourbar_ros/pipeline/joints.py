@@ -1,8 +1,8 @@
 """
-The joints as a JointState has them: joint = ratio * coordinate + offset, in and out.
+The joints of a JointState: joint = ratio * coordinate + offset, in and out.
 
-So for the rates and accelerations, joint' = ratio * coordinate'; and as power is the same on both
-sides, the effort of the joint is that of the coordinate over the ratio.
+Rates and accelerations scale likewise, joint' = ratio * coordinate'. Power is the same on both
+sides, so the effort of the joint is that of the coordinate divided by the ratio.
 """
 from __future__ import annotations
 

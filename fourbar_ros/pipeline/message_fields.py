@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Which number goes into which field of which message, once, for the node and for recomputing a bag.
+Which number goes into which message field, for the node and for recomputing a bag.
 
 A value is named by its field in the mechanism's motion or loads, or NAME.FIELD of the motion of a
 point.
@@ -56,9 +56,9 @@ class FieldMap(NamedTuple):
 
     def expected(self, output: str, values: Any) -> dict[str, Any]:
         """
-        Return {field: number or tuple of numbers} of one output message, or of many.
+        Return {field: number or tuple of numbers} of one output message.
 
-        values are then arrays.
+        Of many messages if ``values`` are arrays.
         """
         def pick(source: Any) -> Any:
             if isinstance(source, tuple):
@@ -83,7 +83,7 @@ class FieldMap(NamedTuple):
 
 class Names(NamedTuple):
     """
-    What a mechanism calls its numbers.
+    The names of a mechanism's numbers.
 
     Fields of motion and loads, input, output with its ratio, joints.
     """
@@ -171,8 +171,8 @@ def driven_of(message: Any, joint: str = '') -> Any:
 
 def is_time(sec: Any, nanosec: Any) -> bool:
     """
-    Return whether a stamp is a time.
+    Return whether a stamp is a valid time.
 
-    A node replaces others, and stamps of 0, by the time at which they come.
+    A node replaces other stamps, and 0, by the time of arrival.
     """
     return (sec >= 0) & (nanosec < 10**9)

@@ -78,7 +78,7 @@ class Estimate:
         return 2.0 / sqrt(self._curve_norm) if self.degree == 2 else 1.0 / sqrt(self._norm)
 
     def surprise(self, t: Any, y: Any) -> Any:
-        """Return how far (t, y) is from the polynomial, in what noise of 1 in each y makes."""
+        """Return the distance of (t, y) from the polynomial, for noise of variance 1 in each y."""
         p = t - self._mean
         foretold = self._start + self._slope * p
         variance = 1.0 + 1.0 / self._n + p * p / self._norm
@@ -147,7 +147,7 @@ class RateEstimator:
 
     @property
     def is_noise(self) -> bool:
-        """Return whether noise is a good part of the acceleration, or of velocity^2/length."""
+        """Return whether noise is a large part of the acceleration, or of velocity^2/length."""
         return self.noise > TOO_NOISY * sqrt(self._size.value)
 
     def update(self, time: float, position: Any, velocity: float = nan) -> Any:
@@ -205,7 +205,7 @@ class RateEstimator:
         self._samples.append((time, position, step, velocity))
 
     def _compare(self, t: Any, step: Any, velocity: float) -> None:
-        """Learn from a new sample how far the fit before it was off."""
+        """Learn from a new sample how far it is from the previous fit."""
         from_rates = isfinite(velocity)
         if from_rates is not self._from_rates:
             self._from_rates, self._scatter = from_rates, _MeanSquare()
@@ -238,9 +238,9 @@ class RateEstimator:
 
 def estimator_of(scene: Any) -> Any:
     """
-    Return the :class:`RateEstimator` of a scene, for its node and for computing a bag again.
+    Return the :class:`RateEstimator` of a scene, for its node and for recomputing a bag.
 
-    The turn that may be missing between two samples is one of the joint, before its ratio.
+    Whole turns that are missing between two samples are turns of the joint, before its ratio.
     """
     drive, linkage = scene.drive, scene.linkage
     ratio = drive.joint_ratio if drive.source == 'joint_state' else 1.0
@@ -250,7 +250,7 @@ def estimator_of(scene: Any) -> Any:
 
 
 class _MeanSquare:
-    """The mean square of the newest numbers, about MEMORY; what is not finite is left out."""
+    """Mean square of the newest numbers, about MEMORY of them; others than finite are omitted."""
 
     def __init__(self) -> None:
         self.value, self.number = 0.0, 0

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""One evaluation that never raises: a status says what the numbers are worth."""
+"""One evaluation that never raises: its status qualifies the numbers."""
 from __future__ import annotations
 
 from functools import cache
@@ -18,17 +18,16 @@ STATUS_NAMES = ('ok', 'out of range', 'invalid input', 'toggle', 'rates unknown'
 
 @cache
 def _none_of(fields: Any) -> Any:
-    """Return a NamedTuple of this type of which nothing is known."""
+    """Return a NamedTuple of this type, all NaN."""
     return fields(*[nan] * len(fields._fields))
 
 
 def evaluate(mechanism: Any, position: Any, rate: Any, acceleration: Any, with_loads: bool) -> Any:
     """
-    Return (status, motion, loads): what does not exist is NaN, loads are all NaN if not asked for.
+    Return (status, motion, loads); what does not exist is NaN, and loads that are not wanted too.
 
-    INVALID_INPUT stands for an input that is NaN, for infinity, and for speeds so high that a
-    result overflows; RATES_UNKNOWN for a rate or acceleration that is NaN: what does not depend on
-    it is valid.
+    INVALID_INPUT: the input is NaN or infinite, or so fast that a result overflows. RATES_UNKNOWN:
+    the rate or acceleration is NaN; what does not depend on it is valid.
     """
     given = position, rate, acceleration
     if not isfinite(position) or isinf(rate) or isinf(acceleration):
@@ -55,9 +54,9 @@ def evaluate(mechanism: Any, position: Any, rate: Any, acceleration: Any, with_l
 
 def _partly(status: Any, mechanism: Any, position: Any, rate: Any, acceleration: Any) -> Any:
     """
-    Return the answer where not all of the motion exists.
+    Return the part of the motion that exists.
 
-    What is infinite or undefined is NaN.
+    Infinite and undefined fields are NaN.
     """
     motion = mechanism.motion(np.array([position]), rate, acceleration)
     if isnan(motion.transmission_angle[0]):

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""One scene, one input after the other, with the scene's policy for inputs out of range."""
+"""One scene, input by input, with its policy for inputs out of range."""
 from __future__ import annotations
 
 from math import nan, nextafter
@@ -52,7 +52,7 @@ class Stepper:
             self.act(link, (acting or {}).get(link) or wrenches.in_silence(scene, link, None))
 
     def act(self, link: str, wrench: Any) -> None:
-        """Have a Wrench act on a link from the next step on."""
+        """Apply a Wrench to a link from the next step on."""
         self.acting[link] = wrench
         external = wrenches.external(self._scene, self.acting)
         self._loads_unknown = external is None and self._scene.needs_loads
@@ -64,7 +64,7 @@ class Stepper:
         """
         Return (status, values).
 
-        Values are (*motion, *loads, *the motion of each point, *what the layout adds).
+        The values are (*motion, *loads, *motion of each point, *additions of the layout).
         """
         status, motion, loads = evaluate(self.linkage, position, rate, acceleration,
                                          with_loads and not self._loads_unknown)
@@ -81,7 +81,7 @@ class Stepper:
         return status, values
 
     def silence(self) -> tuple[float, ...]:
-        """Return values of which nothing is known but what is held."""
+        """Return the values during a timeout: NaN, except for held joint positions."""
         return self._nothing + self._joints.of(self._nothing) if self._joints else self._nothing
 
     def _completed(self, values: Any) -> Any:

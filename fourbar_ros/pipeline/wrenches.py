@@ -1,9 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Forces between linkages in a chain: what acts on a link from outside, what one does to its drive.
+Forces between linkages in a chain: on a link from outside, and on the drive.
 
-All components are along the ground axes; couples and torques are counter-clockwise positive.
+All components are along the ground axes; couples and torques are positive counter-clockwise.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NAMES = ('drive wrench force_x', 'drive wrench force_y', 'drive wrench torque')
 
 
 class Wrench(NamedTuple):
-    """Force [N] at the point of the scene and couple [N m] on a link; NaN: not known."""
+    """Force [N] at the point given in the scene, and couple [N m], on a link; NaN: unknown."""
 
     force_x: float
     force_y: float
@@ -25,7 +25,7 @@ class Wrench(NamedTuple):
 
     @property
     def is_known(self) -> bool:
-        """Return whether it can be computed with."""
+        """Return whether all components are finite."""
         return all(map(isfinite, self))
 
 
@@ -33,13 +33,13 @@ UNKNOWN = Wrench(nan, nan, nan)
 
 
 def constant(scene: Any, link: str) -> Wrench:
-    """Return what the scene itself gives for a link."""
+    """Return the constant wrench of the scene on a link."""
     applied = getattr(scene.linkage.external, link)
     return Wrench(applied.force_x, applied.force_y, applied.couple)
 
 
 def in_silence(scene: Any, link: str, last: Wrench | None) -> Wrench:
-    """Return what acts on a link while its topic is silent; ``last``: what came last, if any."""
+    """Return the wrench on a link while its topic is silent; ``last``: the newest one, if any."""
     policy = scene.wrenches.when_silent
     if policy == 'unknown':
         return UNKNOWN
@@ -47,7 +47,7 @@ def in_silence(scene: Any, link: str, last: Wrench | None) -> Wrench:
 
 
 def external(scene: Any, acting: dict[str, Wrench]) -> External | None:
-    """Return the External of a scene with what acts in place of constants; None if not known."""
+    """Return the External of a scene with the acting wrenches; None if one is unknown."""
     if not all(wrench.is_known for wrench in acting.values()):
         return None
     given = scene.linkage.external._asdict()

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Draw the documents' figures from our values, for ``fourbar reproduce --html``."""
+"""Draw the figures of the documents from computed values, for ``fourbar reproduce --html``."""
 from __future__ import annotations
 
 from datetime import date
@@ -132,9 +132,8 @@ def _curves(panels, titles, marks=(), with_logarithmic=False):
     """
     Return a Figure with one panel for each list of curves over theta1 [rad].
 
-    A curve: (x, y, label, line style, color).
-
-    ``marks``: places (x, y) to circle, of each panel; ``with_logarithmic``: all again below, so.
+    A curve is (x, y, label, line style, color). ``marks``: points (x, y) to circle in each panel;
+    ``with_logarithmic``: repeat all panels below on a logarithmic scale.
     """
     import matplotlib
     from matplotlib.figure import Figure
@@ -161,7 +160,7 @@ def _curves(panels, titles, marks=(), with_logarithmic=False):
 
 
 def svg(name):
-    """Return (SVG text, caption) of a figure by name: the same text every time."""
+    """Return (SVG text, caption) of a figure by name; the text is the same every time."""
     import matplotlib
     figure, caption = globals()[name]()
     text = StringIO()
@@ -174,7 +173,7 @@ def page(sections, when=None):
     """
     Return the whole report as one self-contained HTML page.
 
-    ``when``: the date that it bears, default today.
+    ``when`` is the date on it, by default today.
     """
     need_matplotlib('reproduce --html')
     body = '\n'.join(_section(section, i) for i, section in enumerate(sections))
@@ -199,7 +198,7 @@ def typeset(text):
     """
     Return a text as HTML.
 
-    Greek letters with indices, powers of units, V_A and A_C/B with theirs.
+    Greek letters with indices, powers of units, V_A and A_C/B with their indices.
     """
     text = SYMBOL.sub(lambda match: f'{GREEK[match[1]]}<sub>{match[2]}</sub>', html.escape(text))
     text = re.sub(r'\b([AV])_([A-Z](?:/[A-Z])?)\b', r'\1<sub>\2</sub>', text)

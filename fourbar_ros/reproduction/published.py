@@ -1,11 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Our values for everything the two documents print: a function per example, each a dict by name.
+Computed values for everything the two documents print: one function per example.
 
-The documents' numbers are in published.yaml, the comparison in
-:mod:`fourbar_ros.reproduction.reproduce`. The examples are given in inches, feet and degrees: SI
-inside, their units at the edge.
+Each returns a dict by name. The printed numbers are in published.yaml, the comparison is in
+:mod:`fourbar_ros.reproduction.reproduce`. Examples given in inches, feet and degrees are computed
+in SI units and converted back at the end.
 """
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ def example_7_7():
 
 
 def _extrema(linkage, speed, unit):
-    """Return the global extrema of omega4 and alpha4 in both modes and where they are."""
+    """Return the values and places of the global extrema of omega4 and alpha4 in both modes."""
     values = {}
     for mode in (CROSSED, OPEN):
         for e in find_extrema(linkage.in_mode(mode), ('omega4', 'alpha4'), speed):
@@ -161,9 +161,9 @@ def paper_table_3():
 
 def literal_moment(motion, loads):
     """
-    Return T14 + r34 x F34 [N m] with r34 as Fig.
+    Return T14 + r34 x F34 [N m] with the arm r34 of the paper's Fig. 2.
 
-    2 defines it: from the centre of gravity of link 3 to joint 4.
+    That arm runs from the centre of gravity of link 3 to joint 4.
     """
     along = THIN.bodies.output.cg_along
     return along * (motion.cos_y * loads.f43_y - motion.sin_y * loads.f43_x) - loads.driving_torque
@@ -171,12 +171,11 @@ def literal_moment(motion, loads):
 
 def wrong_curves():
     """
-    Return theta1 [rad] and three magnitudes from Eq.
+    Return theta1 [rad] and three magnitudes from a wrong form of the paper's Eq. (9).
 
-    (9) with m v in place of m a, thin rods, every 0.1 deg.
-
-    "Shaking force" and "moment" as the paper prints them, to the last digit: the moment with an
-    arm of 0.01 m along x. Then the moment with r34 of Fig. 2, which is not what it prints.
+    It has m v in place of m a, thin rods, every 0.1 deg. The first two are "shaking force" and
+    "moment" as the paper prints them, to the last digit: the moment with an arm of 0.01 m along x.
+    The third is the moment with r34 of Fig. 2, which the paper does not print.
     """
     theta1 = np.radians(np.arange(3600) / 10.0)
     motion = THIN.motion(theta1, PAPER_SPEED)
@@ -189,11 +188,10 @@ def wrong_curves():
 
 def solve_eq_9(linkage, motion, with_velocities=False):
     """
-    Return the nine unknowns of the paper's Eq.
+    Return the nine unknowns of the paper's Eq. (9), shape (n, 9).
 
-    (9), shape (n, 9): F41, F21, F32, F43 (x, y each), T41.
-
-    ``with_velocities``: the force rows hold m v in place of m a.
+    F41, F21, F32, F43 (x, y each), T41. ``with_velocities``: the force rows hold m v in place of m
+    a.
     """
     size = np.size(motion.theta1)
     a, right = np.zeros((size, 9, 9)), np.zeros((size, 9))
@@ -216,9 +214,9 @@ def solve_eq_9(linkage, motion, with_velocities=False):
 
 def eq_9():
     """
-    Return the largest difference of Eq.
+    Return the largest difference between the paper's Eq. (10) and our closed forms.
 
-    (10) from our closed forms, over the largest force of a turn.
+    It is relative to the largest force of a turn.
     """
     motion, loads = PAPER.step(np.linspace(0.0, 2.0 * pi, 361), PAPER_SPEED)
     names = ('f41_x', 'f41_y', 'f21_x', 'f21_y', 'f32_x', 'f32_y', 'f43_x', 'f43_y',
@@ -229,10 +227,11 @@ def eq_9():
 
 def vectors():
     """
-    Return the symbols of the slides' vector equations: (6), of B and C of Example 7.3.
+    Return the symbols of the slides' vector equations.
 
-    (7) and what follows, of Example 7.2 with theta2, theta3 of its crank and coupler; (9)-(11),
-    of A and the bar of Example 7.5. The points on both sides are reached over different links.
+    (6): B and C of Example 7.3; (7) and following: Example 7.2, with theta2, theta3 of its crank
+    and coupler; (9)-(11): A and the bar of Example 7.5. The two sides of an equation reach their
+    points over different links.
     """
     m, four_bar = EXAMPLE_7_3.motion(*GIVEN_7_3), EXAMPLE_7_3
     b, c = point_motion(four_bar, m, 'crank', four_bar.a1), point_motion(four_bar, m, 'output',
@@ -265,7 +264,7 @@ def symbols():
     """
     Return the symbols of the slides' Eqs. (16)-(37) by name, at the pose of Example 7.6.
 
-    a1..a4, A..D, A1..D2; v1..v4, dv, ddv their derivatives; w1..w4 and al1..al4 for those of
+    a1..a4, A..D, A1..D2; v1..v4, dv, ddv are their derivatives; w1..w4 and al1..al4 those of
     theta.
     """
     m = EXAMPLE_7_6.motion(*GIVEN_7_6)
@@ -279,9 +278,9 @@ def symbols():
 
 def paper_symbols():
     """
-    Return those of the paper's Eqs.
+    Return the symbols of the paper's Eqs. (1)-(8), in its own chain.
 
-    (1)-(8), in its chain: theta1 + pi, -theta4, its own factors.
+    The chain has theta1 + pi, -theta4, and its own factors.
     """
     found = symbols()
     a1, a2, a3, a4 = EXAMPLE_7_6.lengths

@@ -1,10 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-``fourbar reproduce``.
-
-Everything the lecture slides and the paper print, computed again and judged.
-"""
+"""``fourbar reproduce``: compute everything that the slides and the paper print, and judge it."""
 from __future__ import annotations
 
 from math import isnan, nan
@@ -32,7 +28,7 @@ EXACT = 1e-12      # of the sum of the terms: more than rounding, less than any 
 
 
 class Row(NamedTuple):
-    """One printed number or equation and ours."""
+    """One printed number or equation beside the computed one."""
 
     what: str
     unit: str
@@ -56,7 +52,7 @@ class Section(NamedTuple):
 
 
 def reproduce(path=DOCUMENTS):
-    """Return all :class:`Section`, computed now."""
+    """Return every :class:`Section`, computed now."""
     return [_section(entry) for entry in yaml.safe_load(Path(path).read_text())]
 
 
@@ -69,7 +65,7 @@ def _section(entry):
 
 
 def _number(row, values):
-    """Return the Row of a printed number: how far, and whether that is what was to be expected."""
+    """Return the Row of a printed number, with its difference and the verdict on it."""
     printed = row.get('printed', '')
     own = _evaluate(row['own'], {}) if 'own' in row else nan
     ours = float(values[row['key']]) if 'key' in row else own
@@ -82,7 +78,11 @@ def _number(row, values):
 
 
 def _verdict(row, ours):
-    """Return the verdict on a number; DIFFERS too for a reason that explains nothing."""
+    """
+    Return the verdict on a number.
+
+    DIFFERS also if published.yaml gives a reason that does not explain the difference.
+    """
     for name, verdict in (('missing', MISSING), ('assumed', ASSUMED)):
         if name in row:
             return verdict
@@ -103,7 +103,7 @@ def _verdict(row, ours):
 
 
 def _reason(row):
-    """Return the text below the table that a row refers to."""
+    """Return the footnote that a row refers to."""
     if 'copies' in row:
         return f'the copy has {" and ".join(repr(text.strip()) for text in row["copies"])}'
     return next((row[name] for name in ('missing', 'assumed', 'garbled', 'misprint', 'wrong',
@@ -111,13 +111,13 @@ def _reason(row):
 
 
 def is_reading(text, copies):
-    """Return whether each character of a text is at its place in one of its garbled copies."""
+    """Return whether each character of a text stands at its place in a garbled copy."""
     return all(len(copy) == len(text) for copy in copies) and all(
         any(copy[i] == character for copy in copies) for i, character in enumerate(text))
 
 
 def agrees(value, text):
-    """Return whether a decimal number is the value, rounded or cut after its last digit."""
+    """Return whether a decimal number is the value, rounded or truncated after its last digit."""
     printed, unit = float(text), 10.0**-len(text.partition('.')[2])
     beyond = (value - printed) / unit if printed >= 0.0 else (printed - value) / unit
     return -0.5 <= beyond < 1.0
@@ -125,7 +125,7 @@ def agrees(value, text):
 
 def _equation(row, symbols):
     """
-    Return the Row of an equation: as printed against what it must give.
+    Return the Row of an equation: its printed form against what it must give.
 
     A sum of terms must be zero, relative to their magnitudes; a formula must give ``ours``.
     """
@@ -148,7 +148,7 @@ def _equation(row, symbols):
 
 
 def _evaluate(expression, symbols):
-    """Return the value of an expression of published.yaml, which knows these symbols alone."""
+    """Return the value of an expression in published.yaml; it knows these symbols only."""
     return float(eval(str(expression), {'__builtins__': {}}, symbols))
 
 
@@ -158,7 +158,7 @@ COLUMNS = ('', 'printed>', 'ours>', 'difference>', 'unit', 'verdict', '')
 
 
 def cells(row):
-    """Return the text of a Row but for its reason."""
+    """Return the texts of a Row, without its reason."""
     return (row.what, row.printed, '' if isnan(row.ours) else f'{row.ours:.10g}',
             '' if isnan(row.difference) else f'{row.difference:.3g}', row.unit, row.verdict)
 
@@ -170,7 +170,7 @@ def footnotes(section):
 
 
 def count(sections):
-    """Return how often each verdict was passed, as a dict in the order of VERDICTS."""
+    """Return the number of rows of each verdict, as a dict in the order of VERDICTS."""
     found = [row.verdict for section in sections for row in section.rows]
     return {verdict: found.count(verdict) for verdict in VERDICTS if verdict in found}
 

@@ -17,14 +17,14 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 class Stop:
     """
-    Whether a signal has requested the end of the process.
+    Whether a signal has requested the end of the process, and which (``name``, else empty).
 
     A plain flag: a handler interrupts the main thread anywhere, also in a handler, where the lock
     of a ``threading.Event`` would wait for itself.
     """
 
     def __init__(self):
-        self.requested, self._before = False, {}
+        self.requested, self.name, self._before = False, '', {}
 
     def catch(self):
         """Catch signals from now on; return self."""
@@ -37,8 +37,8 @@ class Stop:
         for number, handler in self._before.items():
             signal.signal(number, handler)
 
-    def _note(self, *_):
-        self.requested = True
+    def _note(self, number, _):
+        self.requested, self.name = True, self.name or signal.Signals(number).name
 
     @staticmethod
     def ignore():

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Command lines: errors name the nearest word, numbers have ranges; the node's arguments."""
+"""Command lines: errors suggest the nearest word, numbers have ranges; arguments of the node."""
 from __future__ import annotations
 
 import argparse
@@ -27,14 +27,14 @@ is invalid.
 
 
 class Parser(argparse.ArgumentParser):
-    """An argument parser whose errors suggest the nearest word, also within verbs."""
+    """An argument parser that suggests the nearest word in its errors, also within verbs."""
 
     def __init__(self, *args, **kwargs):
         super().__init__(*args, **kwargs)
-        self._negative_number_matcher = NEGATIVE      # argparse takes -1e-9 for an option
+        self._negative_number_matcher = NEGATIVE      # argparse would take -1e-9 as an option
 
     def error(self, message):
-        """Say what is wrong in one line below the usage; exit code 2."""
+        """Print the error in one line below the usage; exit with code 2."""
         if match := INVALID_CHOICE.search(message):
             known = re.findall(r"[^\s,']+", match[2])
             message = (message[:match.start()] + f'{match[1]!r} is '
@@ -42,11 +42,7 @@ class Parser(argparse.ArgumentParser):
         super().error(message)
 
     def parse_known_args(self, args=None, namespace=None):
-        """
-        Parse as the base class.
-
-        Of a verb, an option that it does not know is an error of that verb.
-        """
+        """Parse as the base class does, but refuse options that a verb does not know."""
         namespace, rest = super().parse_known_args(args, namespace)
         if rest and ' ' in self.prog:
             known = [option for action in self._actions for option in action.option_strings]
@@ -57,24 +53,24 @@ class Parser(argparse.ArgumentParser):
 
 
 def positive(text: str) -> float:
-    """Return a positive number, as a type of an argument."""
+    """Return a positive number; for ``type=`` of an argument."""
     return _number(text, lambda value: value > 0.0, 'must be a positive number')
 
 
 def not_negative(text: str) -> float:
-    """Return a number that is not negative, as a type of an argument."""
+    """Return a number that is not negative; for ``type=`` of an argument."""
     return _number(text, lambda value: value >= 0.0, 'must be a number that is not negative')
 
 
 def positive_integer(text: str) -> int:
-    """Return a positive integer, as a type of an argument."""
+    """Return a positive integer; for ``type=`` of an argument."""
     if not text.isdecimal() or not int(text):
         raise argparse.ArgumentTypeError(f'{text!r}: must be a positive integer')
     return int(text)
 
 
 def finite(text: str) -> float:
-    """Return a finite number, as a type of an argument."""
+    """Return a finite number; for ``type=`` of an argument."""
     return _number(text, lambda value: True, 'must be a finite number')
 
 
@@ -89,7 +85,7 @@ def _number(text, is_good, must):
 
 
 class UsageError(FourBarError):
-    """The node was called in a way that it does not understand; the message says what to type."""
+    """The node was called with invalid arguments; the message says what to type."""
 
 
 def check_node_arguments(arguments: list[str]) -> None:
@@ -153,7 +149,7 @@ def _check_files(files, node):
     for file in files:
         try:
             read_values(file, node)
-        except NotForNode as error:         # another of the files may have it all
+        except NotForNode as error:         # another file may have everything
             strangers.append(error)
     if files and len(strangers) == len(files):
         raise strangers[0]

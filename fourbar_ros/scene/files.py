@@ -3,7 +3,7 @@
 """
 Scene files: where they are, and what ROS reads in them.
 
-They are ROS 2 parameter files; no ROS is imported.
+They are ROS 2 parameter files, read here without ROS.
 """
 from __future__ import annotations
 
@@ -30,15 +30,11 @@ class SceneError(FourBarError, ValueError):
 
 
 class NotForNode(SceneError):
-    """A parameter file has nothing for the node that is to read it."""
+    """A parameter file contains nothing for the given node."""
 
 
 def folder() -> Path:
-    """
-    Return the folder of the scenes that come with this software.
-
-    In the package, or beside it in its source.
-    """
+    """Return the folder of the supplied scenes: in the package, or beside it in its source."""
     package = Path(__file__).resolve().parent.parent
     inside = package / 'config'
     return inside if inside.is_dir() else package.parent / 'config'
@@ -46,14 +42,12 @@ def folder() -> Path:
 
 def find(name: str | Path) -> Path:
     """
-    Return the path of a scene.
-
-    A file, or the name of one that comes with this software, as ``paper``.
+    Return the path of a scene: a file, or the name of a supplied one, e.g. ``paper``.
 
     Raises
     ------
     SceneError
-        There is neither; the message lists the names.
+        Neither exists; the message lists the names.
 
     """
     path = Path(name)
@@ -63,7 +57,7 @@ def find(name: str | Path) -> Path:
     if shipped.is_file():
         return shipped
     known = sorted(file.stem for file in folder().glob('*.yaml'))
-    raise SceneError(f'{name}: no such file, and no scene of this name{nearest(str(name), known)}')
+    raise SceneError(f'{name}: neither a file nor the name of a scene{nearest(str(name), known)}')
 
 
 def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
@@ -88,7 +82,7 @@ def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
     there = sections(path)
     found = [tree for key, tree in there.items() if is_for(key, node)]
     if not found:
-        raise NotForNode(f'{path}: nothing in it is for the node {node or NODE}: it has '
+        raise NotForNode(f'{path}: contains nothing for the node {node or NODE}, only '
                          f'{", ".join(there)}; write "/**:" there'
                          + (f', or name one: {path}:{next(iter(there)).strip("/")}'
                             if node is None else ''))
@@ -110,7 +104,7 @@ def sections(path: str | Path) -> dict[str, dict]:
     """
     Return {key for nodes: tree of parameters} of a ROS 2 parameter file.
 
-    SceneError if it is none.
+    Raises SceneError if the text is not a parameter file.
     """
     try:
         document = yaml.load(Path(path).read_text(), _Loader)
@@ -126,7 +120,7 @@ def sections(path: str | Path) -> dict[str, dict]:
 
 
 def parse(text: str) -> Any:
-    """Return the value of ``-p NAME:=text`` as rcl reads it; None if it is none."""
+    """Return the value of ``-p NAME:=text`` as rcl reads it; None if rcl refuses it."""
     try:
         return yaml.load(text, _Loader)
     except yaml.YAMLError:
@@ -135,9 +129,9 @@ def parse(text: str) -> Any:
 
 def is_for(key: str, node: str | None) -> bool:
     """
-    Return whether parameters under a key of a file are for a node.
+    Return whether the parameters under a key of a file apply to a node.
 
-    None: one named fourbar, anywhere.
+    None stands for a node named fourbar in any namespace.
     """
     parts = key.strip('/').split('/')
     if node is None:
@@ -162,7 +156,7 @@ def flatten(tree: dict, path: str | Path = '', prefix: str = '') -> dict[str, An
     """
     Return a nested dict with its keys joined by dots, as ROS does.
 
-    SceneError where one comes twice.
+    Raises SceneError for a duplicate name.
     """
     flat: dict[str, Any] = {}
     for key, value in tree.items():
@@ -177,9 +171,9 @@ def flatten(tree: dict, path: str | Path = '', prefix: str = '') -> dict[str, An
 
 def scalar(text: str) -> bool | int | float | str:
     """
-    Return a plain scalar as rcl's parser takes it.
+    Return a plain scalar as rcl's parser reads it.
 
-    ``4e-1`` is a number, ``1_000`` and ``1:30`` are texts.
+    ``4e-1`` is a number; ``1_000`` and ``1:30`` are texts.
     """
     if text in BOOLS:
         return BOOLS[text]

@@ -16,8 +16,7 @@ from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.bag.recover import recover
 from fourbar_ros.errors import BagError
 from fourbar_ros.formats import rosbag2
-from fourbar_ros.formats.mcap_records import encoded, HEAD
-from fourbar_ros.formats.mcap_scan import MAGIC
+from fourbar_ros.formats.mcap_records import encoded, HEAD, MAGIC
 from fourbar_ros.formats.mcap_writer import Container
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
@@ -43,7 +42,7 @@ def whole(tmp_path_factory):
         if k % 10 == 0:
             writer.write(1, bags.encode('std_msgs/msg/String', data=f'number {k}'))
             writer._drain()
-            writer._container.flush()
+            writer._parts.container.flush()
     return writer.close()
 
 

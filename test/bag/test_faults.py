@@ -13,6 +13,7 @@ import subprocess
 import sys
 import time
 
+from fourbar_ros.bag.export import export
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recorder import BagWriter
@@ -105,6 +106,27 @@ def test_a_signal_ends_a_verb_and_leaves_nothing(bag, tmp_path, verb, number, co
     finally:
         process.kill()
     assert process.returncode == code and not error and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize('verb', ['recover', 'csv'])
+def test_what_a_kill_leaves_the_next_call_removes(bag, tmp_path, verb):
+    program = WAITING.format(after=3 if verb == 'recover' else 1, patience=PATIENCE, verb=verb,
+                             arguments=arguments_of(verb, bag, tmp_path / 'out'))
+    process = subprocess.Popen([sys.executable, '-c', program], stdout=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout.readline() == 'waiting\n'
+        hidden, = tmp_path.iterdir()
+        assert hidden.name.startswith('.out.fourbar-')
+        # at work: another call leaves it alone
+        export(bag, tmp_path / 'meanwhile')
+        assert hidden.is_dir()
+    finally:
+        process.kill()
+        process.wait()
+    assert hidden.is_dir()
+    (tmp_path / '.other.fourbar').mkdir()              # not ours
+    assert main(arguments_of(verb, bag, tmp_path / 'next')) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {'meanwhile', 'next', '.other.fourbar'}
 
 
 def test_a_folder_in_place_of_the_file_and_one_without_rights_are_one_line(tmp_path, capsys):

@@ -18,8 +18,7 @@ from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recover import recover
 from fourbar_ros.cli.main import main
 from fourbar_ros.formats import rosbag2
-from fourbar_ros.formats.mcap_records import encoded, HEAD
-from fourbar_ros.formats.mcap_scan import MAGIC
+from fourbar_ros.formats.mcap_records import encoded, HEAD, MAGIC
 import lz4.frame
 from mcap.records import Channel, Chunk, Header, Schema
 from mcap.writer import CompressionType, Writer

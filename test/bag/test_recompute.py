@@ -32,9 +32,10 @@ def bag(tmp_path_factory):
 
 
 def rewritten(bag, directory, raws, name='new', about=None):
-    """Write these (topic, data, log time) into a new bag with the topics of an old one."""
-    metadata = Bag(bag).metadata()
-    topics = [told['topic_metadata'] for told in metadata['topics_with_message_count']]
+    """Write these (topic, data, log time) into a new bag, as an old one says of its topics."""
+    metadata, used = Bag(bag).metadata(), {topic for topic, *_ in raws}
+    topics = [told['topic_metadata'] for told in metadata['topics_with_message_count']
+              if about is None or told['topic_metadata']['name'] in used]
     writer = BagWriter(directory, name, [bags.channel(t['name'], t['type']) for t in topics],
                        metadata['custom_data'] if about is None else about, sync_period=0.0)
     numbers = {topic['name']: i for i, topic in enumerate(topics)}
@@ -189,7 +190,7 @@ def with_input(directory, name, given, scene, change=lambda k, motion: motion, s
 def test_the_motion_of_the_driven_joint_is_compared_with_its_input(tmp_path):
     scene = scenes.from_values(FULL)
     found = compare(with_input(tmp_path, 'good', TURNS, scene))
-    assert not found.problems() and found.driven == f'{STEPS} computed again from /fourbar/input'
+    assert not found.problems() and found.driven == f'{STEPS} recomputed from /fourbar/input'
     assert {d.field for d in found.differences if d.topic == '/fourbar/driven'} >= {
         'position', 'velocity', 'acceleration', 'header.stamp', 'header.frame_id'}
     assert not compare(with_input(tmp_path, 'unstamped', TURNS, scene, stamps=0)).problems()
@@ -205,7 +206,7 @@ def test_the_motion_of_the_driven_joint_is_compared_with_its_input(tmp_path):
 
 
 def test_it_is_said_when_the_motion_cannot_be_computed_again(bag):
-    assert 'not computed again: driven by the motion, no input in the bag' == compare(bag).driven
+    assert 'not recomputed: driven by the motion, no input in the bag' == compare(bag).driven
 
 
 # --- bags of rosbag2 -----------------------------------------------------------------------------
@@ -297,3 +298,56 @@ def test_values_held_out_of_range_are_computed_again(tmp_path):
     path = bags.run(tmp_path, 'run', {**ROCKER, **RODS, 'outputs': ['state', 'loads'],
                                       'drive.out_of_range': 'hold'}, cranks)
     assert not compare(path).problems() and compare(path).uncertain == 0
+
+
+# --- wrenches ------------------------------------------------------------------------------------
+
+PUSHED = {**PAPER, **RODS, 'outputs': ['state', 'loads'], 'drive.source': 'motion',
+          'external.output.from_topic': True, 'external.timeout': 0.0}
+PUSHES = {0: {'output': (3.0, -1.0, 0.5)}, 120: {'output': (-2.0, 4.0, 1.0)},
+          200: {'output': (-2.0, 4.0, 1.0)}}
+
+
+def pushed(directory, name='run', **parameters):
+    cranks = [(0.05 * k, 25.0, 0.1) for k in range(300)]
+    return bags.run(directory, name, {**PUSHED, **parameters}, cranks, step_ns=5 * 10**6,
+                    paced=True, loads=PUSHES)
+
+
+@pytest.mark.parametrize('left_out', ['', '/external/', '/applied/'])
+def test_wrenches_in_a_bag_of_rosbag2_act_in_its_recomputation(tmp_path, left_out):
+    path = as_recorded_by_rosbag2(pushed(tmp_path), tmp_path,
+                                  keep=lambda topic: not left_out or left_out not in topic)
+    found = compare(path)
+    assert not found.problems() and found.inputs == 300, found
+    # 0.2 s around the first and the second wrench, not the third, which changes nothing
+    assert 2 * 110 < found.uncertain < 2 * 130 and found.compared + found.uncertain == 600
+    other = rewritten(path, tmp_path, [
+        (topic, bags.wrench(0, (3.0, -1.0, 0.6)) if '/applied/' in topic or '/external/' in topic
+         else data, time) for topic, data, time in content(path)], 'other', about={})
+    assert [d.field for d in compare(other).differences if d.largest]
+
+
+def test_received_wrenches_count_until_they_time_out_and_from_the_first_on(tmp_path):
+    run = pushed(tmp_path, **{'external.timeout': 0.3})
+    path = as_recorded_by_rosbag2(run, tmp_path, keep=lambda topic: '/applied/' not in topic)
+    raws = content(path)
+    found = compare(path)
+    # known for 0.1 s from 0.2 s behind a change to 0.2 s before the end of the time
+    assert not found.problems() and found.uncertain > 450 and found.compared
+    first = next(i for i, raw in enumerate(raws) if 'external' in raw[0])
+    late = rewritten(path, tmp_path, [raw for i, raw in enumerate(raws) if i != first], 'late',
+                     about={})
+    found = compare(late)
+    assert not found.problems() and found.uncertain >= 2 * 120
+
+
+def test_a_received_wrench_of_another_frame_does_not_act(tmp_path):
+    path = as_recorded_by_rosbag2(pushed(tmp_path), tmp_path,
+                                  keep=lambda topic: '/applied/' not in topic)
+    raws = content(path)
+    at = next(i for i, raw in enumerate(raws) if 'external' in raw[0])
+    foreign = (raws[at][0], bags.wrench(1, (500.0, 0.0, 0.0), 'tool'), raws[at][2] + 5 * 10**7)
+    mixed = rewritten(path, tmp_path, sorted([*raws, foreign], key=lambda raw: raw[2]), 'mixed',
+                      about={})
+    assert not compare(mixed).problems() and compare(mixed).compared > 300

@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 
+from fourbar_ros.bag import intake
 from fourbar_ros.bag import recorder as writer_module
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
@@ -165,7 +166,7 @@ class SlowDisk:
 
     def __init__(self, writer):
         self.released, self.held = threading.Event(), threading.Event()
-        container = writer._container
+        container = writer._parts.container
         append = container._append
 
         def slow(data):
@@ -176,7 +177,7 @@ class SlowDisk:
 
 
 def test_a_disk_that_hangs_never_holds_up_the_caller_and_drops_are_counted(tmp_path, monkeypatch):
-    monkeypatch.setattr(writer_module, 'QUEUE_MESSAGES', 100)
+    monkeypatch.setattr(intake, 'QUEUE_MESSAGES', 100)
     told = []
     writer = open_bag(tmp_path, tell=told.append)
     disk = SlowDisk(writer)
@@ -203,7 +204,7 @@ def test_dropped_messages_leave_a_gap_that_info_counts(tmp_path, monkeypatch):
     writer = open_bag(tmp_path)
     for k in range(10):
         writer.write(0, motion(k))
-    monkeypatch.setattr(writer_module, 'QUEUE_BYTES', 0)
+    monkeypatch.setattr(intake, 'QUEUE_BYTES', 0)
     for k in range(10, 17):
         assert not writer.write(0, motion(k))
     monkeypatch.undo()
@@ -226,7 +227,7 @@ def test_a_jointstate_of_a_million_joints_is_recorded_or_dropped_never_fatal(
     writer = BagWriter(tmp_path, 'big',
                        [bags.channel('/joint_states', 'sensor_msgs/msg/JointState')], {})
     assert writer.write(0, data)
-    monkeypatch.setattr(writer_module, 'QUEUE_BYTES', len(data) - 1)
+    monkeypatch.setattr(intake, 'QUEUE_BYTES', len(data) - 1)
     assert not writer.write(0, data) and writer.dropped == 1
     path = writer.close()
     raw, = Bag(path).raw()
@@ -269,7 +270,7 @@ while not writer.error and time.monotonic() < end:
     writer.write(0, bags.encode('fourbar_msgs/msg/Motion', header=bags.stamp(k), position=float(k),
                                 velocity=float(int.from_bytes(os.urandom(7), 'big')),
                                 acceleration=0.0))
-    flushed = sum(writer._container.counts.values())
+    flushed = sum(writer._parts.container.counts.values())
     k += 1
     time.sleep(0.0001)
 assert not writer.write(0, bags.motion(k))

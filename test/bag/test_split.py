@@ -7,7 +7,7 @@ import sys
 import threading
 import time
 
-from fourbar_ros.bag import recorder as writer_module
+from fourbar_ros.bag import intake
 from fourbar_ros.bag.diff import diff
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.playback import play
@@ -15,9 +15,10 @@ from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import compare, scene_of
 from fourbar_ros.bag.recorder import BagWriter, Split
 from fourbar_ros.bag.recover import recover
+from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError
 from fourbar_ros.formats import mcap_scan as scan
-from fourbar_ros.formats import rosbag2
+from fourbar_ros.formats import rosbag2_folder
 from fourbar_ros.scene.topics import OUTPUTS
 from mcap.reader import make_reader
 from mcap.writer import Writer
@@ -261,11 +262,11 @@ def test_only_the_newest_parts_are_kept(tmp_path):
 
 def test_dropped_messages_are_told_of_the_whole_bag(tmp_path, monkeypatch):
     path = split_run(tmp_path, Split(duration=0.1, head=0))
-    writer_module.QUEUE_MESSAGES, old = 50, writer_module.QUEUE_MESSAGES
+    intake.QUEUE_MESSAGES, old = 50, intake.QUEUE_MESSAGES
     try:
         path = split_run(tmp_path, Split(duration=0.05, head=0), name='full', steps=4000)
     finally:
-        writer_module.QUEUE_MESSAGES = old
+        intake.QUEUE_MESSAGES = old
     for check in (False, True):
         found = info(path, check=check)
         assert found.parts > 3 and not found.is_sound and found.missing == found.dropped > 0
@@ -339,7 +340,7 @@ def test_a_disk_that_is_full_at_a_split_leaves_the_part_before_whole(tmp_path, m
     def create(folder, number):
         created.append(number)
         raise OSError(28, 'No space left on device')
-    monkeypatch.setattr(rosbag2, 'create_part', create)
+    monkeypatch.setattr(rosbag2_folder, 'create_part', create)
     writer = BagWriter(tmp_path, 'run', [bags.MOTION], {}, flush_period=0.01, sync_period=0.0,
                        split=Split(duration=0.02))
     end = time.monotonic() + 60
@@ -389,3 +390,30 @@ def test_a_damaged_part_is_named_and_the_others_are_kept(tmp_path):
             and not made.was_whole)
     found = info(tmp_path / 'new', check=True)
     assert found.parts == len(Bag(path).files) and found.missing == sum(made.missing.values()) > 0
+
+
+def test_recovery_counts_each_message_once(tmp_path):
+    path = split_run(tmp_path, Split(duration=0.1, head=0))
+    messages = sum(topic.messages for topic in info(path).topics)
+    made = recover(path, tmp_path / 'again')
+    assert (made.messages, made.lost, made.missing, made.was_whole) == (messages, 0, {}, True)
+    assert sum(1 for _ in Bag(made.path).raw()) == messages and info(made.path).is_sound
+
+
+def test_recovery_counts_what_a_lost_part_held(tmp_path, capsys):
+    path = split_run(tmp_path, Split(duration=0.1, head=0))
+    counts = {topic.topic: topic.messages for topic in info(path).topics}
+    (path / 'run_2.mcap').unlink()
+    left = {topic.topic: topic.messages for topic in info(path, check=True).topics}
+    gone = {topic: count - left[topic] for topic, count in counts.items() if count > left[topic]}
+    assert set(gone.values()) == {100} and len(gone) == len(counts) - 1      # not the scene
+    made = recover(path, tmp_path / 'again')
+    assert made.missing == gone and made.messages == sum(left.values())
+    found = info(made.path)
+    assert not found.is_sound and found.missing == sum(gone.values())
+    assert main(['bag', 'recover', str(path), '-o', str(tmp_path / 'third')]) == 3
+    assert '100' in capsys.readouterr().out
+    damaged = path / 'run_3.mcap'
+    damaged.write_bytes(b'nothing of a bag' * 100)
+    made = recover(path, tmp_path / 'fourth')
+    assert set(made.missing.values()) == {200} and 'run_3.mcap' in made.damaged[0]

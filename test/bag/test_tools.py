@@ -14,7 +14,7 @@ from fourbar_ros.bag import reader
 from fourbar_ros.bag.diff import diff
 from fourbar_ros.bag.export import export
 from fourbar_ros.bag.playback import Pace, play, span
-from fourbar_ros.bag.plot import plot, series, thinned
+from fourbar_ros.bag.plot import over, plot, series, thinned
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recompute import compare, distance
 from fourbar_ros.bag.recorder import BagWriter
@@ -23,8 +23,9 @@ from fourbar_ros.cli.replay import status_line
 from fourbar_ros.errors import BagError
 from fourbar_ros.formats import mcap_writer as container
 from fourbar_ros.formats.cdr import Decoder
-from fourbar_ros.formats.mcap_scan import MAGIC
+from fourbar_ros.formats.mcap_records import MAGIC
 from fourbar_ros.scene.topics import OUTPUTS
+import matplotlib
 import numpy as np
 import pytest
 from support import bags
@@ -238,6 +239,47 @@ def test_parquet_says_what_is_missing_or_writes(bag, tmp_path):
         table = pyarrow.parquet.read_table(tmp_path / 'out/fourbar.state.parquet')
         assert table['theta4'].to_pylist() == [r.message.theta4
                                                for r in records(bag, ['/fourbar/state'])]
+
+
+@pytest.mark.parametrize('ending', ['csv', 'parquet'])
+def test_a_path_with_an_ending_is_a_file_with_one_table(bag, tmp_path, capsys, ending):
+    if ending == 'parquet':
+        pytest.importorskip('pyarrow')
+    path = tmp_path / f'state.{ending}'
+    assert main(['bag', 'export', str(bag), '-o', str(path)]) == 1
+    assert 'one file holds one table' in capsys.readouterr().err and not list(tmp_path.iterdir())
+    assert main(['bag', 'export', str(bag), '-o', str(path), '--topics', '/fourbar/state']) == 0
+    assert path.is_file() and list(tmp_path.iterdir()) == [path]
+    export(bag, tmp_path / 'all', ending)
+    assert path.read_bytes() == (tmp_path / f'all/fourbar.state.{ending}').read_bytes()
+    assert main(['bag', 'export', str(bag), '-o', str(tmp_path / 'x.csv'), '--format',
+                 'npz']) == 1
+    assert 'ends in .csv, but the format is npz' in capsys.readouterr().err
+
+
+def test_a_plot_over_a_field_pairs_values_of_one_stamp(bag, tmp_path, capsys, monkeypatch):
+    curves, unit = over(bag, ['state.theta4', 'loads.f41'], 'state.theta1')
+    states = [r.message for r in records(bag, ['/fourbar/state'])]
+    loads = [r.message for r in records(bag, ['/fourbar/loads'])]
+    assert unit == 'rad' and curves['loads.f41'][2] == 'N'
+    for name, values in (('state.theta4', [m.theta4 for m in states]),
+                         ('loads.f41', [m.f41 for m in loads])):
+        x, y, _ = curves[name]
+        known = ~np.isnan(x)
+        assert y[known].tolist() == values
+        assert x[known].tolist() == np.mod([m.theta1 for m in states], 2 * np.pi).tolist()
+        # 20 rad are three turns and a bit: three gaps
+        assert np.count_nonzero(~known) == 3 and np.array_equal(known, ~np.isnan(y))
+    slow, _ = over(bag, ['state.theta1'], 'state.theta4')        # a rocker: no turn
+    assert not np.isnan(slow['state.theta1'][0]).any()
+    monkeypatch.setitem(matplotlib.rcParams, 'svg.fonttype', 'none')
+    out = tmp_path / 'over.svg'
+    assert main(['bag', 'plot', str(bag), 'loads.f41', '--x', 'state.theta1', '-o',
+                 str(out)]) == 0
+    assert 'state.theta1 [rad]' in out.read_text()
+    assert main(['bag', 'plot', str(bag), 'loads.f41', '--x', 'state.thetaX', '-o',
+                 str(tmp_path / 'no.svg')]) == 1
+    assert 'state.thetaX: no such field' in capsys.readouterr().err
 
 
 def test_a_plot_has_its_fields_with_units_and_names_what_is_not_there(bag, tmp_path):

@@ -89,7 +89,7 @@ def test_the_node_refuses_parameters_that_are_not_its_own(key, arguments, is_goo
     if is_good:
         check_node_arguments(given)
     else:
-        with pytest.raises(SceneError, match='nothing in it is for the node'):
+        with pytest.raises(SceneError, match='contains nothing for the node'):
             check_node_arguments(given)
 
 

@@ -237,8 +237,37 @@ def test_a_name_that_is_taken_does_not_stop_the_node_it_records_under_the_next_f
     assert values['recording'] == str(tmp_path / 'bags/run_3')
     assert node.stop(signal.SIGINT) == 0
     found = info(tmp_path / 'bags/run_3')
-    assert found.is_sound and found.ended == 'stopped'
+    assert found.is_sound and found.ended == 'the node ended by SIGINT'
     assert not any(list((tmp_path / 'bags' / name).iterdir()) for name in ('run', 'run_2'))
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_bag_says_which_signal_ended_its_node_or_that_the_service_did(run_node, client, tmp_path,
+                                                                        number):
+    node = run_node({**PAPER, 'outputs': ['state'], 'recording.start': True,
+                     'recording.name': 'first', 'recording.directory': str(tmp_path)})
+    client.listen(['state'])
+    client.until(lambda: len(client.received['state']) > 20, 'the stream')
+    assert client.call('stop_recording').success
+    assert client.call('start_recording', name='second').success
+    assert node.stop(number) == 0
+    assert info(tmp_path / 'first').ended == 'stopped by ~/stop_recording'
+    assert info(tmp_path / 'second').ended == f'the node ended by {number.name}'
+
+
+@pytest.mark.parametrize('by_service', [True, False])
+def test_the_reason_of_a_fault_is_logged_once(run_node, client, tmp_path, by_service):
+    node = run_node({**PAPER, 'outputs': ['state'], 'recording.start': True,
+                     'recording.name': 'run', 'recording.directory': str(tmp_path / 'bags')})
+    client.listen(['state'])
+    client.until(lambda: len(client.received['state']) > 20, 'the stream')
+    (tmp_path / 'bags/run/run_0.mcap').unlink()
+    client.until(lambda: 'recording stopped' in node.said, 'the recorder looks for its file')
+    if by_service:
+        answer = client.call('stop_recording')
+        assert not answer.success and 'removed' in answer.message
+    assert node.stop() == 0
+    assert node.said.count('recording stopped') == 1, node.said
 
 
 def test_where_nothing_can_be_recorded_the_node_streams_and_says_so(run_node, client, tmp_path):

@@ -70,7 +70,7 @@ def test_the_driven_joint_is_computed_again_from_what_came_in(run_node, client, 
     whole, late = compare(tmp_path / 'whole'), compare(tmp_path / 'late')
     for found in (whole, late):
         assert not found.problems() and found.largest == 0.0, found
-        assert f'{found.inputs} computed again from /fourbar/input' in found.driven
+        assert f'{found.inputs} recomputed from /fourbar/input' in found.driven
     assert whole.inputs >= 30 and 'estimated' not in whole.driven
     assert late.inputs == 30 and ('estimated' in late.driven) == (given != 'everything')
     changed = [d for d in late.differences if d.topic == '/fourbar/driven']

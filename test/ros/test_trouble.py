@@ -14,6 +14,7 @@ import time
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from fourbar_msgs.msg import LinkageState, Motion
+from fourbar_ros.bag.recompute import compare
 from fourbar_ros.ros.node.quiet_log import QuietLog
 from fourbar_ros.ros.node.sequence import Sequence
 import pytest
@@ -214,6 +215,48 @@ def test_a_timeout_counts_simulated_time(run_node, client):
     simulation.stands = False
     client.until(lambda: client.received['state'], 'the timeout')
     assert client.received['state'][0].status == LinkageState.STATUS_INPUT_TIMEOUT
+
+
+def test_a_simulation_that_is_reset_by_less_than_the_timeout_has_rates_at_once(run_node, client,
+                                                                              tmp_path):
+    """Before, samples counted as late, and rates were unknown, until the old time was passed."""
+    node = run_node({**DRIVEN, 'drive.timeout': 10.0, 'use_sim_time': True, 'drive.window': 5,
+                     'recording.start': True, 'recording.name': 'run',
+                     'recording.directory': str(tmp_path)})
+    simulation = Simulation(client)
+    client.listen(['state'])
+    publisher = client.publisher()
+    client.handshake(lambda: publisher.publish(Motion(position=0.1)))
+
+    def answer(now, position):
+        message = Motion(position=position, velocity=math.nan, acceleration=math.nan)
+        message.header.stamp = Time(sec=now // NANOSECONDS, nanosec=now % NANOSECONDS)
+        heard = len(client.received['state'])
+        publisher.publish(message)
+        client.until(lambda: any(s.header.stamp == message.header.stamp
+                                 for s in client.received['state'][heard:]), 'the answer')
+        return next(s for s in client.received['state'][heard:]
+                    if s.header.stamp == message.header.stamp)
+
+    def run(begin, count=15, step=10_000_000, rate=2.0):
+        return [answer(begin + k * step, 0.3 + rate * k * step / NANOSECONDS)
+                for k in range(count)]
+    simulation.stands = True
+    begin = 200 * NANOSECONDS
+    simulation.now = begin
+    before = run(begin)
+    assert before[-1].status == LinkageState.STATUS_OK
+    back = begin - 3 * NANOSECONDS              # 3 s of 10
+    simulation.now = back
+    after = run(back)
+    good = [s.status == LinkageState.STATUS_OK for s in after]
+    assert good[5:] == [True] * 10, good        # a window later
+    for state in after[5:]:
+        assert state.omega1 == pytest.approx(2.0, rel=1e-6)
+        assert state.alpha1 == pytest.approx(0.0, abs=1e-4)
+    assert node.stop() == 0
+    found = compare(tmp_path / 'run')
+    assert not found.problems() and found.largest == 0.0 and found.inputs >= 30
 
 
 def test_simulated_time_is_chosen_at_start(run_node, client):

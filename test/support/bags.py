@@ -6,8 +6,9 @@ import json
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recorder import BagWriter, Channel
 from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.scene import scene as scenes
-from fourbar_ros.scene.topics import DRIVEN, SCENE
+from fourbar_ros.scene.topics import APPLIED, DRIVEN, SCENE, WRENCHES
 import numpy as np
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 from support import ROOT
@@ -87,6 +88,14 @@ def output_message(name, when, status, values, scene):
     return bytes(STORE.serialize_cdr(message, topic.type))
 
 
+def wrench(number, given, frame=''):
+    """Return a serialised WrenchStamped of (force_x, force_y, couple)."""
+    message = zero('geometry_msgs/msg/WrenchStamped')
+    message.header = stamp(number, frame)
+    message.wrench.force.x, message.wrench.force.y, message.wrench.torque.z = given
+    return bytes(STORE.serialize_cdr(message, 'geometry_msgs/msg/WrenchStamped'))
+
+
 def copy(bag, directory, name, change):
     """
     Write a bag again, the data of every message as ``change(raw)`` returns them.
@@ -113,16 +122,18 @@ def with_old_memory(data, texts, rng):
     return bytes(data)
 
 
-def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False, **kwargs):
+def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False, loads=(),
+        **kwargs):
     """
     Record a run as the node does and return the closed bag's path.
 
     ``cranks``: (theta1, omega1, alpha1) of every step; ``changes``: {step: parameters} set before
-    it; Stamps begin at step_ns: 0 stands for an unstamped message. ``paced``: log times
-    step_ns apart, whatever the clock says.
+    it; ``loads``: {step: {link: (force_x, force_y, couple)}} received before it. Stamps begin at
+    step_ns: 0 stands for an unstamped message. ``paced``: log times step_ns apart, whatever the
+    clock says.
     """
     scene = scenes.from_values(values)
-    topics = [DRIVEN, SCENE, *scene.topics.values()]
+    topics = [DRIVEN, SCENE, *scene.wrench_topics, *scene.topics.values()]
     resolved = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
     about = {'scene': json.dumps(scene.values), 'topics': json.dumps(resolved), 'node': '/fourbar'}
     channels = [channel(resolved[t.name], t.type, latched=t is SCENE) for t in topics]
@@ -139,6 +150,10 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
         if k in changes:
             scene = scenes.from_values({**scene.values, **changes[k]})
             stepper = say_scene()
+        for link, given in dict(loads).get(k, {}).items():
+            stepper.act(link, Wrench(*given))
+            for topic, frame in ((WRENCHES[link], ''), (APPLIED[link], scene.frame_id)):
+                writer.write(number[topic.name], wrench(k, given, frame))
         status, found = stepper.step(*crank, scene.needs_loads, 'points' in scene.outputs)
         writer.write(number['driven'], output_message('driven', (k + 1) * step_ns, 0,
                                                       scene.linkage.unknown(*crank), scene))

@@ -13,9 +13,10 @@ def add(actions):
                                             '(.npz) or Parquet.')
     export.add_argument('bag', metavar='BAG', help=BAG_HELP)
     export.add_argument('-o', '--out', metavar='PATH', required=True,
-                        help='new folder for the tables, or new .npz file')
+                        help='new folder for the tables, new .npz file, or new .csv or .parquet '
+                             'file for one topic')
     export.add_argument('--format', choices=('csv', 'npz', 'parquet'),
-                        help='default: npz if PATH ends in .npz, else csv; parquet requires '
+                        help='default: by the ending of PATH, csv for a folder; parquet requires '
                              'pyarrow')
     add_topics(export, 'export only these topics')
     export.set_defaults(run=_export)
@@ -23,8 +24,7 @@ def add(actions):
 
 def _export(arguments):
     from fourbar_ros.bag.export import export
-    format_ = arguments.format or ('npz' if arguments.out.endswith('.npz') else 'csv')
     with reading(arguments.bag, 'exporting') as step:
-        written = export(arguments.bag, arguments.out, format_, arguments.topics, step)
+        written = export(arguments.bag, arguments.out, arguments.format, arguments.topics, step)
     for name, rows in written.items():
         print(f'{arguments.out}: {name}, {rows} rows')

@@ -17,10 +17,16 @@ def add(actions):
         'recompute', help='recompute every recorded output and compare',
         description='Recompute every recorded output from the driven motion and the scene, both '
                     'of which are in the bag, and compare. Bags of this version of the software '
-                    'differ by exactly 0.')
+                    'differ by exactly 0. Those of another version may differ by rounding: the '
+                    'last line says whether that explains all differences, by a bound computed '
+                    'for each value.',
+        epilog='Exit code 3 if anything differs by more than the tolerance, is missing, doubled '
+               'or without its input, or if nothing can be compared; 1 if a bag cannot be read.')
     add_bags(recompute)
     add_json(recompute)
     add_tolerance(recompute)
+    recompute.add_argument('--rounding', action='store_true',
+                           help='accept differences that rounding explains (exit code 0)')
     add_node(recompute)
     recompute.set_defaults(run=_recompute)
 
@@ -30,16 +36,22 @@ def _recompute(arguments):
     from fourbar_ros.bag.recompute import compare
     tolerance = arguments.tolerance
 
+    def problems(found):
+        return found.problems(tolerance, arguments.rounding)
+
     def row(found):
+        verdict = '; '.join(problems(found)) or ('good, cut' if found.cut else 'good')
         return (str(found.inputs), str(found.compared), f'{found.largest:g}',
-                '; '.join(found.problems(tolerance)) or ('good, cut' if found.cut else 'good'))
+                verdict + (', by rounding only' if found.is_rounding else ''))
     return run(arguments, partial(compare, node=arguments.node), 'recomputing', Report(
-        to_json=lambda bag, found: as_json.of_recomputed(bag, found, tolerance),
-        to_text=lambda bag, found: print_recomputed(found, tolerance), columns=COLUMNS, to_row=row,
-        is_good=lambda found: not found.problems(tolerance)))
+        to_json=lambda bag, found: as_json.of_recomputed(bag, found, tolerance,
+                                                         arguments.rounding),
+        to_text=lambda bag, found: print_recomputed(found, tolerance, problems(found)),
+        columns=COLUMNS, to_row=row,
+        is_good=lambda found: not problems(found)))
 
 
-def print_recomputed(found, tolerance):
+def print_recomputed(found, tolerance, problems):
     """Print the Recomputed of one bag."""
     from fourbar_ros.report.terminal import make_console
     if found.differences:
@@ -52,7 +64,9 @@ def print_recomputed(found, tolerance):
                                           'depend on')):
         if count:
             print(f'{count} {text}')
-    for problem in found.problems(tolerance):
+    if found.largest:
+        print(found.verdict())
+    for problem in problems:
         print(f'bad: {problem}')
 
 

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Move the input: a thread on the clock's grid, a timer of simulated time, a subscription."""
+"""Drive the input: by a thread on a time grid, a timer of simulated time, or a subscription."""
 from __future__ import annotations
 
 from math import isnan, nan
@@ -26,7 +26,7 @@ FUTURE = 1.0           # [s] a stamp further ahead of our clock is counted as of
 
 
 class Drive:
-    """What all drives have: counters for the diagnostics, and a new scene between two samples."""
+    """Base of all drives: counters for the diagnostics, and a new scene between two samples."""
 
     def __init__(self, node, stream, recording):
         self._node, self._stream, self._recording = node, stream, recording
@@ -38,7 +38,7 @@ class Drive:
         self.settings = settings
 
     def age(self):
-        """Return the time since the newest input [s], NaN if there is none to wait for."""
+        """Return the time since the newest input [s]; NaN if the drive has no input."""
         return nan
 
     def state(self):
@@ -50,10 +50,9 @@ class TimerDrive(Drive):
     """
     Constant speed on the wall clock.
 
-    Sample k belongs to start + k / rate, whatever the scheduler does.
-
-    An own thread, not a ROS timer: rclpy's timers drop the ticks they miss and slip their grid.
-    The angle comes from the time of the sample, never from adding up.
+    Sample k belongs to the time start + k / rate, however late the scheduler is, and its angle
+    follows from that time, without accumulating errors. It is a thread, not a ROS timer, because
+    rclpy's timers drop missed ticks and slip from their grid.
     """
 
     COUNTED = ('late', 'missed', 'clock_steps')
@@ -65,7 +64,7 @@ class TimerDrive(Drive):
         self._thread.start()
 
     def stop(self):
-        """Stop it and wait for the sample in hand."""
+        """Stop it and wait for the current sample."""
         self._stopping = True
         self._thread.join()
 
@@ -122,7 +121,7 @@ class TimerDrive(Drive):
         return self._node.get_clock().now().nanoseconds - time.monotonic_ns()
 
     def _follow_clock(self, offset):
-        """Return the offset from monotonic to wall clock, a new one if the wall clock was set."""
+        """Return the offset from monotonic to wall clock; a new one if the wall clock was set."""
         new = self._offset()
         if abs(new - offset) < CLOCK_STEP * 1e9:
             return offset
@@ -132,7 +131,7 @@ class TimerDrive(Drive):
 
 
 class SimulatedTimerDrive(Drive):
-    """Constant speed on simulated time: a ROS timer, the angle taken from the clock."""
+    """Constant speed on simulated time: a ROS timer; the angle follows from the clock."""
 
     COUNTED = ('clock_steps',)
 
@@ -146,7 +145,7 @@ class SimulatedTimerDrive(Drive):
         self._node.destroy_timer(self._timer)
 
     def apply(self, settings):
-        """Take over speed and rate: go on from the angle of now."""
+        """Take over speed and rate, continuing from the current angle."""
         if self._began is not None:
             self._angle += self.settings.speed * (self._last - self._began) * 1e-9
             self._began = self._last
@@ -173,14 +172,14 @@ class SimulatedTimerDrive(Drive):
 
 
 class TopicDrive(Drive):
-    """Every input message makes one step, stamped as the message; missing rates are estimated."""
+    """One step for each input message, with its stamp; missing rates are estimated."""
 
     COUNTED = ('received', 'lost', 'malformed', 'without_joint', 'of_other_joints',
                'bad_stamps', 'future', 'late', 'estimate_restarts', 'timeouts',
                'deadlines_missed', 'faults')
 
     def start(self):
-        """Subscribe. Raw bytes: they are what is recorded."""
+        """Subscribe to raw bytes, which are recorded as they are."""
         self._topic = INPUTS[self.settings.source]
         self._simulated = self._node.get_parameter('use_sim_time').value
         self._heard, self._waiting, self._horizon = self._now(), False, 0
@@ -224,7 +223,7 @@ class TopicDrive(Drive):
             self.estimator.late, self.estimator.restarts = before.late, before.restarts
 
     def age(self):
-        """Return the time since the newest input [s]: steady, or simulated where time is."""
+        """Return the time since the newest input [s]: steady, or simulated with use_sim_time."""
         return self._now() - self._heard
 
     def _now(self):
@@ -232,7 +231,7 @@ class TopicDrive(Drive):
                 else time.monotonic())
 
     def state(self):
-        """Return (values, problems): how good an estimated acceleration is."""
+        """Return (values, problems): the quality of an estimated acceleration."""
         self.counts.update(lost=self._sequence.lost, late=self.estimator.late,
                            estimate_restarts=self.estimator.restarts)
         lost = ({} if self._sequence.is_numbered
@@ -289,9 +288,9 @@ class TopicDrive(Drive):
 
     def _stamp(self, sec, nanosec):
         """
-        Return the stamp of an input, (sec, nanosec), and in ns.
+        Return the stamp of an input, as (sec, nanosec) and in ns.
 
-        The time of now for one without, or with a bad one.
+        An input without a valid stamp gets the current time.
         """
         time_of = sec * 10**9 + nanosec
         is_good = is_time(sec, nanosec)

@@ -121,15 +121,19 @@ class FourBarNode(Node):
         """Have main raise an error."""
         self.failure = error
 
-    def close(self):
-        """Abandon what is searched for, stop the stream, close the bag, leave the graph."""
+    def close(self, why='the node ended'):
+        """
+        Abandon what is searched for, stop the stream, close the bag, leave the graph.
+
+        ``why`` is what the bag says of its end.
+        """
         self.workers['search'].abandon()     # first: it holds up all that follows
         self.drive.stop()
         self.workers['bag'].stop()           # a bag in its hands is closed there
         try:
-            self.stream.stop_recording()
-        except FourBarError as error:
-            self.get_logger().error(str(error))
+            self.stream.stop_recording(why)
+        except FourBarError:
+            pass                             # the bag ended by an error before, which was logged
         finally:
             self.log.flush(0.0)
             self.workers['search'].stop(PATIENCE)
@@ -163,7 +167,7 @@ def main(args=None, stop=None):
     try:
         spin(nodes, stop)
     finally:
-        close(nodes)
+        close(nodes, f'the node ended by {stop.name}' if stop.name else 'the node ended')
         rclpy.try_shutdown()
         stop.ignore()
     for node in nodes:
@@ -172,11 +176,11 @@ def main(args=None, stop=None):
     return 0
 
 
-def close(nodes):
-    """Close all nodes, each of them whatever another raises."""
+def close(nodes, why='the node ended'):
+    """Close all nodes, each of them whatever another raises; their bags say why."""
     with contextlib.ExitStack() as stack:
         for node in nodes:
-            stack.callback(node.close)
+            stack.callback(node.close, why)
 
 
 def said(error):

@@ -62,7 +62,7 @@ class Recording:
 
         The stream goes on if that fails: the log and the diagnostics then give the reason.
         """
-        from fourbar_ros.formats.rosbag2 import free_name
+        from fourbar_ros.formats.rosbag2_folder import free_name
         log, wanted = self._node.get_logger(), scene.recording.name
         try:
             name = free_name(directory_of(scene), wanted)
@@ -144,9 +144,14 @@ class Recording:
         writer, self._writer = self._writer, None
         return writer
 
-    def close(self, writer):
-        """Close a detached bag and return its path; waits for the disk; raises BagError."""
-        path = writer.close()
+    def close(self, writer, why):
+        """
+        Close a detached bag, which says why it ended, and return its path.
+
+        Waits for the disk; raises BagError for a bag that ended by an error before, which the
+        recorder has logged.
+        """
+        path = writer.close(why)
         self._node.get_logger().info(f'recorded {path}')
         return path
 

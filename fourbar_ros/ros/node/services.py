@@ -110,7 +110,7 @@ def start_recording(node, request, response):
 def stop_recording(node, _, response):
     """Answer Trigger: the message is the path of the bag, or the reason why there is none."""
     try:
-        path = node.stream.stop_recording()
+        path = node.stream.stop_recording('stopped by ~/stop_recording')
         response.success = path is not None
         response.message = str(path or 'not recording')
     except FourBarError as error:

@@ -89,16 +89,16 @@ class Stream:
         bag.writer.close()
         raise FourBarError('the outputs changed in the meantime: try again')
 
-    def stop_recording(self):
+    def stop_recording(self, why):
         """
-        Close the bag after a whole step.
+        Close the bag after a whole step; it says why.
 
         Return its path, None if there was none; raises BagError.
         """
         with self._lock:
             writer = self._recording.detach()
         # outside of the lock: it waits for the disk
-        return self._recording.close(writer) if writer else None
+        return self._recording.close(writer, why) if writer else None
 
     def _scene_bytes(self):
         return serialize_message(String(data=self.scene.as_json))

@@ -1,0 +1,25 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The lock that shows whether a file is being written."""
+from __future__ import annotations
+
+import contextlib
+import fcntl
+
+
+def mark_as_being_written(file):
+    """Lock an open file; the lock ends with the process, which shows whether it crashed."""
+    with contextlib.suppress(OSError):       # file systems without locks
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def is_being_written(path):
+    """Return whether a recorder has this file open."""
+    with open(path, 'rb') as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+        except OSError:
+            pass
+        return False
