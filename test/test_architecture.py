@@ -28,7 +28,7 @@ MAY_NAME_KINDS = ('fourbar_ros', 'fourbar_ros.mechanisms.kinds', 'fourbar_ros.ex
                   'fourbar_ros.reproduction')
 # Third-party packages, and the lowest folders that may import them.
 THIRD_PARTY = {'yaml': ('scene', 'formats', 'bag', 'reproduction', 'studies', 'ros',
-                        'cli'),
+                        'cli', 'description'),
                'mcap': ('formats', 'bag'),
                'rich': ('report', 'cli', 'ros', 'reproduction'),
                'matplotlib': ('report', 'bag', 'reproduction', 'studies', 'balancing', 'cli'),

@@ -15,6 +15,7 @@ from fourbar_ros.cli import (
     balance,
     describe,
     draw,
+    layout,
     live,
     record,
     replay,
@@ -28,7 +29,7 @@ from fourbar_ros.errors import FourBarError
 from fourbar_ros.optional import MissingPackage
 from fourbar_ros.scene.arguments import Parser
 
-VERBS = (show, live, draw, scene, simulate, bag, record, replay, describe, study, balance,
+VERBS = (show, live, draw, scene, simulate, bag, record, replay, describe, layout, study, balance,
          reproduce)
 DESCRIPTION = """\
 Motion, loads and extrema of planar four-bars, slider-cranks and inverted slider-cranks, and tools

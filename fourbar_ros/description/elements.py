@@ -17,7 +17,7 @@ def numbers(*values: float) -> str:
     return ' '.join(f'{value + 0.0!r}'.removesuffix('.0') for value in map(float, values))
 
 
-def add(parent: Element, tag: str, text: str = '', **attributes: Any) -> Element:
+def add(parent: Element, tag: str, text: str = '', /, **attributes: Any) -> Element:
     """Add an element and return it; attributes that are numbers, or tuples of them, as text."""
     element = ElementTree.SubElement(parent, tag, {
         name.rstrip('_'): value if isinstance(value, str) else

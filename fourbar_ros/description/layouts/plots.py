@@ -1,0 +1,84 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Which curves belong into one plot, from the outputs that a scene names.
+
+A curve is a field of a topic that the node of the scene publishes; nothing else is known here.
+"""
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from fourbar_ros.scene.scene import Scene
+
+NODE = '/fourbar'
+
+
+class Curve(NamedTuple):
+    """A field of a message: full name of the topic, and the field."""
+
+    topic: str
+    field: str
+
+
+class Plot(NamedTuple):
+    """Curves with one axis: its title with the unit."""
+
+    title: str
+    curves: tuple[Curve, ...]
+
+
+def full_name(topic: str, node: str = NODE) -> str:
+    """Return the full name of a topic of a node."""
+    if topic.startswith('~'):
+        return node + topic[1:]
+    return topic if topic.startswith('/') else f'{node.rpartition("/")[0]}/{topic}'
+
+
+def plots_of(scene: Scene, node: str = NODE) -> list[Plot]:
+    """Return the plots of a scene whose node has this full name."""
+    found = [*_states(scene), *_loads(scene), *_points(scene), *_output(scene)]
+    return [Plot(title, tuple(Curve(full_name(topic, node), field) for topic, field in curves))
+            for title, curves in found if curves]
+
+
+def _states(scene: Scene) -> list[Any]:
+    """Return positions, rates and accelerations of joints, angles and slides apart."""
+    if 'state' not in scene.topics:
+        return []
+    topic, known = scene.topics['state'].topic, scene.layout.fields['state']
+    coordinates = [*dict.fromkeys(joint.coordinate for joint in scene.linkage.JOINTS)]
+    found = []
+    for unit in ('rad', 'm'):
+        for place, what in enumerate(('position', 'rate', 'acceleration')):
+            names = [coordinate[place] for coordinate in coordinates if coordinate.unit == unit]
+            suffix = ('', '/s', '/s^2')[place]
+            found.append((f'{what} [{unit}{suffix}]',
+                          [(topic, name) for name in names if name in known]))
+    return [*found, ('transmission angle [rad]', [(topic, 'transmission_angle')])]
+
+
+def _loads(scene: Scene) -> list[Any]:
+    if 'loads' not in scene.topics:
+        return []
+    topic, known = scene.topics['loads'].topic, scene.layout.fields['loads']
+    forces = [name for name in known if name in ('f41', 'f21', 'f32', 'f43', 'shaking_force')]
+    drive = 'driving_force' if scene.linkage.is_driven_by_slide else 'driving_torque'
+    others = [(f'{drive.replace("_", " ")} [{"N" if drive.endswith("force") else "N m"}]', drive),
+              ('shaking moment [N m]', 'shaking_moment')]
+    return [('forces [N]', [(topic, name) for name in forces]),
+            *((title, [(topic, name)] if name in known else []) for title, name in others)]
+
+
+def _points(scene: Scene) -> list[Any]:
+    names = [name for name in scene.topics if name.startswith('points/')]
+    return [('speed of points [m/s]', [(scene.topics[name].topic, 'speed') for name in names])]
+
+
+def _output(scene: Scene) -> list[Any]:
+    """Return the output's motion where the scene sends it without the state."""
+    if 'output' not in scene.topics or 'state' in scene.topics:
+        return []
+    topic = scene.topics['output'].topic
+    return [(f'output: {field}', [(topic, field)])
+            for field in ('position', 'velocity', 'acceleration')]
