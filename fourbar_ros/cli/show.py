@@ -32,13 +32,15 @@ def _show(arguments):
     from fourbar_ros.scene.scene import load
     path = find(arguments.scene)
     scene = load(path)
-    linkage = scene.linkage.in_mode(arguments.mode or scene.linkage.mode)
+    linkage = scene.known_linkage.in_mode(arguments.mode or scene.linkage.mode)
     speed = scene.drive.speed if arguments.speed is None else arguments.speed
     pose = (None if arguments.at is None else evaluate_at(linkage, arguments.at, speed,
                                                           arguments.acceleration))
     tables = [what_it_is(linkage, path),
               _extrema_table(scene, linkage, speed, arguments.acceleration)]
-    if linkage.bodies is None:
+    if scene.known_linkage is not scene.linkage:
+        tables.append('springs or dampers act on the links, so no loads from the motion alone')
+    elif linkage.bodies is None:
         tables.append('no masses given, so no loads: see bodies.* in docs/node.md')
     if pose:
         tables += [motion_table(linkage, pose), loads_table(pose) if pose.loads else None,

@@ -7,6 +7,7 @@ Read from a ROS 2 parameter file, without ROS.
 """
 from __future__ import annotations
 
+from dataclasses import replace
 import json
 from math import isnan
 from typing import NamedTuple
@@ -148,6 +149,16 @@ class Scene(NamedTuple):
         if self.dynamics is None:
             return []
         return [TORQUE, DRIVE_STATE] if self.drive.source == TORQUE.name else [DRIVE_STATE]
+
+    @property
+    def known_linkage(self):
+        """
+        Return the linkage as far as its loads are known from its motion alone.
+
+        With springs or dampers, whose forces the loads do not have, it has no masses.
+        """
+        has_elements = self.dynamics and self.dynamics.elements
+        return replace(self.linkage, bodies=None) if has_elements else self.linkage
 
     @property
     def mover(self):

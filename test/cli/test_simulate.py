@@ -112,3 +112,11 @@ def test_a_torque_needs_the_topic_as_its_source():
         simulate_scene(scene.from_values({**PAPER, **RODS}), 1.0)
     run = simulate_scene(scene.from_values(FREE), 0.1, torque=nan).run
     assert run.system.drive.source == ConstantTorque(0.0) and not run.rate.any()
+
+
+def test_show_gives_no_loads_where_springs_act(capsys):
+    assert main(['show', 'released', '--at', '20', '--speed', '1']) == 0
+    said = capsys.readouterr().out
+    assert 'springs or dampers act' in said and 'shaking_force' not in said
+    assert main(['show', 'motor', '--speed', '25']) == 0
+    assert 'shaking_force' in capsys.readouterr().out

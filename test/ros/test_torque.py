@@ -3,6 +3,7 @@
 """A real node that is driven by torque, of a topic or of a motor; its bags are stepped again."""
 from math import inf, isnan, nan
 
+from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import DriveState
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
@@ -15,6 +16,7 @@ from fourbar_ros.scene.topics import DRIVE_STATE, TORQUE
 from geometry_msgs.msg import WrenchStamped
 import numpy as np
 import pytest
+from rosgraph_msgs.msg import Clock
 from support.harness import set_parameters
 from support.scenes import PAPER, RODS
 
@@ -169,3 +171,42 @@ def test_a_change_point_linkage_is_refused(run_node):
     node = run_node({**TORQUE_DRIVEN, 'linkage.a1': 0.5, 'linkage.a2': 1.0, 'linkage.a3': 0.5,
                      'linkage.a4': 1.0, 'drive.start': 1.0})
     assert node.wait() == 2 and 'fourbar simulate' in node.said
+
+
+def test_simulated_time_moves_the_state_and_starts_again_when_it_goes_back(run_node, client,
+                                                                           tmp_path):
+    node = run_node({**MOTOR_DRIVEN, **recording(tmp_path), 'drive.rate': 100.0,
+                     'drive.budget': 1000, 'use_sim_time': True})
+    heard, now = states(client), [10**9]
+    clock = client.node.create_publisher(Clock, '/clock', 10)
+
+    def tick():
+        now[0] += 5_000_000
+        clock.publish(Clock(clock=Time(sec=now[0] // 10**9, nanosec=now[0] % 10**9)))
+        client.spin(0.01)
+        return len(heard)
+
+    def stamp(message):
+        return message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+
+    client.until(lambda: tick() > 20, 'states in simulated time')
+    first, last = heard[0], heard[-1]
+    assert first.step == 0.0 and first.position == 0.0 < last.position
+    assert sum(m.step for m in heard) == pytest.approx(1e-9 * (stamp(last) - stamp(first)))
+    now[0] = 10**9
+    client.until(lambda: tick() and heard[-1].step == 0.0, 'a start in time that goes back')
+    assert heard[-1].position == 0.0
+    assert node.stop() == 0 and 'went back' in node.said
+    assert not compare(tmp_path / 'run').problems()
+
+
+def test_loads_of_a_scene_with_springs_are_not_given(run_node, client):
+    run_node({**TORQUE_DRIVEN, 'outputs': ['state'], 'torsion_springs.pivot.stiffness': 50.0})
+    answer = client.call('evaluate', position=0.5, velocity=2.0)
+    assert answer.result == answer.RESULT_OK and not answer.has_loads
+    assert isnan(answer.loads.f41) and answer.state.theta4 != 0.0
+    found = client.call('find_extrema', quantities=['shaking_force'], velocity=2.0)
+    assert found.result == found.RESULT_INVALID_REQUEST and 'springs' in found.message
+    found = client.call('find_extrema', velocity=2.0)
+    assert {e.quantity for e in found.extrema} and not any(
+        e.quantity.startswith(('f', 'shaking', 'driving')) for e in found.extrema)

@@ -70,7 +70,7 @@ class Search:
 
     def _checked(self):
         """Return (quantities, modes, velocity) of the request."""
-        scene, request, linkage = self._scene, self._request, self._scene.linkage
+        scene, request, linkage = self._scene, self._request, self._scene.known_linkage
         turning = scene.drive.speed if scene.drive.source == 'timer' else 0.0
         velocity = request.velocity or turning
         modes = _modes(request, linkage)
@@ -84,7 +84,8 @@ class Search:
         missing = [quantity.name for quantity in quantities
                    if quantity.is_load and linkage.bodies is None]
         if missing:
-            raise _BadRequest(f'{missing[0]}: the scene has no masses')
+            why = 'has no masses' if scene.linkage.bodies is None else 'has springs or dampers'
+            raise _BadRequest(f'{missing[0]}: the scene {why}')
         return quantities, modes, velocity
 
 

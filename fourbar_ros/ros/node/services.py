@@ -65,7 +65,7 @@ def evaluate_one(node, request, response):
                             f'scene){"".join(f" or {mode}" for mode in modes)}')
         return _with_values(node, response, request.mode, INVALID_INPUT,
                             (nan,) * len(scene.layout.place))
-    linkage = scene.linkage.in_mode(request.mode or scene.linkage.mode)
+    linkage = scene.known_linkage.in_mode(request.mode or scene.linkage.mode)
     response.has_loads = linkage.bodies is not None
     status, motion, loads = evaluate(linkage, request.position, request.velocity,
                                      request.acceleration,
