@@ -37,7 +37,7 @@ class Recomputed(NamedTuple):
     ----------
     differences : list of Difference
     inputs, compared : int
-        Motions of the driven joint, and outputs that were computed again from them.
+        Driven motions, and outputs that were recomputed from them.
     unmatched : int
         Outputs whose motion is not in the bag.
     missing, doubled : int

@@ -1,11 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Is the motion that a node made from torque the one that its drive makes?
+Check the motion that a node computed from torque.
 
-Every DriveState is computed again from the one before it, and the torque in effect from what came
-on the topic. Of a bag whose motion another integrator made, accelerations and torques are computed
-again from the states.
+Every DriveState is recomputed from the one before it, and the torque in effect from the messages
+on its topic. If another version of the integrator made the bag, accelerations and torques are
+recomputed from the states.
 """
 from __future__ import annotations
 
