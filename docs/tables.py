@@ -20,8 +20,9 @@ import formulas  # noqa: E402, I100
 from fourbar_ros.cli import main  # noqa: E402, I100
 from fourbar_ros.mechanisms.kinds import KINDS  # noqa: E402
 from fourbar_ros.mechanisms.quantities import known, POSITIONS, positions, QUANTITIES  # noqa: E402
+from fourbar_ros.scene.families import NAMED  # noqa: E402
 from fourbar_ros.scene.parameter import REQUIRED  # noqa: E402
-from fourbar_ros.scene.parameters import NAMED, PARAMETERS  # noqa: E402
+from fourbar_ros.scene.parameters import PARAMETERS  # noqa: E402
 from fourbar_ros.scene.topics import (  # noqa: E402
     APPLIED,
     DRIVE_STATE,

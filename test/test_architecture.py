@@ -25,7 +25,8 @@ KINDS = tuple(path.parent.name for path in sorted(PACKAGE.glob('mechanisms/*/__i
 # public face, and the reproduction of documents about it.
 MAY_NAME_KINDS = ('fourbar_ros', 'fourbar_ros.mechanisms.kinds', 'fourbar_ros.extrema.methods',
                   'fourbar_ros.extrema.batch', 'fourbar_ros.extrema.four_bar_rates',
-                  'fourbar_ros.reproduction')
+                  'fourbar_ros.reproduction', 'fourbar_ros.scene.families',
+                  'fourbar_ros.scene.machines')
 # Third-party packages, and the lowest folders that may import them.
 THIRD_PARTY = {'yaml': ('scene', 'formats', 'bag', 'reproduction', 'studies', 'ros',
                         'cli', 'description'),

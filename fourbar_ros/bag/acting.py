@@ -11,7 +11,7 @@ from __future__ import annotations
 from math import inf
 
 from fourbar_ros.pipeline.wrenches import Wrench
-from fourbar_ros.scene.topics import APPLIED, WRENCHES
+from fourbar_ros.scene.topics import ON_LINK, WRENCH
 import numpy as np
 
 UNSETTLED = 200_000_000  # [ns] around a change, in which a bag of rosbag2 does not tell the order
@@ -35,11 +35,12 @@ class Acting:
         self._waiting = []                   # (place, link, Wrench)
         self._times = np.zeros(0)            # when one was logged that differs from before [ns]
         self._newest = {}                    # the last wrench of each link
-        self._source = {link: topic.name for link, topic in APPLIED.items()}
+        loaded = [name.removeprefix(ON_LINK) for name in topics if name.startswith(ON_LINK)]
+        self._source = {link: ON_LINK + link for link in (*loaded, *links)}
         self._received = {}                  # {link: log times [ns]} where only these are known
         for link in links:
-            if APPLIED[link].name not in topics and WRENCHES[link].name in topics:
-                self._source[link] = WRENCHES[link].name
+            if ON_LINK + link not in topics and WRENCH + link in topics:
+                self._source[link] = WRENCH + link
                 self._received[link] = np.zeros(0)
 
     def take(self, by_name, frame_id):

@@ -13,7 +13,7 @@ from fourbar_ros.bag.matching import in_order, rows_of, says_silence, Tally, Win
 from fourbar_ros.bag.rounding import Condition, needs_condition, units
 from fourbar_ros.formats import rosbag2
 from fourbar_ros.pipeline import rate_estimator
-from fourbar_ros.pipeline.message_fields import driven_of
+from fourbar_ros.pipeline.message_fields import driven_of, mode_number
 from fourbar_ros.pipeline.status import LOADS_UNKNOWN, OK
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, INPUTS, TORQUE
@@ -72,8 +72,8 @@ class Comparison:
         self._driven.change(scene)
         if self._moved:
             self._moved.change(scene)
-        self._wanted = scene.needs_loads, 'points' in scene.outputs
-        self._constant = {'mode': scene.linkage.mode,
+        self._wanted = scene.needs_loads, frozenset(scene.topics)
+        self._constant = {'mode': mode_number(scene.linkage),
                           'change_point_margin': scene.linkage.change_point_margin,
                           **dict.fromkeys(PLANAR, 0.0)}
         self._texts = {'header.frame_id': scene.frame_id, 'name': scene.names_shown}

@@ -37,7 +37,7 @@ def _draw(arguments):
     from fourbar_ros.errors import InvalidParameter
     from fourbar_ros.scene.scene import load
     scene = load(arguments.scene)
-    linkage = scene.linkage.in_mode(arguments.mode or scene.linkage.mode)
+    linkage = scene.in_mode(arguments.mode)
     speed = scene.drive.speed if arguments.speed is None else arguments.speed
     points = {name: tuple(point) for name, point in scene.points.items()}
     if arguments.animate:

@@ -32,7 +32,7 @@ def _show(arguments):
     from fourbar_ros.scene.scene import load
     path = find(arguments.scene)
     scene = load(path)
-    linkage = scene.known_linkage.in_mode(arguments.mode or scene.linkage.mode)
+    linkage = scene.known_linkage.in_mode(scene.in_mode(arguments.mode).mode)
     speed = scene.drive.speed if arguments.speed is None else arguments.speed
     pose = (None if arguments.at is None else evaluate_at(linkage, arguments.at, speed,
                                                           arguments.acceleration))
@@ -43,7 +43,7 @@ def _show(arguments):
     elif linkage.bodies is None:
         tables.append('no masses given, so no loads: see bodies.* in docs/node.md')
     if pose:
-        tables += [motion_table(linkage, pose), loads_table(pose) if pose.loads else None,
+        tables += [motion_table(linkage, pose), loads_table(linkage, pose) if pose.loads else None,
                    points_table(linkage, pose.motion, scene.points) if scene.points else None]
     console = make_console()
     for place, table in enumerate(filter(None, tables)):

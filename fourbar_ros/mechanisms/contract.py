@@ -18,6 +18,7 @@ from fourbar_ros.mechanisms.parts import (
     Link,
     Output,
     Quantity,
+    Reaction,
 )
 from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.numerics.number_types import Function, NumberType
@@ -62,6 +63,8 @@ class Contract(ABC):
         The moving links, in the order of the fields of ``BODIES``.
     JOINTS : tuple of Joint
         As ``joint_states`` shows them, from O1 on.
+    REACTIONS : tuple of Reaction
+        What is transmitted at each joint.
     PARTS : mapping
         {Coordinate: what moves, as text}: the table of a pose.
     DRAWN : tuple of Coordinate
@@ -97,6 +100,7 @@ class Contract(ABC):
     LENGTHS: tuple[Length, ...]
     LINKS: tuple[Link, ...]
     JOINTS: tuple[Joint, ...]
+    REACTIONS: tuple[Reaction, ...]
     PARTS: Mapping[Coordinate, str]
     DRAWN: tuple[Coordinate, ...]
     INPUTS: Mapping[str, Coordinate]

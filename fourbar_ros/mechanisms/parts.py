@@ -109,10 +109,16 @@ class Link(NamedTuple):
 
 
 class Joint(NamedTuple):
-    """A joint as ``joint_states`` shows it: where it is, in words, and its coordinate."""
+    """
+    A joint as ``joint_states`` shows it.
+
+    Where it is, in words; its coordinate; what it is called there unless a scene says otherwise,
+    like its place if that is empty.
+    """
 
     place: str
     coordinate: Coordinate
+    name: str = ''
 
 
 GROUND = 'ground'      # as a link: what does not move
@@ -145,6 +151,41 @@ class Connection(NamedTuple):
     on_child: tuple[float, float] = (0.0, 0.0)
     axis: tuple[float, float] | None = None
     turn: float = 0.0
+
+
+class Reaction(NamedTuple):
+    """
+    What one body does to another at a joint: force along the ground axes, and couple.
+
+    Parameters
+    ----------
+    joint : str
+        Name of the joint: letters, digits and _. A topic is named after it.
+    text : str
+        Which body acts on which: 'ground on crank'.
+    magnitude, x, y : str
+        Fields of the loads [N].
+    couple : str
+        Field of the loads [N m]; empty of a pin, which transmits none.
+
+    """
+
+    joint: str
+    text: str
+    magnitude: str
+    x: str
+    y: str
+    couple: str = ''
+
+    @property
+    def symbol(self) -> str:
+        """Return the symbol of the force: F41 of f41, else the name of the joint."""
+        return self.magnitude.upper() if self.magnitude[1:].isdigit() else self.joint
+
+
+def reaction(joint: str, text: str, force: str, couple: str = '') -> Reaction:
+    """Return the :class:`Reaction` whose components are called FORCE_x and FORCE_y."""
+    return Reaction(joint, text, force, f'{force}_x', f'{force}_y', couple)
 
 
 # --- what a picture shows ------------------------------------------------------------------------

@@ -11,7 +11,7 @@ From the fields of a motion alone, so a point costs nothing until it is asked fo
 """
 from __future__ import annotations
 
-from math import nan
+from math import atan2, nan
 from typing import Any, NamedTuple
 
 from fourbar_ros.numerics.arrays import Array
@@ -42,6 +42,26 @@ class LinkMotion(NamedTuple):
     def direction(self) -> Array:
         """Return the direction of the link as a unit vector of shape (..., 2)."""
         return vector(self.cosine, self.sine)
+
+
+class LinkFields(NamedTuple):
+    """A :class:`LinkMotion` by its direction as an angle, as messages have it."""
+
+    angle: float              # [rad] in (-pi, pi]
+    angular_velocity: float   # [rad/s]
+    angular_acceleration: float     # [rad/s^2]
+    x: float                  # [m] of the first joint
+    y: float
+    velocity_x: float         # [m/s]
+    velocity_y: float
+    acceleration_x: float     # [m/s^2]
+    acceleration_y: float
+
+
+def link_fields(mechanism: Any, motion: Any, link: str) -> LinkFields:
+    """Return the :class:`LinkFields` of a link in one sample of a motion."""
+    x, y, v_x, v_y, a_x, a_y, cosine, sine, omega, alpha = link_motion(mechanism, motion, link)
+    return LinkFields(atan2(sine, cosine), omega, alpha, x, y, v_x, v_y, a_x, a_y)
 
 
 class PointMotion(NamedTuple):

@@ -3,8 +3,8 @@
 """
 Which number goes into which message field, for the node and for recomputing a bag.
 
-A value is named by its field in the mechanism's motion or loads, or NAME.FIELD of the motion of a
-point.
+A value is named by its field in the mechanism's motion or loads, NAME.FIELD of the motion of a
+point, link NAME.FIELD of that of a link.
 """
 from __future__ import annotations
 
@@ -17,13 +17,14 @@ from fourbar_ros.mechanisms.parts import (
     BETA,
     Coordinate,
     Output,
+    Reaction,
     THETA1,
     THETA2,
     THETA3,
     THETA4,
     TRAVEL,
 )
-from fourbar_ros.mechanisms.points import PointMotion
+from fourbar_ros.mechanisms.points import LinkFields, PointMotion
 from fourbar_ros.pipeline import joints, wrenches
 
 # Fields of LinkageState and LinkageLoads; what a mechanism does not have is NaN there.
@@ -45,8 +46,8 @@ class FieldMap(NamedTuple):
     ``fields``: {output: {field of the message: name of the value, or a tuple of names}}, a None
     standing for the effort of a passive joint; ``absent``: {output: fields that are always NaN};
     ``place``: where a value stands in the tuple (*motion, *loads, *motion of the first point, ...,
-    *drive wrench, *joints); ``joints``: a coordinate and the name of its drive, None if it has
-    none, for each joint.
+    *motion of the first link, ..., *drive wrench, *joints); ``joints``: a coordinate and the name
+    of its drive, None if it has none, for each joint.
     """
 
     fields: dict[str, dict[str, Any]]
@@ -85,7 +86,8 @@ class Names(NamedTuple):
     """
     The names of a mechanism's numbers.
 
-    Fields of motion and loads, input, output with its ratio, joints.
+    Fields of motion and loads, input, output with its ratio, joints, reactions, and the links
+    whose motion is wanted.
     """
 
     motion: tuple[str, ...]
@@ -93,12 +95,16 @@ class Names(NamedTuple):
     driven: Coordinate
     output: Output
     joints: tuple[Coordinate, ...]
+    reactions: tuple[Reaction, ...]
+    links: tuple[str, ...]
 
     @classmethod
-    def of(cls, mechanism: Any) -> Names:
-        """Return the names of a mechanism."""
+    def of(cls, mechanism: Any, with_links: bool = False) -> Names:
+        """Return the names of a mechanism, with those of its links or without."""
         return cls(mechanism.MOTION._fields, mechanism.LOADS._fields, mechanism.input_coordinate,
-                   mechanism.outputs[0], tuple(joint.coordinate for joint in mechanism.JOINTS))
+                   mechanism.outputs[0], tuple(joint.coordinate for joint in mechanism.JOINTS),
+                   tuple(mechanism.REACTIONS),
+                   tuple(link.name for link in mechanism.LINKS) if with_links else ())
 
 
 @cache
@@ -117,40 +123,69 @@ def layout(given: Names, points: Any = (), with_effort: bool = True, own_joints:
     fields = {
         'driven': dict(zip(motion, given.driven)),
         'output': dict(zip(motion, output)),
-        'state': {'velocity_ratio': ratio,
+        'state': {'velocity_ratio': ratio, **_input_as_state(given.driven, names),
                   **{name: name for name in STATE_FIELDS if name in names}},
         'loads': {name: name for name in LOADS_FIELDS if name in names},
         'shaking_wrench': {'wrench.force.x': 'shaking_force_x',
                            'wrench.force.y': 'shaking_force_y',
                            'wrench.torque.z': 'shaking_moment'},
-        'joint_states': _joint_states(given.joints, with_effort, own_joints),
+        'joint_states': _joint_states(given, with_effort, own_joints),
         **{f'points/{point}': {name: f'{point}.{name}' for name in PointMotion._fields}
            for point in points},
+        **{f'links/{link}': {name: f'link {link}.{name}' for name in LinkFields._fields}
+           for link in given.links},
+        **{f'reactions/{reaction.joint}': _reaction(reaction) for reaction in given.reactions},
     }
     absent = {'state': tuple(name for name in STATE_FIELDS if name not in fields['state']),
               'loads': tuple(name for name in LOADS_FIELDS if name not in names)}
     names += tuple(f'{point}.{name}' for point in points for name in PointMotion._fields)
+    names += tuple(f'link {link}.{name}' for link in given.links for name in LinkFields._fields)
     if with_drive:
         fields['drive_wrench'] = dict(zip(('wrench.force.x', 'wrench.force.y', 'wrench.torque.z'),
                                           wrenches.NAMES))
     names += ((wrenches.NAMES if with_drive else ()) + (joints.names(len(given.joints))
                                                         if own_joints else ()))
     return FieldMap(fields, absent, {name: i for i, name in enumerate(names)},
-                    tuple((joint, _EFFORTS.get(joint)) for joint in given.joints))
+                    tuple((joint, _effort(joint, given.driven)) for joint in given.joints))
 
 
-def _joint_states(coordinates: Any, with_effort: bool, own: bool) -> dict[str, Any]:
+def _reaction(reaction: Reaction) -> dict[str, str]:
+    """Return {field of a WrenchStamped: name of the value}."""
+    force = {'wrench.force.x': reaction.x, 'wrench.force.y': reaction.y}
+    return force | ({'wrench.torque.z': reaction.couple} if reaction.couple else {})
+
+
+def _input_as_state(driven: Coordinate, names: tuple[str, ...]) -> dict[str, str]:
+    """Return the fields of a LinkageState for an input that is called otherwise, of a machine."""
+    fields = THETA1 if driven.unit == 'rad' else TRAVEL
+    return {} if fields.position in names else dict(zip(fields, driven))
+
+
+def _effort(joint: Coordinate, driven: Coordinate) -> str | None:
+    """Return the name of the effort of a joint; None: passive."""
+    if joint == driven:
+        return 'driving_torque' if driven.unit == 'rad' else 'driving_force'
+    return _EFFORTS.get(joint)
+
+
+def _joint_states(given: Names, with_effort: bool, own: bool) -> dict[str, Any]:
     fields: dict[str, Any]
+    coordinates = given.joints
     if own:
         count, names = len(coordinates), joints.names(len(coordinates))
         fields = {what: names[count * i:count * (i + 1)] for i, what in enumerate(joints.FIELDS)}
     else:
         fields = {'position': tuple(joint.position for joint in coordinates),
                   'velocity': tuple(joint.rate for joint in coordinates),
-                  'effort': tuple(_EFFORTS.get(joint) for joint in coordinates)}
+                  'effort': tuple(_effort(joint, given.driven) for joint in coordinates)}
     if not with_effort:
         del fields['effort']                             # empty in the message: not known
     return fields
+
+
+def mode_number(mechanism: Any) -> int:
+    """Return the mode as messages have it; 0 for one of a machine that needs more than a byte."""
+    return int(mechanism.mode) if mechanism.mode < 256 else 0
 
 
 def driven_of(message: Any, joint: str = '') -> Any:

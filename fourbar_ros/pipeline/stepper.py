@@ -3,17 +3,18 @@
 """One scene, input by input, with its policy for inputs out of range."""
 from __future__ import annotations
 
+from functools import partial
 from math import nan, nextafter
 from typing import Any
 
-from fourbar_ros.mechanisms.points import make_point, PointMotion
+from fourbar_ros.mechanisms.points import link_fields, LinkFields, make_point, PointMotion
 from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.pipeline import joints, wrenches
 from fourbar_ros.pipeline.status import evaluate, INVALID_INPUT, LOADS_UNKNOWN, OK, OUT_OF_RANGE
 
 # at a limit, besides omega and alpha
 _UNBOUNDED = ('_ratio', 'condition', '_velocity', '_acceleration')
-_NO_POINT = (nan,) * len(PointMotion._fields)
+_NO_POINT, _NO_LINK = (nan,) * len(PointMotion._fields), (nan,) * len(LinkFields._fields)
 
 
 class Stepper:
@@ -36,7 +37,13 @@ class Stepper:
     def __init__(self, scene: Any, acting: Any = None) -> None:
         self._scene = scene
         self.linkage, self._policy = scene.linkage, scene.drive.out_of_range
-        self._points = [make_point(REAL, scene.linkage, *point) for point in scene.points.values()]
+        self._parts: list[Any] = [
+            (f'points/{name}', make_point(REAL, scene.linkage, *point), _NO_POINT)
+            for name, point in scene.points.items()]
+        if 'links' in scene.outputs:
+            self._parts += [(f'links/{link.name}',
+                             partial(link_fields, scene.linkage, link=link.name), _NO_LINK)
+                            for link in scene.linkage.LINKS]
         self._good: Any = None
         self._limits: list[float] | None = None
         self._joints = (None if scene.joint_states.are_plain
@@ -60,17 +67,18 @@ class Stepper:
             self.linkage = self.linkage.with_external(external)
 
     def step(self, position: Any, rate: Any, acceleration: Any, with_loads: bool,
-             with_points: bool) -> Any:
+             with_parts: Any) -> Any:
         """
         Return (status, values).
 
-        The values are (*motion, *loads, *motion of each point, *additions of the layout).
+        The values are (*motion, *loads, *motion of each point and link, *additions of the layout).
+        ``with_parts``: the outputs points/NAME and links/NAME that are wanted; True: all.
         """
         status, motion, loads = evaluate(self.linkage, position, rate, acceleration,
                                          with_loads and not self._loads_unknown)
         if self._loads_unknown and status == OK:
             status = LOADS_UNKNOWN
-        values = self._completed((*motion, *loads, *self._of_points(motion, with_points)))
+        values = self._completed((*motion, *loads, *self._of_parts(motion, with_parts)))
         if self._policy == 'hold':
             if status in (OK, LOADS_UNKNOWN):
                 self._good = values
@@ -89,9 +97,10 @@ class Stepper:
             values += self._drive_wrench(values)
         return values + self._joints.of(values) if self._joints else values
 
-    def _of_points(self, motion: Any, wanted: Any) -> Any:
-        return [value for point in self._points
-                for value in (point(motion) if wanted else _NO_POINT)]
+    def _of_parts(self, motion: Any, wanted: Any) -> Any:
+        return [value for name, part, unknown in self._parts
+                for value in (part(motion) if wanted is True or wanted and name in wanted
+                              else unknown)]
 
     def _at_limit(self, position: Any) -> Any:
         if self._limits is None:
@@ -104,7 +113,7 @@ class Stepper:
         motion = motion._replace(**{name: nan for name in motion._fields
                                     if name.startswith(('omega', 'alpha'))
                                     or name.endswith(_UNBOUNDED)})
-        return self._completed((*motion, *loads, *self._of_points(motion, True)))
+        return self._completed((*motion, *loads, *self._of_parts(motion, True)))
 
 
 def _inside(linkage: Any, end: float, toward: float) -> float:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from math import isfinite, nan
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanics.bodies import Applied, External
+from fourbar_ros.mechanics.bodies import Applied
 
 NAMES = ('drive wrench force_x', 'drive wrench force_y', 'drive wrench torque')
 
@@ -46,14 +46,14 @@ def in_silence(scene: Any, link: str, last: Wrench | None) -> Wrench:
     return last if policy == 'hold' and last is not None else constant(scene, link)
 
 
-def external(scene: Any, acting: dict[str, Wrench]) -> External | None:
+def external(scene: Any, acting: dict[str, Wrench]) -> Any:
     """Return the External of a scene with the acting wrenches; None if one is unknown."""
     if not all(wrench.is_known for wrench in acting.values()):
         return None
     given = scene.linkage.external._asdict()
     for link, (force_x, force_y, couple) in acting.items():
         given[link] = Applied(force_x, force_y, given[link].along, given[link].across, couple)
-    return External(**given)
+    return scene.linkage.EXTERNAL(**given)
 
 
 def drive_wrench(linkage: Any,

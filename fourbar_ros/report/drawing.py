@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.parts import ORIGIN
+from fourbar_ros.report.joint_labels import labels_of
 from fourbar_ros.report.mechanism_panel import draw_mechanism, renamed, significant
 from fourbar_ros.report.sheet import Sheet
 import numpy as np
@@ -54,6 +55,9 @@ def draw_polygon(axes, arrows, title, unit, names=None):
     arrows = [arrow._replace(start=arrow.start / size, vector=arrow.vector / size,
                              label=renamed(arrow.label, names or {}))
               for arrow in arrows]
+    # joints at one place have one letter
+    arrows = list({(arrow.label, arrow.is_sum): arrow for arrow in reversed(arrows)}.values())
+    arrows.reverse()
     longest = max(hypot(*arrow.vector) for arrow in arrows)
     # a part that is all of its sum is not drawn twice
     sums = [arrow for arrow in arrows if arrow.is_sum]
@@ -96,7 +100,12 @@ def make_figure(mechanism, motion, loads=None, title='', points=None, names=None
         figure.subplots_adjust(left=0.01, right=0.99, bottom=0.34 if loads else 0.24, top=0.89,
                                wspace=0.06)
         figure.suptitle(title, x=0.012, y=0.98, ha='left', fontsize=13, fontweight='bold')
-        below = '   $F_{ij}$: force of link $i$ on link $j$' if loads else ''
+        labels = labels_of(mechanism.diagram(motion))
+        names = (names or {}) | labels.letters
+        of_whom = ('on the link that hangs at the joint' if labels.letters
+                   else 'of link $i$ on link $j$')
+        symbol = 'F' if labels.letters else 'F_{ij}'
+        below = f'   ${symbol}$: force {of_whom}' if loads else ''
         draw_mechanism(axes[0], mechanism, motion, loads, points, names, units.length,
                        f'mechanism{below}')
         draw_polygon(axes[1], mechanism.velocity_polygon(motion), 'velocities', units.speed, names)

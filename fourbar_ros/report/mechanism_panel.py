@@ -12,6 +12,7 @@ import re
 
 from fourbar_ros.mechanics.moving_frames import turned
 from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.report.joint_labels import labels_of
 from fourbar_ros.report.sheet import Sheet
 import numpy as np
 
@@ -64,7 +65,7 @@ def draw_mechanism(axes, mechanism, motion, loads=None, points=None, names=None,
     diagram = mechanism.diagram(motion)
     places = diagram.joints
     size = max(np.ptp(np.array(list(places.values())), axis=0))
-    forces = _forces(diagram, loads, ARROW * size) if loads else {}
+    labels, forces = labels_of(diagram), _forces(diagram, loads, ARROW * size) if loads else {}
     centres = _centres(mechanism, motion)
     arms = _arms(mechanism, motion, points)
     ends = ([end for bar in diagram.bars for end in bar[:2]]
@@ -90,20 +91,20 @@ def draw_mechanism(axes, mechanism, motion, loads=None, points=None, names=None,
         sheet.arrow(places[at], force, FORCE, 1.8)
         sheet.occupy(places[at], places[at] + force)
     if torque:
-        _draw_torque(sheet, torque, motion)
+        _draw_torque(sheet, torque, getattr(motion, mechanism.input_coordinate.position))
     for text, at in angles:
         sheet.label(text, at, ANGLE)
-    for name, at in places.items():
+    for name, at in labels.joints.items():
         sheet.label(renamed(name, names), sheet.around(at), 'k')
     for name, arm in arms.items():
         sheet.label(rf'\mathrm{{{name}}}', sheet.around(arm[-1]), POINT)
     for name, (at, force) in forces.items():
         tip = places[at] + force
-        sheet.label(f'F_{{{name[1:]}}}', sheet.around(tip, force), FORCE)
+        sheet.label(labels.forces[name], sheet.around(tip, force), FORCE)
     sheet.scale(*unit)
     if forces:
         sheet.scale('N', ARROW * size / max(getattr(loads, name) for name in diagram.forces), 0.5)
-    sheet.write(_about(loads, diagram.forces, forces) if loads else [],
+    sheet.write(_about(loads, labels, forces) if loads else [],
                 _motion_lines(mechanism, motion, unit))
 
 
@@ -138,9 +139,10 @@ def _extensions(mechanism, motion, points, centres, drawn_whole):
         reach[link].append(along)
     for link in centres:
         reach[link].append(getattr(mechanism.bodies, link).cg_along)
+    lengths = dict(zip(mechanism.length_names, mechanism.lengths))
     for link, alongs in reach.items():
         name = mechanism.link(link).length
-        length = getattr(mechanism, name) if name else 0.0
+        length = lengths[name] if name else 0.0
         ends = [point_motion(mechanism, motion, link, along).place
                 for along in (0.0, min(alongs), max(alongs), length)]
         if max(alongs) > length and link not in drawn_whole:
@@ -166,7 +168,8 @@ def _draw_block(sheet, at, direction, is_guided):
     for one, other in zip(corners, corners[1:] + corners[:1]):
         sheet.occupy(one, other)
     if is_guided:
-        sides = at + sheet.inch * np.array([[-0.7, -0.11], [0.7, -0.11]])
+        below = -0.11 * turned(1.0, direction)
+        sides = at + sheet.inch * np.array([below - 0.7 * direction, below + 0.7 * direction])
         sheet.axes.plot(*sides.T, color='k', lw=1.4)
         sheet.occupy(*sides)
 
@@ -222,10 +225,10 @@ def _draw_angles(sheet, motion, diagram):
     return found
 
 
-def _draw_torque(sheet, torque, motion):
+def _draw_torque(sheet, torque, theta1):
     """Draw the torque on the crank as a turning arrow about O1, opposite of the crank."""
     radius, sense = 0.45 * sheet.inch, 1.0 if torque > 0.0 else -1.0
-    middle = motion.theta1 + pi
+    middle = theta1 + pi
     arc = radius * _directions(middle + sense * np.linspace(-0.35 * pi, 0.35 * pi, 40))
     sheet.axes.plot(*arc[:-3].T, color=FORCE, lw=1.4, zorder=5)
     sheet.arrow(arc[-6], arc[-1] - arc[-6], FORCE, 1.4)
@@ -242,11 +245,17 @@ def _directions(angles):
 # --- text ----------------------------------------------------------------------------------------
 
 def _symbol(name):
-    """Return the name of a position or a rate as mathtext: theta1, beta, omega_beta, slide."""
-    if name[:5] in SYMBOLS:
-        index = name[5:].removeprefix('_')
-        return SYMBOLS[name[:5]] + (index if index.isdigit() else f'\\{index}')
-    return {'beta': r'\beta', 'slide': 's'}.get(name, rf'\mathrm{{{name}}}')
+    """Return a position or a rate as mathtext: theta1, beta, omega_beta, slide, theta_crank."""
+    for word, symbol in SYMBOLS.items():
+        if name.startswith(word):
+            index = name.removeprefix(word).removeprefix('_')
+            words = index.replace('_', r'\ ')
+            return symbol + (index if index.isdigit() else
+                             {'beta': r'\beta'}.get(index, rf'{{\mathrm{{{words}}}}}'))
+    words = name.removeprefix('slide_').replace('_', r'\ ')
+    return {'beta': r'\beta', 'slide': 's'}.get(
+        name, rf's_{{\mathrm{{{words}}}}}' if name.startswith('slide_')
+        else rf'\mathrm{{{words}}}')
 
 
 def _motion_lines(mechanism, motion, unit):
@@ -265,7 +274,7 @@ def _motion_lines(mechanism, motion, unit):
                          rf'${alpha}$ = {significant(acceleration)} rad/s$^2$')
         else:
             symbol = _symbol(coordinate.position)
-            name = f'{coordinate.position} ' if len(symbol) == 1 else ''
+            name = f'{coordinate.position} ' if symbol == 's' else ''
             slide, rate, acceleration = (significant(value / size)
                                          for value in (position, rate, acceleration))
             lines.append(rf'{name}${symbol}$ = {slide} {text},  $\dot {symbol}$ = {rate} '
@@ -274,11 +283,12 @@ def _motion_lines(mechanism, motion, unit):
     return lines
 
 
-def _about(loads, forces, drawn):
+def _about(loads, labels, drawn):
     """Return the lines of text about loads; ``drawn``: the forces that have an arrow."""
-    lines = [f'$F_{{{name[1:]}}}$ = {significant(getattr(loads, name))} N'
-             + ('' if name in drawn else ' (not drawn)')
-             for name in forces]
+    lines = [' '.join(filter(None, (f'${symbol}$', labels.words.get(name),
+                                    f'= {significant(getattr(loads, name))} N',
+                                    '' if name in drawn or labels.words else '(not drawn)')))
+             for name, symbol in labels.forces.items()]
     force = getattr(loads, 'driving_force', 0.0)
     lines.append(f'drive $P$ = {significant(force)} N' if force else
                  f'drive $T_{{41}}$ = {significant(loads.driving_torque)} N m')

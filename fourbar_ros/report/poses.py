@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Coordinate
+from fourbar_ros.mechanisms.parts import Coordinate, reaction
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.mechanisms.quantities import QUANTITIES
+from fourbar_ros.mechanisms.quantities import known
 from fourbar_ros.pipeline.status import (
     evaluate,
     INVALID_INPUT,
@@ -24,10 +24,7 @@ from fourbar_ros.pipeline.status import (
 )
 from fourbar_ros.report.terminal import plain_table, PlainTable
 
-FORCES = {'f41': ('F41', 'ground on crank'), 'f21': ('F21', 'crank on coupler'),
-          'f32': ('F32', 'output on coupler'),
-          'f43': ('F43', 'ground on output'),
-          'shaking_force': ('shaking force', 'linkage on ground')}
+FORCES = (reaction('shaking force', 'linkage on ground', 'shaking_force'),)
 MOMENTS = {'driving_torque': ('driving torque T41', 'N m'),
            'driving_force': ('driving force', 'N'),
            'guide_force': ('guide force', 'N'), 'guide_couple': ('guide couple', 'N m'),
@@ -144,19 +141,23 @@ def motion_table(linkage: Mechanism, pose: Pose) -> PlainTable:
     return table
 
 
-def loads_table(pose: Pose) -> PlainTable:
+def loads_table(linkage: Mechanism, pose: Pose) -> PlainTable:
     """Return the table of all forces with their components, and of torques."""
     table = plain_table('loads', ('', 'x>', 'y>', 'magnitude>', 'unit', 'of'))
-    for name, (text, what) in FORCES.items():
-        table.add_row(text, *(number(getattr(pose.loads, field))
-                              for field in (f'{name}_x', f'{name}_y', name)), 'N', what)
+    forces = (*linkage.REACTIONS, *FORCES)
+    done = {force.magnitude for force in forces}
+    for force in forces:
+        table.add_row(force.symbol, *(number(getattr(pose.loads, field))
+                                      for field in (force.x, force.y, force.magnitude)), 'N',
+                      force.text)
     for name, (text, unit) in MOMENTS.items():
         if name in pose.loads._fields:
             table.add_row(text, '', '', number(getattr(pose.loads, name)), unit)
+    its = known(linkage, linkage.input)
     for name in pose.loads._fields:                  # what only one kind of mechanism has
-        if name in QUANTITIES and name not in FORCES and name not in MOMENTS:
+        if name in its and name not in done and name not in MOMENTS:
             table.add_row(name.replace('_', ' '), '', '', number(getattr(pose.loads, name)),
-                          QUANTITIES[name].unit)
+                          its[name].unit)
     return table
 
 

@@ -9,12 +9,12 @@ from pathlib import Path
 from ament_index_python.packages import get_package_share_directory
 from fourbar_ros.formats.definitions import types_in
 from fourbar_ros.formats.rosbag2 import Channel
-from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, QUEUE_DEPTH, TORQUE, WRENCHES
+from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, QUEUE_DEPTH, TORQUE, WRENCH
 
 
 def channel(topic, name):
     """Return the bag's Channel of a :class:`.Topic` under its resolved name."""
-    is_input = topic in (*INPUTS.values(), *WRENCHES.values(), TORQUE)
+    is_input = topic in (*INPUTS.values(), TORQUE) or topic.name.startswith(WRENCH)
     depth = 1 if topic.latched else INPUT_DEPTH if is_input else QUEUE_DEPTH
     return Channel(name, topic.type, definition(topic.type), type_hash(topic.type), depth,
                    topic.latched)

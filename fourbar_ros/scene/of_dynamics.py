@@ -5,12 +5,10 @@ from __future__ import annotations
 
 from math import nan
 
-from fourbar_ros.scene import of_kinds
 from fourbar_ros.scene.parameter import Parameter
 
 SOURCES = ('torque', 'motor')      # of drive.source, with which the motion follows from torque
 GROUND = 'ground'
-LINKS = (GROUND, *of_kinds.LINKS)
 
 DRIVE = (
     Parameter('drive.start_speed', 'double', 0.0, 'rad/s or m/s',
@@ -72,7 +70,7 @@ def _end(which: str) -> tuple[Parameter, ...]:
     name = f'springs.NAME.{which}'
     return (
         Parameter(f'{name}.link', 'string', GROUND, '',
-                  f'link to which the {which} end of the spring NAME is fixed', choices=LINKS),
+                  f'link to which the {which} end of the spring NAME is fixed'),
         Parameter(f'{name}.along', 'double', 0.0, 'm',
                   f'{which} end of the spring NAME: distance from the first joint of its link '
                   'along the link; on the ground x from O1'),
@@ -94,9 +92,9 @@ SPRING = {parameter.name: parameter for parameter in (
 )}
 TORSION = {parameter.name: parameter for parameter in (
     Parameter('torsion_springs.NAME.first', 'string', GROUND, '',
-              'link at one end of the torsion spring NAME', choices=LINKS),
+              'link at one end of the torsion spring NAME'),
     Parameter('torsion_springs.NAME.second', 'string', 'crank', '',
-              'link at the other end of the torsion spring NAME', choices=LINKS),
+              'link at the other end of the torsion spring NAME'),
     Parameter('torsion_springs.NAME.stiffness', 'double', 0.0, 'N m/rad',
               'stiffness of the torsion spring NAME', low=0.0),
     Parameter('torsion_springs.NAME.free_angle', 'double', 0.0, 'rad',

@@ -64,6 +64,6 @@ LINKS = _links(lambda link: True)                    # {name: first joint}
 LOADED_LINKS = _links(lambda link: link.is_loadable)
 INPUTS = tuple(dict.fromkeys(name for kind in KINDS.values() for name in kind.INPUTS))
 KINDS_IN_WORDS = '; '.join(f'{kind.TEXT} ({name})' for name, kind in KINDS.items())
-JOINTS_IN_WORDS = '; '.join(f'{", ".join(joint.place for joint in kind.JOINTS)} ({name})'
+JOINTS_IN_WORDS = '; '.join(f'{", ".join(joint.name for joint in kind.JOINTS)} ({name})'
                             for name, kind in KINDS.items())
 MORE_INPUTS_IN_WORDS = ' or '.join(name for name, kind in KINDS.items() if len(kind.INPUTS) > 1)

@@ -47,7 +47,8 @@ class Parameter(NamedTuple):
             for item in value:
                 if not isinstance(item, str) or (self.choices and item not in self.choices):
                     raise InvalidParameter(self.name, item,
-                                           f'must be some of {", ".join(self.choices)}')
+                                           f'must be some of {", ".join(self.choices)}'
+                                           if self.choices else 'must be a text')
         elif self.type == 'doubles':
             value = [_as_float(item) for item in value]
             for item in value:

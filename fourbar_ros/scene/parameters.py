@@ -8,73 +8,58 @@ It feeds the declaration in the node, the check of scene files, the manual and t
 from __future__ import annotations
 
 from math import nan
-import re
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.scene import of_dynamics, of_kinds
+from fourbar_ros.scene import families, of_dynamics, of_kinds
+from fourbar_ros.scene.families import body, external, NAMED, names_in, OF_MACHINES
 from fourbar_ros.scene.parameter import Parameter, REQUIRED
-from fourbar_ros.scene.topics import INPUTS, OUTPUTS, PICTURES, WRENCHES
+from fourbar_ros.scene.topics import INPUTS, OUTPUTS, PICTURES
+
+MACHINE = 'machine'
 
 
 def _length(name, length):
     name = f'linkage.{name}'
     if length.signed:
         return Parameter(name, 'double', 0.0, 'm', length.text)
-    return Parameter(name, 'double', REQUIRED if length.is_in_all else nan, 'm', length.text,
-                     positive=True)
-
-
-def _body(link, first_joint):
-    name = f'bodies.{link}.'
-    return (
-        Parameter(name + 'mass', 'double', nan, 'kg', f'mass of the {link}', low=0.0),
-        Parameter(name + 'inertia', 'double', nan, 'kg m^2',
-                  f'moment of inertia of the {link} about its centre of gravity; required with a '
-                  'mass', low=0.0),
-        Parameter(name + 'cg_along', 'double', nan, 'm',
-                  f'centre of gravity of the {link}: distance from {first_joint} along the link; '
-                  'default: half its length (0 for a link without a length)'),
-        Parameter(name + 'cg_across', 'double', 0.0, 'm',
-                  f'centre of gravity of the {link}: distance to the left of the line of the '
-                  'link'),
-    )
-
-
-def _external(link, first_joint):
-    name = f'external.{link}.'
-    return (
-        Parameter(name + 'force_x', 'double', 0.0, 'N', f'external force on the {link}: x '
-                                                        'component, constant'),
-        Parameter(name + 'force_y', 'double', 0.0, 'N', f'external force on the {link}: y '
-                                                        'component, constant'),
-        Parameter(name + 'along', 'double', 0.0, 'm',
-                  f'point where the external force acts on the {link}: distance from '
-                  f'{first_joint} along the link'),
-        Parameter(name + 'across', 'double', 0.0, 'm',
-                  f'point where the external force acts on the {link}: distance to the left of '
-                  'the line of the link'),
-        Parameter(name + 'couple', 'double', 0.0, 'N m', f'external couple on the {link}, '
-                                                         'constant, counter-clockwise positive'),
-        Parameter(name + 'from_topic', 'bool', False, '',
-                  f'take the external force and couple on the {link} from the topic '
-                  f'{WRENCHES[link].topic} instead of force_x, force_y and couple', live=False),
-    )
+    of = ' (all kinds but machine)' if length.is_in_all else ''
+    return Parameter(name, 'double', nan, 'm', f'{length.text}{of}', positive=True)
 
 
 PARAMETERS = {parameter.name: parameter for parameter in (
     Parameter('linkage.kind', 'string', 'four_bar', '',
-              f'kind of linkage: {of_kinds.KINDS_IN_WORDS}', choices=tuple(KINDS), live=False),
+              f'kind of linkage: {of_kinds.KINDS_IN_WORDS}; a driven link and dyads ({MACHINE})',
+              choices=(*KINDS, MACHINE), live=False),
     Parameter('linkage.input', 'string', 'crank', '',
-              f'driven joint: the crank, or the slide of a {of_kinds.MORE_INPUTS_IN_WORDS}',
-              choices=of_kinds.INPUTS,
-              live=False),
+              f'driven joint: the crank, or the slide of a {of_kinds.MORE_INPUTS_IN_WORDS} or '
+              f'{MACHINE}; of a {MACHINE} also a cylinder that turns the crank',
+              choices=(*of_kinds.INPUTS, 'cylinder'), live=False),
     *(_length(*item) for item in of_kinds.LENGTHS.items()),
     Parameter('linkage.range', 'doubles', [], 'm',
               'stroke of a driven slide: [shortest, longest]; empty: every position where the '
               'linkage can be assembled', live=False),
     Parameter('linkage.mode', 'integer', 2, '',
               'assembly mode: 1 crossed, 2 open; for the sliders see docs/conventions.md', 1, 2),
+    Parameter('linkage.dyads', 'strings', [], '',
+              f'names of the dyads of a {MACHINE}, each after those on whose links it hangs',
+              live=False),
+    Parameter('linkage.output', 'string', '', '',
+              f'link of a {MACHINE} whose motion is the output; empty: the last link', live=False),
+    Parameter('cylinder.base.along', 'double', 0.0, 'm',
+              'with linkage.input cylinder: x of the pivot of its tube on the ground'),
+    Parameter('cylinder.base.across', 'double', 0.0, 'm',
+              'with linkage.input cylinder: y of that pivot'),
+    Parameter('cylinder.pin.along', 'double', 0.0, 'm',
+              'with linkage.input cylinder: pin of its rod on the crank, distance from O1 along '
+              'the crank'),
+    Parameter('cylinder.pin.across', 'double', 0.0, 'm',
+              'with linkage.input cylinder: pin of its rod, distance to the left of the crank'),
+    Parameter('cylinder.links', 'strings', ['rod', 'tube'], '',
+              'with linkage.input cylinder: names of rod and tube', live=False),
+    Parameter('cylinder.mode', 'integer', 2, '',
+              'with linkage.input cylinder: 2, from O1-pivot to O1-pin one turns left; 1, right',
+              1, 2),
     Parameter('gravity.x', 'double', 0.0, 'm/s^2', 'gravitational acceleration: x component'),
     Parameter('gravity.y', 'double', 0.0, 'm/s^2', 'gravitational acceleration: y component'),
     Parameter('bodies.rods.density', 'double', nan, 'kg/m^3',
@@ -82,8 +67,8 @@ PARAMETERS = {parameter.name: parameter for parameter in (
               positive=True),
     Parameter('bodies.rods.radius', 'double', nan, 'm',
               'radius of these cylinders (with bodies.rods.density)', positive=True),
-    *(parameter for item in of_kinds.LINKS.items() for parameter in _body(*item)),
-    *(parameter for item in of_kinds.LOADED_LINKS.items() for parameter in _external(*item)),
+    *(parameter for item in of_kinds.LINKS.items() for parameter in body(*item)),
+    *(parameter for item in of_kinds.LOADED_LINKS.items() for parameter in external(*item)),
     Parameter('external.timeout', 'double', 1.0, 's', 'with from_topic: a link without a wrench '
                                                       'for longer than this counts as silent; 0: '
                                                       'never',
@@ -134,16 +119,18 @@ PARAMETERS = {parameter.name: parameter for parameter in (
     Parameter('frame_id', 'string', 'fourbar', '', 'frame_id of all outputs; origin O1, x towards '
                                                    'O4 or along the guide',
               live=False),
-    Parameter('joint_names', 'strings', ['crank', 'coupler', 'coupler_output', 'output'], '',
-              f'names of the joints in joint_states, in this order: {of_kinds.JOINTS_IN_WORDS}',
+    Parameter('joint_names', 'strings', [], '',
+              'names of the joints in joint_states, in this order; empty: '
+              f'{of_kinds.JOINTS_IN_WORDS}',
               live=False),
     Parameter('joint_states.prefix', 'string', '', '', 'prefix of every name in joint_names',
               live=False),
-    Parameter('joint_states.ratios', 'doubles', [1.0] * 4, '',
+    Parameter('joint_states.ratios', 'doubles', [], '',
               'ratio of each joint: published position = ratio * (angle or slide) + offset; '
-              'negative: opposite direction', live=False),
-    Parameter('joint_states.offsets', 'doubles', [0.0] * 4, 'rad or m',
-              'offset of each joint: published position = ratio * (angle or slide) + offset',
+              'negative: opposite direction; empty: 1', live=False),
+    Parameter('joint_states.offsets', 'doubles', [], 'rad or m',
+              'offset of each joint: published position = ratio * (angle or slide) + offset; '
+              'empty: 0',
               live=False),
     Parameter('joint_states.when_unknown', 'string', 'skip', '',
               'published while a position is unknown: nothing (skip: robot_state_publisher keeps '
@@ -174,42 +161,60 @@ PARAMETERS = {parameter.name: parameter for parameter in (
 )}
 
 
-# One set for each point of a scene; NAME is free: points.NAME.link and so on.
-POINT = {parameter.name: parameter for parameter in (
-    Parameter('points.NAME.link', 'string', 'coupler', '', 'link to which the point NAME is fixed',
-              choices=tuple(of_kinds.LINKS)),
-    Parameter('points.NAME.along', 'double', 0.0, 'm', 'position of the point NAME: distance '
-              'from the first joint of its link along the link'),
-    Parameter('points.NAME.across', 'double', 0.0, 'm',
-              'position of the point NAME: distance to the left of the line of its link'),
-)}
-# Groups of which a scene may have any number.
-NAMED = {'points': POINT, 'springs': of_dynamics.SPRING, 'torsion_springs': of_dynamics.TORSION}
-_OF_ONE = re.compile(rf'({"|".join(NAMED)})\.([A-Za-z]\w*)\.([\w.]+)')
-
-
 def find(name):
-    """Return the Parameter of this name, one of the table or of a point or spring, or None."""
-    match = _OF_ONE.fullmatch(name)
-    general = NAMED[match[1]].get(f'{match[1]}.NAME.{match[3]}') if match else None
-    if general is None:
-        return PARAMETERS.get(name)
-    return general._replace(name=name)
+    """Return the Parameter of this name, one of the table or of a member of a family, or None."""
+    return PARAMETERS.get(name) or families.find(name)
 
 
-def names_in(group, values):
-    """Return the names in a group of :data:`NAMED` that have a parameter, in order."""
-    return list(dict.fromkeys(match[2] for match in map(_OF_ONE.fullmatch, values)
-                              if match and match[1] == group))
+def _is_known(name, is_machine):
+    """Return whether a scene may have this parameter; links of their own only machines have."""
+    member = families.member_of(name)
+    return name in PARAMETERS or (families.find(name) is not None
+                                  and (is_machine or member.family not in OF_MACHINES))
 
 
-def _why_unknown(name):
+def _why_unknown(name, is_machine):
     parts = name.split('.')
-    if parts[0] in NAMED and len(parts) >= 3 and not _OF_ONE.fullmatch(name):
-        return (f'{parts[1]!r} is not a valid {parts[0][:-1].replace("_", " ")} name: use '
-                'letters, digits and _, starting with a letter')
-    every = [*PARAMETERS, *(name for table in NAMED.values() for name in table)]
-    return f'unknown parameter{nearest(name, every, 0.75)}'
+    if parts[0] in NAMED and len(parts) > 2 and not families.member_of(name):
+        of_what = {'bodies': 'link', 'external': 'link'}.get(parts[0], parts[0][:-1])
+        return (f'{parts[1]!r} is not a valid {of_what.replace("_", " ")} name: use letters, '
+                'digits and _, starting with a letter')
+    if parts[0] == 'dyads' and not is_machine:
+        return f'linkage.kind {MACHINE} alone has dyads'
+    member = families.member_of(name)
+    known = [*PARAMETERS, *NAMED['points']]
+    if member and (is_machine or member.family not in OF_MACHINES):
+        known = [p.name for p in families.parameters_of(member.family, member.name)]
+    return f'unknown parameter{nearest(name, known, 0.75)}'
+
+
+def _members(values, is_machine):
+    """Return (family, name) of all members of a scene; every link of a machine has a body."""
+    found = [(group, name) for group in NAMED if group not in OF_MACHINES
+             for name in names_in(group, values)]
+    if is_machine:
+        dyads = dict.fromkeys([*as_names(values.get('linkage.dyads')),
+                               *names_in('dyads', values)])
+        found += [('dyads', name) for name in dyads]
+        links = [link for name in dyads for link in as_names(values.get(f'dyads.{name}.links'))]
+        links += _driven_links(values)
+        for family in ('bodies', 'external'):
+            names = dict.fromkeys([*links, *names_in(family, values)])
+            found += [(family, name) for name in names if name != 'rods']
+    return found
+
+
+def _driven_links(values):
+    """Return the links of a machine that need not be named, those of its cylinder included."""
+    driver = values.get('linkage.input')
+    rods = as_names(values.get('cylinder.links', PARAMETERS['cylinder.links'].default))
+    return {'slide': ['slider'], 'cylinder': ['crank', *rods]}.get(driver, [])
+
+
+def as_names(value):
+    """Return the texts in a value, whatever it is."""
+    return ([item for item in value if families.is_name(item)]
+            if isinstance(value, (list, tuple)) else [])
 
 
 def check(values):
@@ -222,13 +227,15 @@ def check(values):
         For the first unknown, missing or bad one.
 
     """
+    is_machine = values.get('linkage.kind') == MACHINE
     for name in values:
-        if find(name) is None:
-            raise InvalidParameter(name, values[name], _why_unknown(name))
-    for parameter in PARAMETERS.values():
+        if not _is_known(name, is_machine):
+            raise InvalidParameter(name, values[name], _why_unknown(name, is_machine))
+    of_members = [parameter for family, name in _members(values, is_machine)
+                  for parameter in families.parameters_of(family, name)]
+    every = {parameter.name: parameter for parameter in of_members} | PARAMETERS
+    for parameter in every.values():
         if parameter.default is REQUIRED and parameter.name not in values:
             raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
-    named = [find(name.replace('NAME', one)) for group, table in NAMED.items()
-             for one in names_in(group, values) for name in table]
-    return {parameter.name: parameter.check(values.get(parameter.name, parameter.default))
-            for parameter in (*PARAMETERS.values(), *named)}
+    return {name: every[name].check(values.get(name, every[name].default))
+            for name in (*PARAMETERS, *(name for name in every if name not in PARAMETERS))}

@@ -9,26 +9,24 @@ from __future__ import annotations
 
 from dataclasses import replace
 import json
-from math import isnan
 from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanics.bodies import Applied, Body, round_rod
-from fourbar_ros.mechanisms.contract import SLIDE
-from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
 from fourbar_ros.pipeline.message_fields import layout, Names
-from fourbar_ros.scene import of_kinds, parameters
+from fourbar_ros.scene import parameters
 from fourbar_ros.scene.dynamics import Dynamics, of_values
+from fourbar_ros.scene.families import names_in
 from fourbar_ros.scene.files import as_text, flatten, read_values, SceneError  # noqa: F401
+from fourbar_ros.scene.linkage import linkage_of
 from fourbar_ros.scene.topics import (
-    APPLIED,
+    applied_topic,
     DRIVE_STATE,
     PICTURES,
     topics_of,
     TORQUE,
-    WRENCHES,
+    wrench_topic,
 )
 
 IN_WORDS = {1: 'one', 2: 'two', 3: 'three', 4: 'four', 5: 'five', 6: 'six', 7: 'seven', 8: 'eight'}
@@ -118,6 +116,14 @@ class Scene(NamedTuple):
         """Return the given parameters as JSON (NaN stands for "not given", and is no JSON)."""
         return json.dumps({name: value for name, value in self.values.items() if value == value})
 
+    def in_mode(self, mode):
+        """Return the linkage in an assembly mode; None or 0: that of the scene."""
+        known = self.linkage.modes
+        if mode and mode not in known:
+            raise InvalidParameter('mode', mode, 'must be '
+                                   f'{" or ".join(map(str, known))}: {self.linkage.description}')
+        return self.linkage.in_mode(mode or self.linkage.mode)
+
     @property
     def as_text(self):
         """Return the text of its scene file: what is given and no default."""
@@ -127,7 +133,16 @@ class Scene(NamedTuple):
     @property
     def topics(self):
         """Return {name: Topic} of all outputs; each point has one, named points/NAME."""
-        return topics_of(self.outputs, self.points)
+        return topics_of(self.outputs, self.members)
+
+    @property
+    def members(self):
+        """Return {family of outputs: {name: what it is}}: points, links, reactions."""
+        return {'points': {name: f'point of the {point.link}'
+                           for name, point in self.points.items()},
+                'links': {link.name: f'motion of the {link.text}' for link in self.linkage.LINKS},
+                'reactions': {reaction.joint: f'{reaction.text}, at {reaction.joint}'
+                              for reaction in self.linkage.REACTIONS}}
 
     @property
     def pictures(self):
@@ -141,7 +156,8 @@ class Scene(NamedTuple):
 
         Those that come, and those that say what acts.
         """
-        return [topics[link] for link in self.wrenches.links for topics in (WRENCHES, APPLIED)]
+        return [topic(link) for link in self.wrenches.links
+                for topic in (wrench_topic, applied_topic)]
 
     @property
     def drive_topics(self):
@@ -170,8 +186,9 @@ class Scene(NamedTuple):
     @property
     def layout(self):
         """Return the :class:`~fourbar_ros.pipeline.message_fields.FieldMap` of its values."""
-        found = layout(Names.of(self.linkage), tuple(self.points), self.needs_loads,
-                       not self.joint_states.are_plain, 'drive_wrench' in self.outputs)
+        found = layout(Names.of(self.linkage, 'links' in self.outputs), tuple(self.points),
+                       self.needs_loads, not self.joint_states.are_plain,
+                       'drive_wrench' in self.outputs)
         return found.showing(self.joints_shown) if self.joint_states.only_passive else found
 
     @property
@@ -211,16 +228,20 @@ def from_values(values):
     """
     values = parameters.check(values)
     points = {name: Point(*(values[f'points.{name}.{field}'] for field in Point._fields))
-              for name in parameters.names_in('points', values)}
+              for name in names_in('points', values)}
+    linkage = linkage_of(values)
+    for name, point in points.items():
+        _check_link(f'points.{name}.link', point.link, linkage)
     shown = _group(JointStates, 'joint_states', values)
-    linkage = _linkage(values)
+    shown = shown._replace(ratios=shown.ratios or [1.0] * len(linkage.JOINTS),
+                           offsets=shown.offsets or [0.0] * len(linkage.JOINTS))
+    names = values['joint_names'] or [joint.name or joint.place for joint in linkage.JOINTS]
     wrenches = Wrenches(tuple(link for link in linkage.EXTERNAL._fields
                               if values[f'external.{link}.from_topic']),
                         values['external.timeout'], values['external.when_silent'])
     scene = Scene(linkage, points, wrenches, _group(DriveSettings, 'drive', values),
                   tuple(values['outputs']),
-                  values['frame_id'], tuple(shown.prefix + name for name in values['joint_names']),
-                  shown,
+                  values['frame_id'], tuple(shown.prefix + name for name in names), shown,
                   _group(RecordingSettings, 'recording', values),
                   of_values(values, linkage), values)
     _check_together(scene)
@@ -231,45 +252,11 @@ def _group(kind, name, values):
     return kind(*(values[f'{name}.{field}'] for field in kind._fields))
 
 
-def _linkage(values):
-    """Return the mechanism of a scene."""
-    name = values['linkage.kind']
-    kind = KINDS[name]
-    lengths = [length.name for length in kind.LENGTHS]
-    for length in of_kinds.LENGTHS:
-        parameter = parameters.PARAMETERS[f'linkage.{length}']
-        value = values[parameter.name]
-        if length in lengths and isnan(value):
-            raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
-        if length not in lengths and not isnan(value) and value != parameter.default:
-            raise InvalidParameter(parameter.name, value, f'linkage.kind {name} has '
-                                                          f'{", ".join(lengths)} only')
-    arguments = {length: values[f'linkage.{length}'] for length in lengths}
-    if len(kind.INPUTS) > 1:
-        arguments['input'] = values['linkage.input']
-    elif values['linkage.input'] not in kind.INPUTS:
-        raise InvalidParameter('linkage.input', values['linkage.input'],
-                               f'linkage.kind {name} is driven at its crank')
-    if values['linkage.range']:
-        if arguments.get('input') != SLIDE:
-            raise InvalidParameter('linkage.range', values['linkage.range'],
-                                   'only a driven slide has a stroke')
-        arguments['stroke'] = tuple(values['linkage.range'])
-    try:
-        linkage = kind(**arguments, mode=values['linkage.mode'], bodies=_bodies(values, kind),
-                       gravity=(values['gravity.x'], values['gravity.y']),
-                       external=_external(values, kind))
-        linkage.prepare()
-        return linkage
-    except InvalidParameter as error:
-        if error.name in values:
-            raise
-        name = {'stroke': 'range'}.get(error.name, error.name)
-        raise InvalidParameter(f'linkage.{name}', error.value, error.allowed) from None
-    except (ArithmeticError, ValueError):
-        raise InvalidParameter('linkage', list(arguments.values()),
-                               'lengths and bodies are too large, too small or too '
-                               'far apart to be computed with') from None
+def _check_link(name, link, linkage):
+    """Refuse a link that the linkage does not have."""
+    known = [its.name for its in linkage.LINKS]
+    if link not in known:
+        raise InvalidParameter(name, link, f'must be one of {", ".join(known)}')
 
 
 def _check_together(scene):
@@ -285,9 +272,8 @@ def _check_together(scene):
                                     'masses')
     if not scene.frame_id:
         refuse('frame_id', 'must not be empty')
-    names = scene.values['joint_names']
-    count = len(scene.linkage.JOINTS)
-    if len(names) != count or len(set(names)) != count or '' in names:
+    names, count = scene.joint_names, len(scene.linkage.JOINTS)
+    if len(names) != count or len(set(names)) != count or scene.joint_states.prefix in names:
         refuse('joint_names', f'must be {IN_WORDS.get(count, count)} different names, one for '
                               'each joint')
     for name in ('ratios', 'offsets'):
@@ -310,50 +296,6 @@ def _check_together(scene):
                'dampers they would be wrong')
     if scene.drive.source == 'joint_state' and not scene.drive.joint:
         refuse('drive.joint', 'must name the joint that is the input')
-
-
-def _external(values, kind):
-    return kind.EXTERNAL(*(Applied(*(values[f'external.{link}.{field}']
-                                     for field in Applied.__dataclass_fields__))
-                           for link in kind.EXTERNAL._fields))
-
-
-def _bodies(values, kind):
-    """Return the Bodies, or None if the scene gives no mass at all."""
-    def given(name):
-        return not isnan(values[name])
-
-    has_rods = given('bodies.rods.density') or given('bodies.rods.radius')
-    if not has_rods and not any(given(f'bodies.{link.name}.mass') for link in kind.LINKS):
-        return None
-    for name in ('bodies.rods.density', 'bodies.rods.radius'):
-        if has_rods and not given(name):
-            raise InvalidParameter(name, None, 'must be given: rods have density and radius')
-    return kind.BODIES(*((_rod if has_rods and link.length else _body)(values, link, given)
-                         for link in kind.LINKS))
-
-
-def _rod(values, link, given):
-    for field in ('mass', 'inertia', 'cg_along'):
-        name = f'bodies.{link.name}.{field}'
-        if given(name):
-            raise InvalidParameter(name, values[name],
-                                   'give either bodies.rods or the bodies one by one, not both')
-    return round_rod(values[f'linkage.{link.length}'], values['bodies.rods.density'],
-                     values['bodies.rods.radius'])
-
-
-def _body(values, link, given):
-    name = f'bodies.{link.name}.'
-    for field in ('mass', 'inertia') if link.turns else ('mass',):
-        if not given(name + field):
-            raise InvalidParameter(name + field, None,
-                                   f'must be given: loads need mass{" and inertia" * link.turns} '
-                                   f'of the {link.name}')
-    along = (values[name + 'cg_along'] if given(name + 'cg_along')
-             else 0.5 * values[f'linkage.{link.length}'] if link.length else 0.0)
-    return Body(values[name + 'mass'], along, values[name + 'cg_across'],
-                values[name + 'inertia'] if given(name + 'inertia') else 0.0)
 
 
 def load(path):

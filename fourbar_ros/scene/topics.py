@@ -62,15 +62,26 @@ DRIVE_STATE = Topic('drive_state', '~/drive_state', 'fourbar_msgs/msg/DriveState
                     'integration')
 
 # External wrenches on the links whose external.LINK.from_topic is true: received, and in effect.
-WRENCHES = {link: Topic(f'external_{link}', f'~/external/{link}',
-                        'geometry_msgs/msg/WrenchStamped',
-                        f'external force on the {link} at the point external.{link}.along, '
-                        '.across, and couple')
-            for link in LOADED_LINKS}
-APPLIED = {link: Topic(f'applied_{link}', f'~/applied/{link}', 'geometry_msgs/msg/WrenchStamped',
-                       f'external wrench in effect on the {link}; NaN: unknown; latched, sent on '
-                       'every change', latched=True)
-           for link in LOADED_LINKS}
+WRENCH, ON_LINK = 'external_', 'applied_'      # and the name of a link: names of these topics
+
+
+def wrench_topic(link):
+    """Return the topic of the wrench that acts on a link from outside."""
+    return Topic(f'{WRENCH}{link}', f'~/external/{link}', 'geometry_msgs/msg/WrenchStamped',
+                 f'external force on the {link} at the point external.{link}.along, .across, and '
+                 'couple')
+
+
+def applied_topic(link):
+    """Return the topic that says what acts on a link."""
+    return Topic(f'{ON_LINK}{link}', f'~/applied/{link}', 'geometry_msgs/msg/WrenchStamped',
+                 f'external wrench in effect on the {link}; NaN: unknown; latched, sent on every '
+                 'change', latched=True)
+
+
+# of the kinds; a machine of dyads has its own
+WRENCHES = {link: wrench_topic(link) for link in LOADED_LINKS}
+APPLIED = {link: applied_topic(link) for link in LOADED_LINKS}
 
 # Always present; without subscribers or a recorder they cost nothing.
 DRIVEN = Topic('driven', '~/driven', 'fourbar_msgs/msg/Motion',
@@ -85,7 +96,7 @@ OUTPUTS = {topic.name: topic for topic in (
     Topic('output', '~/output', 'fourbar_msgs/msg/Motion',
           'motion of the output joint; can be the input of another node'),
     Topic('joint_states', 'joint_states', 'sensor_msgs/msg/JointState',
-          'the four joints for robot_state_publisher, RViz and Foxglove; with loads also the '
+          'all joints for robot_state_publisher, RViz and Foxglove; with loads also the '
           'effort of the driven joint'),
     Topic('loads', '~/loads', 'fourbar_msgs/msg/LinkageLoads',
           'joint reactions, driving torque or force, shaking force and moment', True),
@@ -98,7 +109,14 @@ OUTPUTS = {topic.name: topic for topic in (
     Topic('points', '~/points/NAME', 'fourbar_msgs/msg/PointMotion',
           'position, velocity and acceleration of a point of the scene (one topic for each '
           'points.NAME)'),
+    Topic('links', '~/links/NAME', 'fourbar_msgs/msg/LinkMotion',
+          'direction and first joint of a link, with their rates and accelerations (one topic for '
+          'each moving link)'),
+    Topic('reactions', '~/reactions/NAME', 'geometry_msgs/msg/WrenchStamped',
+          'force at a joint along the axes of the frame, and the couple of a guide (one topic for '
+          'each joint)', True),
 )}
+FAMILIES = tuple(name for name, topic in OUTPUTS.items() if topic.topic.endswith('/NAME'))
 
 # For people to look at: at most so often as pictures.rate says, and not computed again from a bag.
 PICTURES = {topic.name: topic for topic in (
@@ -132,21 +150,22 @@ TRAJECTORIES = {topic.name: topic for topic in (
 RECEIVED_TRAJECTORIES = ('output_trajectory', 'input_trajectory')
 
 
-def topics_of(outputs, points):
+def topics_of(outputs, members):
     """
     Return {name: Topic} of the outputs of a scene.
 
-    The points have a topic each, named points/NAME; pictures are not among them.
+    Members of a family have a topic each, named points/NAME; ``members``: {family: {name: text}}.
+    Pictures are not among them.
     """
     topics = {}
     for output in outputs:
         if output in PICTURES:
             continue
         topic = OUTPUTS[output]
-        if output == 'points':
-            topics |= {f'points/{name}': topic._replace(name=f'points/{name}',
-                                                        topic=topic.topic.replace('NAME', name))
-                       for name in points}
+        if output in FAMILIES:
+            topics |= {f'{output}/{name}': topic._replace(name=f'{output}/{name}', text=text,
+                                                          topic=topic.topic.replace('NAME', name))
+                       for name, text in members[output].items()}
         else:
             topics[output] = topic
     return topics

@@ -15,13 +15,13 @@ from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.scene import scene as scenes
-from fourbar_ros.scene.topics import DRIVEN, INPUTS, OUTPUTS, SCENE
+from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
 import numpy as np
 import pytest
 from support import bags
-from support.scenes import PAPER, ROCKER, RODS, TIP
+from support.scenes import OUTPUTS, PAPER, ROCKER, RODS, TIP
 
-FULL = {**PAPER, **RODS, **TIP, 'outputs': list(OUTPUTS), 'drive.source': 'motion'}
+FULL = {**PAPER, **RODS, **TIP, 'outputs': OUTPUTS, 'drive.source': 'motion'}
 STEPS = 40
 TURNS = [(0.05 * k, 25.0, 0.1 * k) for k in range(STEPS)]
 

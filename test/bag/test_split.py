@@ -19,17 +19,16 @@ from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError
 from fourbar_ros.formats import mcap_scan as scan
 from fourbar_ros.formats import rosbag2_folder
-from fourbar_ros.scene.topics import OUTPUTS
 from mcap.reader import make_reader
 from mcap.writer import Writer
 import pytest
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
 from support import bags
-from support.scenes import PAPER, ROCKER, RODS, TIP
+from support.scenes import OUTPUTS, PAPER, ROCKER, RODS, TIP
 import yaml
 
-FULL = {**PAPER, **RODS, **TIP, 'outputs': list(OUTPUTS), 'drive.source': 'motion'}
+FULL = {**PAPER, **RODS, **TIP, 'outputs': OUTPUTS, 'drive.source': 'motion'}
 STEPS = 300
 
 

@@ -24,16 +24,15 @@ from fourbar_ros.errors import BagError
 from fourbar_ros.formats import mcap_writer as container
 from fourbar_ros.formats.cdr import Decoder
 from fourbar_ros.formats.mcap_records import MAGIC
-from fourbar_ros.scene.topics import OUTPUTS
 import matplotlib
 import numpy as np
 import pytest
 from support import bags
-from support.scenes import PAPER, ROCKER, RODS, TIP
+from support.scenes import OUTPUTS, PAPER, ROCKER, RODS, TIP
 
 STEPS = 400
 TURNS = [(0.05 * k, 25.0, 0.1 * k) for k in range(STEPS)]
-FULL = {**PAPER, **RODS, **TIP, 'outputs': list(OUTPUTS), 'drive.source': 'motion'}
+FULL = {**PAPER, **RODS, **TIP, 'outputs': OUTPUTS, 'drive.source': 'motion'}
 
 
 @pytest.fixture(scope='module')
@@ -55,7 +54,7 @@ def test_bad_inputs_and_every_policy_recompute_exactly(tmp_path, policy):
     cranks = [(0.01 * k, 1.0, 0.0) for k in range(200)]
     cranks[5:9] = [(math.nan, 1.0, 0.0), (0.1, math.inf, 0.0), (1e300, 1e200, 0.0),
                    (0.2, math.nan, math.nan)]
-    path = bags.run(tmp_path, 'run', {**ROCKER, **RODS, **TIP, 'outputs': list(OUTPUTS),
+    path = bags.run(tmp_path, 'run', {**ROCKER, **RODS, **TIP, 'outputs': OUTPUTS,
                                       'drive.out_of_range': policy}, cranks)
     found = compare(path)
     assert max(d.largest for d in found.differences) == 0.0 and found.inputs == 200

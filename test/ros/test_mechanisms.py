@@ -75,7 +75,10 @@ def test_the_same_outputs_services_and_bag(name, run_node, client, tmp_path):
         publisher.publish(message)
     client.until(lambda: all(len(m) >= len(inputs) for m in client.received.values()),
                  'an answer on every topic')
-    assert set(client.received) == {*ALL_OUTPUTS, 'points/tip', 'points/pin'}
+    assert set(client.received) == {
+        *ALL_OUTPUTS, 'points/tip', 'points/pin',
+        *(f'links/{link.name}' for link in linkage.LINKS),
+        *(f'reactions/{reaction.joint}' for reaction in linkage.REACTIONS)}
     for topic, messages in client.received.items():
         for sent, message in zip(inputs, messages):
             status, expected = stepper.step(sent.position, sent.velocity, sent.acceleration, True,
@@ -123,6 +126,10 @@ def check_services(client, its):
                              mode=mode)
         assert answer.result == answer.RESULT_OK and answer.has_loads
         values = sum(linkage.in_mode(mode).step(middle, 2.0, -3.0), ())
+        named = {value.name: value.value for value in answer.values}
+        assert {repr(named[name]) for name in named} <= set(map(repr, values))
+        assert named[linkage.input_coordinate.position] == middle and named['shaking_moment'] == (
+            answer.loads.shaking_moment)
         for output in ('state', 'loads'):
             assert (repr(fields_of(its.layout, output, getattr(answer, output)))
                     == repr(its.layout.expected(output, values)))

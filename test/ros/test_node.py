@@ -261,7 +261,7 @@ BAD_SCENES = [
     ({'linkage.a2': -1.2}, 'linkage.a2 = -1.2'),
     ({'linkage.a3': 0.0}, 'linkage.a3 = 0.0'),
     ({'linkage.a4': 99.0}, 'linkage.a4 = 99.0: the links cannot close'),
-    ({'linkage.a1': math.nan}, 'linkage.a1 = nan'),
+    ({'linkage.a1': math.nan}, 'linkage.a1: must be given'),
     ({'linkage.mode': 3}, 'linkage.mode = 3'),
     ({'outputs': ['state', 'torque']}, "outputs = 'torque'"),
     ({'outputs': ['loads']}, 'bodies.crank.mass'),

@@ -62,7 +62,7 @@ def test_the_source_torque_starts_at_rest_without_a_torque():
     ({**MOTOR, 'springs.s.first.link': 'slider'}, 'springs.s.first.link', 'must be one of'),
     ({**MOTOR, 'springs.s.stiffness': 1.0}, 'springs.s.second.link', 'another link'),
     ({**MOTOR, 'springs.2s.stiffness': 1.0}, 'springs.2s.stiffness', 'not a valid spring name'),
-    ({**MOTOR, 'springs.s.stifness': 1.0}, 'springs.s.stifness', 'springs.NAME.stiffness'),
+    ({**MOTOR, 'springs.s.stifness': 1.0}, 'springs.s.stifness', 'springs.s.stiffness?'),
     ({**MOTOR, 'torsion_springs.s.second': 'ground'}, 'torsion_springs.s.second', 'another'),
     ({**PAPER, **RODS, 'torsion_springs.s.damping': 1.0}, 'torsion_springs.s', 'drive.source'),
     ({**MOTOR, 'torsion_springs.s.damping': 1.0, 'outputs': ['loads']}, 'outputs', 'springs'),

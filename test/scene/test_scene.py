@@ -6,8 +6,9 @@ import math
 
 from fourbar_ros import InvalidParameter
 from fourbar_ros.scene import of_kinds, scene
+from fourbar_ros.scene.families import NAMED
 from fourbar_ros.scene.parameter import REQUIRED
-from fourbar_ros.scene.parameters import NAMED, PARAMETERS
+from fourbar_ros.scene.parameters import PARAMETERS
 import pytest
 from support import ROOT
 from support.scenes import PAPER, RODS
@@ -152,8 +153,8 @@ def test_numbers_that_overflow_are_refused(values):
                            'bodies.output.mass': 1.0, **values})
 
 
-@pytest.mark.parametrize('parameter', [*PARAMETERS.values(),
-                                       *(p for table in NAMED.values() for p in table.values())],
+@pytest.mark.parametrize('parameter', [parameter for table in (PARAMETERS, *NAMED.values())
+                                       for parameter in table.values()],
                          ids=lambda parameter: parameter.name)
 def test_every_text_of_a_parameter_reads_alone(parameter):
     """``ros2 param describe`` shows one text without its neighbours."""

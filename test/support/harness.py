@@ -11,7 +11,7 @@ import threading
 import time
 
 from fourbar_ros.ros.clients import client
-from fourbar_ros.scene.topics import DRIVEN, OUTPUTS
+from fourbar_ros.scene.topics import DRIVEN, FAMILIES, OUTPUTS
 import rclpy
 
 # Requests that change nothing, to learn whether a service and its client have seen each other.
@@ -19,7 +19,8 @@ HARMLESS = {'find_extrema': {'quantities': ['?']}, 'evaluate': {},
             'start_recording': {'name': '..'}}
 # [s] discovery takes 0.3 s mostly, 4 s sometimes; 30 s are too few beside 20 busy processes
 PATIENCE = 120.0
-ALL_OUTPUTS = [name for name in OUTPUTS if name != 'points']      # these need points in the scene
+# the others have a topic for each of their members
+ALL_OUTPUTS = [name for name in OUTPUTS if name not in FAMILIES]
 
 
 def fields_of(layout, output, message):

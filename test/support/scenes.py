@@ -1,12 +1,16 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Scenes of the seeds, as parameters."""
+from fourbar_ros.scene import topics
+
 RODS = {'bodies.rods.density': 7750.0, 'bodies.rods.radius': 0.01}
 PAPER = {'linkage.a1': 0.4, 'linkage.a2': 1.2, 'linkage.a3': 0.8, 'linkage.a4': 1.0}
 SLIDES_7_6 = {'linkage.a1': 8.0, 'linkage.a2': 14.0, 'linkage.a3': 9.0, 'linkage.a4': 17.0}
 SLIDES_7_7 = {'linkage.a1': 2.0, 'linkage.a2': 6.0, 'linkage.a3': 7.0, 'linkage.a4': 5.0}
 ROCKER = {'linkage.a1': 4.0, 'linkage.a2': 3.0, 'linkage.a3': 2.0, 'linkage.a4': 8.0}
 TIP = {'points.tip.link': 'coupler', 'points.tip.along': 0.5, 'points.tip.across': 0.2}
+# with one point, a topic for each
+OUTPUTS = [name for name in topics.OUTPUTS if name == 'points' or name not in topics.FAMILIES]
 
 
 def values_of(mechanism, kind, **others):

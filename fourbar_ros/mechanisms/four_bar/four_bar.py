@@ -30,6 +30,7 @@ from fourbar_ros.mechanisms.parts import (
     Length,
     Link,
     Output,
+    reaction,
     THETA1,
     THETA2,
     THETA3,
@@ -136,7 +137,12 @@ class FourBar(Mechanism):
     MARGIN_SIGNS = ((-1, -1, 1, 1), (-1, 1, -1, 1), (-1, 1, 1, -1))
     input = CRANK
     INPUTS, OUTPUTS = {CRANK: THETA1}, {CRANK: (Output(THETA4, 'velocity_ratio'),)}
-    JOINTS = (Joint('O1', THETA1), Joint('A', THETA2), Joint('B', THETA3), Joint('O4', THETA4))
+    JOINTS = (Joint('O1', THETA1, 'crank'), Joint('A', THETA2, 'coupler'),
+              Joint('B', THETA3, 'coupler_output'), Joint('O4', THETA4, 'output'))
+    REACTIONS = (reaction('O1', 'ground on crank', 'f41'),
+                 reaction('A', 'coupler on crank', 'f21'),
+                 reaction('B', 'output link on coupler', 'f32'),
+                 reaction('O4', 'ground on output link', 'f43'))
     PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'output link to coupler',
              THETA4: 'output link',
              BETA: 'coupler'}

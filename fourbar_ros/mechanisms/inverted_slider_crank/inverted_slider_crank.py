@@ -32,6 +32,7 @@ from fourbar_ros.mechanisms.parts import (
     Length,
     Link,
     Output,
+    reaction,
     THETA1,
     THETA2,
     THETA4,
@@ -120,7 +121,11 @@ class InvertedSlider(Mechanism):
     MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
     INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
     OUTPUTS = {CRANK: (Output(THETA4, 'output_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
-    JOINTS = (Joint('O1', THETA1), Joint('A', THETA2), Joint('slide', TRAVEL), Joint('O4', THETA4))
+    JOINTS = (Joint('O1', THETA1, 'crank'), Joint('A', THETA2, 'block'),
+              Joint('slide', TRAVEL, 'slide'), Joint('O4', THETA4, 'bar'))
+    REACTIONS = (reaction('O1', 'ground on crank', 'f41'), reaction('A', 'block on crank', 'f21'),
+                 reaction('slide', 'bar on block', 'f32', 'guide_couple'),
+                 reaction('O4', 'ground on bar', 'f43'))
     PARTS = {THETA1: 'crank', THETA2: 'block to crank', THETA4: 'bar', TRAVEL: 'block on the bar'}
     SLIDE_DIRECTION = ('cos_y', 'sin_y')
     DRAWN = (THETA1, THETA4, TRAVEL)

@@ -61,7 +61,7 @@ def diagram(mechanism: Any, motion: Any) -> Diagram:
                    for place, i in slides.items()]
     if mechanism.input == 'slide':
         blocks.append(Block(joints[BASE], np.array((1.0, 0.0)), True))
-    bars += _bars_of_parents(mechanism, motion, joints)
+    bars += _bars_of_parents(mechanism, motion, joints) + _third_sides(mechanism, motion, joints)
     return Diagram(joints, tuple(ground), tuple(bars), tuple(blocks),
                    {name: name for name in joints}, _angles(mechanism, joints))
 
@@ -87,6 +87,28 @@ def _bars_of_parents(mechanism: Any, motion: Any, joints: Any) -> list[Bar]:
                 start, end = (_at(mechanism, motion, point.link, *at)
                               for at in ((0.0, 0.0), point[1:]))
                 found.append(Bar(start, end))
+    return found
+
+
+def _third_sides(mechanism: Any, motion: Any, joints: Any) -> list[Bar]:
+    """Return the sides of links with three joints and more that do not begin at the first."""
+    layout, on_link = mechanism.layout, {link: [] for link in mechanism.layout.moving}
+    for stage, dyad in zip(layout.stages, mechanism.stages):
+        names, slides = dict(stage.joints()), SLIDES[stage.kind]
+        for i, place in enumerate(('first', 'second')):
+            if place not in slides:
+                on_link[stage.links[i]].append(joints[names[place]])
+            if getattr(stage, place):
+                on_link[getattr(dyad, place).link].append(_at(mechanism, motion,
+                                                              *getattr(dyad, place)))
+        for i, link in enumerate(stage.links):
+            if 'inner' not in slides or slides['inner'] != 1 - i:
+                on_link[link].append(joints[names['inner']])
+    found = []
+    for ends in on_link.values():
+        rest = [end for end in ends[1:] if np.hypot(*(end - ends[0])) > 0.0]
+        found += [Bar(one, other) for one, other in zip(rest, rest[1:])
+                  if np.hypot(*(one - other)) > 0.0]
     return found
 
 

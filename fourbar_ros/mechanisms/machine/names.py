@@ -27,7 +27,16 @@ from fourbar_ros.mechanisms.machine.layout import (
     travel,
 )
 from fourbar_ros.mechanisms.machine.records import record_type
-from fourbar_ros.mechanisms.parts import Coordinate, Joint, Length, Link, Output, Quantity
+from fourbar_ros.mechanisms.parts import (
+    Coordinate,
+    Joint,
+    Length,
+    Link,
+    Output,
+    Quantity,
+    Reaction,
+    reaction,
+)
 
 # What the links of each kind are called in texts.
 ROLES = {'RRR': ('rod', 'rod'), 'RRP': ('rod', 'block'), 'RPR': ('block', 'bar'),
@@ -46,7 +55,7 @@ class Names(NamedTuple):
     MOTION: Any
     LOADS: Any
     WATCHED: tuple[str, ...]
-    REACTIONS: tuple[str, ...]
+    REACTIONS: tuple[Reaction, ...]
     BODIES: Any
     EXTERNAL: Any
     QUANTITIES: tuple[Quantity, ...]
@@ -69,7 +78,7 @@ def names_of(layout: Layout) -> Names:
         {layout.driver: _outputs(layout, driven)},
         record_type('MachineMotion', motion_fields(layout)),
         record_type('MachineLoads', load_fields(layout)),
-        (*(name for name, _ in joints), 'shaking_moment'), tuple(name for name, _ in joints),
+        (*(name for name, _ in joints), 'shaking_moment'), tuple(_reactions(layout)),
         record_type('MachineBodies', layout.moving),
         record_type('MachineExternal', tuple(link.name for link in links if link.is_loadable)),
         tuple(_quantities(layout, driven)))
@@ -90,6 +99,19 @@ def _links(layout: Layout) -> list[Link]:
                   for link, role, place, length in zip(stage.links, ROLES[stage.kind], first,
                                                        lengths)]
     return found
+
+
+def _reactions(layout: Layout) -> list[Reaction]:
+    """Return what is transmitted at each joint, by the link on which the other hangs."""
+    links = layout.links
+    bodies = {BASE: (links[0], links[1])}
+    for stage in layout.stages:
+        first, second = stage.links
+        pairs = {'first': (links[stage.first], first), 'inner': (second, first),
+                 'second': (links[stage.second], second)}
+        bodies.update((name, pairs[place]) for place, name in stage.joints())
+    return [reaction(name, ' on '.join(bodies[name]), name, f'{name}_couple' if is_slide else '')
+            for name, is_slide in layout.joints()]
 
 
 def _joints(layout: Layout) -> list[Joint]:

@@ -20,6 +20,7 @@ from fourbar_ros.mechanisms.parts import (
     Link,
     Output,
     Quantity,
+    reaction,
     SLOT,
     THETA1,
     THETA2,
@@ -96,7 +97,11 @@ class ScotchYoke(Mechanism):
              Link('output', 'yoke', 'B', turns=False))
     INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
     OUTPUTS = {CRANK: (Output(TRAVEL, 'slide_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
-    JOINTS = (Joint('O1', THETA1), Joint('A', THETA2), Joint('slot', SLOT), Joint('guide', TRAVEL))
+    JOINTS = (Joint('O1', THETA1, 'crank'), Joint('A', THETA2, 'block'),
+              Joint('slot', SLOT, 'slot'), Joint('guide', TRAVEL, 'yoke'))
+    REACTIONS = (reaction('O1', 'ground on crank', 'f41'), reaction('A', 'block on crank', 'f21'),
+                 reaction('slot', 'yoke on block', 'f32', 'slot_couple'),
+                 reaction('guide', 'guide on yoke', 'f43', 'guide_couple'))
     PARTS = {THETA1: 'crank', THETA2: 'block to crank', SLOT: 'block in the slot', TRAVEL: 'yoke'}
     DRAWN = (THETA1, TRAVEL, SLOT)
     MOTION, LOADS = ScotchYokeMotion, ScotchYokeLoads

@@ -26,6 +26,7 @@ from fourbar_ros.mechanisms.parts import (
     Length,
     Link,
     Output,
+    reaction,
     THETA1,
     THETA2,
     THETA3,
@@ -119,7 +120,12 @@ class SliderCrank(Mechanism):
     MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
     INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
     OUTPUTS = {CRANK: (Output(TRAVEL, 'slide_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
-    JOINTS = (Joint('O1', THETA1), Joint('A', THETA2), Joint('B', THETA3), Joint('guide', TRAVEL))
+    JOINTS = (Joint('O1', THETA1, 'crank'), Joint('A', THETA2, 'rod'), Joint('B', THETA3, 'pin'),
+              Joint('guide', TRAVEL, 'slider'))
+    REACTIONS = (reaction('O1', 'ground on crank', 'f41'),
+                 reaction('A', 'coupler on crank', 'f21'),
+                 reaction('B', 'slider on coupler', 'f32'),
+                 reaction('guide', 'guide on slider', 'f43', 'guide_couple'))
     PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'slider to coupler',
              BETA: 'coupler', TRAVEL: 'slider'}
     DRAWN = (THETA1, BETA, TRAVEL)

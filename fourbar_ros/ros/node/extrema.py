@@ -8,6 +8,7 @@ from math import isfinite
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.quantities import select, UnknownQuantity
+from fourbar_ros.pipeline.message_fields import mode_number
 from fourbar_ros.ros.messages import resolve
 
 
@@ -94,12 +95,15 @@ def _modes(request, linkage):
              request.MODE_OPEN: (2,), request.MODE_BOTH: tuple(linkage.modes)}
     if request.mode not in modes:
         raise _BadRequest(f'mode = {request.mode}: must be 0 (of the scene), 1, 2 or 3 (both)')
+    if missing := [mode for mode in modes[request.mode] if mode not in linkage.modes]:
+        raise _BadRequest(f'mode = {missing[0]}: must be 0 (of the scene)'
+                          + ''.join(f' or {mode}' for mode in linkage.modes))
     return modes[request.mode]
 
 
 def _message(extremum):
-    message = resolve('fourbar_msgs/msg/Extremum')()
-    message.quantity, message.unit, message.mode = extremum.quantity, extremum.unit, extremum.mode
+    message, mode = resolve('fourbar_msgs/msg/Extremum')(), mode_number(extremum)
+    message.quantity, message.unit, message.mode = extremum.quantity, extremum.unit, mode
     message.kind = getattr(message, f'KIND_{extremum.kind.upper()}')
     message.place = getattr(message, f'PLACE_{extremum.place.upper().replace("-", "_")}')
     message.side, message.is_global = int(extremum.side), bool(extremum.is_global)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from fourbar_ros.pipeline.message_fields import mode_number
 from fourbar_ros.pipeline.status import OK
 from fourbar_ros.ros.node.publishers import TopicPublisher
 from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN
@@ -21,7 +22,7 @@ class Wanted(NamedTuple):
     drive_state: bool
     outputs: list[TopicPublisher]
     with_loads: bool
-    with_points: bool
+    parts: frozenset[str]     # the points and links among them
 
 
 class Outputs:
@@ -46,7 +47,7 @@ class Outputs:
 
     def apply(self, scene):
         """Take over a scene: create and destroy publishers."""
-        self._mode = scene.linkage.mode
+        self._mode = mode_number(scene.linkage)
         there = {output.name: output for output in self.named}
         for name in there.keys() - scene.topics.keys():
             there[name].destroy()
@@ -74,7 +75,7 @@ class Outputs:
         outputs = [output for output in self.named if output in those]
         return Wanted(self._driven in those, self._drive_state in those, outputs,
                       any(output.needs_loads for output in outputs),
-                      any(output.is_point for output in outputs))
+                      frozenset(output.name for output in outputs if output.is_part))
 
     def wanted(self):
         """Return what is Wanted now: all outputs while recording, else those with subscribers."""

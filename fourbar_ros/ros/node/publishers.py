@@ -8,8 +8,10 @@ from math import isnan
 from fourbar_ros.pipeline.message_fields import FieldMap
 from fourbar_ros.ros.messages import resolve, set_constants
 from fourbar_ros.ros.node import packed, qos
-from fourbar_ros.scene.topics import DRIVE_STATE, OUTPUTS, QUEUE_DEPTH
+from fourbar_ros.scene.topics import DRIVE_STATE, QUEUE_DEPTH
 from rclpy.event_handler import PublisherEventCallbacks, UnsupportedEventTypeError
+
+PARTS = 'points', 'links'      # families whose values are computed for a topic alone
 
 
 class TopicPublisher:
@@ -32,7 +34,7 @@ class TopicPublisher:
 
     def __init__(self, node, topic, changed):
         self.name, self._topic, self._node = topic.name, topic, node
-        self.is_point = topic.type == OUTPUTS['points'].type
+        self.is_part = topic.name.partition('/')[0] in PARTS
         self.is_heard, self._changed = False, changed
         self._message = resolve(topic.type)()
         try:

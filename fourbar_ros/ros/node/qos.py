@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.scene.topics import (
-    APPLIED,
+    applied_topic,
     DRIVEN,
     INPUTS,
     OUTPUTS,
@@ -18,7 +18,7 @@ from fourbar_ros.scene.topics import (
     SCENE,
     topics_of,
     TRAJECTORIES,
-    WRENCHES,
+    wrench_topic,
 )
 from rclpy.qos import (
     DurabilityPolicy,
@@ -85,12 +85,12 @@ def _why_not(parts, value, topics):
 
 def _topics(node, scene):
     """Return {resolved topic: publisher or subscription} of all that a scene may ever use."""
-    outputs = topics_of(OUTPUTS, scene.points).values()
+    loaded = scene.linkage.EXTERNAL._fields
+    outputs = topics_of(OUTPUTS, scene.members).values()
     received = [TRAJECTORIES[name] for name in RECEIVED_TRAJECTORIES]
     sent = [topic for topic in TRAJECTORIES.values() if topic not in received]
+    published = (DRIVEN, SCENE, *map(applied_topic, loaded), *outputs, *PICTURES.values(), *sent)
+    taken = *INPUTS.values(), *map(wrench_topic, loaded), *received
     return {node.resolve_topic_name(topic.topic): entity
-            for entity, topics in (('publisher', (DRIVEN, SCENE, *APPLIED.values(), *outputs,
-                                                  *PICTURES.values(), *sent)),
-                                   ('subscription', (*INPUTS.values(), *WRENCHES.values(),
-                                                     *received)))
+            for entity, topics in (('publisher', published), ('subscription', taken))
             for topic in topics}

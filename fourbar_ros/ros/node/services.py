@@ -12,6 +12,8 @@ from math import nan
 from traceback import format_exc
 
 from fourbar_ros.errors import FourBarError, OutOfRange
+from fourbar_ros.pipeline import named_values
+from fourbar_ros.pipeline.message_fields import mode_number
 from fourbar_ros.pipeline.status import (
     evaluate,
     INVALID_INPUT,
@@ -70,7 +72,7 @@ def evaluate_one(node, request, response):
     status, motion, loads = evaluate(linkage, request.position, request.velocity,
                                      request.acceleration,
                                      response.has_loads)
-    _with_values(node, response, linkage.mode, status, (*motion, *loads))
+    _with_values(node, response, mode_number(linkage), status, (*motion, *loads))
     response.result = {OK: response.RESULT_OK, OUT_OF_RANGE: response.RESULT_OUT_OF_RANGE,
                        INVALID_INPUT: response.RESULT_INVALID_REQUEST,
                        RATES_UNKNOWN: response.RESULT_INVALID_REQUEST,
@@ -88,12 +90,17 @@ def evaluate_one(node, request, response):
 
 
 def _with_values(node, response, mode, status, values):
-    """Fill state and loads of a response."""
+    """Fill state, loads and the named values of a response."""
     stamp, scene = sec_nanosec(node.get_clock().now().nanoseconds), node.stream.scene
     for output in ('state', 'loads'):
         message = getattr(response, output)
         set_constants(output, message, scene)
         filler(output, message, scene.layout)(stamp, status, mode, values)
+    if not hasattr(response, 'values'):      # messages of an older version are installed
+        return response
+    as_message, place = resolve('fourbar_msgs/msg/NamedValue'), scene.layout.place
+    response.values = [as_message(name=name, unit=unit, value=values[place[name]])
+                       for name, unit in named_values.names(scene.linkage)]
     return response
 
 

@@ -141,7 +141,7 @@ class Stream:
             return None
         status, self._values = self._stepper.step(
             position, rate, acceleration, wanted.with_loads or seen and self.pictures.of_loads,
-            wanted.with_points)
+            wanted.parts)
         self.outputs.send(stamp, status, self._values, wanted.outputs)
         if seen:
             self.pictures.send(stamp, self._values)

@@ -8,7 +8,7 @@ import time
 
 from fourbar_ros.pipeline.wrenches import in_silence, Wrench
 from fourbar_ros.ros.node import qos
-from fourbar_ros.scene.topics import APPLIED, INPUT_DEPTH, WRENCHES
+from fourbar_ros.scene.topics import applied_topic, INPUT_DEPTH, wrench_topic
 from geometry_msgs.msg import WrenchStamped
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
@@ -20,7 +20,7 @@ class Applied:
     """The latched topic that says what acts on a link."""
 
     def __init__(self, node, link):
-        topic = APPLIED[link]
+        topic = applied_topic(link)
         self.name, self.data = topic.name, b''
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self._publisher = qos.create(node, 'publisher', WrenchStamped, topic.topic, latched)
@@ -51,7 +51,7 @@ class WrenchInputs:
         profile = QoSProfile(depth=INPUT_DEPTH,
                              reliability=ReliabilityPolicy.BEST_EFFORT)
         for link in stream.scene.wrenches.links:
-            qos.create(node, 'subscription', WrenchStamped, WRENCHES[link].topic,
+            qos.create(node, 'subscription', WrenchStamped, wrench_topic(link).topic,
                        partial(self._take, link), profile, raw=True)
         node.steady_timers.add(PERIOD, self._watch)
 
@@ -62,7 +62,7 @@ class WrenchInputs:
                 self._be_silent(link)
 
     def _take(self, link, data):
-        self._recording.write(WRENCHES[link].name, data)
+        self._recording.write(wrench_topic(link).name, data)
         try:
             message = deserialize_message(data, WrenchStamped)
         except Exception:                    # whatever a foreign writer sends, the node goes on
@@ -83,7 +83,7 @@ class WrenchInputs:
         self.counts[what] += 1
         if self.counts[what] == 1:
             self._node.get_logger().warning(
-                f'{WRENCHES[link].topic}: {text} '
+                f'{wrench_topic(link).topic}: {text} '
                 '(said once; counted in the diagnostics)')
 
     def _watch(self):
@@ -94,7 +94,7 @@ class WrenchInputs:
                 self.counts['wrench_silences'] += 1
                 self._be_silent(link)
                 self._node.get_logger().warning(
-                    f'{WRENCHES[link].topic}: no wrench for {limit:g} s')
+                    f'{wrench_topic(link).topic}: no wrench for {limit:g} s')
 
     def _be_silent(self, link):
         wrench = in_silence(self._stream.scene, link, self._last.get(link))

@@ -1,0 +1,186 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The mechanism of a scene: its kind or its dyads, its bodies, what acts on them."""
+from __future__ import annotations
+
+from math import isnan
+
+from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.mechanics.bodies import Applied, Body, round_rod
+from fourbar_ros.mechanisms.kinds import KINDS
+from fourbar_ros.mechanisms.mechanism import SLIDE
+from fourbar_ros.scene import families, machines, of_kinds
+from fourbar_ros.scene.parameters import find, MACHINE, PARAMETERS
+
+OWN_NAMES = 'dyads.', 'cylinder', 'bodies.', 'external.'      # of parameters, as errors have them
+ALWAYS = 'bodies.rods.density', 'bodies.rods.radius'
+RENAMED = {'stroke': 'linkage.range', 'dyads': 'linkage.dyads',
+           'name of a dyad': 'linkage.dyads'}
+
+
+def linkage_of(values):
+    """
+    Return the mechanism of a scene, by all its parameters.
+
+    Raises
+    ------
+    InvalidParameter
+        By the name of the parameter.
+
+    """
+    _check_lengths(values)
+    make = _machine if values['linkage.kind'] == MACHINE else _of_kind
+    try:
+        linkage = make(values)
+        linkage.prepare()
+        return linkage
+    except InvalidParameter as error:
+        if error.name in values or error.name.startswith(OWN_NAMES):
+            raise
+        name = RENAMED.get(error.name, f'linkage.{error.name}')
+        raise InvalidParameter(name, error.value, error.allowed) from None
+    except (ArithmeticError, ValueError):
+        raise InvalidParameter('linkage', values['linkage.kind'],
+                               'lengths and bodies are too large, too small or too '
+                               'far apart to be computed with') from None
+
+
+def _check_lengths(values):
+    """Refuse lengths that are missing, and those of other kinds."""
+    name = values['linkage.kind']
+    lengths = ([] if name == MACHINE else [length.name for length in KINDS[name].LENGTHS])
+    for length in of_kinds.LENGTHS:
+        parameter = PARAMETERS[f'linkage.{length}']
+        value = values[parameter.name]
+        if length in lengths and isnan(value):
+            raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
+        if length not in lengths and not isnan(value) and value != parameter.default:
+            raise InvalidParameter(parameter.name, value, f'linkage.kind {name} has '
+                                   + (f'{", ".join(lengths)} only' if lengths else 'dyads.*'))
+
+
+def _of_kind(values):
+    """Return the mechanism of a kind."""
+    name = values['linkage.kind']
+    kind = KINDS[name]
+    for only in ('linkage.dyads', 'linkage.output'):
+        if values[only]:
+            raise InvalidParameter(only, values[only], f'linkage.kind {MACHINE} alone has it')
+    arguments = {length.name: values[f'linkage.{length.name}'] for length in kind.LENGTHS}
+    if len(kind.INPUTS) > 1:
+        arguments['input'] = values['linkage.input']
+    elif values['linkage.input'] not in kind.INPUTS:
+        raise InvalidParameter('linkage.input', values['linkage.input'],
+                               f'linkage.kind {name} is driven at its crank')
+    if values['linkage.range']:
+        if arguments.get('input') != SLIDE:
+            raise InvalidParameter('linkage.range', values['linkage.range'],
+                                   'only a driven slide has a stroke')
+        arguments['stroke'] = tuple(values['linkage.range'])
+    bodies = Bodies(values, kind.LINKS,
+                    {length: values[f'linkage.{length}'] for length in of_kinds.LENGTHS})
+    return kind(**arguments, mode=values['linkage.mode'],
+                bodies=kind.BODIES(**bodies.every()) if bodies.are_given else None,
+                gravity=_gravity(values), external=kind.EXTERNAL(**_external(values, kind)))
+
+
+def _machine(values):
+    """Return the machine of dyads of a scene; links without a mass have none."""
+    machine = machines.machine_of(values)
+    _check_links(values, machine)
+    bodies = Bodies(values, machine.LINKS, dict(zip(machine.length_names, machine.lengths)))
+    return machines.loaded(machine, bodies.those_given() if bodies.are_given else None,
+                           _gravity(values), _external(values, machine))
+
+
+def _check_links(values, machine):
+    """Refuse bodies of links that a machine does not have, and forces on links that bear none."""
+    known = {'bodies': [link.name for link in machine.LINKS], 'external': machine.EXTERNAL._fields}
+    for name, value in values.items():
+        member = families.member_of(name)
+        if not member or name in ALWAYS or member.name in known.get(member.family, member.name):
+            continue
+        if value == value and value != find(name).default:
+            raise InvalidParameter(f'{member.family}.{member.name}', None, 'there is no such link '
+                                   f'here{nearest(member.name, known[member.family])}')
+
+
+def _gravity(values):
+    return values['gravity.x'], values['gravity.y']
+
+
+def _external(values, mechanism):
+    """Return {link: Applied}."""
+    return {link: Applied(*(values[f'external.{link}.{field}']
+                            for field in Applied.__dataclass_fields__))
+            for link in mechanism.EXTERNAL._fields}
+
+
+class Bodies:
+    """
+    The bodies of the links of a scene.
+
+    Parameters
+    ----------
+    values : dict
+        All parameters.
+    links : tuple of Link
+    lengths : dict
+        {name of a length: its value [m]}.
+
+    """
+
+    def __init__(self, values, links, lengths):
+        self._values, self._links, self._lengths = values, links, lengths
+        self._has_rods = self._has('bodies.rods.density') or self._has('bodies.rods.radius')
+        for name in ('bodies.rods.density', 'bodies.rods.radius'):
+            if self._has_rods and not self._has(name):
+                raise InvalidParameter(name, None, 'must be given: rods have density and radius')
+
+    def _has(self, name):
+        return not isnan(self._values[name])
+
+    def _has_mass(self, link):
+        return self._has(f'bodies.{link.name}.mass')
+
+    @property
+    def are_given(self):
+        """Return whether the scene gives any mass at all."""
+        return self._has_rods or any(map(self._has_mass, self._links))
+
+    def every(self):
+        """Return {link: Body}; each must be given."""
+        return {link.name: self._rod(link) if self._has_rods and link.length else self._one(link)
+                for link in self._links}
+
+    def those_given(self):
+        """Return {link: Body} of the links that have one."""
+        return {link.name: self._rod(link) if self._is_rod(link) else self._one(link)
+                for link in self._links if self._is_rod(link) or self._is_mentioned(link)}
+
+    def _is_rod(self, link):
+        return self._has_rods and link.length and not self._has_mass(link)
+
+    def _is_mentioned(self, link):
+        return any(self._has(f'bodies.{link.name}.{field}')
+                   for field in ('mass', 'inertia', 'cg_along'))
+
+    def _rod(self, link):
+        for field in ('mass', 'inertia', 'cg_along'):
+            name = f'bodies.{link.name}.{field}'
+            if self._has(name):
+                raise InvalidParameter(name, self._values[name], 'give either bodies.rods or the '
+                                                                 'bodies one by one, not both')
+        return round_rod(self._lengths[link.length], self._values['bodies.rods.density'],
+                         self._values['bodies.rods.radius'])
+
+    def _one(self, link):
+        name, values = f'bodies.{link.name}.', self._values
+        for field in ('mass', 'inertia') if link.turns else ('mass',):
+            if not self._has(name + field):
+                raise InvalidParameter(name + field, None, 'must be given: loads need mass'
+                                       f'{" and inertia" * link.turns} of the {link.name}')
+        along = (values[name + 'cg_along'] if self._has(name + 'cg_along')
+                 else 0.5 * self._lengths[link.length] if link.length else 0.0)
+        return Body(values[name + 'mass'], along, values[name + 'cg_across'],
+                    values[name + 'inertia'] if self._has(name + 'inertia') else 0.0)

@@ -1,0 +1,72 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The machine of dyads that the parameters of a scene describe."""
+from __future__ import annotations
+
+from dataclasses import replace
+from math import isnan
+
+from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.mechanisms.machine.description import (
+    CYLINDER,
+    Cylinder,
+    Dyad,
+    GROUND,
+    Point,
+)
+from fourbar_ros.mechanisms.machine.machine import Machine
+from fourbar_ros.scene.families import names_in
+
+DIMENSIONS = 'length_1', 'length_2', 'offset', 'direction_1', 'direction_2', 'slot'
+CRANK, ROD_MODEL = 'crank', 'rods'
+
+
+def machine_of(values):
+    """Return the machine, without bodies; InvalidParameter names a dyad and what is wrong."""
+    names = values['linkage.dyads']
+    if not names:
+        raise InvalidParameter('linkage.dyads', None, 'must be given: the names of the dyads, '
+                                                      'in order')
+    for name in names_in('dyads', values):
+        if name not in names:
+            raise InvalidParameter(f'dyads.{name}', None, 'is not listed in linkage.dyads'
+                                                          f'{nearest(name, names)}')
+    if values['linkage.mode'] != 2:
+        raise InvalidParameter('linkage.mode', values['linkage.mode'],
+                               'the assembly modes of a machine are dyads.NAME.mode')
+    for name in names:
+        if ROD_MODEL in values[f'dyads.{name}.links']:
+            raise InvalidParameter(f'dyads.{name}.links', ROD_MODEL,
+                                   'bodies.rods is the model of all rods: choose another name')
+    given = values['linkage.range']
+    return Machine(tuple(_dyad(name, values) for name in names), values['linkage.input'],
+                   values['linkage.output'] or None, _cylinder(values),
+                   stroke=tuple(given) if given else None)
+
+
+def loaded(machine, bodies, gravity, external):
+    """Return a machine with bodies, gravity and forces; those of links that it has."""
+    return replace(machine, bodies=bodies, gravity=gravity, external=external)
+
+
+def _dyad(name, values):
+    where = f'dyads.{name}.'
+    dimensions = {field: None if isnan(values[where + field]) else values[where + field]
+                  for field in DIMENSIONS}
+    return Dyad(name, values[where + 'kind'], _point(values, where + 'first'),
+                _point(values, where + 'second'), tuple(values[where + 'links']),
+                mode=values[where + 'mode'], **dimensions)
+
+
+def _point(values, name):
+    return Point(values[f'{name}.link'], values[f'{name}.along'], values[f'{name}.across'])
+
+
+def _cylinder(values):
+    """Return the cylinder of a machine that is driven by one."""
+    if values['linkage.input'] != CYLINDER:
+        return None
+    base, pin = ((values[f'cylinder.{end}.along'], values[f'cylinder.{end}.across'])
+                 for end in ('base', 'pin'))
+    return Cylinder(Point(GROUND, *base), Point(CRANK, *pin), tuple(values['cylinder.links']),
+                    values['cylinder.mode'])
