@@ -47,8 +47,8 @@ from fourbar_ros.numerics.straight_line import straight_line
 DRIVERS = (CRANK, SLIDE, CYLINDER)
 NO_BODY = Body(0.0)
 # What a machine makes of its dyads when it is asked for.
-_MADE = ('constants', 'stages', 'input_ranges', '_closings', '_made', '_motion_of_one', '_of_one',
-         'record_of_motion', 'record_with_loads')
+_MADE = ('constants', 'stages', 'input_ranges', '_closings', '_near', '_made',
+         '_motion_of_one', '_of_one', 'record_of_motion', 'record_with_loads')
 
 
 @dataclass(frozen=True)
@@ -300,6 +300,10 @@ class Machine(Mechanism):
                                                           'slide')
         return found
 
+    @cached_property
+    def _near(self) -> tuple[complex, ...]:
+        return tuple([z for near in self._closings.near for z in near()])
+
     @property
     def closing_ranges(self) -> tuple[tuple[float, float], ...]:
         """Return the ranges of the input in which all dyads close [rad or m]."""
@@ -315,7 +319,7 @@ class Machine(Mechanism):
     def singular_inputs(self) -> list[complex]:
         """Return the inputs where a dyad is in line: limits, and complex ones next to ranges."""
         ends = [complex(end.x) for bound in self.limits if bound for end in bound]
-        return ends + list(self._closings.near)
+        return ends + list(self._near)
 
     @property
     def margins(self) -> tuple[float, ...]:
@@ -325,7 +329,7 @@ class Machine(Mechanism):
     @property
     def change_point_margin(self) -> float:
         """Return the distance of the nearest complex toggle from a range, over its size."""
-        return min([abs(z.imag) / self.input_unit for z in self._closings.near], default=1.0)
+        return min([abs(z.imag) / self.input_unit for z in self._near], default=1.0)
 
     @property
     def classification(self) -> str:

@@ -18,6 +18,7 @@ range that is wider than the last pieces, some 1e-10 of the whole, and proves no
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from math import pi
 from typing import Any, NamedTuple
 
@@ -34,7 +35,7 @@ PIECES, MOST_HALVINGS = 96, 26
 STEP = 2.0**-200                 # complex step
 MISFIT, ROUNDING = 1e-4, 2.0**-47
 NEWTON_STEPS = 12
-Closing = Callable[[Any], Any]
+Closing = Callable[[Any], Any]      # of an input, returns the closings of some dyads
 
 
 class Limit(NamedTuple):
@@ -48,16 +49,20 @@ class Limit(NamedTuple):
         return Limit(self.x + 2.0 * pi, self.dyad)
 
 
+Near = Callable[[], list[complex]]
+
+
 class Closings(NamedTuple):
     """
     The ranges in which dyads close.
 
-    ``limits`` has (low, high) of each, None of a full turn; ``near``: complex inputs next to the
-    ranges at which some dyad is in line; ``stopped``: the first dyad that closes nowhere, or ''.
+    ``limits`` has (low, high) of each, None of a full turn; ``near``: functions that return
+    complex inputs next to the ranges at which some dyad is in line; ``stopped``: the first dyad
+    that closes nowhere, or ''.
     """
 
     limits: tuple[tuple[Limit, Limit] | None, ...]
-    near: tuple[complex, ...]
+    near: tuple[Near, ...]
     stopped: str = ''
 
 
@@ -85,23 +90,28 @@ def make_closing(n: NumberType, kind: str, numbers: Sequence[Any]) -> Callable[.
 
 def make_closings(n: NumberType, layout: Layout, numbers: Sequence[Any], signs: Sequence[Any],
                   count: int) -> Closing:
-    """Return the function input -> closing of dyad number ``count`` of a layout."""
+    """Return input -> closings of the first ``count`` dyads; 1 of those that have none."""
     driver = make_driver(n, layout, numbers, signs)
-    stages = list(zip(layout.stages, numbers, signs))[:count + 1]
-    last, given, _ = stages[-1]
-    moves = [MAKERS[stage.kind](n, 1.0 if stage.name == CYLINDER else sign, *its[4:])
-             for stage, its, sign in stages[:-1]]
-    closing = make_closing(n, last.kind, given)
+    work = [(stage, its, layout.meet(stage),
+             MAKERS[stage.kind](n, 1.0 if stage.name == CYLINDER else sign, *its[4:]),
+             make_closing(n, stage.kind, its) if closes_somewhere(stage) else None)
+            for stage, its, sign in list(zip(layout.stages, numbers, signs))[:count]]
 
-    def closing_at(x: Any) -> Any:
-        curves = [FIXED, driver(x)[0]]
-        for (stage, its, _), move in zip(stages, moves):
+    def closings_at(x: Any) -> list[Any]:
+        curves, found = [FIXED, driver(x)[0]], []
+        for stage, its, meet, moves, closing in work:
             first, second = curves[stage.first], curves[stage.second]
-            curves += move(*nodes_of(first, second, its, layout.meet(stage)), first, second)[:2]
-        first, second = curves[last.first], curves[last.second]
-        return closing(nodes_of(first, second, given, layout.meet(last))[2], first,
-                       second)
-    return closing_at
+            nodes = nodes_of(first, second, its, meet)
+            found.append(closing(nodes[2], first, second) if closing else 1.0)
+            if len(found) < count:
+                curves += moves(*nodes, first, second)[:2]
+        return found
+    return closings_at
+
+
+def closes_somewhere(stage: Stage) -> bool:
+    """Return whether a dyad does not close at every input."""
+    return stage.kind in CLOSING and stage.name != CYLINDER
 
 
 def cylinder_range(numbers: Sequence[float]) -> tuple[float, float]:
@@ -131,18 +141,25 @@ def find_ranges(layout: Layout, numbers: Sequence[Any], signs: Sequence[Any],
             low, high = cylinder_range(numbers[0])
         name = CYLINDER if layout.driver == CYLINDER else ''
         limits = [(Limit(low, name), Limit(high, name))]
-    near: list[complex] = []
+    near: list[Near] = []
+    every = make_closings(COMPLEX, layout, numbers, signs, len(layout.stages))
+    screens: dict[Any, dict[int, Near]] = {}
     for count, stage in enumerate(layout.stages):
-        if stage.kind in CLOSING and stage.name != CYLINDER:
-            made = [make_closings(n, layout, numbers, signs, count) for n in (COMPLEX, REAL)]
-            found = []
-            for bound in limits:
-                parts, minima = _split(bound, stage, *made)
-                found += parts
-                near += minima
-            limits = found
-            if not limits:
-                return Closings((), (), stage.name)
+        if not closes_somewhere(stage):
+            continue
+        found: list[Any] = []
+        for bound in limits:
+            if bound not in screens:
+                screens[bound] = _screen(bound, layout, every)
+            parts, minima = [bound], screens[bound].get(count)
+            if minima is None:
+                parts, minima = _split(bound, stage, *[
+                    make_closings(n, layout, numbers, signs, count + 1) for n in (COMPLEX, REAL)])
+            found += parts
+            near.append(minima)
+        limits = found
+        if not limits:
+            return Closings((), (), stage.name)
     return Closings(tuple(limits), tuple(near))
 
 
@@ -173,14 +190,52 @@ class _Path(NamedTuple):
         return 0.5 * pi * np.sin(0.5 * pi * np.linspace(-1.0, 1.0, PIECES + 1)) * (1.0 - 1e-7)
 
 
+def _screen(bound: tuple[Limit, Limit] | None, layout: Layout,
+            every: Closing) -> dict[int, Near]:
+    """
+    Return {number of a dyad: what is near it} of those that need no closer look.
+
+    With one evaluation of all: on a grid and between, cubics hold and stay away from zero.
+    """
+    path = _Path.of(bound)
+    phi = path.start()
+    middle = 0.5 * (phi[1:] + phi[:-1])
+    with np.errstate(all='ignore'):
+        closings = every(path.to_input(np.concatenate((phi, middle)) + 1j * STEP))
+    clean: dict[int, Near] = {}
+    for number, (stage, closing) in enumerate(zip(layout.stages, closings)):
+        if not closes_somewhere(stage):
+            continue
+        both = closing + np.zeros(phi.size + middle.size, complex)
+        value, slope = both.real, both.imag / STEP
+        if stage.kind == PRP and value[0] < 0.0:
+            value, slope = -value, -slope
+        ends, inner = (value[:phi.size], slope[:phi.size]), (value[phi.size:], slope[phi.size:])
+        doubtful = _doubtful(ends, inner, np.arange(middle.size), phi[1:] - phi[:-1])
+        if not (value > 0.0).all() or doubtful.any():
+            break            # what hangs on it is not known either
+        clean[number] = partial(_near, every, number, path, phi, *ends)
+    return clean
+
+
+def _near(closings: Closing, number: int, path: _Path, phi: Array, value: Array,
+          slope: Array) -> list[complex]:
+    """Return the complex toggles of a dyad next to the minima between samples."""
+    is_open = value > 0.0
+    return [z for i in np.flatnonzero((slope[:-1] <= 0.0) & (slope[1:] > 0.0)
+                                      & is_open[:-1] & is_open[1:])
+            for z in _complex_toggle(lambda x: closings(x)[number], path, phi[i:i + 2],
+                                     value[i:i + 2], slope[i:i + 2])]
+
+
 def _split(bound: tuple[Limit, Limit] | None, stage: Stage, in_complex: Closing,
-           in_floats: Closing) -> tuple[list[Any], list[complex]]:
-    """Return the parts of a range in which one more dyad closes, and complex toggles near it."""
+           in_floats: Closing) -> tuple[list[Any], Near]:
+    """Return the parts of a range in which one more dyad closes, and what is near it."""
     path, is_signed = _Path.of(bound), stage.kind == PRP
 
     def sample(phi: Array) -> tuple[Array, Array]:
         with np.errstate(all='ignore'):
-            value = in_complex(path.to_input(phi + 1j * STEP)) + 0.0 * phi
+            value = in_complex(path.to_input(phi + 1j * STEP))[-1] + 0.0 * phi
         return value.real, value.imag / STEP
 
     phi, value, slope = _resolved(path.start(), sample)
@@ -189,13 +244,10 @@ def _split(bound: tuple[Limit, Limit] | None, stage: Stage, in_complex: Closing,
     roots = []
     for i in changes:
         low, high = path.to_input(phi[i:i + 2]).tolist()
-        roots.append(_root(in_floats, low, high, bool(is_open[i])))
+        roots.append(_root(lambda x: in_floats(x)[-1], low, high, bool(is_open[i])))
     if is_signed:
         value, slope = np.abs(value), np.where(is_open, slope, -slope)
-    near = [z for i in np.flatnonzero((slope[:-1] <= 0.0) & (slope[1:] > 0.0)
-                                      & (is_open[:-1] == is_open[1:]) & (value[1:] > 0.0))
-            for z in _complex_toggle(in_complex, path, phi[i:i + 2], value[i:i + 2],
-                                     slope[i:i + 2])]
+    near = partial(_near, in_complex, -1, path, phi, value, slope)
     if not roots:
         return ([bound] if is_open.all() or is_signed else []), near
     ends = [Limit(x, stage.name) for x in roots]
@@ -228,21 +280,28 @@ def _resolved(phi: Array, sample: Callable[[Array], tuple[Array, Array]]) -> tup
         width = phi[i + 1] - phi[i]
         middle = phi[i] + 0.5 * width
         here, its = sample(middle)
-        cubic = 0.5 * (value[i] + value[i + 1]) + 0.125 * width * (slope[i] - slope[i + 1])
-        misfit = np.abs(here - cubic)
-        size = np.maximum(np.abs(value[i]), np.abs(value[i + 1]))
-        halves = [_least(value[i], slope[i], here, its, 0.5 * width),
-                  _least(here, its, value[i + 1], slope[i + 1], 0.5 * width)]
-        crosses = (value[i] > 0.0) != (value[i + 1] > 0.0)
-        doubtful = ((misfit > MISFIT * size) | ~np.isfinite(misfit)
-                    | (~crosses & (np.minimum(*halves) < 4.0 * misfit)))
-        doubtful &= (width > 1e-11) & (size > ROUNDING)
+        doubtful = _doubtful((value, slope), (here, its), i, width)
         phi, value, slope = (np.insert(old, i + 1, new) for old, new in
                              ((phi, middle), (value, here), (slope, its)))
         pending = np.zeros(phi.size - 1, bool)
         left = i + np.arange(i.size)
         pending[left] = pending[left + 1] = doubtful
     return phi, value, slope
+
+
+def _doubtful(ends: tuple[Array, Array], inner: tuple[Array, Array], i: Array,
+              width: Array) -> Array:
+    """Return which pieces ``i`` a cubic does not describe, or that may hide two roots."""
+    (value, slope), (here, its) = ends, inner
+    cubic = 0.5 * (value[i] + value[i + 1]) + 0.125 * width * (slope[i] - slope[i + 1])
+    misfit = np.abs(here - cubic)
+    size = np.maximum(np.abs(value[i]), np.abs(value[i + 1]))
+    halves = [_least(value[i], slope[i], here, its, 0.5 * width),
+              _least(here, its, value[i + 1], slope[i + 1], 0.5 * width)]
+    crosses = (value[i] > 0.0) != (value[i + 1] > 0.0)
+    doubtful: Array = ((misfit > MISFIT * size) | ~np.isfinite(misfit)
+                       | (~crosses & (np.minimum(*halves) < 4.0 * misfit)))
+    return doubtful & (width > 1e-11) & (size > ROUNDING)
 
 
 def _least(f0: Array, d0: Array, f1: Array, d1: Array, width: Array) -> Array:
