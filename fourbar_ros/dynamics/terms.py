@@ -59,7 +59,7 @@ def _between(one: Curve, first: Attachment, two: Curve, second: Attachment) -> t
     return x * x + y * y, x * (dx2 - dx1) + y * (dy2 - dy1)
 
 
-def _deflection(n: NumberType, one: Curve, two: Curve, free_angle: float) -> Any:
+def deflection(n: NumberType, one: Curve, two: Curve, free_angle: float) -> Any:
     """Return the angle of the second link relative to the first, less the free one, in +-pi."""
     cosine, sine = one[6] * two[6] + one[7] * two[7], one[6] * two[7] - one[7] * two[6]
     cos_0, sin_0 = cos(free_angle), sin(free_angle)
@@ -83,8 +83,8 @@ def element_stiffness(n: NumberType, element: Element, one: Curve, two: Curve) -
     """Return -dQ/dq of a spring, from (E5)."""
     if isinstance(element, TorsionSpring):
         turn, bend = two[8] - one[8], two[9] - one[9]
-        deflection = _deflection(n, one, two, element.free_angle)
-        return element.stiffness * (turn * turn + deflection * bend)
+        twist = deflection(n, one, two, element.free_angle)
+        return element.stiffness * (turn * turn + twist * bend)
     x1, y1, dx1, dy1 = place_of(one, element.first.along, element.first.across)
     x2, y2, dx2, dy2 = place_of(two, element.second.along, element.second.across)
     (ddx1, ddy1), (ddx2, ddy2) = _bend_of(one, element.first), _bend_of(two, element.second)
@@ -114,7 +114,7 @@ def make_element_terms(n: NumberType,
 
         def turned(one: Curve, two: Curve) -> tuple[Any, Any]:
             turn = two[8] - one[8]
-            return (-stiffness * _deflection(n, one, two, free_angle) * turn,
+            return (-stiffness * deflection(n, one, two, free_angle) * turn,
                     damping * turn * turn)
         return turned
     first, second, free_length = element.first, element.second, element.free_length
@@ -132,7 +132,7 @@ def element_energy(n: NumberType, element: Element, one: Curve, two: Curve) -> A
     if isinstance(element, Spring):
         stretch = _between(one, element.first, two, element.second)[0]**0.5 - element.free_length
     else:
-        stretch = _deflection(n, one, two, element.free_angle)
+        stretch = deflection(n, one, two, element.free_angle)
     return 0.5 * element.stiffness * stretch * stretch
 
 

@@ -53,6 +53,7 @@ class Stepper:
                                      else 0))
         self._drive_wrench = (wrenches.drive_wrench(scene.linkage, scene.layout.place)
                               if 'drive_wrench' in scene.outputs else None)
+        self._loaded = scene.loaded
         self.acting: dict[str, Any] = {}
         self._loads_unknown = False
         for link in scene.wrenches.links:
@@ -74,7 +75,11 @@ class Stepper:
         The values are (*motion, *loads, *motion of each point and link, *additions of the layout).
         ``with_parts``: the outputs points/NAME and links/NAME that are wanted; True: all.
         """
-        status, motion, loads = evaluate(self.linkage, position, rate, acceleration,
+        linkage = self.linkage
+        if self._loaded and with_loads:                  # with the forces of springs
+            loaded = self._loaded(position, rate)
+            linkage, with_loads = loaded or linkage, loaded is not None
+        status, motion, loads = evaluate(linkage, position, rate, acceleration,
                                          with_loads and not self._loads_unknown)
         if self._loads_unknown and status == OK:
             status = LOADS_UNKNOWN

@@ -167,6 +167,22 @@ class Scene(NamedTuple):
         return [TORQUE, DRIVE_STATE] if self.drive.source == TORQUE.name else [DRIVE_STATE]
 
     @property
+    def springs_without_loads(self):
+        """Return the first link with a spring that its loads cannot have, '' if there is none."""
+        if self.dynamics is None or not self.dynamics.elements:
+            return ''
+        from fourbar_ros.dynamics.spring_forces import not_loadable
+        return next(not_loadable(self.linkage, self.dynamics.elements), '')
+
+    @property
+    def loaded(self):
+        """Return (position, rate) -> linkage with the forces of springs; None without springs."""
+        if self.dynamics is None or not self.dynamics.elements or self.springs_without_loads:
+            return None
+        from fourbar_ros.dynamics.spring_forces import make_loaded
+        return make_loaded(self.linkage, self.dynamics.elements)
+
+    @property
     def known_linkage(self):
         """
         Return the linkage as far as its loads are known from its motion alone.
@@ -291,9 +307,9 @@ def _check_together(scene):
     if scene.dynamics and scene.wrenches.links:
         refuse(f'external.{scene.wrenches.links[0]}.from_topic', 'motion that follows from torque '
                'takes constant external forces only')
-    if scene.dynamics and scene.dynamics.elements and scene.needs_loads:
-        refuse('outputs', 'loads are those of rods, weight and external forces; with springs or '
-               'dampers they would be wrong')
+    if (link := scene.springs_without_loads) and scene.needs_loads:
+        refuse('outputs', f'loads with a spring or damper on the {link} are not computed; those '
+               f'are that take external forces: {", ".join(scene.linkage.EXTERNAL._fields)}')
     if scene.drive.source == 'joint_state' and not scene.drive.joint:
         refuse('drive.joint', 'must name the joint that is the input')
 

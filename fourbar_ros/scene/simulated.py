@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.given import number
+from fourbar_ros.pipeline.status import evaluate
 from fourbar_ros.scene.of_dynamics import SOURCES
 from fourbar_ros.scene.topics import TORQUE
 import numpy as np
@@ -88,19 +89,33 @@ class SimulatedScene(NamedTuple):
         """Return (name, unit, values) of loads; none with springs, which are not in them."""
         from fourbar_ros.mechanisms.quantities import known
         run, linkage = self.run, self.scene.linkage
-        if self.scene.dynamics.elements:
+        if self.scene.springs_without_loads:
             return []
         quantities = known(type(linkage), linkage.input)
         found: dict[str, Array] = {}
         for mode in np.unique(run.modes).tolist():
             here = run.modes == mode
-            _, loads = linkage.in_mode(mode).step(run.position[here], run.rate[here],
-                                                  run.acceleration[here])
+            loads = self._loads_in(mode, here)
             for name in loads._fields:
                 if name in quantities:
                     found.setdefault(name, np.full(run.time.size, nan))
                     found[name][here] = getattr(loads, name)
         return [(name, quantities[name].unit, values) for name, values in found.items()]
+
+    def _loads_in(self, mode: int, here: Any) -> Any:
+        """Return the loads of an assembly mode where it is taken."""
+        run, linkage = self.run, self.scene.linkage.in_mode(mode)
+        motion = run.position[here], run.rate[here], run.acceleration[here]
+        elements = self.scene.dynamics.elements
+        if not elements:
+            return linkage.step(*motion)[1]
+        from fourbar_ros.dynamics.spring_forces import make_loaded
+        loaded, unknown = make_loaded(linkage, elements), (nan,) * len(linkage.LOADS._fields)
+        rows = []
+        for sample in zip(*(part.tolist() for part in motion)):
+            now = loaded(*sample[:2])
+            rows.append(evaluate(now, *sample, True)[2] if now else unknown)
+        return linkage.LOADS(*np.array(rows).T)
 
     def ripple(self) -> Ripple | None:
         """Return the Ripple of a crank that has gone through a whole turn at the end, or None."""
