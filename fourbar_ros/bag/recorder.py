@@ -106,6 +106,11 @@ class BagWriter:
         """Return the clock of the log times."""
         return self._intake.clock
 
+    @clock.setter
+    def clock(self, clock: SteadyClock) -> None:
+        """Take another one, as that of a simulated run; before the first message."""
+        self._intake.clock = clock
+
     @property
     def accepted(self) -> int:
         """Return how many messages are or will be in the bag."""

@@ -8,6 +8,7 @@ from math import isnan
 from pathlib import Path
 import time
 
+from fourbar_ros.bag.intake import SteadyClock
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.dynamics import stepper
 from fourbar_ros.dynamics.mover import OK, SILENT
@@ -27,7 +28,7 @@ FULL = 20_000          # messages that may wait for the disk
 MIXED = 'the motion goes into the other assembly mode'
 
 
-class RunClock:
+class RunClock(SteadyClock):
     """The time that a bag notes: that of the run [ns]."""
 
     def __init__(self, start: int) -> None:

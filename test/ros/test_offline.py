@@ -14,8 +14,8 @@ from support.scenes import PAPER, RODS
 
 MOTOR = {**PAPER, **RODS, 'drive.source': 'motor', 'motor.stall_torque': 400.0,
          'motor.free_speed': 26.0, 'motor.rotor_inertia': 0.5, 'shaft.stiffness': 1e5,
-         'drive.rate': 500.0, 'springs.back.second.link': 'output',
-         'springs.back.first.along': 1.5, 'springs.back.stiffness': 800.0, 'points.middle.along': 0.6,
+         'drive.rate': 500.0, 'points.middle.along': 0.6, 'springs.back.second.link': 'output',
+         'springs.back.first.along': 1.5, 'springs.back.stiffness': 800.0,
          'outputs': ['state', 'output', 'joint_states', 'loads', 'shaking_wrench', 'drive_wrench',
                      'points']}
 
