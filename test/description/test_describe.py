@@ -18,6 +18,8 @@ from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
 from support import contract
+from support.dyad_reference import random_machines
+from support.machines import jansen
 from support.scenes import PAPER, RODS, TIP, values_of
 
 EPS = 2.0**-52
@@ -233,3 +235,55 @@ def test_no_number_loses_digits():
     text = describe(from_values({**PAPER, 'linkage.a1': 0.1 + 0.2}))
     assert '0.30000000000000004 0 0' in text
     assert set(KINDS) == {case.name for case in contract.CASES}
+
+
+# --- machines of dyads ---------------------------------------------------------------------------
+
+def scene_with(machine):
+    """Return a scene of a machine, its joints named as its own."""
+    scene, count = from_values(PAPER), len(machine.JOINTS)
+    return scene._replace(
+        linkage=machine, joint_names=tuple(joint.place for joint in machine.JOINTS),
+        joint_states=scene.joint_states._replace(ratios=[1.0] * count, offsets=[0.0] * count))
+
+
+def gaps(scene, positions):
+    """Yield the distance of the closing frames of every loop, by yourdfpy, and a bound."""
+    robot, model = loaded(describe(scene)), model_of(scene)
+    size = max(1.0, *map(abs, scene.linkage.lengths))
+    for position in positions:
+        motion = scene.linkage.motion(float(position))
+        joints = joint_positions(scene, motion)
+        robot.update_cfg({joint.name: joints[joint.name] for joint in model.joints})
+        for closure in model.closures:
+            (first, second), axis = (robot.get_transform(frame) for frame in
+                                     closure.frames), closure.connection.axis
+            way = second[:3, 3] - first[:3, 3]
+            if axis is not None:                     # along the slide they may be apart
+                along = first[:3, :3] @ np.array([*axis, 0.0])
+                way = way - along * (along @ way)
+            yield np.linalg.norm(way), 1e-12 * size * max(1.0, np.max(motion.condition))
+
+
+def test_jansens_leg_closes_over_a_revolution():
+    scene = scene_with(jansen())
+    assert len(model_of(scene).closures) == 3
+    for gap, _ in gaps(scene, np.linspace(-pi, pi, 181)):
+        assert gap <= 1e-12 * max(scene.linkage.lengths)
+
+
+def test_random_machines_close():
+    for machine, given in random_machines(17, 12, dyads=(1, 5)):
+        for gap, bound in gaps(scene_with(machine), [given[0]]):
+            assert gap <= bound, machine
+
+
+def test_mujoco_loads_jansens_leg_closed():
+    mujoco = pytest.importorskip('mujoco', reason='mujoco is not installed')
+    model = mujoco.MjModel.from_xml_string(describe(scene_with(jansen()), 'mjcf'))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key('start').id)
+    mujoco.mj_kinematics(model, data)
+    for closure in model_of(scene_with(jansen())).closures:
+        one, other = (data.site(frame).xpos for frame in closure.frames)
+        assert np.linalg.norm(one - other) <= 1e-12 * 62.0

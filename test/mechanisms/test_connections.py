@@ -8,6 +8,8 @@ from fourbar_ros.mechanisms.points import LinkMotion, point_of
 import numpy as np
 import pytest
 from support import contract
+from support.dyad_reference import random_machines
+from support.machines import andrews, jansen
 
 EPS = 2.0**-52
 STILL = LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
@@ -36,3 +38,20 @@ def test_joints_connect_their_links(case):
         bound = 8.0 * EPS * mechanism.motion(*given).condition * max(
             1.0, *map(abs, mechanism.lengths))
         assert max(errors(mechanism, given)) <= max(bound, 8.0 * EPS)
+
+
+def test_joints_of_machines_connect_their_links():
+    kinds = set()
+    for machine, given in [*random_machines(7, 60), (andrews()[0], (-0.06, 1.0, 0.0)),
+                           (jansen(), (0.3, 1.0, 0.0))]:
+        motion = machine.motion(*given)
+        kinds |= {dyad.kind for dyad in machine.stages}
+        size = max(1.0, *map(abs, machine.lengths))
+        bound = 64.0 * EPS * size * max(1.0, motion.condition) * len(machine.stages)
+        assert len(machine.connections) == len(machine.JOINTS)
+        assert max(errors(machine, given)) <= bound, machine
+    assert kinds == {'RRR', 'RRP', 'RPR', 'RPP', 'PRP'}
+
+
+def test_jansens_leg_turns_fully():
+    assert jansen().turns_fully

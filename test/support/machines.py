@@ -177,3 +177,20 @@ def andrews():
     spring = Spring(Attachment(GROUND, 0.014, 0.072), Attachment('K3', 0.018, 0.02), 4530.0,
                     0.07785)
     return Machine(dyads, bodies=bodies), spring, 0.033
+
+
+def jansen():
+    """
+    Return Theo Jansen's leg by his numbers, one unit a centimetre, crank pin first.
+
+    One crank, three dyads: the upper triangle and the lower rod of the knee, and the foot.
+    """
+    a, b, c, d, e, f, g, j, k, low, m = (38.0, 41.5, 39.3, 40.1, 55.8, 39.4, 36.7, 50.0, 61.9,
+                                         7.8, 15.0)
+    corner = (b * b + d * d - e * e) / (2.0 * b)
+    pivot, pin = Point('ground', -a, -low), Point('crank', m)
+    return Machine([
+        Dyad('upper', 'RRR', pin, pivot, ('rod_j', 'triangle'), length_1=j, length_2=b, mode=1),
+        Dyad('lower', 'RRR', pin, pivot, ('rod_k', 'rod_c'), length_1=k, length_2=c, mode=2),
+        Dyad('foot', 'RRR', Point('triangle', corner, (d * d - corner * corner)**0.5),
+             Point('rod_c', c), ('rod_f', 'shin'), length_1=f, length_2=g, mode=1)])

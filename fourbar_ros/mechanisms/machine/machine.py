@@ -19,6 +19,7 @@ from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
 from fourbar_ros.mechanisms.checks import STROKE, two_numbers
 from fourbar_ros.mechanisms.contract import Constants, CRANK, SLIDE
 from fourbar_ros.mechanisms.machine import diagram
+from fourbar_ros.mechanisms.machine.connections import connections_of
 from fourbar_ros.mechanisms.machine.description import (
     checked_links,
     checked_mode,
@@ -38,7 +39,7 @@ from fourbar_ros.mechanisms.machine.motion import make_motion
 from fourbar_ros.mechanisms.machine.names import lengths_of, names_of
 from fourbar_ros.mechanisms.machine.ranges import Closings, find_ranges, Limit
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Arrow, Diagram
+from fourbar_ros.mechanisms.parts import Arrow, Connection, Diagram
 from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.mechanisms.stroke import motion_within
 from fourbar_ros.numerics.number_types import Function, NumberType, REAL
@@ -335,6 +336,11 @@ class Machine(Mechanism):
     def classification(self) -> str:
         """Return the kinds of its dyads."""
         return ' + '.join(dyad.kind for dyad in self.dyads)
+
+    @property
+    def connections(self) -> tuple[Connection, ...]:
+        """Return which links the joints connect."""
+        return connections_of(self.layout.driven, self.stages)
 
     def link_motion(self, motion: Any, link: str) -> LinkMotion:
         """Return the LinkMotion of a link by name."""
