@@ -17,7 +17,6 @@ from fourbar_msgs.msg import LinkageLoads
 from fourbar_ros.bag.recompute import compare
 from fourbar_ros.description.describe import describe
 from fourbar_ros.description.model import model_of
-from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.ros.clients.client import NoAnswer
 from fourbar_ros.scene.scene import from_values, load
 import numpy as np
@@ -25,6 +24,7 @@ import pytest
 from sensor_msgs.msg import JointState
 from support import contract, ROOT
 from support.harness import PATIENCE
+from support.power import power
 from support.scenes import PAPER, RODS, values_of
 
 SAME_TOPIC = ('~/input_joint_states:=joint_states',)
@@ -104,21 +104,6 @@ def test_the_answers_close_the_urdf_and_balance_power(run_node, client, case):
                 assert its == getattr(motion, joint.coordinate.rate)
         # frictionless; that of a slide is NaN while the acceleration is not known
         assert all(effort == 0.0 or effort != effort for effort in answer.effort)
-
-
-def power(mechanism, position, rate, acceleration):
-    """Return what the drive must give: change of kinetic energy less the work of all loads."""
-    motion, total, size = mechanism.motion(position, rate, acceleration), 0.0, 0.0
-    for link, (body, applied) in mechanism.loads_of_links().items():
-        its = mechanism.link_motion(motion, link)
-        centre = point_motion(mechanism, motion, link, body.cg_along, body.cg_across)
-        at = point_motion(mechanism, motion, link, applied.along, applied.across)
-        parts = (body.mass * (centre.acceleration_x - mechanism.gravity[0]) * centre.velocity_x,
-                 body.mass * (centre.acceleration_y - mechanism.gravity[1]) * centre.velocity_y,
-                 body.inertia * its.alpha * its.omega, -applied.couple * its.omega,
-                 -applied.force_x * at.velocity_x, -applied.force_y * at.velocity_y)
-        total, size = total + sum(parts), size + sum(map(abs, parts))
-    return total, size
 
 
 def test_the_drive_effort_is_what_power_asks_for(run_node, client):

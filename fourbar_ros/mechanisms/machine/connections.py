@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from fourbar_ros.mechanisms.machine.description import (
     direction,
     Dyad,
+    Point,
     PRP,
     RPP,
     RPR,
@@ -48,6 +49,6 @@ def _inner(dyad: Dyad, one: str, other: str) -> Connection:
     return Connection(one, other)
 
 
-def _slide(point, link: str, angle: float) -> Connection:
+def _slide(point: Point, link: str, angle: float) -> Connection:
     """Return the slide of a link through a point, along a line at an angle to the carrier."""
     return Connection(point.link, link, tuple(point[1:]), axis=direction(angle), turn=angle)
