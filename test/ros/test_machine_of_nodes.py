@@ -65,7 +65,9 @@ def test_a_chain_is_one_computation_to_the_last_bit_and_conserves_power(run_node
         def steady(stamp=stamp, torques=torques):
             newest = [next((m for m in reversed(loads) if m.header.stamp.sec == stamp), None)
                       for loads, _ in inboxes.values()]
-            return all(newest) and [m.driving_torque for m in newest] == torques
+            return (all(newest) and [m.driving_torque for m in newest] == torques
+                    and all(any(m.header.stamp.sec == stamp for m in states)
+                            for _, states in inboxes.values()))
 
         def send(message=message, steady=steady):
             publisher.publish(message)
