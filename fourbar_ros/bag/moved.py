@@ -12,8 +12,10 @@ from __future__ import annotations
 from math import inf, isfinite, isnan
 
 from fourbar_ros.bag.difference import apart
+from fourbar_ros.bag.records import Columns
 from fourbar_ros.dynamics.mover import DriveValues, OK, SILENT
 from fourbar_ros.dynamics.stepper import NAME
+from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import TORQUE
 import numpy as np
 
@@ -38,17 +40,20 @@ class Moved:
 
     """
 
-    def __init__(self, scene, integrator):
+    def __init__(self, scene: Scene, integrator: str) -> None:
         self.integrator, self._steps = integrator, integrator == NAME
-        self.largest, self.compared, self.alone = {}, 0, 0
-        self._before, self._commands, self._torque = (None, 0), [], None
+        self.largest: dict[str, float] = {}
+        self.compared = self.alone = 0
+        self._before: tuple[DriveValues | None, int] = (None, 0)
+        self._commands: list[tuple[int, float]] = []
+        self._torque: float | None = None
         self.change(scene)
 
-    def change(self, scene):
+    def change(self, scene: Scene) -> None:
         """Take another scene; the state stays."""
         self._scene, self._mover = scene, scene.mover
 
-    def commands(self, columns):
+    def commands(self, columns: Columns) -> None:
         """Take messages of the torque topic."""
         wrench = columns.tree.wrench
         torques = (wrench.force.x if self._scene.linkage.is_driven_by_slide else wrench.torque.z)
@@ -58,7 +63,7 @@ class Moved:
                            for place, torque in zip(columns.places.tolist(), torques.tolist())
                            if isfinite(torque)]
 
-    def compare(self, columns):
+    def compare(self, columns: Columns) -> None:
         """Compare DriveStates, in order."""
         statuses = columns.records['status'].tolist()
         rows = np.stack([columns.records[name] for name in DriveValues._fields], axis=1)
@@ -66,7 +71,7 @@ class Moved:
                                              statuses, rows.tolist()):
             self._one(place, stamp, status, DriveValues(*row))
 
-    def _one(self, place, stamp, status, values):
+    def _one(self, place: int, stamp: int, status: int, values: DriveValues) -> None:
         while self._commands and self._commands[0][0] < place:
             self._torque = self._commands.pop(0)[1]
         (before, at), self._before = self._before, (values, stamp)
@@ -84,7 +89,7 @@ class Moved:
         for name, there, expected in zip(values._fields, values, again):
             self._note(name, apart(there, expected))
 
-    def _command_apart(self, status, command):
+    def _command_apart(self, status: int, command: float) -> float:
         """Return how far a torque in effect is from what the topic and its policy say."""
         if self._scene.drive.source != TORQUE.name:
             return 0.0 if isnan(command) else inf
@@ -97,5 +102,5 @@ class Moved:
         return min(apart(command, self._torque),
                    apart(command, 0.0) if has_zero and status not in (OK, SILENT) else inf)
 
-    def _note(self, field, value):
+    def _note(self, field: str, value: float) -> None:
         self.largest[field] = max(self.largest.get(field, 0.0), value)

@@ -3,13 +3,19 @@
 """``fourbar simulate``: run a scene whose motion follows from torque, faster than real time."""
 from __future__ import annotations
 
+from argparse import Namespace
+from collections.abc import Iterator
 from contextlib import contextmanager
 from math import nan
 from pathlib import Path
 import time
+from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_verb, BAD, bar, SCENE_HELP
 from fourbar_ros.scene.arguments import finite, positive
+
+if TYPE_CHECKING:
+    from fourbar_ros.scene.simulated import SimulatedScene
 
 METHODS = ('auto', 'DOP853', 'LSODA', 'Radau', 'RK45', 'BDF')
 EPILOG = """\
@@ -27,7 +33,7 @@ summary says which.
 """
 
 
-def add(verbs):
+def add(verbs: Any) -> None:
     """Add the verb."""
     simulate = add_verb(verbs, 'simulate', 'run a scene whose motion follows from torque; extrema '
                                            'of speed and loads over the run',
@@ -50,7 +56,7 @@ def add(verbs):
     simulate.set_defaults(run=_simulate)
 
 
-def _simulate(arguments):
+def _simulate(arguments: Namespace) -> int:
     from fourbar_ros.dynamics.simulate import REACHED
     from fourbar_ros.report.simulated import print_summary
     from fourbar_ros.scene.scene import load
@@ -68,7 +74,7 @@ def _simulate(arguments):
     return 0 if simulated.run.status == REACHED else BAD
 
 
-def _written(simulated, path):
+def _written(simulated: SimulatedScene, path: Path | None) -> Path | None:
     """Return the path of the bag of a run, None if none is wanted."""
     if path is None:
         return None
@@ -77,7 +83,7 @@ def _written(simulated, path):
         return write_bag(simulated, path.absolute(), progress)
 
 
-def _check_output(path):
+def _check_output(path: Path | None) -> None:
     """Refuse a bag that exists before the work is done, not after."""
     if path is not None and path.exists():
         from fourbar_ros.errors import BagError
@@ -85,7 +91,7 @@ def _check_output(path):
 
 
 @contextmanager
-def _busy(text):
+def _busy(text: str) -> Iterator[None]:
     """Show on a terminal that there is work."""
     from rich.console import Console
     console = Console(stderr=True)

@@ -21,9 +21,12 @@ from fourbar_ros.ros.node.publishers import drive_layout, needed
 from fourbar_ros.ros.node.recording import about_of
 from fourbar_ros.ros.schemas import channel
 from fourbar_ros.scene.files import NODE
-from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, SCENE, TORQUE
+from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.simulated import SimulatedScene
+from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, SCENE, Topic, TORQUE
 from rclpy.serialization import serialize_message
 
+Messages = list[tuple[str, bytes]]      # (short name of the topic, bytes)
 FULL = 20_000          # messages that may wait for the disk
 MIXED = 'the motion goes into the other assembly mode'
 
@@ -43,7 +46,7 @@ class RunClock(SteadyClock):
         return self._now
 
 
-def write_bag(simulated, path: Path, progress: Callable[[int], None]) -> Path:
+def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], None]) -> Path:
     """
     Write the bag of a :class:`~fourbar_ros.scene.simulated.SimulatedScene`; return its path.
 
@@ -89,7 +92,8 @@ def write_bag(simulated, path: Path, progress: Callable[[int], None]) -> Path:
     return writer.path
 
 
-def _messages(simulated, topics, start: int) -> Iterator[tuple[int, list[tuple[str, bytes]]]]:
+def _messages(simulated: SimulatedScene, topics: list[Topic],
+              start: int) -> Iterator[tuple[int, Messages]]:
     """Yield (time [ns], [(short name, bytes), ...]) of each sample, in the order of a node."""
     scene, stepper_of = simulated.scene, Stepper(simulated.scene)
     makers = {topic.name: _maker(topic, scene) for topic in topics
@@ -119,7 +123,7 @@ def _messages(simulated, topics, start: int) -> Iterator[tuple[int, list[tuple[s
         first = []
 
 
-def _maker(topic, scene) -> Callable[..., bytes]:
+def _maker(topic: Topic, scene: Scene) -> Callable[..., bytes]:
     """Return the function (stamp, status, mode, values) -> bytes of a message."""
     message = resolve(topic.type)()
     set_constants(topic.name, message, scene)
@@ -127,7 +131,7 @@ def _maker(topic, scene) -> Callable[..., bytes]:
     return packed.writer(topic.name, message, layout)[0]
 
 
-def _torque(scene, torque: float, start: int) -> bytes:
+def _torque(scene: Scene, torque: float, start: int) -> bytes:
     message = resolve(TORQUE.type)()
     message.header.stamp = to_stamp(start)
     if scene.linkage.is_driven_by_slide:
