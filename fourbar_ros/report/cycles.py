@@ -37,7 +37,8 @@ def usual_points(mechanism: Mechanism, points: Points) -> Points:
         return points
     for link in mechanism.LINKS:
         if link.length and not link.first_joint.startswith('O'):
-            return {'middle': (link.name, 0.5 * getattr(mechanism, link.length), 0.0)}
+            lengths = dict(zip(mechanism.length_names, mechanism.lengths))
+            return {'middle': (link.name, 0.5 * lengths[link.length], 0.0)}
     return {}
 
 

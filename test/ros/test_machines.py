@@ -1,0 +1,137 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Machines of dyads through the real node: topics, services, bag, live changes, 500 Hz."""
+from fourbar_msgs.msg import LinkageState
+from fourbar_ros.bag.recompute import compare
+from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.mechanisms.quantities import select
+from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.ros.clients.client import name_on
+from fourbar_ros.scene import scene
+from fourbar_ros.scene.files import read_values
+import pytest
+from ros.test_inputs import set_parameters
+from ros.test_mechanisms import inputs_of
+from support.harness import fields_of
+
+DRIVEN = {'drive.source': 'motion', 'drive.timeout': 0.0, 'recording.start': True,
+          'recording.name': 'run'}
+ALL = ['state', 'output', 'joint_states', 'loads', 'shaking_wrench', 'drive_wrench', 'links',
+       'reactions', 'points']
+
+
+@pytest.mark.parametrize('name', ['jansen', 'bucket'])
+def test_topics_services_and_bag_are_those_of_the_core(name, run_node, client, tmp_path):
+    parameters = {**read_values(name), **DRIVEN, 'outputs': ALL}
+    its = scene.from_values(parameters)
+    linkage, layout, stepper = its.linkage, its.layout, Stepper(its)
+    run_node(parameters)
+    client.listen(its.topics)
+    publisher, inputs = client.publisher(), inputs_of(linkage, 40)
+    client.handshake(lambda: publisher.publish(inputs[0]))
+    for message in inputs:
+        publisher.publish(message)
+    client.until(lambda: all(len(m) >= len(inputs) for m in client.received.values()),
+                 'an answer on every topic')
+    for topic, messages in client.received.items():
+        for sent, message in zip(inputs, messages):
+            status, expected = stepper.step(sent.position, sent.velocity, sent.acceleration, True,
+                                            True)
+            assert status == LinkageState.STATUS_OK and message.header.stamp == sent.header.stamp
+            assert repr(fields_of(layout, topic,
+                                  message)) == repr(layout.expected(topic, expected))
+    check_meaning(client.received, its, inputs[-1])
+    check_services(client, its)
+    assert client.call('stop_recording').success
+    found = compare(tmp_path / 'bags/run')
+    topics = {name_on('fourbar', topic) if topic.topic[0] == '~' else f'/{topic.topic}'
+              for topic in its.topics.values()}
+    assert found.inputs > len(inputs) and found.unmatched == 0
+    assert {d.topic for d in found.differences} - {'/fourbar/driven'} == topics
+    assert max(d.largest for d in found.differences) == 0.0
+
+
+def check_meaning(received, its, sent):
+    """Compare the last messages with the core by the names that a user reads."""
+    motion, loads = its.linkage.step(sent.position, sent.velocity, sent.acceleration)
+    for link in its.linkage.LINKS:
+        message = received[f'links/{link.name}'][-1]
+        expected = its.linkage.link_motion(motion, link.name)
+        assert (message.x, message.velocity_y, message.angular_velocity,
+                message.angular_acceleration) == (expected.x, expected.v_y, expected.omega,
+                                                  expected.alpha)
+    for reaction in its.linkage.REACTIONS:
+        wrench = received[f'reactions/{reaction.joint}'][-1].wrench
+        assert (wrench.force.x, wrench.force.y) == (getattr(loads, f'{reaction.joint}_x'),
+                                                    getattr(loads, f'{reaction.joint}_y'))
+        assert wrench.torque.z == (getattr(loads, reaction.couple) if reaction.couple else 0.0)
+    joints = received['joint_states'][-1]
+    assert list(joints.name) == [joint.place for joint in its.linkage.JOINTS]
+    state, driven = received['state'][-1], sent.position
+    assert (state.slide if its.linkage.is_driven_by_slide else state.theta1) == driven
+    assert state.mode == its.linkage.mode
+
+
+def check_services(client, its):
+    """Compare the answers of the services with the core."""
+    linkage = its.linkage
+    names = [linkage.REACTIONS[2].joint, linkage.outputs[0].coordinate.rate, 'shaking_force']
+    answer = client.call('find_extrema', quantities=names, velocity=2.0, acceleration=3.0)
+    assert answer.result == answer.RESULT_OK, answer.message
+    expected = find_extrema(linkage, select(names, linkage), 2.0, 3.0)
+    fields = ('quantity', 'mode', 'theta1', 'slide', 'value', 'is_global')
+    assert expected and ({repr([getattr(e, f) for f in fields]) for e in answer.extrema}
+                         == {repr([getattr(e, f) for f in fields]) for e in expected})
+    low, high = linkage.input_ranges[0]
+    middle = low + 0.55 * (high - low)
+    answer = client.call('evaluate', position=middle, velocity=2.0, acceleration=-3.0)
+    assert answer.result == answer.RESULT_OK and answer.has_loads
+    motion, loads = linkage.step(middle, 2.0, -3.0)
+    for value in answer.values:
+        assert value.value == getattr(loads if value.name in loads._fields else motion, value.name)
+    named = {value.name: value.unit for value in answer.values}
+    assert named[linkage.REACTIONS[2].joint] == 'N'
+    assert named[linkage.outputs[0].coordinate.rate] == 'rad/s'
+    answer = client.call('evaluate', position=middle, mode=2 if linkage.mode == 1 else 1)
+    assert answer.result == answer.RESULT_INVALID_REQUEST and 'mode = ' in answer.message
+
+
+def test_jansens_leg_holds_500_hz(run_node, client):
+    """As many steps as samples of the clock, by their stamps, with every topic subscribed."""
+    parameters = {**read_values('jansen'), 'drive.rate': 500.0, 'outputs': ALL}
+    its = scene.from_values(parameters)
+    node = run_node(parameters)
+    client.listen(its.topics)
+    client.until(lambda: len(client.received['links/foot']) >= 1000, '1000 samples')
+    stamps = [message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+              for message in client.received['links/foot']]
+    steps = [(later - sooner) * 500.0 / 1e9 for sooner, later in zip(stamps, stamps[1:])]
+    assert all(step == pytest.approx(round(step), abs=1e-5) and step > 0.5 for step in steps)
+    # a busy machine may make the clock leave samples out, the leg must not
+    assert sorted(steps)[len(steps) // 2] == pytest.approx(1.0, abs=1e-5), node.said
+    velocity = {message.angular_velocity for message in client.received['links/crank']}
+    assert velocity == {4.0}
+
+
+def test_a_dyad_is_changed_live_and_a_wrong_one_refused(run_node, client):
+    parameters = {**read_values('jansen'), 'outputs': ['links']}
+    run_node(parameters)
+    client.listen({name: topic for name, topic in scene.from_values(parameters).topics.items()
+                   if name in ('links/foot', 'links/crank')})
+    client.until(lambda: client.received['links/foot'], 'the stream')
+    changed = {'dyads.leg.length_2': 0.37, 'bodies.f.mass': 0.2, 'bodies.f.inertia': 0.001}
+    assert set_parameters(client, changed, atomically=True)[0].successful
+    its = scene.from_values({**parameters, **changed})
+    before = len(client.received['links/foot'])
+    client.until(lambda: len(client.received['links/foot']) > before + 50
+                 and len(client.received['links/crank']) > before + 60, 'the other leg')
+    message = client.received['links/foot'][-1]
+    crank = next(m for m in client.received['links/crank']
+                 if m.header.stamp == message.header.stamp)
+    expected = its.linkage.motion(crank.angle, 4.0)
+    assert its.linkage.bodies.f.mass == 0.2 and message.status == LinkageState.STATUS_OK
+    assert message.angular_velocity == pytest.approx(expected.omega_foot, abs=1e-9)
+    refused = set_parameters(client, {'dyads.leg.length_2': 9.0})[0]
+    assert refused.reason == ('dyads.leg: cannot close at any input at which those before it do')
+    refused = set_parameters(client, {'dyads.leg.kind': 'RRP'})[0]
+    assert not refused.successful

@@ -1,0 +1,143 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Machines of dyads as scenes: the machine that was meant, and mistakes refused by name."""
+from math import cos, pi, sin
+
+from fourbar_ros import FourBar, InvalidParameter
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.scene import scene
+from fourbar_ros.scene.files import read_values
+import numpy as np
+import pytest
+from support.scenes import PAPER, RODS
+
+MACHINES = ('watt', 'stephenson', 'bucket', 'quick_return', 'v_engine', 'jansen', 'andrews')
+WATT = read_values('watt')
+BUCKET = read_values('bucket')
+
+
+def without(*names, of=None):
+    """Return a scene without parameters."""
+    return {name: value for name, value in (of or WATT).items() if name not in names}
+
+
+@pytest.mark.parametrize('values, name, why', [
+    ({**WATT, 'linkage.dyads': []}, 'linkage.dyads', 'must be given'),
+    ({**WATT, 'linkage.dyads': ['one', 'two', 'one']}, 'linkage.dyads', "'one': stands twice"),
+    ({**WATT, 'linkage.dyads': ['one']}, 'dyads.two', 'is not listed in linkage.dyads'),
+    ({**WATT, 'linkage.dyads': ['one', 'two', 'three']}, 'dyads.three.kind', 'must be given'),
+    ({**WATT, 'linkage.dyads': ['two', 'one']}, 'dyads.two.first.link', 'is a link of dyad one'),
+    ({**WATT, 'linkage.dyads': ['one', 'tow'], 'dyads.tow.kind': 'RRR'}, 'dyads.tow.first.link',
+     'must be given'),
+    (without('dyads.one.kind'), 'dyads.one.kind', 'must be given'),
+    (without('dyads.one.links'), 'dyads.one.links', 'must be given'),
+    (without('dyads.one.second.link'), 'dyads.one.second.link', 'must be given'),
+    (without('dyads.one.length_2'), 'dyads.one.length_2', 'a dyad RRR needs it'),
+    ({**WATT, 'dyads.one.kind': 'RRX'}, 'dyads.one.kind', 'must be one of RRR, RRP'),
+    ({**WATT, 'dyads.one.kind': 'RRP'}, 'dyads.one.length_2', 'a dyad RRP has'),
+    ({**WATT, 'dyads.one.first.link': 'crnak'}, 'dyads.one.first.link', 'did you mean crank?'),
+    ({**WATT, 'dyads.one.first.link': 'coupler'}, 'dyads.one.first.link', 'its own link'),
+    ({**WATT, 'dyads.two.links': ['coupler', 'output']}, 'dyads.two.links', 'of dyad one already'),
+    ({**WATT, 'dyads.two.links': ['crank', 'output']}, 'dyads.two.links', 'of the driven link'),
+    ({**WATT, 'dyads.two.links': ['output']}, 'dyads.two.links', 'two links'),
+    ({**WATT, 'dyads.two.links': ['a b', 'output']}, 'dyads.two.links', 'must be a name'),
+    ({**WATT, 'dyads.two.links': ['rods', 'output']}, 'dyads.two.links', 'another name'),
+    ({**WATT, 'dyads.one.length_1': -1.0}, 'dyads.one.length_1', 'must be positive'),
+    ({**WATT, 'dyads.one.length_1': 9.0}, 'dyads.one', 'cannot close at any input'),
+    ({**WATT, 'dyads.two.length_1': 9.0}, 'dyads.two', 'at which those before it do'),
+    ({**WATT, 'dyads.one.mode': 3}, 'dyads.one.mode', 'must lie in [1, 2]'),
+    ({**WATT, 'dyads.one.lenght_1': 1.0}, 'dyads.one.lenght_1', 'did you mean dyads.one.length_1'),
+    ({**WATT, 'dyads.1.kind': 'RRR'}, 'dyads.1.kind', 'not a valid dyad name'),
+    ({**WATT, 'linkage.mode': 1}, 'linkage.mode', 'dyads.NAME.mode'),
+    ({**WATT, 'linkage.a1': 0.4}, 'linkage.a1', 'has dyads'),
+    ({**WATT, 'linkage.output': 'otput'}, 'linkage.output', 'did you mean output?'),
+    ({**WATT, 'linkage.range': [0.0, 1.0]}, 'linkage.range', 'only a driven slide'),
+    ({**WATT, 'bodies.rcoker.mass': 1.0}, 'bodies.rcoker', 'did you mean rocker?'),
+    ({**WATT, 'bodies.output.mass': 1.0}, 'bodies.output.inertia', 'must be given'),
+    ({**WATT, 'external.crank.couple': 1.0}, 'external.crank', 'no such link here'),
+    ({**WATT, 'points.tip.link': 'coupelr'}, 'points.tip.link', 'must be one of crank, coupler'),
+    ({**WATT, 'joint_names': ['a']}, 'joint_names', 'seven different names'),
+    ({**BUCKET, 'cylinder.pin.along': 0.0}, 'cylinder.pin', 'away from O1'),
+    ({**BUCKET, 'cylinder.links': ['rod']}, 'cylinder.links', 'two links'),
+    ({**BUCKET, 'linkage.range': [9.0, 10.0]}, 'linkage.range', 'cannot close anywhere in it'),
+    ({**PAPER, **RODS, 'linkage.dyads': ['one']}, 'linkage.dyads', 'alone has it'),
+    ({**PAPER, **RODS, 'dyads.one.kind': 'RRR'}, 'dyads.one.kind', 'alone has dyads'),
+], ids=lambda value: value if isinstance(value, str) and ' ' not in value else '')
+def test_a_mistake_is_refused_in_one_line_that_names_what_and_where(values, name, why):
+    with pytest.raises(InvalidParameter) as caught:
+        scene.from_values(values)
+    said = str(caught.value)
+    assert caught.value.name == name and why in said and '\n' not in said and len(said) < 300
+
+
+def test_the_four_bar_as_a_machine_has_its_motion_and_loads():
+    values = {'linkage.kind': 'machine', 'linkage.dyads': ['d'], 'dyads.d.kind': 'RRR',
+              'dyads.d.first.link': 'crank', 'dyads.d.first.along': 0.4,
+              'dyads.d.second.link': 'ground', 'dyads.d.second.along': 1.0,
+              'dyads.d.links': ['coupler', 'output'], 'dyads.d.length_1': 1.2,
+              'dyads.d.length_2': 0.8, **RODS}
+    crank = scene.from_values({**PAPER, **RODS}).linkage.bodies.crank
+    values |= {f'bodies.crank.{field}': getattr(crank, field)
+               for field in ('mass', 'inertia', 'cg_along')}
+    machine = scene.from_values(values).linkage
+    four_bar = FourBar(0.4, 1.2, 0.8, 1.0, bodies=machine.bodies)
+    motion, loads = machine.step(0.7, 25.0, -3.0)
+    expected, forces = four_bar.step(0.7, 25.0, -3.0)
+    assert motion.omega_output == pytest.approx(expected.omega4, rel=1e-13)
+    assert loads.driving_torque == pytest.approx(forces.driving_torque, rel=1e-12)
+    # of the ground, of the crank, of the output link on the coupler
+    for field, name, sign in (('base', 'f41', 1.0), ('d_first', 'f21', -1.0),
+                              ('d_inner', 'f32', 1.0), ('d_second', 'f43', 1.0)):
+        assert [getattr(loads, f'{field}_{axis}') for axis in 'xy'] == pytest.approx(
+            [sign * getattr(forces, f'{name}_{axis}') for axis in 'xy'], rel=1e-12), field
+
+
+@pytest.mark.parametrize('name', MACHINES)
+def test_a_dump_of_a_machine_is_the_same_scene(name):
+    first = scene.load(name)
+    again = scene.from_values(first.values)
+    assert again.linkage.dyads == first.linkage.dyads and again.outputs == first.outputs
+    assert again.linkage.bodies == first.linkage.bodies
+
+
+def test_jansens_foot_has_the_published_distances():
+    """All thirteen numbers, as distances of joints in the pose."""
+    its = scene.load('jansen')
+    machine = its.linkage
+    for theta in np.linspace(0.0, 2.0 * pi, 7):
+        motion = machine.motion(theta)
+
+        def at(link, along=0.0, across=0.0, motion=motion):
+            return point_motion(machine, motion, link, along, across).place
+
+        pin, hip = np.array((0.15 * cos(theta), 0.15 * sin(theta))), at('hip')
+        top, knee, ankle = at('j', 0.5), at('k', 0.619), at('f', 0.394)
+        back, foot = at('hip', *machine.dyads[2].first[1:]), at(*its.points['foot'])
+        lengths = [
+            (hip, top, 41.5), (hip, knee, 39.3), (hip, back, 40.1), (top, back, 55.8),
+            (back, ankle, 39.4), (knee, ankle, 36.7), (ankle, foot, 65.7), (knee, foot, 49.0),
+            (pin, top, 50.0), (pin, knee, 61.9)]
+        for one, other, expected in lengths:
+            assert 100.0 * np.hypot(*(one - other)) == pytest.approx(expected, rel=1e-12)
+        assert (100.0 * hip).tolist() == pytest.approx([-38.0, -7.8], rel=1e-14)
+
+
+def test_the_counterweight_of_the_v_engine_balances_the_first_order():
+    machine = scene.load('v_engine').linkage
+    speed = 628.0
+    turn = np.arange(256) * 2.0 * pi / 256
+    _, loads = machine.step(turn, speed)
+    force = np.fft.fft(loads.shaking_force_x + 1j * loads.shaking_force_y) / 256
+    size = abs(force).max()
+    assert abs(force[1]) < 1e-12 * size and abs(force[-1]) < 1e-12 * size
+    assert size > 1000.0
+
+
+def test_the_quick_return_has_the_ratio_of_times_of_its_geometry():
+    machine = scene.load('quick_return').linkage
+    turn = np.linspace(-pi, pi, 20001)
+    velocity = machine.motion(turn, 10.0).slide_ram_velocity
+    share = np.count_nonzero(velocity > 0.0) / len(turn)
+    ratio = max(share, 1.0 - share) / min(share, 1.0 - share)
+    arc = 2.0 * np.arcsin(0.4)
+    assert ratio == pytest.approx((pi + arc) / (pi - arc), rel=1e-3)
