@@ -23,6 +23,22 @@ def add(verbs):
                     'parameter, exit code 1.')
     check.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
     check.set_defaults(run=_check)
+    policy = actions.add_parser(
+        'policy', help='print the SROS2 policy of a scene: what its node may publish and receive',
+        description='Print the SROS2 policy of the node of a scene: the topics, services and '
+                    'actions that it uses, and no others. For  ros2 security create_permission.')
+    policy.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    policy.add_argument('--node', metavar='NAME', default='/fourbar',
+                        help='full name of the node; default /fourbar')
+    policy.add_argument('--use-sim-time', action='store_true', help='the node follows /clock')
+    policy.set_defaults(run=_policy)
+
+
+def _policy(arguments):
+    from fourbar_ros.scene.policy import policy
+    from fourbar_ros.scene.scene import load
+    print(policy(load(arguments.scene), '/' + arguments.node.strip('/'), arguments.use_sim_time),
+          end='')
 
 
 def _check(arguments):
