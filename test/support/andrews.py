@@ -16,6 +16,8 @@ from support.machines import andrews, ANDREWS_BETA
 from support.taylor import taylor
 
 UNTIL = 0.03
+# beta and its rate then, where both routes agree.
+ANDREWS_ANGLE, ANDREWS_RATE = '15.81077119515370585', '1139.920302259106218'
 
 
 def energies(machine, spring, torque, beta):
@@ -48,7 +50,7 @@ def by_quadrature(digits=25):
             end = mp.sqrt(beta - start)
             pieces = mp.linspace(0, end, 26)
             return mp.quad(lambda u: 2 * u * slowness(start + u * u) if u else mp.mpf(0), pieces,
-                           method='gauss-legendre', maxdegree=4)
+                           method='gauss-legendre', maxdegree=5)
         beta, step = mp.mpf('15.81077119515'), mp.mpf(1)
         while abs(step) > mp.mpf(10)**(-digits):
             step = (mp.mpf(UNTIL) - time(beta)) / slowness(beta)
@@ -56,7 +58,7 @@ def by_quadrature(digits=25):
         return +beta
 
 
-def by_taylor_series(steps=150, order=30, digits=40):
+def by_taylor_series(steps=240, order=36, digits=45):
     """Return beta and its rate at the end."""
     import flint
 

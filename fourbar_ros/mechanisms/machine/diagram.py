@@ -92,7 +92,8 @@ def _bars_of_parents(mechanism: Any, motion: Any, joints: Any) -> list[Bar]:
 
 def _third_sides(mechanism: Any, motion: Any, joints: Any) -> list[Bar]:
     """Return the sides of links with three joints and more that do not begin at the first."""
-    layout, on_link = mechanism.layout, {link: [] for link in mechanism.layout.moving}
+    layout = mechanism.layout
+    on_link: dict[str, list[Any]] = {link: [] for link in layout.moving}
     for stage, dyad in zip(layout.stages, mechanism.stages):
         names, slides = dict(stage.joints()), SLIDES[stage.kind]
         for i, place in enumerate(('first', 'second')):

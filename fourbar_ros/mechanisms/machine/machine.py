@@ -7,31 +7,31 @@ Positions go forward, dyad by dyad, forces backward; each dyad is solved in clos
 """
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from dataclasses import fields as fields_of
 from functools import cached_property
 from math import nan, pi
 from typing import Any, ClassVar
 
-from fourbar_ros.errors import FourBarError, InvalidParameter, nearest, Toggle
+from fourbar_ros.errors import FourBarError, InvalidParameter, Toggle
 from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
 from fourbar_ros.mechanisms.checks import STROKE, two_numbers
 from fourbar_ros.mechanisms.contract import Constants, CRANK, SLIDE
 from fourbar_ros.mechanisms.machine import diagram
 from fourbar_ros.mechanisms.machine.connections import connections_of
 from fourbar_ros.mechanisms.machine.description import (
-    checked_links,
-    checked_mode,
-    checked_point,
-    CRANK_LINK,
     CYLINDER,
     Cylinder,
-    DIMENSIONS,
     Dyad,
-    GROUND,
     OF_ONE_MODE,
     RPR,
+)
+from fourbar_ros.mechanisms.machine.given import (
+    by_link,
+    checked_cylinder,
+    checked_dyads,
+    with_lengths,
 )
 from fourbar_ros.mechanisms.machine.layout import Layout, layout_of
 from fourbar_ros.mechanisms.machine.loads import make_loads
@@ -112,13 +112,14 @@ class Machine(Mechanism):
     def __post_init__(self) -> None:
         if self.input not in DRIVERS:
             raise InvalidParameter('input', self.input, f'must be one of {", ".join(DRIVERS)}')
-        self._set(dyads=_checked_dyads(self.dyads), cylinder=self._checked_cylinder())
+        self._set(dyads=checked_dyads(self.dyads),
+                  cylinder=checked_cylinder(self.cylinder, self.input))
         layout = layout_of(self.input, self.stages, self.output)
         names = names_of(layout)
         self._set(layout=layout, output=layout.output, **names._asdict(),
                   LENGTHS=tuple([length for length, _ in lengths_of(self.stages)]))
-        self._set(bodies=_by_link('bodies', self.bodies, Body, names.BODIES, NO_BODY),
-                  external=_by_link('external', self.external, Applied, names.EXTERNAL,
+        self._set(bodies=by_link('bodies', self.bodies, Body, names.BODIES, NO_BODY),
+                  external=by_link('external', self.external, Applied, names.EXTERNAL,
                                     NOT_APPLIED) or names.EXTERNAL(),
                   gravity=two_numbers('gravity', self.gravity))
         self._require_closing()
@@ -134,27 +135,6 @@ class Machine(Mechanism):
     def _set(self, **values: Any) -> None:
         for name, value in values.items():
             object.__setattr__(self, name, value)
-
-    def _checked_cylinder(self) -> Cylinder | None:
-        """Return the cylinder, which a machine has that is driven by one, and no other."""
-        given = self.cylinder
-        if (given is None) is (self.input == CYLINDER):
-            raise InvalidParameter('cylinder', given, 'a machine has one if input is cylinder, '
-                                                      'and only then')
-        if given is None:
-            return None
-        try:
-            base, pin, links, mode = Cylinder(*given)
-        except TypeError:
-            raise InvalidParameter('cylinder', given, 'must be Cylinder(base, pin, links, '
-                                                      'mode)') from None
-        base, pin = checked_point('cylinder.base', base), checked_point('cylinder.pin', pin)
-        for name, point, link in (('base', base, GROUND), ('pin', pin, CRANK_LINK)):
-            if point.link != link or not (point.along or point.across):
-                raise InvalidParameter(f'cylinder.{name}', tuple(point),
-                                       f'must be a point of the {link} away from O1')
-        return Cylinder(base, pin, checked_links('cylinder.links', links),
-                        checked_mode('cylinder.mode', mode))
 
     @cached_property
     def stages(self) -> tuple[Dyad, ...]:
@@ -174,7 +154,7 @@ class Machine(Mechanism):
     def with_lengths(self, lengths: Sequence[float]) -> Machine:
         """Return the same machine with other :attr:`lengths`; it may close nowhere."""
         given = dict(zip(self.length_names, lengths))
-        return self._with_stages([_with_lengths(dyad, given) for dyad in self.stages])
+        return self._with_stages([with_lengths(dyad, given) for dyad in self.stages])
 
     def _with_stages(self, stages: Sequence[Dyad]) -> Machine:
         """Return the same structure of other dyads, its own of a cylinder first."""
@@ -381,38 +361,3 @@ class Machine(Mechanism):
 def _again(given: dict[str, Any]) -> Machine:
     """Return a machine that was pickled."""
     return Machine(**given)
-
-
-def _checked_dyads(given: Any) -> tuple[Dyad, ...]:
-    """Return one dyad or more, as a tuple."""
-    dyads = tuple(given) if isinstance(given, (tuple, list)) else ()
-    if not dyads or not all(isinstance(dyad, Dyad) for dyad in dyads):
-        raise InvalidParameter('dyads', given, 'must be one Dyad or more, in order')
-    return dyads
-
-
-def _with_lengths(dyad: Dyad, given: dict[str, float]) -> Dyad:
-    """Return a dyad with other lengths, by their names in a machine."""
-    changed: dict[str, Any] = {
-        place: getattr(dyad, place)._replace(**{
-            name: given[f'{dyad.name}.{place}.{name}'] for name in ('along', 'across')
-            if f'{dyad.name}.{place}.{name}' in given})
-        for place in ('first', 'second')}
-    changed.update((name, given[f'{dyad.name}.{name}']) for name in DIMENSIONS[dyad.kind]
-                   if f'{dyad.name}.{name}' in given)
-    return replace(dyad, **changed)
-
-
-def _by_link(name: str, given: Any, kind: type, whole: Any, default: Any) -> Any:
-    """Return {link: record}, or a tuple of them, as ``whole``; None for None."""
-    if given is None:
-        return None
-    if not isinstance(given, Mapping):
-        given = given._asdict() if hasattr(given, '_asdict') else dict(zip(whole._fields, given))
-    for link, record in given.items():
-        if link not in whole._fields:
-            raise InvalidParameter(f'{name}.{link}', None, 'there is no such link'
-                                   f'{nearest(link, whole._fields)}')
-        if not isinstance(record, kind):
-            raise InvalidParameter(f'{name}.{link}', record, f'must be of type {kind.__name__}')
-    return whole(**{link: given.get(link, default) for link in whole._fields})

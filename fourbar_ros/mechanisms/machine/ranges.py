@@ -3,17 +3,11 @@
 """
 Where a machine can be assembled: the ranges of its input, dyad by dyad.
 
-A dyad closes where its *closing* is positive, a number without unit that vanishes at its toggles:
-
-    (R1)  RRR: ((r1 + r2)^2 - q)(q - (r1 - r2)^2) / (r1 + r2)^4
-    (R2)  RRP: (r1 - h)(r1 + h) / r1^2        RPR: (|d|^2 - h^2) / (a length)^2
-    (R3)  PRP: t1 x t2, which may have either sign: a range ends where the lines are parallel
-
-Within the range of the dyads before it, a closing is analytic in phi, with x = middle + half
-sin(phi) between two toggles. It is sampled with its derivative (a complex step) and halved until
-the cubic through both ends of each piece predicts the middle; a piece whose cubic comes near zero
-is halved on. Signs that change are then halved to the last bit of the input. This finds every
-range that is wider than the last pieces, some 1e-10 of the whole, and proves nothing.
+Within the range of the dyads before it, a closing (:mod:`.closings`) is analytic in phi, with x =
+middle + half sin(phi) between two toggles. It is sampled with its derivative (a complex step) and
+halved until the cubic through both ends of each piece predicts the middle; a piece whose cubic
+comes near zero is halved on. Signs that change are then halved to the last bit of the input. This
+finds every range that is wider than the last pieces, some 1e-10 of the whole, and proves nothing.
 """
 from __future__ import annotations
 
@@ -22,20 +16,17 @@ from functools import partial
 from math import pi
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.machine.description import CYLINDER, PRP, RPR, RRP, RRR
-from fourbar_ros.mechanisms.machine.dyads import FIXED, MAKERS, nodes_of, turned
+from fourbar_ros.mechanisms.machine.closings import closes_somewhere, Closing, make_closings
+from fourbar_ros.mechanisms.machine.description import CYLINDER, PRP
 from fourbar_ros.mechanisms.machine.layout import Layout, Stage
-from fourbar_ros.mechanisms.machine.motion import make_driver
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.number_types import COMPLEX, NumberType, REAL
+from fourbar_ros.numerics.number_types import COMPLEX, REAL
 import numpy as np
 
-CLOSING = (RRR, RRP, RPR, PRP)     # kinds that do not close at any input
 PIECES, MOST_HALVINGS = 96, 26
 STEP = 2.0**-200                 # complex step
 MISFIT, ROUNDING = 1e-4, 2.0**-47
 NEWTON_STEPS = 12
-Closing = Callable[[Any], Any]      # of an input, returns the closings of some dyads
 
 
 class Limit(NamedTuple):
@@ -64,54 +55,6 @@ class Closings(NamedTuple):
     limits: tuple[tuple[Limit, Limit] | None, ...]
     near: tuple[Near, ...]
     stopped: str = ''
-
-
-def make_closing(n: NumberType, kind: str, numbers: Sequence[Any]) -> Callable[..., Any]:
-    """Return the function (D, curves of the links it hangs on) -> closing of a dyad."""
-    sizes, size = numbers[4:], sum(map(abs, numbers))
-
-    def closing(apart: Sequence[Any], first: Any, second: Any) -> Any:
-        if kind == PRP:
-            (x1, y1), (x2, y2) = turned(first, *sizes[:2])[:2], turned(second, *sizes[2:])[:2]
-            return x1 * y2 - y1 * x2
-        x, y = apart[:2]
-        q = x * x + y * y
-        if kind == RRR:
-            r1, r2 = sizes
-            outer, inner = (r1 + r2) * (r1 + r2), (r1 - r2) * (r1 - r2)
-            return (outer - q) / outer * ((q - inner) / outer)
-        if kind == RRP:
-            t_x, t_y = turned(second, *sizes[1:])[:2]
-            h = (y * t_x - x * t_y) / sizes[0]
-            return (1.0 - h) * (1.0 + h)
-        return (q - sizes[0] * sizes[0]) / (size * size)
-    return closing
-
-
-def make_closings(n: NumberType, layout: Layout, numbers: Sequence[Any], signs: Sequence[Any],
-                  count: int) -> Closing:
-    """Return input -> closings of the first ``count`` dyads; 1 of those that have none."""
-    driver = make_driver(n, layout, numbers, signs)
-    work = [(stage, its, layout.meet(stage),
-             MAKERS[stage.kind](n, 1.0 if stage.name == CYLINDER else sign, *its[4:]),
-             make_closing(n, stage.kind, its) if closes_somewhere(stage) else None)
-            for stage, its, sign in list(zip(layout.stages, numbers, signs))[:count]]
-
-    def closings_at(x: Any) -> list[Any]:
-        curves, found = [FIXED, driver(x)[0]], []
-        for stage, its, meet, moves, closing in work:
-            first, second = curves[stage.first], curves[stage.second]
-            nodes = nodes_of(first, second, its, meet)
-            found.append(closing(nodes[2], first, second) if closing else 1.0)
-            if len(found) < count:
-                curves += moves(*nodes, first, second)[:2]
-        return found
-    return closings_at
-
-
-def closes_somewhere(stage: Stage) -> bool:
-    """Return whether a dyad does not close at every input."""
-    return stage.kind in CLOSING and stage.name != CYLINDER
 
 
 def cylinder_range(numbers: Sequence[float]) -> tuple[float, float]:
@@ -301,7 +244,8 @@ def _doubtful(ends: tuple[Array, Array], inner: tuple[Array, Array], i: Array,
     crosses = (value[i] > 0.0) != (value[i + 1] > 0.0)
     doubtful: Array = ((misfit > MISFIT * size) | ~np.isfinite(misfit)
                        | (~crosses & (np.minimum(*halves) < 4.0 * misfit)))
-    return doubtful & (width > 1e-11) & (size > ROUNDING)
+    doubtful &= (width > 1e-11) & (size > ROUNDING)
+    return doubtful
 
 
 def _least(f0: Array, d0: Array, f1: Array, d1: Array, width: Array) -> Array:
