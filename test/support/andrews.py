@@ -17,7 +17,8 @@ from support.taylor import taylor
 
 UNTIL = 0.03
 # beta and its rate then, where both routes agree.
-ANDREWS_ANGLE, ANDREWS_RATE = '15.81077119515370585', '1139.920302259106218'
+ANDREWS_ANGLE = '15.810771195153705841647478'
+ANDREWS_RATE = '1139.9203022591062132888514'
 
 
 def energies(machine, spring, torque, beta):
