@@ -3,9 +3,9 @@
 """What is given for a link, in its own frame: origin at its first joint, x to its second joint."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import pi
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.numerics.given import number
 
@@ -90,8 +90,21 @@ def round_rod(length: float, density: float, radius: float) -> Body:
     length, density, radius = (number(name, value, 'must be a positive number', above=0.0)
                                for name, value in
                                (('length', length), ('density', density), ('radius', radius)))
+    return Body(*rod_numbers(length, density, radius))
+
+
+def rod_numbers(length: Any, density: Any, radius: Any) -> tuple[Any, ...]:
+    """Return mass, cg_along, cg_across and inertia of a rod as :func:`round_rod`; unchecked."""
     mass = density * pi * radius**2 * length
-    return Body(mass, 0.5 * length, 0.0, mass * (3.0 * radius**2 + length**2) / 12.0)
+    return mass, 0.5 * length, 0.0, mass * (3.0 * radius**2 + length**2) / 12.0
+
+
+def unchecked(kind: type[Any], *values: Any) -> Any:
+    """Return a :class:`Body` or :class:`Applied` of any numbers, as arrays, without checks."""
+    made = object.__new__(kind)
+    for field, value in zip(fields(kind), values):
+        object.__setattr__(made, field.name, value)
+    return made
 
 
 class Bodies(NamedTuple):

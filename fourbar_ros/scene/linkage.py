@@ -81,7 +81,7 @@ def _of_kind(values):
                     {length: values[f'linkage.{length}'] for length in of_kinds.LENGTHS})
     return kind(**arguments, mode=values['linkage.mode'],
                 bodies=kind.BODIES(**bodies.every()) if bodies.are_given else None,
-                gravity=_gravity(values), external=kind.EXTERNAL(**_external(values, kind)))
+                gravity=_gravity(values), external=kind.EXTERNAL(**external_of(values, kind)))
 
 
 def _machine(values):
@@ -90,7 +90,7 @@ def _machine(values):
     _check_links(values, machine)
     bodies = Bodies(values, machine.LINKS, dict(zip(machine.length_names, machine.lengths)))
     return machines.loaded(machine, bodies.those_given() if bodies.are_given else None,
-                           _gravity(values), _external(values, machine))
+                           _gravity(values), external_of(values, machine))
 
 
 def _check_links(values, machine):
@@ -109,9 +109,9 @@ def _gravity(values):
     return values['gravity.x'], values['gravity.y']
 
 
-def _external(values, mechanism):
-    """Return {link: Applied}."""
-    return {link: Applied(*(values[f'external.{link}.{field}']
+def external_of(values, mechanism, applied=Applied):
+    """Return {link: Applied}; ``applied`` makes one of its numbers."""
+    return {link: applied(*(values[f'external.{link}.{field}']
                             for field in Applied.__dataclass_fields__))
             for link in mechanism.EXTERNAL._fields}
 
@@ -130,6 +130,9 @@ class Bodies:
 
     """
 
+    # What is made of its numbers; subclasses may take arrays.
+    body, rod = staticmethod(Body), staticmethod(round_rod)
+
     def __init__(self, values, links, lengths):
         self._values, self._links, self._lengths = values, links, lengths
         self._has_rods = self._has('bodies.rods.density') or self._has('bodies.rods.radius')
@@ -138,7 +141,8 @@ class Bodies:
                 raise InvalidParameter(name, None, 'must be given: rods have density and radius')
 
     def _has(self, name):
-        return not isnan(self._values[name])
+        value = self._values[name]
+        return not isinstance(value, float) or not isnan(value)
 
     def _has_mass(self, link):
         return self._has(f'bodies.{link.name}.mass')
@@ -171,8 +175,8 @@ class Bodies:
             if self._has(name):
                 raise InvalidParameter(name, self._values[name], 'give either bodies.rods or the '
                                                                  'bodies one by one, not both')
-        return round_rod(self._lengths[link.length], self._values['bodies.rods.density'],
-                         self._values['bodies.rods.radius'])
+        return self.rod(self._lengths[link.length], self._values['bodies.rods.density'],
+                        self._values['bodies.rods.radius'])
 
     def _one(self, link):
         name, values = f'bodies.{link.name}.', self._values
@@ -182,5 +186,5 @@ class Bodies:
                                        f'{" and inertia" * link.turns} of the {link.name}')
         along = (values[name + 'cg_along'] if self._has(name + 'cg_along')
                  else 0.5 * self._lengths[link.length] if link.length else 0.0)
-        return Body(values[name + 'mass'], along, values[name + 'cg_across'],
-                    values[name + 'inertia'] if self._has(name + 'inertia') else 0.0)
+        return self.body(values[name + 'mass'], along, values[name + 'cg_across'],
+                         values[name + 'inertia'] if self._has(name + 'inertia') else 0.0)

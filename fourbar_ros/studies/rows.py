@@ -7,19 +7,24 @@ A pure function of the study and the chunk's number: the same bits wherever it r
 """
 from __future__ import annotations
 
+from collections import Counter
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.scene import from_values
-from fourbar_ros.studies.measures import CHEAP
+from fourbar_ros.studies.blocks import Block
+from fourbar_ros.studies.measures import CHANGE_POINT, CHEAP, CLASS
 from fourbar_ros.studies.one_design import Design, is_within
-from fourbar_ros.studies.study import Study
+from fourbar_ros.studies.study import Bound, Study
 import numpy as np
 
 # Why a design is not among the results, beside the constraints by name.
 NOT_BUILT, FAILED = 'cannot be built', 'failed'
 FEASIBLE = 'feasible'
+# Designs that are tried for one that can be built.
+TRIED = 100
 
 
 class Chunk(NamedTuple):
@@ -47,17 +52,77 @@ def compute(study: Study, number: int) -> Chunk:
     """Return the results of chunk ``number`` of a study."""
     start, stop = study.rows_of(number)
     drawn = study.drawn(start, stop)
-    counts: dict[str, int] = {}
+    found, reasons = _together(study, drawn)
+    columns = _columns(study, stop - start, found)
     failures: list[tuple[int, str]] = []
-    kept: list[dict[str, Any]] = []
-    for row, values in enumerate(zip(*(column.tolist() for column in drawn.values())), start):
-        reason, found = _row(study, dict(zip(drawn, values)))
-        if reason == FAILED:
-            failures.append((row, found[FAILED]))
-        counts[reason] = counts.get(reason, 0) + 1
-        if reason == FEASIBLE or found and study.keeps_all and reason != FAILED:
-            kept.append({'row': row, FEASIBLE: reason == FEASIBLE, **found})
-    return Chunk(_as_columns(study, drawn, start, kept), counts, failures)
+    is_kept = np.array([reason == FEASIBLE or study.keeps_all for reason in reasons])
+    for i in [i for i, reason in enumerate(reasons) if reason is None]:
+        values = {name: column[i].item() for name, column in drawn.items()}
+        reasons[i], one = _row(study, values)
+        if reasons[i] == FAILED:
+            failures.append((start + i, one[FAILED]))
+        is_kept[i] = reasons[i] == FEASIBLE or (study.keeps_all and one and reasons[i] != FAILED)
+        for name in one.keys() & columns.keys():
+            columns[name][i] = one[name]
+    rows = np.nonzero(is_kept)[0]
+    head = {'row': rows + start}
+    if study.keeps_all:
+        head[FEASIBLE] = np.array([reasons[i] == FEASIBLE for i in rows], dtype=bool)
+    head |= {name: column[rows] for name, column in drawn.items()}
+    measured = {name: column[rows].astype(kinds_of(study)[name])
+                for name, column in columns.items()}
+    return Chunk(head | measured, dict(Counter(reasons)), failures)
+
+
+def _columns(study: Study, size: int, found: dict[str, Array]) -> dict[str, Array]:
+    """Return a column of ``size`` for each measure and curve, with what is found already."""
+    shapes = {f'{curve.point}.{axis}': (size, curve.samples) for curve in study.curves
+              for axis in 'xy'}
+    columns = {}
+    for name, kind in kinds_of(study).items():
+        empty = np.full(shapes.get(name, (size,)), '' if kind is str else np.nan,
+                        dtype=object if kind is str else float)
+        columns[name] = found[name].astype(empty.dtype) if name in found else empty
+    return columns
+
+
+def _together(study: Study, drawn: dict[str, Array]) -> tuple[dict[str, Array], list[Any]]:
+    """Return measures of designs computed together, and why each is left out; None: not done."""
+    size = len(next(iter(drawn.values())))
+    scene = _first_scene(study, drawn)
+    if (scene is None or not scene.drive.speed or scene.linkage.is_driven_by_slide
+            or scene.values['linkage.kind'] not in KINDS):      # one put together at run time
+        return {}, [None] * size
+    block = Block(study, scene, drawn)
+    block.compute_cheap()
+    reasons = np.full(size, FEASIBLE, dtype=object)
+    cheap = [bound for bound in study.bounds if bound.measure.part in (CLASS, CHANGE_POINT)]
+    later = [bound for bound in study.bounds if bound not in cheap]
+    _exclude(block, reasons, cheap)
+    rows = np.nonzero(block.is_done & ((reasons == FEASIBLE) | study.keeps_all))[0]
+    block.compute(rows)
+    _exclude(block, reasons, sorted(later, key=lambda bound: bound.measure.part not in CHEAP))
+    reasons[~block.is_done] = None
+    return block.found, reasons.tolist()
+
+
+def _exclude(block: Block, reasons: Array, bounds: list[Bound]) -> None:
+    """Note the first bound that each design fails."""
+    for bound in bounds:
+        column = block.found.get(bound.measure.name)
+        if column is not None:
+            fine = np.array([is_within(value, *bound[1:]) for value in column.tolist()])
+            reasons[~fine & (reasons == FEASIBLE)] = bound.measure.name
+
+
+def _first_scene(study: Study, drawn: dict[str, Array]) -> Any:
+    """Return the scene of the first of some designs that can be built, or None."""
+    for values in zip(*(column[:TRIED].tolist() for column in drawn.values())):
+        try:
+            return from_values(study.values | dict(zip(drawn, values)))
+        except InvalidParameter:
+            continue
+    return None
 
 
 def _row(study: Study, values: dict[str, Any]) -> tuple[str, dict[str, Any]]:
@@ -91,29 +156,18 @@ def _of_scene(study: Study, design: Design) -> tuple[str, dict[str, Any]]:
     return reason, found
 
 
-def _as_columns(study: Study, drawn: dict[str, Array], start: int,
-                kept: list[dict[str, Any]]) -> dict[str, Array]:
-    """Return the rows kept as columns."""
-    rows = np.array([found['row'] for found in kept], dtype=np.int64)
-    columns: dict[str, Array] = {'row': rows}
-    if study.keeps_all:
-        columns[FEASIBLE] = np.array([found[FEASIBLE] for found in kept], dtype=bool)
-    columns |= {name: column[rows - start] for name, column in drawn.items()}
-    for measure in study.measures:
-        values = [found[measure.name] for found in kept]
-        columns[measure.name] = np.array(values, dtype=kind_of(measure.part))
-    for curve in study.curves:
-        for name in (f'{curve.point}.x', f'{curve.point}.y'):
-            columns[name] = np.array([found[name] for found in kept]).reshape(-1, curve.samples)
-    return columns
-
-
 def nothing(study: Study) -> dict[str, Array]:
     """Return the columns of a chunk of which no row is kept."""
-    drawn = {one.name: np.array(one.extremes) for one in study.vary}
-    return _as_columns(study, drawn, 0, [])
+    head: dict[str, Array] = {'row': np.zeros(0, np.int64)}
+    if study.keeps_all:
+        head[FEASIBLE] = np.zeros(0, bool)
+    head |= {one.name: np.array(one.extremes)[:0] for one in study.vary}
+    return head | {name: column.astype(kinds_of(study)[name])
+                   for name, column in _columns(study, 0, {}).items()}
 
 
-def kind_of(part: str) -> type:
-    """Return the type of the numbers, or texts, of a part of :mod:`.measures`."""
-    return {'class': str, 'extrema': np.int32}.get(part, float)
+def kinds_of(study: Study) -> dict[str, type]:
+    """Return {measure or axis of a curve: the type of its numbers, or texts}."""
+    kinds = {measure.name: {CLASS: str, 'extrema': np.int32}.get(measure.part, float)
+             for measure in study.measures}
+    return kinds | {f'{curve.point}.{axis}': float for curve in study.curves for axis in 'xy'}

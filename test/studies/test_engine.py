@@ -23,10 +23,11 @@ import pytest
 pytest.importorskip('pyarrow')
 DOCUMENT = {
     'scene': 'paper', 'method': 'sobol', 'rows': 240, 'seed': 3, 'chunk': 20,
-    'vary': {'linkage.a1': {'range': [0.2, 0.6]}, 'linkage.a2': {'normal': 0.05},
+    # many do not turn fully: these are computed one by one, which takes time for the kills
+    'vary': {'linkage.a1': {'range': [0.2, 1.4]}, 'linkage.a2': {'normal': 0.05},
              'linkage.mode': {'list': [1, 2]}},
-    'constraints': {'least_transmission_angle': {'least': 0.2}},
-    'quantities': ['omega4', 'shaking_force.max', 'time_ratio'],
+    'quantities': ['omega4', 'alpha4', 'shaking_force', 'shaking_moment', 'f32', 'f43',
+                   'time_ratio'],
     'objectives': {'shaking_force.max': 'minimize'}}
 PATIENCE = 120.0
 

@@ -1,0 +1,151 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Many designs of one scene as one mechanism whose numbers are columns of shape (n, 1).
+
+The formulas of motion and loads are those of every other computation, with
+:func:`~fourbar_ros.numerics.number_types.columns_of` numbers.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from copy import copy
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from fourbar_ros.extrema.sampling import NoLoads
+from fourbar_ros.mechanics.bodies import Applied, Body, rod_numbers, unchecked
+from fourbar_ros.mechanisms.mechanism import OPEN
+from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.exact_sums import exact_sum_of_four
+from fourbar_ros.numerics.number_types import (
+    ARRAY,
+    columns_of,
+    COMPLEX,
+    COMPLEX_WITH_ANGLES,
+)
+from fourbar_ros.scene.linkage import Bodies, external_of
+from fourbar_ros.scene.parameters import find
+from fourbar_ros.scene.scene import Scene
+import numpy as np
+
+NEARLY = 1e-12      # beside the sum of lengths
+
+
+def _sum_of_columns(columns: Sequence[Array]) -> Array:
+    """Return the sum of up to four columns, as good as exact."""
+    one, other, *rest = columns
+    return exact_sum_of_four((one, other, *rest, *[0.0 * one] * (2 - len(rest))))
+
+
+class _Columns(Bodies):
+    """Bodies of which numbers may be columns."""
+
+    body = staticmethod(partial(unchecked, Body))
+
+    @staticmethod
+    def rod(length: Any, density: Any, radius: Any) -> Body:
+        return unchecked(Body, *rod_numbers(length, density, radius))
+
+
+class Designs:
+    """
+    Designs of a scene, evaluated together.
+
+    Parameters
+    ----------
+    scene : Scene
+        Any of them.
+    values : dict
+        All parameters of the scene.
+    drawn : dict
+        {parameter that varies: its values, shape (n,)}.
+    with_angles : bool
+        Angles have derivatives by a complex step too.
+
+    """
+
+    def __init__(self, scene: Scene, values: dict[str, Any], drawn: dict[str, Array],
+                 with_angles: bool = True):
+        self.scene, kind = scene, type(scene.linkage)
+        self._complex = COMPLEX_WITH_ANGLES if with_angles else COMPLEX
+        self.size = len(next(iter(drawn.values())))
+        columns = {name: np.asarray(column, float)[:, None] for name, column in drawn.items()}
+        self.values = values | columns
+        lengths = tuple([self.values[f'linkage.{name}'] for name in scene.linkage.length_names])
+        bodies = _Columns(self.values, kind.LINKS, dict(zip(scene.linkage.length_names, lengths)))
+        mode = self.values['linkage.mode']
+        self._constants = scene.linkage.constants._replace(
+            lengths=tuple([np.broadcast_to(length, (self.size, 1)) for length in lengths]),
+            sign=np.where(np.equal(mode, OPEN), 1.0, -1.0),
+            bodies=kind.BODIES(**bodies.every()) if bodies.are_given else None,
+            gravity=(self.values['gravity.x'], self.values['gravity.y']),
+            external=kind.EXTERNAL(**external_of(self.values, kind,
+                                                 partial(unchecked, Applied))))
+        self.lengths = self._constants.lengths
+        # of which the quantities of points take lengths
+        self.many = copy(scene.linkage)
+        for name, length in zip(scene.linkage.length_names, lengths):
+            object.__setattr__(self.many, name, length)
+        self.rate = self.values['drive.speed']
+        self._made: dict[bool, tuple[Callable, Callable | None]] = {}
+
+    def are_allowed(self) -> Array:
+        """Return which designs have values that the table of parameters allows, shape (n,)."""
+        good = np.ones(self.size, bool)
+        for name, column in self.values.items():
+            parameter = find(name)
+            if isinstance(column, np.ndarray) and parameter is not None:
+                value = column[:, 0]
+                good &= (np.isfinite(value) & (value >= parameter.low) & (value <= parameter.high)
+                         & ((value > 0.0) | (not parameter.positive)))
+        return good
+
+    def state(self, x: Array, acceleration: float, with_loads: bool) -> tuple[Any, Any]:
+        """Return (motion, loads) at inputs of shape (n, any), real or complex."""
+        is_complex = x.dtype.kind == 'c'
+        if is_complex not in self._made:
+            numbers = replace(columns_of(self._complex if is_complex else ARRAY),
+                              exact_sum=_sum_of_columns)
+            linkage = self.scene.linkage
+            with np.errstate(all='ignore'):
+                self._made[is_complex] = (
+                    linkage.motion_formula(numbers, self._constants),
+                    linkage.loads_formula(numbers, self._constants)
+                    if linkage.bodies is not None else None)
+        motion_of, loads_of = self._made[is_complex]
+        with np.errstate(all='ignore'):
+            motion = self.scene.linkage.MOTION(*motion_of(x, self.rate, acceleration))
+            loads = (self.scene.linkage.LOADS(*loads_of(motion)) if with_loads and loads_of
+                     else NoLoads())
+        return motion, loads
+
+    def point_quantities(self) -> dict[str, Any]:
+        """Return {name: quantity} of the points of the scene, with columns."""
+        found = {}
+        for name, point in self.scene.points.items():
+            for make in (point_speed, point_acceleration):
+                one = make(self.scene.linkage, *point, name=name)
+                _, link, _, _, first = one.of.args
+                of = partial(one.of.func, self.many, link, *self.point(name), first)
+                found[one.name] = one._replace(of=of)
+        return found
+
+    def point(self, name: str) -> tuple[Any, Any]:
+        """Return along and across of a point."""
+        return self.values[f'points.{name}.along'], self.values[f'points.{name}.across']
+
+    def margins(self) -> Array | None:
+        """
+        Return :attr:`.Mechanism.margins` over the sum of lengths, shape (margins, n).
+
+        None if they are no sums of lengths.
+        """
+        linkage, sizes = self.scene.linkage, np.abs(np.concatenate(self.lengths, axis=1))
+        signs = np.array(linkage.MARGIN_SIGNS, float).reshape(-1, sizes.shape[1])
+        own = np.abs(np.array(linkage.lengths))
+        if not np.allclose(signs @ own, linkage.margins, 0.0, NEARLY * own.sum()):
+            return None
+        return np.asarray((signs @ sizes.T) / sizes.sum(axis=1))
