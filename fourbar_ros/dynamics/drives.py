@@ -53,7 +53,11 @@ class _WithoutState:
     """A source without a state of its own."""
 
     start: ClassVar[tuple[float, ...]] = ()
-    breaks: ClassVar[tuple[float, ...]] = ()
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Return nothing: the torque neither jumps nor bends."""
+        return ()
 
 
 def _check(source: Any, positive: tuple[str, ...] = (), finite: tuple[str, ...] = (),

@@ -144,7 +144,7 @@ class Equation:
         for name in (link for element in self.elements for link in element.links):
             if name not in places:
                 raise InvalidParameter('link', name, f'must be one of {", ".join(places)}')
-        self._springs = [(element, *(places[link] for link in element.links))
+        self._springs = [(element, places[element.links[0]], places[element.links[1]])
                          for element in self.elements]
         self._is_alternate = None if start is None else make_is_alternate(self.coordinate,
                                                                               start)
@@ -178,8 +178,8 @@ class Equation:
             _, turn, bend = (0.0, 1.0, 0.0) if is_input else read(n, curves)
             inertia, half_slope = extra * turn * turn, extra * turn * bend
             force, damping, couples = 0.0, 0.0, 0.0
-            for i, terms_of, couple in links:
-                j, k, f = terms_of(curves[i])
+            for i, terms_of_link, couple in links:
+                j, k, f = terms_of_link(curves[i])
                 inertia, half_slope, force = inertia + j, half_slope + k, force + f
                 couples = couples + couple * curves[i][8]
             for one, two, terms_of in springs:

@@ -80,7 +80,7 @@ def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywhee
 
 
 def _angles() -> Array:
-    return np.arange(SAMPLES) * (TURN / SAMPLES)
+    return np.linspace(0.0, TURN, SAMPLES, endpoint=False)
 
 
 def steady_turn(equation: Equation, rate: float, inertia: float) -> Flywheel:
@@ -110,7 +110,8 @@ def _integral(values: Array) -> Array:
 def _rates(gained: Array, total: Array, rate: float) -> Array:
     """Return w from (W1), with E0 so that ``rate`` is the mean of its extrema."""
     def rates_at(energy: Any) -> Array:
-        return np.sqrt(2.0 * np.maximum(energy + gained, 0.0) / total)
+        rates: Array = np.sqrt(2.0 * np.maximum(energy + gained, 0.0) / total)
+        return rates
 
     low = -float(np.min(gained))
     high = low + float(np.max(total)) * rate**2 + float(np.ptp(gained))

@@ -25,11 +25,14 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating[Any]]
+ComplexArray = NDArray[np.complexfloating[Any, Any]]
 MOST_SAMPLES = 2**17
 SMALL = 1e-15          # of the last Fourier coefficients to the first
 RESOLVED = 1e-6        # the same, at least
+NARROWEST = 14.0       # samples times the distance of a singularity from the real inputs: e^-14
 TURN = 2.0 * pi
+NOT_RESOLVED = f'dt/du of the free motion needs more than {MOST_SAMPLES} samples'
 
 
 class NotResolved(FourBarError, ArithmeticError):
@@ -80,15 +83,15 @@ class FreeMotion:
             pushes = self._equation.terms(self._start).force
             if pushes == 0.0:
                 raise InvalidParameter('system', None, 'must not rest in an equilibrium')
+            one: float | None = float(self._start)
             other = self._turning_point(mechanism, 1.0 if pushes > 0.0 else -1.0, at_rest=True)
-            ends = sorted((self._start, other)) if other is not None else [None]
         else:
-            ends = [self._turning_point(mechanism, side) for side in (-1.0, 1.0)]
-            if ends == [None, None] and mechanism.turns_fully:
+            one, other = (self._turning_point(mechanism, side) for side in (-1.0, 1.0))
+            if one is None and other is None and mechanism.turns_fully:
                 return None
-        if None in ends:
+        if one is None or other is None:
             raise InvalidParameter('system', None, 'must not reach a limit of its input')
-        return ends[0], ends[1]
+        return min(one, other), max(one, other)
 
     def _turning_point(self, mechanism: Any, side: float,
                        at_rest: bool = False) -> float | None:
@@ -116,12 +119,19 @@ class FreeMotion:
         inertia, spare = self._equation.terms(q).inertia, self.energy - self._equation.potential(q)
         scale = (self._half * np.cos(u))**2 if self.swings else 1.0
         # rounding may make it negative
-        return np.sqrt(scale * inertia / (2.0 * np.abs(spare)))
+        slope: Array = np.sqrt(scale * inertia / (2.0 * np.abs(spare)))
+        return slope
 
     @cached_property
-    def _resolved(self) -> tuple[float, Array]:
+    def _resolved(self) -> tuple[float, ComplexArray]:
         """Return the size of the last Fourier coefficients of dt/du, and those above it."""
-        best, count = (np.inf, np.empty(0)), 32
+        # a peak between all samples would leave no trace in the series
+        width = min((abs(z.imag) for z in self._equation.mechanism.singular_inputs if z.imag),
+                    default=np.inf) / (self._half if self.swings else 1.0)
+        if width * MOST_SAMPLES < NARROWEST:
+            raise NotResolved(NOT_RESOLVED)
+        best: tuple[float, ComplexArray] = (np.inf, np.empty(0, complex))
+        count = 32
         while best[0] > SMALL and count < MOST_SAMPLES:
             count *= 2
             u = (np.arange(count) + 0.5) * (self._cycle / count)
@@ -135,7 +145,7 @@ class FreeMotion:
                 # rounding of E - V, which grows towards the turning points, governs
                 break
         if best[0] > RESOLVED:
-            raise NotResolved(f'dt/du of the free motion needs more than {MOST_SAMPLES} samples')
+            raise NotResolved(NOT_RESOLVED)
         last = np.flatnonzero(np.abs(best[1]) > best[0] * abs(best[1][0]))[-1]
         return max(best[0], SMALL), best[1][:last + 1]
 
@@ -145,7 +155,7 @@ class FreeMotion:
         return self._resolved[0]
 
     @property
-    def _series(self) -> Array:
+    def _series(self) -> ComplexArray:
         return self._resolved[1]
 
     @property
@@ -173,10 +183,12 @@ class FreeMotion:
             if np.max(np.abs(step), initial=0.0) < 1e-14 * TURN:
                 break
         q = self._input(u)
-        return q if self.swings else q + self._direction * self._cycle * turns
+        found: Array = q if self.swings else q + self._direction * self._cycle * turns
+        return found
 
     def rate(self, times: Any) -> Array:
         """Return the size of the rate of the input at these times [rad/s] or [m/s]."""
         q = self.position(times)
         spare = np.maximum(self.energy - self._equation.potential(q), 0.0)
-        return np.sqrt(2.0 * spare / self._equation.terms(q).inertia)
+        rate: Array = np.sqrt(2.0 * spare / self._equation.terms(q).inertia)
+        return rate

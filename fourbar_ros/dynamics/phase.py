@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from math import pi, remainder, sin, sqrt
-from typing import Any
+from typing import Any, Union
 
 from fourbar_ros.dynamics.equation import Equation, make_reading
 from fourbar_ros.dynamics.smooth import flat_positions, make_interval_of
@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-State = Sequence[float]
+State = Union[Sequence[float], Array]
 # how a part of a run ends
 COMPLETE, GAVE_UP, AT_LIMIT, AT_CHANGE_POINT, HANDED_OVER, PROJECTED = (
     'complete', 'gave up', 'at a limit', 'at a change point', 'handed over', 'projected')
@@ -133,9 +133,10 @@ class Phase:
         far = []
         for mode in sorted(mechanism.modes):
             with np.errstate(all='ignore'):
-                found = _make_directions(mechanism.in_mode(mode), ARRAY)(inputs)
-            far.append(np.nan_to_num(sum((a - b)**2 for a, b in zip(own, found)), nan=np.inf))
-        return np.array(sorted(mechanism.modes))[np.argmin(far, axis=0)]
+                pose = _make_directions(mechanism.in_mode(mode), ARRAY)(inputs)
+            far.append(np.nan_to_num(sum((a - b)**2 for a, b in zip(own, pose)), nan=np.inf))
+        found: NDArray[np.int64] = np.array(sorted(mechanism.modes))[np.argmin(far, axis=0)]
+        return found
 
 
 def _make_directions(coordinate: Any, n: Any) -> Callable[[Any], list[Any]]:

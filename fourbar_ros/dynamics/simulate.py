@@ -95,12 +95,14 @@ class Run:
     @property
     def position(self) -> Array:
         """Return the input over time [rad] or [m]."""
-        return self.states[0]
+        position: Array = self.states[0]
+        return position
 
     @property
     def rate(self) -> Array:
         """Return the rate of the input over time [rad/s] or [m/s]."""
-        return self.states[1]
+        rate: Array = self.states[1]
+        return rate
 
     @property
     def torque(self) -> Array:
@@ -193,11 +195,12 @@ def _jacobian(system: System) -> Array:
         up[i], down[i] = value + step, value - step
         change = np.array(phase.derivative(0.0, up)) - np.array(phase.derivative(0.0, down))
         columns.append(change / (2.0 * step))
-    return np.array(columns).T
+    jacobian: Array = np.array(columns).T
+    return jacobian
 
 
 def _wanted(times: Sequence[float], until: float) -> Array:
-    wanted = np.asarray(times, float)
+    wanted: Array = np.asarray(times, float)
     if wanted.ndim != 1 or not wanted.size or not (wanted[0] >= 0.0 and wanted[-1] <= until
                                                    and np.all(np.diff(wanted) > 0.0)):
         raise InvalidParameter('times', times, f'must increase, from 0 to {until:g} s at most')
@@ -206,7 +209,8 @@ def _wanted(times: Sequence[float], until: float) -> Array:
 
 def _some(times: Array) -> Array:
     """Return some of the times of a run, its last among them."""
-    return times[np.unique(np.linspace(0, times.size - 1, COMPARED).astype(int))]
+    some: Array = times[np.unique(np.linspace(0, times.size - 1, COMPARED).astype(int))]
+    return some
 
 
 def _difference(rough: Result, fine: Result) -> float:

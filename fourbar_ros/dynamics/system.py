@@ -87,14 +87,14 @@ class System:
             motion = self.mechanism.motion(position)
         except FourBarError:
             return -NEAR_TOGGLE
-        from_toggle = abs(self.mechanism.transmission_sine(motion)) - NEAR_TOGGLE
+        from_toggle = float(abs(self.mechanism.transmission_sine(motion))) - NEAR_TOGGLE
         return min(from_toggle, self._distance_to_end(position))
 
     def _distance_to_end(self, position: float) -> float:
         """Return a number that is zero at the ends of the stroke."""
         if self._stroke is None:
             return inf
-        low, high = self._stroke
+        low, high = map(float, self._stroke)
         return min((position - low) / (high - low), (high - position) / (high - low))
 
     def events(self, phase: Phase) -> tuple[Callable[..., float], ...]:

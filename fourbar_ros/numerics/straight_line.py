@@ -93,7 +93,8 @@ def straight_line(make_formula: Callable[[Any], Function], count: int = 1) -> Fu
     given = [Number(notes, i) for i in range(count)]
     results = make_formula(RECORDED)(*given)
     text, constants = _text_of(notes.steps, results, count)
-    return _compiled(text)(*constants)
+    line: Function = _compiled(text)(*constants)
+    return line
 
 
 def _text_of(steps: list[tuple[str, tuple[Any, ...]]], results: Any,
@@ -152,4 +153,5 @@ def _compiled(text: str) -> Function:
     """Return the function that a text defines: names of places and operations, nothing given."""
     names: dict[str, Any] = {'__builtins__': {}}
     exec(text, names)
-    return names['make']
+    make: Function = names['make']
+    return make

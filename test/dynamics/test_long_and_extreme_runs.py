@@ -6,7 +6,7 @@ from math import pi
 from fourbar_ros import Applied, Bodies, Body, External, FourBar
 from fourbar_ros.dynamics.drives import DCMotor, Drive
 from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
-from fourbar_ros.dynamics.free_motion import FreeMotion
+from fourbar_ros.dynamics.free_motion import FreeMotion, NotResolved
 from fourbar_ros.dynamics.simulate import (
     energy_drift,
     NOT_CHECKED,
@@ -19,7 +19,7 @@ from fourbar_ros.mechanisms.points import link_motion, point_motion
 import mpmath as mp
 import numpy as np
 import pytest
-from support.dynamics_problems import exact_free_time, EXTREMES, light_crank
+from support.dynamics_problems import exact_free_time, EXTREMES, light_crank, near_change_point
 
 scipy = pytest.importorskip('scipy')
 BODIES = Bodies(Body(1.0, 0.2, 0.0, 0.1), Body(2.0, 0.6, 0.1, 0.2), Body(1.5, 0.4, 0.0, 0.1))
@@ -134,3 +134,11 @@ def test_what_no_tolerance_resolves_is_refused_and_soon():
     run = simulate(light_crank(1e-12), 3.0, 1e-9)
     assert run.status == NOT_CONVERGED and run.error > 1e-9
     assert run.evaluations < 5_000_000
+
+
+def test_quadrature_refuses_peaks_between_its_samples():
+    """1e-10 from a change point the crank rests within 1e-5 rad: no sample sees it."""
+    with pytest.raises(NotResolved):
+        FreeMotion(near_change_point(1e-10)).position(2.0)
+    assert float(FreeMotion(near_change_point(1e-3)).position(1.0)) == pytest.approx(
+        float(simulate(near_change_point(1e-3), 1.0, 1e-9).position[-1]), abs=1e-8)
