@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import inf, nan, nextafter
 from typing import Any, NamedTuple
+import warnings
 
 from fourbar_ros.dynamics.phase import (
     AT_CHANGE_POINT,
@@ -212,7 +213,9 @@ def _run_compiled(task: Task) -> Part:
     solver.set_solout(keep)
     solver.set_initial_value(task.start, task.first)
     for time in [*(() if task.also is None else task.also), task.last]:
-        solver.integrate(time)
+        with warnings.catch_warnings():
+            warnings.simplefilter('ignore', UserWarning)      # of what the end of the part says
+            solver.integrate(time)
         if not solver.successful():
             end = GAVE_UP
         if end != COMPLETE:

@@ -11,12 +11,14 @@ from fourbar_ros.dynamics.system import System
 import mpmath as mp
 import numpy as np
 import pytest
+from support import ROOT
 from support.dynamics_problems import (
     near_lock_up,
     one_window,
     one_window_exact,
     P2_POSITION,
     P2_RATE,
+    P3_POSITION,
     P4_POSITION,
     paper_linkage,
     sundials_slider_crank,
@@ -88,6 +90,55 @@ def test_a_motor_through_an_elastic_shaft(stiffness):
     rigid = simulate(System(paper_linkage(), 0.0, drive=Drive(MotorLine(400.0, 26.0), rotor=0.5)),
                      0.5)
     assert abs(runs[0].position[-1] - rigid.position[-1]) <= 500.0 / stiffness + 2e-6
+
+
+@pytest.mark.parametrize('stiffness', [1000, 100000])
+def test_a_motor_and_its_shaft_against_many_digits(stiffness):
+    pytest.importorskip('flint')
+    from support.motor_problem import ANSWERS
+    drive = Drive(MotorLine(400.0, 26.0), rotor=0.5, shaft=Shaft(stiffness, 1e-3 * stiffness))
+    run = simulate(System(paper_linkage(), 0.0, drive=drive), 0.5, 1e-9)
+    assert run.status == REACHED
+    exact = np.array([float(text) for text in ANSWERS[stiffness]])
+    assert np.max(np.abs(run.states[[0, 2], -1] - exact[[0, 2]])) <= 1e-9
+    assert np.max(np.abs(run.states[[1, 3], -1] - exact[[1, 3]])) <= 1e-7
+
+
+def test_the_page_has_the_digits_of_the_tests():
+    page = (ROOT / 'docs' / 'reference_problems.md').read_text(encoding='utf-8')
+    page = page.replace('\N{MINUS SIGN}', '-')
+    for text in (P2_POSITION, P2_RATE, P3_POSITION, P4_POSITION):
+        assert f'| {text} |' in page
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('stiffness', [1000, 100000])
+def test_the_references_of_the_motor_by_two_formulations(stiffness):
+    pytest.importorskip('flint')
+    from flint import arb
+    from support.motor_problem import ANSWERS, one_equation, with_multipliers
+    from support.taylor import taylor
+    with mp.workdps(35):
+        one = taylor(*one_equation(stiffness), arb('0.5'), 1000, 28, 34)
+        other = taylor(*with_multipliers(stiffness), arb('0.5'), 1100, 28, 34)
+        for text, a, b in zip(ANSWERS[stiffness], one, (other[i] for i in (0, 4, 3, 7))):
+            assert abs(a - b) < mp.mpf('1e-21') and abs(a - mp.mpf(text)) < mp.mpf('1e-20')
+
+
+@pytest.mark.slow
+def test_the_reference_of_the_window_by_elliptic_functions_and_by_series():
+    pytest.importorskip('flint')
+    from flint import arb
+    from support.taylor import taylor
+
+    def pendulum(state):
+        q, w = state
+        return [w, -arb('9.81') * 2 / (arb(2) / 3 + 1) * q.sin_cos()[1]]
+    with mp.workdps(40):
+        exact = one_window_exact(mp.mpf(20))
+        series = taylor(pendulum, lambda: [arb.pi() / 2, -1], 20, 1000, 34, 38)[0]
+        assert abs(exact - series) < mp.mpf('1e-25')
+        assert abs(exact - mp.mpf(P3_POSITION)) < mp.mpf('1e-25')
 
 
 def test_free_motion_by_quadrature_agrees_with_the_references():

@@ -9,6 +9,12 @@ Lagrange multipliers for the loop. Both as Taylor series in time with python-fli
 from flint import arb
 
 STALL, FREE, ROTOR = 400, 26, '0.5'
+# stiffness: crank angle and rate, rotor angle and rate at 0.5 s; both routes agree in all digits
+ANSWERS = {
+    1000: ('11.053036712758026133077', '26.847146032521329859387',
+           '11.182640094591427197152', '22.616586794746154384684'),
+    100000: ('11.370083234362233117973', '23.18074685696328244752',
+             '11.371307489533053719505', '23.199975211721346343545')}
 
 
 def data():
@@ -33,7 +39,7 @@ def one_equation(k):
         sin_x, cos_x = q.sin_cos()
         d_x, d_y = a4 - a1 * cos_x, -a1 * sin_x
         square = d_x * d_x + d_y * d_y
-        # B lies at `along` of A-O4, and to its left: the coupler is e^{ib} = (along + i up) d / ...
+        # a2 e^{ib} = (along + i up) (d_x + i d_y) / square: B to the left of A-O4
         along = (a2 * a2 - a3 * a3 + square) / 2
         up = (a2 * a2 * square - along * along).sqrt()
         cos_b = (along * d_x - up * d_y) / square / a2
