@@ -5,6 +5,9 @@ from math import cos, pi, sin
 
 from fourbar_ros import FourBar, InvalidParameter
 from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.pipeline.status import LOADS_UNKNOWN
+from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.pipeline.wrenches import NAMES, Wrench
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import read_values
 import numpy as np
@@ -120,6 +123,28 @@ def test_jansens_foot_has_the_published_distances():
         for one, other, expected in lengths:
             assert 100.0 * np.hypot(*(one - other)) == pytest.approx(expected, rel=1e-12)
         assert (100.0 * hip).tolist() == pytest.approx([-38.0, -7.8], rel=1e-14)
+
+
+def test_a_cylinder_pushes_along_its_rod_and_a_wrench_acts_on_a_link_by_name():
+    values = {**BUCKET, 'outputs': ['loads', 'drive_wrench'], 'drive.timeout': 0.0}
+    for link in ('rod', 'tube'):
+        values = without(*(f'bodies.{link}.{name}' for name in ('mass', 'inertia', 'cg_along')),
+                         of=values)
+    its = scene.from_values(values)
+    _, found = Stepper(its).step(1.8, 0.3, -2.0, True, False)
+    _, loads = its.linkage.step(1.8, 0.3, -2.0)
+    # the cylinder has no mass: what the drive feels is what the crank does to the rod
+    expected = loads.cylinder_first_x, loads.cylinder_first_y
+    wrench = [found[its.layout.place[name]] for name in NAMES]
+    assert wrench[:2] == pytest.approx(expected, rel=1e-12) and wrench[2] == 0.0
+    topic = scene.from_values({**values, 'external.bucket.from_topic': True,
+                               'external.bucket.force_x': 0.0, 'external.bucket.force_y': 0.0})
+    assert [each.topic for each in topic.wrench_topics] == ['~/external/bucket',
+                                                              '~/applied/bucket']
+    stepper = Stepper(topic)
+    assert stepper.step(1.8, 0.3, -2.0, True, False)[0] == LOADS_UNKNOWN
+    stepper.act('bucket', Wrench(-40000.0, 60000.0, 0.0))
+    assert stepper.step(1.8, 0.3, -2.0, True, False)[1] == found
 
 
 def test_the_counterweight_of_the_v_engine_balances_the_first_order():

@@ -222,6 +222,12 @@ class Machine(Mechanism):
                          self.gravity, self.external)
 
     @property
+    def SLIDE_DIRECTION(self) -> tuple[str, str] | None:  # type: ignore[override]  # noqa: N802
+        """Return the fields of the direction in which a cylinder grows; None: a slide along x."""
+        rod = self.cylinder and self.cylinder.links[0]
+        return (f'cos_{rod}', f'sin_{rod}') if rod else None
+
+    @property
     def is_driven_by_slide(self) -> bool:
         """Return whether the input is a length, not an angle."""
         return self.input != CRANK
