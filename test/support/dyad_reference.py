@@ -307,7 +307,7 @@ def _named(machine, found, links):
 # --- conditions ----------------------------------------------------------------------------------
 
 def conditions(machine, given, with_loads):
-    """Return {field: |value| + sum of |datum d field/d datum|}, complex for pairs x, y."""
+    """Return {field: |value| + sum of |datum d field/d datum|}; x, y together."""
     constants = machine.constants if with_loads else machine.constants._replace(
         bodies=None, external=None)
     data = []
@@ -337,7 +337,13 @@ def conditions(machine, given, with_loads):
         else:
             value = np.asarray(value) + 0j
             found[name] = abs(value.flat[0].real) + np.abs(value.imag).sum() / STEP
-    return found
+    return found | _of_pins(machine, found)
+
+
+def _of_pins(machine, found):
+    """Return the conditions of relative angles and rates: those of both links together."""
+    return {f'{what}_{pin}': sum(found[f'{what}_{machine.layout.links[i]}'] for i in pair)
+            for pin, *pair in machine.layout.pins() for what in ('theta', 'omega', 'alpha')}
 
 
 # --- random machines -----------------------------------------------------------------------------
