@@ -15,6 +15,9 @@ from fourbar_ros.dynamics.free_motion import FreeMotion
 from fourbar_ros.dynamics.simulate import simulate
 from fourbar_ros.dynamics.stepper import BUDGET, DONE, LIMIT, OneStep
 from fourbar_ros.dynamics.system import System
+from fourbar_ros.mechanisms.kinds import KINDS
+from fourbar_ros.scene.parameters import PARAMETERS
+from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
 
@@ -158,3 +161,27 @@ def test_a_torsion_spring_swings_as_the_textbook_says():
     states, _ = steps(system, 0.2, tolerance=1e-10)
     times = TICK * np.arange(201)
     assert np.abs(states[0] - 0.3 * np.cos(speed * times)).max() < 1e-7
+
+
+OTHERS = {'slider_crank': {'a1': 0.1, 'a2': 0.3, 'offset': 0.02},
+          'inverted_slider': {'a1': 0.1, 'a4': 0.3},
+          'scotch_yoke': {'a1': 0.1}}
+
+
+@pytest.mark.parametrize('kind', OTHERS)
+def test_other_kinds_in_a_scene_against_scipy(kind):
+    lengths = {f'linkage.{name}': value for name, value in OTHERS[kind].items()
+               if f'linkage.{name}' in PARAMETERS}
+    bodies = {f'bodies.{link.name}.{field}': value for link in KINDS[kind].LINKS
+              for field, value in (('mass', 0.8), *((('inertia', 0.01),) * bool(link.turns)))}
+    along = {f'bodies.{link.name}.cg_along': 0.05 for link in KINDS[kind].LINKS}
+    there = from_values({'linkage.kind': kind, **lengths, **bodies, **along, 'gravity.y': -9.81,
+                         'drive.source': 'motor', 'motor.stall_torque': 6.0,
+                         'motor.free_speed': 20.0, 'motor.rotor_inertia': 0.02,
+                         'shaft.stiffness': 1e6, 'shaft.damping': 1.0, 'outputs': ['state']})
+    system = there.dynamics.system(there.linkage)
+    reference = simulate(system, 0.3, 1e-8, times=[0.1, 0.2, 0.3])
+    states, went = steps(system, 0.3)
+    assert {done.status for done in went} == {DONE}
+    assert np.abs(states[0, [100, 200, 300]] - reference.position).max() < 1e-4
+    assert abs(reference.position[-1]) > 0.5
