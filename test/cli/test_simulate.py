@@ -11,6 +11,7 @@ from fourbar_ros.scene import scene
 from fourbar_ros.scene.simulated import simulate_scene
 import numpy as np
 import pytest
+from support.dynamics_problems import P2_POSITION
 from support.scenes import PAPER, RODS
 
 FREE = {**PAPER, **RODS, 'drive.source': 'torque', 'drive.rate': 200.0, 'outputs': ['state']}
@@ -120,3 +121,12 @@ def test_show_gives_no_loads_where_springs_act(capsys):
     assert 'springs or dampers act' in said and 'shaking_force' not in said
     assert main(['show', 'motor', '--speed', '25']) == 0
     assert 'shaking_force' in capsys.readouterr().out
+
+
+def test_the_scene_of_sundials_ends_where_twenty_digits_say(capsys):
+    """P2, read from its file: springs, dampers, external forces and the start reach the run."""
+    found = simulate_scene(scene.load('sundials'), 10.0, 1e-10)
+    assert abs(found.run.position[-1] - float(P2_POSITION)) < 1e-10
+    assert main(['simulate', 'sundials', '--until', '10', '--tolerance', '1e-9']) == 0
+    said = capsys.readouterr().out
+    assert '1.27567584' in said and 'on the crank they are not computed' in ' '.join(said.split())
