@@ -74,7 +74,7 @@ def _lightest(places: Places, equations: Array,
         weights, best = scale * found.x, scale * float(found.fun)
         if 1.0 + slope >= -ENOUGH:
             break
-        spots = [*(one for one, weight in zip(spots, found.x) if weight > 0.0), spot]
+        spots = [*spots, spot]
     # prices over (1 - what a place violates) violate nowhere
     return spots[:len(weights)], weights, best / max(1.0, -slope)
 

@@ -25,7 +25,7 @@ from typing import Any
 
 from fourbar_ros.balancing import BalanceError
 from fourbar_ros.errors import InvalidParameter, nearest
-from fourbar_ros.mechanics.bodies import Body
+from fourbar_ros.mechanics.bodies import Body, NOT_APPLIED
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import power_of_two
 from fourbar_ros.numerics.quadrature import between, full_turn
@@ -50,6 +50,13 @@ def body_of(numbers: Array) -> Body:
         return Body(0.0, 0.0, 0.0, max(inertia, 0.0))
     x, y = along / mass, across / mass
     return Body(mass, x, y, max(inertia - mass * (x * x + y * y), 0.0))
+
+
+def without_weight(mechanism: Any) -> Any:
+    """Return a mechanism without weight and without forces from outside."""
+    links = type(mechanism.external)._fields
+    return replace(mechanism, gravity=(0.0, 0.0),
+                   external=type(mechanism.external)(*[NOT_APPLIED] * len(links)))
 
 
 class Loads:
@@ -82,8 +89,9 @@ class Loads:
                                'ends: give a slide a stroke (linkage.range) that keeps away')
         self.mechanism, self.rate = mechanism, rate
         self.links: tuple[str, ...] = mechanism.BODIES._fields
-        self.given = np.concatenate([numbers_of(body) for body in mechanism.bodies])
-        self._still = replace(mechanism, gravity=(0.0, 0.0), external=type(mechanism.external)())
+        # a link of a machine may have none
+        self.given = np.concatenate([numbers_of(body or Body(0.0)) for body in mechanism.bodies])
+        self._still = without_weight(mechanism)
 
     @cached_property
     def groups(self) -> dict[str, tuple[str, ...]]:

@@ -11,9 +11,7 @@ At the end the extrema of the real mechanism are searched; where they exceed t, 
 """
 from __future__ import annotations
 
-from dataclasses import replace
-
-from fourbar_ros.balancing.loads import Loads
+from fourbar_ros.balancing.loads import Loads, without_weight
 from fourbar_ros.balancing.rms import Balance, Counterweight, nearest_to_zero, Places
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.numerics.arrays import Array
@@ -54,8 +52,7 @@ def least_peak(places: Places, name: str, mass: float) -> Balance:
 
 def peak(loads: Loads, name: str, numbers: Array) -> tuple[float, Array]:
     """Return the largest magnitude of a load of inertia, and the inputs of its maxima."""
-    still = replace(loads.balanced(numbers), gravity=(0.0, 0.0),
-                    external=type(loads.mechanism.external)())
+    still = without_weight(loads.balanced(numbers))
     field, = {component.removesuffix('_x').removesuffix('_y') for component in loads.group(name)}
     found = find_extrema(still, (field,), loads.rate, conditions=False)
     inputs = np.array([one.slide if still.is_driven_by_slide else one.theta1 for one in found])

@@ -15,6 +15,8 @@ pytest.importorskip('scipy')
 SCAN = 20_001
 one_by_one = rows._row
 SCENES = {
+    'watt': ({'dyads.one.length_1': {'range': [1.15, 1.25]}, 'gravity.y': {'list': [0.0, -9.81]}},
+             ['shaking_force', 'driving_torque.rms']),
     'paper': ({'linkage.a1': {'range': [0.2, 0.9]}, 'linkage.mode': {'list': [1, 2]}},
               ['shaking_force', 'omega4', 'f32.peak', 'driving_torque.rms', 'swing',
                'time_ratio', 'class', 'change_point_margin', 'input_range']),
