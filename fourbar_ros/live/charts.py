@@ -56,7 +56,7 @@ def _panels(shown: Shown, names: Sequence[str], series: list[dict[str, Any]],
     panels, (low, high, label) = range(len(names)), axis
     ink = {'color': _ink(is_dark)}
     return {
-        'animation': False, 'aria': {'enabled': True}, 'backgroundColor': 'transparent',
+        'animation': False, 'backgroundColor': 'transparent',
         'darkMode': is_dark,
         'grid': [{'left': LEFT, 'right': RIGHT, 'height': CURVE_HEIGHT,
                   'top': TOP + i * (CURVE_HEIGHT + GAP)} for i in panels],
@@ -146,7 +146,7 @@ def polar(shown: Shown, is_dark: bool) -> dict[str, Any]:
     axis = {'type': 'value', 'min': -bound, 'max': bound, 'splitLine': _grid(is_dark),
             'axisLabel': {'color': _ink(is_dark), 'showMinLabel': False, 'showMaxLabel': False},
             'nameTextStyle': {'color': _ink(is_dark)}}
-    return {'animation': False, 'aria': {'enabled': True}, 'backgroundColor': 'transparent',
+    return {'animation': False, 'backgroundColor': 'transparent',
             'darkMode': is_dark,
             'legend': {'top': 0, 'textStyle': {'color': _ink(is_dark)}},
             'grid': {'left': 70, 'right': 30, 'top': 40, 'bottom': 40},

@@ -58,10 +58,11 @@ class Shown:
     scene: Scene
     acceleration: float = 0.0
 
-    @property
+    @cached_property
     def linkage(self) -> Mechanism:
-        """Return the mechanism."""
-        return self.scene.linkage
+        """Return the mechanism, without masses where its loads do not follow from its motion."""
+        found: Mechanism = self.scene.known_linkage
+        return found
 
     @property
     def rate(self) -> float:

@@ -35,11 +35,11 @@ class NodePage(Page):
         value = float(value) if isinstance(self.values.get(name), float) else value
         self.problem = await run.io_bound(self.watched.set, name, value)
 
-    def _tick(self) -> None:
+    def _advance(self) -> None:
         if self.version != self.watched.version:
             self.version, self.values = self.watched.version, self.watched.values
             self.rebuild(keep_problem=True)
-        super()._tick()
+        super()._advance()
 
     def _remember(self) -> None:
         """Leave the address alone: the state is the node's."""

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+import contextlib
 from math import isfinite
 import time
 from typing import Any
@@ -33,6 +34,8 @@ from fourbar_ros.report.tables import facts
 from nicegui import ui
 
 FRAME = 1.0 / 30.0          # [s]
+CATCH_UP = 6                # frames: so many at most wait for a browser that is slower
+PATIENCE = 10.0             # [s] ... and so long
 TABLE_EVERY = 5             # frames: numbers that change faster cannot be read
 HEAD = f"""<style>{STYLE}
 body{{--fb-paper:#ffffff;--fb-ink:#1c1c1c;--fb-link:#dfe5ec;--fb-point:#8a5200;--fb-force:#1e6b37;
@@ -81,7 +84,7 @@ class Page:
         self.names = self.shown.usual_quantities
         self.layers, self.handle, self.is_possible = Layers(), None, False
         self.extrema: list[Extremum] = []
-        self.last, self.frames = time.monotonic(), 0
+        self.last, self.frames, self.is_behind = time.monotonic(), 0, False
 
     # --- building -------------------------------------------------------------------------------
 
@@ -300,13 +303,24 @@ class Page:
         if self.timer.active:
             self.timer.deactivate()
             self._show_input()
+            self.draw()
             self._remember()
         else:
             self.last = time.monotonic()
             self.timer.activate()
         self.play.props(f'icon={"pause" if self.timer.active else "play_arrow"}')
 
-    def _tick(self) -> None:
+    async def _tick(self) -> None:
+        if self.is_behind:
+            return
+        self._advance()
+        if self.frames % CATCH_UP == 0:
+            self.is_behind = True
+            with contextlib.suppress(TimeoutError):
+                await ui.run_javascript('0', timeout=PATIENCE)
+            self.is_behind = False
+
+    def _advance(self) -> None:
         now = time.monotonic()
         self.course.advance(min(now - self.last, 0.2))
         self.last, self.frames = now, self.frames + 1
