@@ -7,7 +7,7 @@ from typing import Any
 
 from fourbar_ros.live.course import OfNode
 from fourbar_ros.live.page import Page
-from fourbar_ros.live.watched import Watched
+from fourbar_ros.ros.clients.watched import Watched
 from nicegui import run
 
 

@@ -85,7 +85,7 @@ def serve_run(paths: Sequence[str], node: str | None, port: int, is_opened: bool
 def serve_node(node: str, port: int, is_opened: bool) -> None:
     """Serve the page of a running node: it moves as the node does, parameters are set in it."""
     from fourbar_ros.live.node_page import NodePage
-    from fourbar_ros.live.watched import Watched
+    from fourbar_ros.ros.clients.watched import Watched
     watched = Watched(node)
     app.on_shutdown(watched.close)
     _serve(watched.node, lambda query: NodePage(watched, query), port, is_opened)
