@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from math import nan, radians
+from math import radians
 from typing import Any, NamedTuple
 
 from fourbar_ros.extrema.find import Extremum
@@ -220,9 +220,9 @@ class OfNode(OverInput):
     is_endless = True
 
     def __init__(self, shown: Shown, latest: Callable[[], tuple[float, float, float] | None]):
-        super().__init__(shown, nan)
+        super().__init__(shown, shown.scene.drive.start)
         self.latest = latest
-        self._state = State(nan, nan, nan)
+        self._state = super().state()        # until the first motion comes
 
     def go(self, at: float) -> None:
         """Do nothing: the node decides."""

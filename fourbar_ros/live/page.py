@@ -292,7 +292,7 @@ class Page:
 
     def _go(self, at: float | None) -> None:
         """Go to an input given in the unit of the page."""
-        if at is None or abs(at - self.course.at) <= 1e-8 * max(1.0, abs(at)):
+        if at is None or not isfinite(at) or abs(at - self.course.at) <= 1e-8 * max(1.0, abs(at)):
             return
         self.course.go(at)
         self._show_input()
