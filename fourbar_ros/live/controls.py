@@ -38,7 +38,9 @@ def shown_parameters(shown: Shown) -> dict[str, list[Parameter]]:
 
 
 def _has(shown: Shown, name: str) -> bool:
-    return name == 'mode' or name in shown.linkage.length_names
+    # a machine has a mode for each dyad
+    return (name in shown.linkage.length_names
+            or (name == 'mode' and not shown.scene.values.get('linkage.dyads')))
 
 
 def build(shown: Shown, change: Callable[[str, Any], None]) -> dict[str, Any]:
