@@ -12,6 +12,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 sys.path.insert(0, str(Path(__file__).parent.parent / 'test'))
+# the tests' problems are in reach from here on
 from fourbar_ros import SliderCrank  # noqa: E402
 from fourbar_ros.dynamics.drives import Drive, MotorLine, Shaft, SpeedController  # noqa: E402
 from fourbar_ros.dynamics.simulate import REACHED, simulate  # noqa: E402
@@ -69,7 +70,7 @@ def motor(k=None, flywheel=0.0):
 
 
 def controlled(gain):
-    """A slider-crank held at 150 rad/s by a proportional controller."""
+    """Return a slider-crank held at 150 rad/s by a proportional controller."""
     bodies = type(paper_linkage().bodies)
     crank = SliderCrank(0.15, 0.30, bodies=bodies(*paper_linkage().bodies))
     return System(crank, 0.0, 149.0, drive=Drive(SpeedController(150.0, proportional=gain)))

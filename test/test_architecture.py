@@ -14,9 +14,9 @@ MODULES = {'.'.join(path.relative_to(ROOT).with_suffix('').parts).removesuffix('
 # From the bottom up; a folder may import from its own layer's folders only where LATERAL says so.
 LAYERS = (('errors',), ('optional',), ('numerics',), ('mechanics',), ('mechanisms',),
           ('extrema', 'pipeline', 'dynamics'),
-         ('formats', 'scene', 'report', 'transmission'),
-         ('bag', 'reproduction', 'description', 'studies', 'balancing'),
-         ('ros',), ('live',), ('cli',))
+          ('formats', 'scene', 'report', 'transmission'),
+          ('bag', 'reproduction', 'description', 'studies', 'balancing'),
+          ('ros',), ('live',), ('cli',))
 LEVEL = {folder: level for level, folders in enumerate(LAYERS) for folder in folders}
 LATERAL = {('report', 'scene'), ('reproduction', 'bag'), ('scene', 'report')}
 

@@ -76,7 +76,8 @@ class InBothModes:
         alternate = self._is_alternate
         line = self._lines[0 if alternate is None else alternate(position)]
         try:
-            return line(position)  # type: ignore[no-any-return]
+            found: tuple[Any, ...] = line(position)
+            return found
         except (ValueError, ZeroDivisionError):
             self._mechanism.motion(position, 1.0, 0.0)
             raise
@@ -146,8 +147,8 @@ class Equation:
                 raise InvalidParameter('link', name, f'must be one of {", ".join(places)}')
         self._springs = [(element, places[element.links[0]], places[element.links[1]])
                          for element in self.elements]
-        self._is_alternate = None if start is None else make_is_alternate(self.coordinate,
-                                                                              start)
+        self._is_alternate = None if start is None else make_is_alternate(
+            self.coordinate, start)
         self._terms = self.in_both_modes(self._make_terms)
         self.of_one = self._terms.of_one      # (J, J'/2, Q, D, part of Q of couples), fast
 

@@ -80,14 +80,15 @@ def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywhee
 
 
 def _angles() -> Array:
-    return np.linspace(0.0, TURN, SAMPLES, endpoint=False)
+    return np.linspace(0.0, TURN, SAMPLES, endpoint=False).astype(float)
 
 
 def steady_turn(equation: Equation, rate: float, inertia: float) -> Flywheel:
     """Return the periodic motion (W1) with a flywheel, at this mean of its extreme rates."""
     position = _angles()
     terms = equation.terms(position)
-    total, rates = terms.inertia + inertia, np.full(SAMPLES, rate)
+    rates: Array = np.full(SAMPLES, rate)
+    total = terms.inertia + inertia
     for _ in range(100):
         force = terms.force - terms.damping * rates
         torque, before = -float(np.mean(force)), rates

@@ -196,7 +196,8 @@ def _refined(rows: Rows, roots: _Roots, spacing: float,
     mechanism = np.arange(len(roots.x))[:, None]
     column = np.arange(roots.x.shape[1])
     squared = is_positive[roots.quantity, mechanism]
-    x, bend, step, slope = roots.x, roots.bend, np.inf, np.nan
+    x, bend = roots.x, roots.bend
+    step, slope = np.full(x.shape, np.inf), np.full(x.shape, np.nan)
     for _ in range(STEPS):
         found = rows(x + 1j * STEP)[roots.quantity, mechanism, column]
         value, before, slope = found.real, slope, found.imag / STEP

@@ -24,7 +24,7 @@ def names(mechanism: Any) -> tuple[Named, ...]:
     """
     coordinates = dict.fromkeys((*(joint.coordinate for joint in mechanism.JOINTS),
                                  *mechanism.PARTS))
-    units = {}
+    units: dict[str, str] = {}
     for coordinate in coordinates:
         units |= zip(coordinate, (coordinate.unit, f'{coordinate.unit}/s',
                                   f'{coordinate.unit}/s^2'))

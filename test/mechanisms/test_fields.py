@@ -150,7 +150,7 @@ def test_a_record_is_made_once_for_a_kind_and_less_is_done_for_less():
     single = (False, True, True)
     whole = program.program(record, arrays.range_of(record), single, constants.zeros)
     angle = program.program(record, (one.MOTION._fields.index('theta4'),), single,
-                             constants.zeros)
+                            constants.zeros)
     assert len(angle.steps) < 0.25 * len(whole.steps)
     with pytest.raises(TypeError, match='where'):
         bool(recorded.Number(record, 0))

@@ -217,8 +217,8 @@ def test_a_timeout_counts_simulated_time(run_node, client):
     assert client.received['state'][0].status == LinkageState.STATUS_INPUT_TIMEOUT
 
 
-def test_a_simulation_that_is_reset_by_less_than_the_timeout_has_rates_at_once(run_node, client,
-                                                                              tmp_path):
+def test_a_simulation_that_is_reset_by_less_than_the_timeout_has_rates_at_once(
+        run_node, client, tmp_path):
     """Before, samples counted as late, and rates were unknown, until the old time was passed."""
     node = run_node({**DRIVEN, 'drive.timeout': 10.0, 'use_sim_time': True, 'drive.window': 5,
                      'recording.start': True, 'recording.name': 'run',

@@ -111,7 +111,7 @@ class Tab:
         """Return the rows of texts of the table in whose head this stands."""
         return self.driver.execute_script(
             "return [...document.querySelectorAll('table')].filter(t => t.offsetParent && "
-            "t.innerText.startsWith(arguments[0])).flatMap(t => [...t.querySelectorAll("
+            't.innerText.startsWith(arguments[0])).flatMap(t => [...t.querySelectorAll('
             "'tbody tr')].map(r => [...r.children].map(c => c.innerText.trim())))", label)
 
     def now(self):

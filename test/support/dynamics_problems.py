@@ -64,7 +64,7 @@ def paper_linkage(**options):
 
 
 def light_crank(inertia=1e-6):
-    """A heavy slider on a light crank: at the dead centres the crank alone is left of J."""
+    """Return a heavy slider on a light crank: at the dead centres the crank alone is left of J."""
     slider_crank = SliderCrank(0.5, 1.0, bodies=Bodies(Body(0.0, inertia=inertia), Body(0.0),
                                                        Body(1.0)))
     return System(slider_crank, 0.5, 1.0)
@@ -78,7 +78,7 @@ def near_change_point(gap=1e-6):
 
 
 def light_rods(mass=1e-8):
-    """A heavy output link on rods of hardly any mass: dead points of the output."""
+    """Return a heavy output link on rods of hardly any mass: dead points of the output."""
     bodies = Bodies(Body(mass, 0.2, 0.0, mass), Body(mass, 0.6, 0.0, mass),
                     Body(2.0, 0.4, 0.0, 0.3))
     return System(FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies), 0.5, 1.0)

@@ -142,7 +142,6 @@ def exact_inertia(mechanism, q):
     return total
 
 
-
 # --- Andrews' squeezer: IVP Test Set, andrews.f; Hairer and Wanner, Solving ODEs II, VII.7 -------
 
 ANDREWS_BETA = -0.0617138900142764496358948458001

@@ -29,8 +29,8 @@ def foxglove(scene: Scene, node: str = NODE) -> str:
                        'enabled': True, 'timestampMethod': 'headerStamp'}
                       for curve in plot.curves]}
     names = list(panels)
-    machine, plots = [name for name in names if name[0] == '3'], [name for name in names
-                                                                 if name[0] == 'P']
+    machine = [name for name in names if name[0] == '3']
+    plots = [name for name in names if name[0] == 'P']
     layout = _stack(plots)
     if machine:
         layout = ({'direction': 'row', 'first': machine[0], 'second': layout,

@@ -61,7 +61,7 @@ def search_chunk(lengths: Array, sign: Array, rate: Array) -> tuple[Rows, Rows]:
     if paths:
         with np.errstate(all='ignore'):
             cells, *brackets = stacked(path.brackets_of_k(lambda x, row: k_at(x, row)[0])
-                                      for path in paths)
+                                       for path in paths)
             rows, falls, x = brackets[0], brackets[3] >= 0.0, newton_roots(k_at, *brackets)
             g, gu, _, _, X, _ = at(x, rows)
             value = g / X**3

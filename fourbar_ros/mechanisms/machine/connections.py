@@ -4,11 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 from fourbar_ros.mechanisms.machine.description import (
     direction,
     Dyad,
-    Point,
     PRP,
     RPP,
     RPR,
@@ -27,7 +27,7 @@ def connections_of(driven: str, stages: Sequence[Dyad]) -> tuple[Connection, ...
     return (base, *(its for stage in stages for its in _of_dyad(stage)))
 
 
-def _of_dyad(dyad: Dyad) -> Iterator[Connection]:
+def _of_dyad(dyad: Any) -> Iterator[Connection]:     # its kind has these dimensions: checked
     """Yield those of the first, the inner and the second joint."""
     one, other = dyad.links
     yield (_slide(dyad.first, one, dyad.direction_1) if dyad.kind == PRP
@@ -37,7 +37,7 @@ def _of_dyad(dyad: Dyad) -> Iterator[Connection]:
            else Connection(dyad.second.link, other, tuple(dyad.second[1:])))
 
 
-def _inner(dyad: Dyad, one: str, other: str) -> Connection:
+def _inner(dyad: Any, one: str, other: str) -> Connection:
     if dyad.kind == RRR:
         return Connection(one, other, (dyad.length_1, 0.0), (dyad.length_2, 0.0))
     if dyad.kind == RRP:
@@ -49,6 +49,6 @@ def _inner(dyad: Dyad, one: str, other: str) -> Connection:
     return Connection(one, other)
 
 
-def _slide(point: Point, link: str, angle: float) -> Connection:
+def _slide(point: Any, link: str, angle: float) -> Connection:
     """Return the slide of a link through a point, along a line at an angle to the carrier."""
     return Connection(point.link, link, tuple(point[1:]), axis=direction(angle), turn=angle)

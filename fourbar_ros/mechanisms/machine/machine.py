@@ -120,7 +120,7 @@ class Machine(Mechanism):
                   LENGTHS=tuple([length for length, _ in lengths_of(self.stages)]))
         self._set(bodies=by_link('bodies', self.bodies, Body, names.BODIES, NO_BODY),
                   external=by_link('external', self.external, Applied, names.EXTERNAL,
-                                    NOT_APPLIED) or names.EXTERNAL(),
+                                   NOT_APPLIED) or names.EXTERNAL(),
                   gravity=two_numbers('gravity', self.gravity))
         self._require_closing()
         self._check_stroke()

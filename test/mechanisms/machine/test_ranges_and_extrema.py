@@ -23,7 +23,7 @@ def smooth(machine):
 
 
 def check_ranges(machine, points):
-    """A scan has poses inside the ranges and nowhere else; limits are exact to some last bits."""
+    """Scans have poses inside the ranges and nowhere else; limits are exact to some last bits."""
     if machine.input == 'crank':
         x = -pi + 2.0 * pi * (np.arange(points) + 0.5) / points
     else:
