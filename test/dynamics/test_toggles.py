@@ -61,7 +61,7 @@ def test_a_released_linkage_swings_through_its_limits_as_three_bodies_with_joint
 
 
 def test_the_period_of_a_swing_through_both_modes_is_the_quadrature():
-    """At u = +-pi/2, q = c + h sin u goes through the toggles: t = integral of dt/du, 20 digits."""
+    """At u = +-pi/2, q = c + h sin u goes through the toggles: t = integral of dt/du, in full."""
     mechanism, position, rate = FourBar(1.0, 0.8, 0.9, 2.0, bodies=BODIES,
                                         gravity=(0.0, -3.0)), 0.5, 6.0
     (low, high), = mechanism.input_ranges
