@@ -214,7 +214,7 @@ def test_no_samples_give_none(kind, lengths, more, empty):
 def test_a_complex_step_differentiates_angles_too(kind, lengths, more):
     mechanism = kind(*lengths, **more)
     moved, plain = mechanism.motion(np.array([1.2]) + 1e-40j, 1.0), mechanism.motion(1.2, 1.0)
-    for _, joint in kind.JOINTS:
+    for joint in (each.coordinate for each in kind.JOINTS):
         position = getattr(moved, joint.position)[0]
         assert position.real == pytest.approx(getattr(plain, joint.position), rel=1e-14)
         assert position.imag / 1e-40 == pytest.approx(getattr(plain, joint.rate), rel=1e-12,
