@@ -115,7 +115,7 @@ def workers():
     most = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
     print(f'\n32 768 designs by the command: one worker {taken[1]:.1f} s, two '
           f'{taken[2]:.1f} s ({taken[1] / taken[2]:.2f} times as fast), the same bytes: {same}. '
-          f'Largest process: {most:.0f} MB, whatever the number of designs.')
+          f'Largest process: {most:.0f} MB.')
 
 
 def fronts():
