@@ -89,9 +89,9 @@ def test_recompute_of_several_bags_and_its_json(folder, capsys):
     whole = {bag: one for bag, one in found.items() if not bag.endswith('b_0.mcap')}
     assert ([one['good'] for one in whole.values()] == [True, True, True, False]
             and not found[str(wrong)]['good'])
-    assert all(set(one) == {'bag', 'good', 'problems', 'largest', 'tolerance', 'cut', 'inputs',
-                            'compared', 'unmatched',
-                            'missing', 'doubled', 'silent', 'uncertain', 'driven', 'differences'}
+    assert all(set(one) == {'bag', 'good', 'problems', 'by_rounding', 'verdict', 'largest',
+                            'tolerance', 'cut', 'inputs', 'compared', 'unmatched', 'missing',
+                            'doubled', 'silent', 'uncertain', 'driven', 'differences'}
                for one in found.values())
     assert {(d['topic'], d['field']) for d in found[str(wrong)]['differences']
             if d['largest']} == {('/joint_states', 'velocity')}

@@ -185,7 +185,7 @@ def test_a_bag_recorded_with_other_sums_of_the_loads_recomputes_to_their_roundin
     scene, _ = recompute.scene_of(bag)
     loads = scene.linkage.loads(np.linspace(0.0, 2.0 * np.pi, 721), 25.0)
     force = max(np.abs(loads.f41).max(), np.abs(loads.f43).max())
-    for topic, field, messages, largest in recompute.recompute(bag):
+    for topic, field, messages, largest, *_ in recompute.recompute(bag):
         is_load = topic.endswith(('/loads', '/shaking_wrench')) or field == 'effort'
         assert messages > 200 and largest <= (4.0 * EPS * force if is_load
                                               else 0.0), (topic, field)

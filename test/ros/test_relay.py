@@ -175,7 +175,7 @@ def test_two_mechanisms_of_a_robot_answer_from_one_process_and_one_file(client):
 
 
 @pytest.mark.parametrize('names, why', [
-    (['boom', 'arm'], 'nothing in it is for the node /arm: it has /boom, /stick'),
+    (['boom', 'arm'], 'contains nothing for the node /arm, only /boom, /stick'),
     (['boom', 'boom'], 'boom: two nodes of one name'),
     (['boom', '--fast'], '--fast: not understood'),
 ])
