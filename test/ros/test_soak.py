@@ -211,11 +211,12 @@ class Soak:
                         self._services):
             trouble()
             stream(self.client, self.publisher, seconds / 7.0, 500.0)
-        assert beside.stop(self.rng.choice([signal.SIGINT, signal.SIGTERM,
-                                            signal.SIGHUP])) == 0, beside.said
+        end = self.rng.choice([signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+        assert beside.stop(end) == 0, beside.said
         check_alive(self.client, self.publisher, self.linkage)
-        self._check(Path(self.client.call('stop_recording').message))
-        self._check(self.folder / f'bags/beside{self.number}')
+        self._check(Path(self.client.call('stop_recording').message),
+                    'stopped by ~/stop_recording')
+        self._check(self.folder / f'bags/beside{self.number}', f'the node ended by {end.name}')
         assert 'Traceback' not in self.node.said + beside.said
         self.faults.set()
         for messages in self.client.received.values():
@@ -260,7 +261,7 @@ class Soak:
         self.client.call('evaluate', position=self.rng.choice(EDGES))
         assert not set_parameters(self.client, {'linkage.a1': -1.0})[0].successful
 
-    def _check(self, path):
+    def _check(self, path, ended):
         """
         Demand a whole bag that computes again to the bit.
 
@@ -268,7 +269,7 @@ class Soak:
         """
         found = info(path, check=True)
         assert (found.state, found.damage) == ('finished', ''), found
-        assert found.ended == 'stopped by ~/stop_recording', found
+        assert found.ended == ended, found
         assert found.missing == found.dropped, found
         if not found.missing:
             compared = compare(path)
