@@ -5,6 +5,7 @@ Trouble around the node.
 
 Lost and bad inputs, clocks that are set, a log and diagnostics that stay readable.
 """
+from itertools import count
 import math
 import re
 import shutil
@@ -226,7 +227,14 @@ def test_a_simulation_that_is_reset_by_less_than_the_timeout_has_rates_at_once(
     simulation = Simulation(client)
     client.listen(['state'])
     publisher = client.publisher()
-    client.handshake(lambda: publisher.publish(Motion(position=0.1)))
+    nanoseconds = count(1)
+
+    def knock():        # each with a stamp of its own: outputs are compared by stamp
+        message = Motion(position=0.1)
+        message.header.stamp = Time(sec=100, nanosec=next(nanoseconds))
+        publisher.publish(message)
+
+    client.handshake(knock)
 
     def answer(now, position):
         message = Motion(position=position, velocity=math.nan, acceleration=math.nan)
@@ -238,11 +246,11 @@ def test_a_simulation_that_is_reset_by_less_than_the_timeout_has_rates_at_once(
         return next(s for s in client.received['state'][heard:]
                     if s.header.stamp == message.header.stamp)
 
-    def run(begin, count=15, step=10_000_000, rate=2.0):
+    def run(begin, samples=15, step=10_000_000, rate=2.0):
         return [answer(begin + k * step, 0.3 + rate * k * step / NANOSECONDS)
-                for k in range(count)]
+                for k in range(samples)]
     simulation.stands = True
-    begin = 200 * NANOSECONDS
+    begin = simulation.now + 4 * NANOSECONDS    # no timeout in between: it would answer too
     simulation.now = begin
     before = run(begin)
     assert before[-1].status == LinkageState.STATUS_OK
