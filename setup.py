@@ -47,7 +47,7 @@ setup(
     zip_safe=False,
     maintainer='fourbar_ros developers',
     maintainer_email='fourbar-ros@users.noreply.github.com',
-    description='Exact motion, loads and extrema of planar four-bar linkages, with a ROS 2 node.',
+    description='Motion, loads and extrema of planar linkages in closed form, with a ROS 2 node.',
     long_description=(HERE / 'README.md').read_text(encoding='utf-8'),
     long_description_content_type='text/markdown',
     keywords=['four-bar linkage', 'slider-crank', 'mechanism', 'kinematics', 'dynamics', 'ROS 2'],

@@ -18,7 +18,8 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / 'fourbar_ros'
 LEFT_OUT = ('reproduction',)        # which compares with the documents, and computes none of them
-NUMBERED = re.compile(r'^ +\(([A-Z]\d+[a-z]?)\) +(\S.*)$', re.M)
+# with the lines that go on below it, further in
+NUMBERED = re.compile(r'^( +)\(([A-Z]\d+[a-z]?)\) +(\S.*(?:\n\1  +\S.*)*)$', re.M)
 TAG = re.compile(r'\(([A-Z]\d+[a-z]?)\)')
 CITED = re.compile(r'Eqs?\. (\(\d+\)(?:(?:, | and |, and |-)\(\d+\))*)')
 SPAN = re.compile(r'\((\d+)\)(?:-\((\d+)\))?')
@@ -82,6 +83,15 @@ def read(path):
     return Module(path.relative_to(ROOT).as_posix(), doc, texts)
 
 
+def in_one_line(text):
+    """Return an equation of several lines in one; lines that begin another one after a ';'."""
+    first, *others = map(str.strip, text.split('\n'))
+    for line in others:
+        begins = re.match(r'[^=(]{1,12} = ', line) and not first.endswith(',')
+        first += f';   {line}' if begins else f' {line}'
+    return first
+
+
 def modules():
     """Return the Modules of the package, but those that compute nothing."""
     return [read(path) for path in sorted(PACKAGE.rglob('*.py'))
@@ -102,7 +112,7 @@ def places(found):
 
 def numbered(module):
     """Return {tag: (equation, [names of the functions that compute it])} of a module."""
-    equations = {tag: (text.strip(), []) for tag, text in NUMBERED.findall(module.doc)}
+    equations = {tag: (in_one_line(text), []) for _, tag, text in NUMBERED.findall(module.doc)}
     for name, text in module.texts[1:]:
         for tag in TAG.findall(text):
             if tag in equations and name and name not in equations[tag][1]:

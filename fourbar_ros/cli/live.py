@@ -31,8 +31,8 @@ def add(verbs):
     live.add_argument('what', metavar='SCENE | BAG', nargs='*',
                       help=f'{SCENE_HELP}; or bags to look at')
     live.add_argument('--node', metavar='NAME', help='a running node, or which node of a bag')
-    live.add_argument('--port', type=int, default=0, metavar='PORT',
-                      help='port of 127.0.0.1 (default: any free one)')
+    live.add_argument('--port', type=int, metavar='PORT',
+                      help='port of 127.0.0.1 (default 8420, or any free one if that is in use)')
     live.add_argument('--no-browser', action='store_true', help='print the address, open nothing')
     live.set_defaults(run=_live)
 

@@ -37,7 +37,7 @@ def count_extrema(sampler: Any, path: InputPath, check: Callable[[], None] = lam
     Parameters
     ----------
     sampler : .sampling.Sampler
-    path : .elliptic.InputPath
+    path : .input_paths.InputPath
     check : callable
         Called before every piece; what it raises ends the count.
 

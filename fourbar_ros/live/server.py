@@ -14,6 +14,7 @@ from nicegui import app, ui
 
 HOST = '127.0.0.1'
 NAMES = (HOST, 'localhost')
+PORT = 8420
 PATIENCE = 30.0         # [s] a tab that is silent for longer is forgotten
 
 
@@ -52,8 +53,17 @@ class OnlyHere:
                 and headers.get('origin', f'http://{headers.get("host")}') in self.origins)
 
 
-def free_port(wanted: int) -> int:
-    """Return a port [0: any free one] of this machine; PortTaken if it is in use."""
+def free_port(wanted: int | None) -> int:
+    """
+    Return a port of this machine; PortTaken if it is in use.
+
+    None: the usual one, so that addresses can be shared, or any free one.
+    """
+    if wanted is None:
+        try:
+            return free_port(PORT)
+        except PortTaken:
+            return free_port(0)
     with socket.socket() as trial:
         trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:

@@ -19,7 +19,7 @@ def test_the_tables_of_the_manual_are_those_of_the_code():
 def test_every_number_in_the_code_names_an_equation_and_numbers_are_given_once():
     import formulas
     for module in formulas.modules():
-        tags = [tag for tag, _ in formulas.NUMBERED.findall(module.doc)]
+        tags = [tag for _, tag, _ in formulas.NUMBERED.findall(module.doc)]
         assert len(tags) == len(set(tags)), module.path
 
 

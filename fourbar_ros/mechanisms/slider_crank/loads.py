@@ -10,8 +10,8 @@ coupler:
     (L2)  slide driven:  F32 = (M1/a1 e_b - M2/a2 e_x) / sin(theta2)
     (L3)  F21 = F32 - F2,   F41 = F1 - F21,   F43 = (driving force, F3_y + F32_y)
     (L4)  drive = M1 theta1' + M2 b' + F3_x s'
-    (L5)  shaking force = -(F1 + F2 + F3),   shaking moment about O1 = -(M1 + M2 + M3 + s F3_y - e
-    F3_x)
+    (L5)  shaking force = -(F1 + F2 + F3),
+          shaking moment about O1 = -(M1 + M2 + M3 + s F3_y - e F3_x)
 
 Assumed as for the 4R (:mod:`fourbar_ros.mechanisms.four_bar.loads`); the guide transmits, without
 friction, a force square to it and a couple. The drive is a pure torque on the crank, or a force
