@@ -9,6 +9,7 @@ from typing import Any
 
 from fourbar_ros.extrema.find import CONSTANT, Extremum, MAXIMUM
 from fourbar_ros.live.model import LIMIT, Shown
+from fourbar_ros.report.cycles import ground_forces
 from fourbar_ros.report.mechanism_panel import significant
 import numpy as np
 
@@ -126,8 +127,7 @@ def polar(shown: Shown, is_dark: bool) -> dict[str, Any]:
 
     The shaking force, and the reaction of the ground at each of its joints.
     """
-    names = {'shaking_force': 'shaking force'} | {
-        name: f'F{name[1:]}' for name in _joint_forces(shown)}
+    names = {'shaking_force': 'shaking force'} | ground_forces(shown.linkage)
     series, largest = [], 0.0
     for name, text in names.items():
         data: list[Any] = []
@@ -154,14 +154,8 @@ def polar(shown: Shown, is_dark: bool) -> dict[str, Any]:
             'yAxis': axis | {'name': 'y [N]'}, 'tooltip': {}, 'series': series}
 
 
-def _joint_forces(shown: Shown) -> list[str]:
-    """Return the fields of the forces that act at the joints of the ground."""
-    diagram = shown.linkage.diagram(shown.poses[0][0])
-    return [name for name, joint in diagram.forces.items() if joint in diagram.ground]
-
-
 def polar_now(shown: Shown, loads: Any) -> dict[str, Any]:
     """Return what moves the dots of the polar diagram to the present loads."""
-    names = ['shaking_force', *_joint_forces(shown)]
+    names = ['shaking_force', *ground_forces(shown.linkage)]
     return {'series': [{'id': 'now', 'data': [[getattr(loads, f'{name}_x'),
                                                getattr(loads, f'{name}_y')] for name in names]}]}

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from math import radians
 from typing import Any, NamedTuple
 
@@ -30,12 +31,21 @@ class State(NamedTuple):
     acceleration: float
 
 
+@dataclass
+class Pace:
+    """How fast a course goes: what the number means, its bounds, and the number."""
+
+    label: str
+    least: float
+    most: float
+    value: float
+
+
 class Course(ABC):
     """What moves the input."""
 
     can_drag = True
-    is_endless = False          # it cannot be paused, only looked at
-    period = 6.0                # of a cycle [s]
+    pace: Pace | None = None    # what its user may set; None: nothing
 
     @property
     @abstractmethod
@@ -79,6 +89,7 @@ class OverInput(Course):
 
     def __init__(self, shown: Shown, position: float):
         self.shown, self.direction = shown, 1.0
+        self.pace = Pace('seconds a cycle', 1.0, 30.0, 6.0)
         self.position = nearest_input(shown, position)
 
     @property
@@ -105,7 +116,7 @@ class OverInput(Course):
     def advance(self, seconds: float) -> None:
         """Move on by a time."""
         low, high = range_of(self.shown, self.position)
-        way = seconds / self.period * (high - low)
+        way = seconds / self.pace.value * (high - low)
         if self.shown.linkage.turns_fully:
             forward = float(np.copysign(way, self.shown.rate or 1.0))
             self.position = low + (self.position + forward - low) % (high - low)
@@ -154,6 +165,7 @@ class OverTime(Course):
 
     def __init__(self, shown: Shown, run: Run, others: Sequence[tuple[str, Shown, Run]] = ()):
         self.shown, self.run, self.others, self.time = shown, run, others, 0.0
+        self.pace = Pace('times real time', 0.1, 10.0, 1.0)
 
     @property
     def label(self) -> str:
@@ -175,9 +187,9 @@ class OverTime(Course):
         self.time = min(max(at, 0.0), self.bounds[1])
 
     def advance(self, seconds: float) -> None:
-        """Move on by a time: the run plays once in a period, or in its own time if shorter."""
+        """Move on by a time, at the end to the start again."""
         length = self.bounds[1]
-        self.time = (self.time + seconds) % length if length > 0.0 else 0.0
+        self.time = (self.time + self.pace.value * seconds) % length if length > 0.0 else 0.0
 
     def state(self) -> State:
         """Return the :class:`State` at the sample that holds now."""
@@ -206,10 +218,7 @@ def _thinned(shown: Shown, run: Run, name: str) -> tuple[np.ndarray, np.ndarray]
     """Return times and values of a quantity over a run, of a long one some of its samples."""
     picked = np.linspace(0, len(run.times) - 1, min(len(run.times), MOST_POINTS)).astype(int)
     quantity, given = shown.quantities[name], [row[picked] for row in run.states]
-    if shown.linkage.bodies is None:
-        motion, loads = shown.linkage.motion(*given), None
-    else:
-        motion, loads = shown.linkage.step(*given)
+    motion, loads = shown.linkage.motion_and_loads(*given)
     return run.times[picked], np.broadcast_to(quantity.of(motion, loads), picked.shape)
 
 
@@ -217,10 +226,10 @@ class OfNode(OverInput):
     """The input of a running node, as its topic has it."""
 
     can_drag = False
-    is_endless = True
 
     def __init__(self, shown: Shown, latest: Callable[[], tuple[float, float, float] | None]):
         super().__init__(shown, shown.scene.drive.start)
+        self.pace = None
         self.latest = latest
         self._state = super().state()        # until the first motion comes
 

@@ -76,7 +76,8 @@ def html(page: Any) -> str:
                 frames.append(mechanism_svg(shown, motion, loads, page.view, page.per_newton,
                                             Layers(page.layers.curves, page.layers.forces)))
     rows = ''.join(f'<tr><td>{row["quantity"]}</td><td>{row["kind"]}</td><td>{row["value"]}</td>'
-                   f'<td>{row["unit"]}</td><td>{row["at"]}</td></tr>' for row in page.table.rows)
+                   f'<td>{row["unit"]}</td><td>{row["at"]}</td></tr>'
+                   for row in page.elements.extrema.rows)
     return f"""<!doctype html><html lang="en"><meta charset="utf-8"><title>{page.title}</title>
 <style>{STYLE}body{{font:16px sans-serif;max-width:60rem;margin:auto}}
 td{{padding:0 .8em 0 0;font-variant-numeric:tabular-nums}}</style>

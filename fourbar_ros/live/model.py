@@ -14,12 +14,11 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.points import point_motion, PointMotion
 from fourbar_ros.mechanisms.quantities import is_published, positions, select
 from fourbar_ros.pipeline.status import evaluate
-from fourbar_ros.report.cycles import usual_points
+from fourbar_ros.report.cycles import cycles, usual_points
 from fourbar_ros.scene.scene import from_values, Scene
 import numpy as np
 
 SAMPLES = 361           # of a cycle: one a degree of a full turn
-WITHIN = 1e-9           # of a range that ends in a toggle: its curves stop so far before the end
 LIMIT = 1e9             # a curve that grows beyond this many times its median leaves the chart
 
 
@@ -77,16 +76,8 @@ class Shown:
     @cached_property
     def cycles(self) -> tuple[Cycle, ...]:
         """Return a :class:`Cycle` for each range of the input."""
-        return tuple(self._cycle(*bounds) for bounds in self.ranges)
-
-    def _cycle(self, low: float, high: float) -> Cycle:
-        margin = WITHIN * (high - low)
-        turns = self.linkage.turns_fully
-        inputs = (np.linspace(low, high, SAMPLES) if turns
-                  else np.linspace(low + margin, high - margin, SAMPLES))
-        if self.linkage.bodies is None:
-            return Cycle(inputs, self.linkage.motion(inputs, self.rate, self.acceleration), None)
-        return Cycle(inputs, *self.linkage.step(inputs, self.rate, self.acceleration))
+        return tuple(Cycle(inputs, *self.linkage.motion_and_loads(
+            inputs, self.rate, self.acceleration)) for inputs in cycles(self.linkage, SAMPLES))
 
     @cached_property
     def quantities(self) -> dict[str, Any]:

@@ -23,9 +23,9 @@ class NodePage(Page):
         """Build the elements of the page; it moves at once."""
         super().build()
         self.timer.activate()
-        self.play.set_visibility(False)
-        self.slider.disable()
-        self.field.disable()
+        self.elements.play.set_visibility(False)
+        self.elements.slider.disable()
+        self.elements.field.disable()
 
     async def change(self, name: str, value: Any) -> None:
         """Set a parameter of the node; what it refuses is shown, and holds for none."""

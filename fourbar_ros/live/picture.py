@@ -15,7 +15,7 @@ import re
 from typing import Any, NamedTuple
 
 from fourbar_ros.live.model import Shown
-from fourbar_ros.mechanisms.parts import Arrow, Diagram
+from fourbar_ros.mechanisms.parts import Arrow, Diagram, without_repeats
 from fourbar_ros.mechanisms.points import instant_centre, link_motion, point_motion
 from fourbar_ros.report.mechanism_panel import significant
 import numpy as np
@@ -190,16 +190,11 @@ def polygon_view(polygons: Iterable[list[Arrow]]) -> View:
 def polygon_svg(arrows: list[Arrow], view: View, unit: str) -> str:
     """Return the SVG content of a velocity or acceleration polygon; the pole is o."""
     pole = view.at((0.0, 0.0))
-    sums = [arrow for arrow in arrows if arrow.is_sum]
-    # a part that is all of its sum is not drawn twice
-    arrows = [arrow for arrow in arrows if arrow.is_sum or not any(
-        view.scale * hypot(*(arrow.vector - other.vector)) < 1.0
-        for other in sums if np.allclose(arrow.start, other.start))]
     taken: list[tuple[float, float]] = []
     parts = [_arrow('sum' if arrow.is_sum else 'part', view.at(arrow.start),
                     (view.scale * arrow.vector[0], -view.scale * arrow.vector[1]),
                     f'{_plain(arrow.label)} = {significant(hypot(*arrow.vector))} {unit}', taken)
-             for arrow in arrows]
+             for arrow in without_repeats(arrows, 1.0 / view.scale)]
     parts += [_circle('pin', pole, 4.0), _text('', (pole[0] - 16.0, pole[1] + 18.0), 'o')]
     return f'<g class="fb">{"".join(parts)}</g>'
 

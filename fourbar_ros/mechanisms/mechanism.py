@@ -1,164 +1,39 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A mechanism as users see it: made, copied, and evaluated for one input or arrays of inputs.
+A mechanism as users see it: evaluated for one input or arrays of inputs.
 
-It gives its formulas for any :class:`~fourbar_ros.numerics.number_types.NumberType`; here they are
-called for floats and arrays, with the same rules for all. What a kind states about itself:
-:mod:`fourbar_ros.mechanisms.contract`.
+It gives its formulas for any :class:`~fourbar_ros.numerics.number_types.NumberType`
+(:mod:`fourbar_ros.mechanisms.formulas`); here they are called for floats and arrays, with the same
+rules for all. What a kind states about itself: :mod:`fourbar_ros.mechanisms.contract`.
 """
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import fields as fields_of
-from dataclasses import replace
+from collections.abc import Iterable
 from functools import cache, cached_property
 from math import isfinite
 from numbers import Real
-from typing import Any, NoReturn, TypeVar
+from typing import Any, NoReturn
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle
-from fourbar_ros.mechanics.bodies import External
-from fourbar_ros.mechanisms.checks import checked, checked_stroke
-from fourbar_ros.mechanisms.contract import (  # noqa: F401
-    Constants,
-    CRANK,
-    CROSSED,
-    OPEN,
-    Ranges,
-    SLIDE,
-)
-from fourbar_ros.mechanisms.described import Described, find_link  # noqa: F401
-from fourbar_ros.mechanisms.evaluation import evaluate, recorded
-from fourbar_ros.mechanisms.stroke import motion_within
+from fourbar_ros.mechanisms.contract import CRANK, CROSSED, OPEN, SLIDE  # noqa: F401
+from fourbar_ros.mechanisms.evaluation import evaluate
+from fourbar_ros.mechanisms.formulas import Formulas
 from fourbar_ros.numerics.arrays import Values
 from fourbar_ros.numerics.given import number
-from fourbar_ros.numerics.number_types import Function, NumberType, REAL
-from fourbar_ros.numerics.recorded import Constants as ProgramConstants
-from fourbar_ros.numerics.recorded import Record
+from fourbar_ros.numerics.number_types import Function, REAL
 
 EPS = 2.0**-52
 _new = tuple.__new__     # of a NamedTuple from a tuple: four times faster than its own constructor
-_Self = TypeVar('_Self', bound='Mechanism')
 
 
-class Mechanism(Described):
+class Mechanism(Formulas):
     """
     Base of the mechanisms: frozen dataclasses of lengths and what else they are made with.
 
     The fields beside lengths: ``mode``, ``input``, ``bodies``, ``gravity``, ``external``; where a
     slide can be driven, ``stroke``.
     """
-
-    # --- made and copied ------------------------------------------------------------------------
-
-    def _check(self) -> None:
-        """Refuse what no mechanism can have, and keep the rest as numbers and records."""
-        for name, value in checked(self).items():
-            object.__setattr__(self, name, value)
-
-    def _check_stroke(self) -> None:
-        """Refuse a wrong stroke, and keep a right one as two floats."""
-        object.__setattr__(self, 'stroke', checked_stroke(self))
-
-    def __getstate__(self) -> dict[str, Any]:
-        """
-        Return what was given.
-
-        Functions made on the way are made again where they are needed.
-        """
-        return {field.name: getattr(self, field.name) for field in fields_of(self)}
-
-    def in_mode(self: _Self, mode: int) -> _Self:
-        """Return the same mechanism in another assembly mode."""
-        return self if mode == self.mode else replace(self, mode=mode)
-
-    def with_lengths(self: _Self, lengths: Sequence[float]) -> _Self:
-        """Return the same mechanism with other :attr:`lengths`."""
-        return replace(self, **dict(zip(self.length_names, lengths)))
-
-    def with_external(self: _Self, external: External) -> _Self:
-        """
-        Return the same mechanism with another :class:`~fourbar_ros.mechanics.bodies.External`.
-
-        What does not depend on it is shared.
-        """
-        other = object.__new__(type(self))
-        # what else is in it was checked
-        other.__dict__.update(self.__dict__, external=external)
-        for name in ('constants', '_of_one', 'record_of_motion', 'record_with_loads'):
-            other.__dict__.pop(name, None)
-        other.__dict__['_made'] = {key: made for key, made in self._made.items()
-                                   if key[0] == 'motion'}
-        return other
-
-    # --- its formulas, made once for each type of numbers ----------------------------------------
-
-    @cached_property
-    def _made(self) -> dict[tuple[str, NumberType], Function]:
-        """Return the formulas made by :meth:`make_motion` and :meth:`make_loads`."""
-        return {}
-
-    def make_motion(self, numbers: NumberType) -> Function:
-        """
-        Return (position, rate, acceleration) -> fields of MOTION for a number type.
-
-        Out of range it gives NaN, or ValueError where numbers are floats.
-        """
-        if ('motion', numbers) not in self._made:
-            formula = self.motion_formula(numbers, self.constants)
-            self._made['motion', numbers] = (formula if self.stroke is None
-                                             else motion_within(formula, self.stroke, numbers))
-        return self._made['motion', numbers]
-
-    def make_loads(self, numbers: NumberType) -> Function:
-        """Return the function (fields of MOTION) -> fields of LOADS for a type of numbers."""
-        if ('loads', numbers) not in self._made:
-            self._made['loads', numbers] = self.loads_formula(numbers, self.constants)
-        return self._made['loads', numbers]
-
-    def make_coefficients(self, numbers: NumberType) -> Function:
-        """
-        Return position -> coefficients of all links for a number type: what dynamics is made of.
-
-        Of each of ``LINKS`` (x, y, x', y', x'', y'', cosine, sine, theta', theta''): place of its
-        first joint and direction, primes for derivatives with respect to the input, so a
-        LinkMotion at unit rate and zero acceleration. Exact, and one call for all links. A stroke
-        is no limit here; where the links cannot close: ValueError, or NaN in arrays.
-        """
-        motion_of, as_motion = self.motion_formula(numbers, self.constants), self.MOTION
-        link_motion, links = self.link_motion, [link.name for link in self.LINKS]
-
-        def coefficients(position: Any) -> list[tuple[Any, ...]]:
-            motion = _new(as_motion, motion_of(position, 1.0, 0.0))
-            return [link_motion(motion, link) for link in links]
-        return coefficients
-
-    def read_coordinate(self, numbers: NumberType, curves: Any) -> tuple[Any, Any, Any]:
-        """
-        Return the input and its two derivatives from coefficients of the links.
-
-        These may be with respect to another coordinate. An angle is in [-pi, pi].
-        """
-        if self.is_driven_by_slide:
-            x, _, d_x, _, dd_x, *_ = curves[-1]
-            return x, d_x, dd_x
-        *_, cosine, sine, turn, bend = curves[0]
-        return numbers.atan2(sine, cosine), turn, bend
-
-    def driven_otherwise(self) -> tuple[Any, ...]:
-        """
-        Return the same links with another coordinate as the input, one for each assembly mode.
-
-        Where the input turns back at a toggle position, that coordinate goes on. They have
-        ``make_coefficients``, of the same links, ``read_coordinate`` and ``in_mode``. Nothing
-        where no other coordinate is known.
-        """
-        for other in self.INPUTS:
-            if other != self.input:
-                free = replace(self, input=other, mode=OPEN, stroke=None)
-                return tuple([free.in_mode(mode) for mode in sorted(free.modes)])
-        return ()
 
     @cached_property
     def _motion_of_one(self) -> Function:
@@ -176,16 +51,6 @@ class Mechanism(Described):
         one, other, *rest = map(self.LOADS._fields.index, self.WATCHED)
         return (self._motion_of_one, self.make_loads(REAL), one, other, rest, self.MOTION,
                 self.LOADS)
-
-    @cached_property
-    def record_of_motion(self) -> tuple[Record, ProgramConstants]:
-        """Return the record of the motion, and this mechanism's constants in it."""
-        return recorded(self, False)
-
-    @cached_property
-    def record_with_loads(self) -> tuple[Record, ProgramConstants]:
-        """Return the record of motion and loads, and this mechanism's constants in it."""
-        return recorded(self, True)
 
     def prepare(self) -> tuple[Function, Function | None]:
         """
@@ -276,6 +141,13 @@ class Mechanism(Described):
             raise InvalidParameter(self.input_coordinate.rate, rate,
                                    'so fast, or with such masses, that loads overflow')
         return _new(as_motion, motion), _new(as_loads, loads)
+
+    def motion_and_loads(self, position: Values, rate: Values = 0.0, acceleration: Values = 0.0
+                         ) -> tuple[Any, Any]:
+        """Return (motion, loads) as :meth:`step` does; without masses the loads are None."""
+        if self.bodies is None:
+            return self.motion(position, rate, acceleration), None
+        return tuple(self.step(position, rate, acceleration))
 
     def _require_finite(self, *values: float) -> NoReturn:
         for name, value in zip(self.input_coordinate, values):

@@ -7,7 +7,7 @@ Coordinates, lengths, links, and what a picture of them shows.
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanics.moving_frames import acceleration_terms
@@ -260,6 +260,14 @@ class Arrow(NamedTuple):
 def total(vector: Array, label: str) -> Arrow:
     """Return the arrow of a sum, from the pole."""
     return Arrow(ORIGIN, vector, label, True)
+
+
+def without_repeats(arrows: Sequence[Arrow], least: float) -> list[Arrow]:
+    """Return arrows without the parts that are all of their sum, but for less than ``least``."""
+    sums = [arrow for arrow in arrows if arrow.is_sum]
+    return [arrow for arrow in arrows if arrow.is_sum or not any(
+        np.allclose(arrow.vector, other.vector, 0.0, least)
+        and np.allclose(arrow.start, other.start) for other in sums)]
 
 
 def chain(start: Array, *steps: tuple[Array, str]) -> list[Arrow]:

@@ -42,6 +42,14 @@ def usual_points(mechanism: Mechanism, points: Points) -> Points:
     return {}
 
 
+def ground_forces(mechanism: Mechanism) -> dict[str, str]:
+    """Return {field of the loads: name} of the forces at the joints of the ground."""
+    low, high = mechanism.input_ranges[0]
+    diagram = mechanism.diagram(mechanism.motion(0.5 * (low + high), 1.0))
+    return {name: f'F{name[1:]}' for name, joint in diagram.forces.items()
+            if joint in diagram.ground}
+
+
 def make_cycle_figure(what: str, mechanism: Mechanism, rate: float, acceleration: float = 0.0,
                       points: Points = MappingProxyType({})) -> Any:
     """
@@ -91,7 +99,7 @@ def _curves(what: str, mechanism: Mechanism, rates: tuple[float, float],
         if mechanism.bodies is None:
             raise CannotDraw('forces need masses: see bodies.* in docs/node.md')
         steps = [mechanism.step(inputs, *rates)[1] for inputs in cycles(mechanism)]
-        names = {'shaking_force': 'shaking force'} | _ground_forces(mechanism)
+        names = {'shaking_force': 'shaking force'} | ground_forces(mechanism)
         return {text: [_bounded(np.stack([getattr(loads, f'{name}_x'),
                                           getattr(loads, f'{name}_y')], axis=-1))
                        for loads in steps] for name, text in names.items()}, 'N'
@@ -101,14 +109,6 @@ def _curves(what: str, mechanism: Mechanism, rates: tuple[float, float],
     motions = [mechanism.motion(inputs, *rates) for inputs in cycles(mechanism)]
     return {name: [_bounded(getattr(point_motion(mechanism, motion, *point), field))
                    for motion in motions] for name, point in points.items()}, unit
-
-
-def _ground_forces(mechanism: Mechanism) -> dict[str, str]:
-    """Return {field of the loads: name} of the forces at the joints of the ground."""
-    inputs = cycles(mechanism, 5)[0]
-    diagram = mechanism.diagram(mechanism.motion(float(inputs[2]), 1.0))
-    return {name: f'F{name[1:]}' for name, joint in diagram.forces.items()
-            if joint in diagram.ground}
 
 
 def _bounded(vectors: np.ndarray) -> np.ndarray:

@@ -12,11 +12,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.mechanisms.parts import ORIGIN
+from fourbar_ros.mechanisms.parts import ORIGIN, without_repeats
 from fourbar_ros.report.joint_labels import labels_of
 from fourbar_ros.report.mechanism_panel import draw_mechanism, renamed, significant
 from fourbar_ros.report.sheet import Sheet
-import numpy as np
 
 STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 11,
          'svg.hashsalt': 'fourbar_ros',
@@ -59,13 +58,8 @@ def draw_polygon(axes, arrows, title, unit, names=None):
     arrows = list({(arrow.label, arrow.is_sum): arrow for arrow in reversed(arrows)}.values())
     arrows.reverse()
     longest = max(hypot(*arrow.vector) for arrow in arrows)
-    # a part that is all of its sum is not drawn twice
-    sums = [arrow for arrow in arrows if arrow.is_sum]
-    shown = [arrow for arrow in arrows if hypot(*arrow.vector) > LEAST * longest
-             and (arrow.is_sum or not any(
-                 np.allclose(arrow.vector, other.vector, 0.0, LEAST * longest)
-                 and np.allclose(arrow.start, other.start)
-                 for other in sums))]
+    shown = [arrow for arrow in without_repeats(arrows, LEAST * longest)
+             if hypot(*arrow.vector) > LEAST * longest]
     sheet = Sheet(axes, [ORIGIN] + [point for arrow in shown
                                     for point in (arrow.start, arrow.start + arrow.vector)],
                   f'{title} [{unit}]')

@@ -16,6 +16,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
 from fourbar_ros.pipeline.message_fields import layout, Names
 from fourbar_ros.scene import parameters
+from fourbar_ros.scene.checks import check_link, check_together
 from fourbar_ros.scene.dynamics import Dynamics, of_values
 from fourbar_ros.scene.families import names_in
 from fourbar_ros.scene.files import as_text, flatten, read_values, SceneError  # noqa: F401
@@ -28,8 +29,6 @@ from fourbar_ros.scene.topics import (
     TORQUE,
     wrench_topic,
 )
-
-IN_WORDS = {1: 'one', 2: 'two', 3: 'three', 4: 'four', 5: 'five', 6: 'six', 7: 'seven', 8: 'eight'}
 
 
 class DriveSettings(NamedTuple):
@@ -247,7 +246,7 @@ def from_values(values):
               for name in names_in('points', values)}
     linkage = linkage_of(values)
     for name, point in points.items():
-        _check_link(f'points.{name}.link', point.link, linkage)
+        check_link(f'points.{name}.link', point.link, linkage)
     shown = _group(JointStates, 'joint_states', values)
     shown = shown._replace(ratios=shown.ratios or [1.0] * len(linkage.JOINTS),
                            offsets=shown.offsets or [0.0] * len(linkage.JOINTS))
@@ -260,58 +259,12 @@ def from_values(values):
                   values['frame_id'], tuple(shown.prefix + name for name in names), shown,
                   _group(RecordingSettings, 'recording', values),
                   of_values(values, linkage), values)
-    _check_together(scene)
+    check_together(scene)
     return scene
 
 
 def _group(kind, name, values):
     return kind(*(values[f'{name}.{field}'] for field in kind._fields))
-
-
-def _check_link(name, link, linkage):
-    """Refuse a link that the linkage does not have."""
-    known = [its.name for its in linkage.LINKS]
-    if link not in known:
-        raise InvalidParameter(name, link, f'must be one of {", ".join(known)}')
-
-
-def _check_together(scene):
-    """Check what no parameter shows alone."""
-    def refuse(name, why):
-        value = scene.values[name]
-        # NaN: not given
-        raise InvalidParameter(name, value if value == value else None, why)
-
-    if scene.needs_loads and scene.linkage.bodies is None:
-        loads = [name for name, topic in scene.topics.items() if topic.needs_loads]
-        refuse('bodies.crank.mass', f'must be given (or bodies.rods): output {loads[0]} needs '
-                                    'masses')
-    if not scene.frame_id:
-        refuse('frame_id', 'must not be empty')
-    names, count = scene.joint_names, len(scene.linkage.JOINTS)
-    if len(names) != count or len(set(names)) != count or scene.joint_states.prefix in names:
-        refuse('joint_names', f'must be {IN_WORDS.get(count, count)} different names, one for '
-                              'each joint')
-    for name in ('ratios', 'offsets'):
-        if len(getattr(scene.joint_states, name)) != count:
-            refuse(f'joint_states.{name}', f'must be {IN_WORDS.get(count, count)} numbers, one '
-                                           'for each joint')
-    if 0.0 in scene.joint_states.ratios:
-        refuse('joint_states.ratios', 'must not be zero')
-    if scene.drive.joint_ratio == 0.0:
-        refuse('drive.joint_ratio', 'must not be zero')
-    if len(set(scene.outputs)) != len(scene.outputs):
-        refuse('outputs', 'names an output twice')
-    if 'points' in scene.outputs and not scene.points:
-        refuse('outputs', 'points: the scene has none; give points.NAME.link, .along, .across')
-    if scene.dynamics and scene.wrenches.links:
-        refuse(f'external.{scene.wrenches.links[0]}.from_topic', 'motion that follows from torque '
-               'takes constant external forces only')
-    if (link := scene.springs_without_loads) and scene.needs_loads:
-        refuse('outputs', f'loads with a spring or damper on the {link} are not computed; those '
-               f'are that take external forces: {", ".join(scene.linkage.EXTERNAL._fields)}')
-    if scene.drive.source == 'joint_state' and not scene.drive.joint:
-        refuse('drive.joint', 'must name the joint that is the input')
 
 
 def load(path):

@@ -133,17 +133,12 @@ class Design:
         points, before, is_turn = POINTS, nan, self.linkage.turns_fully
         while points <= (MOST_POINTS if is_turn else MOST_NODES):
             x, weights = full_turn(points) if is_turn else between(low, high, points)
-            values = quantity.of(*self._state(quantity, x))
+            values = quantity.of(*self.linkage.motion_and_loads(x, *self.rates))
             mean = float(np.sum(weights * np.square(values)))
             if abs(mean - before) <= AGREE * mean:
                 return mean
             points, before = 2 * points, mean
         return before
-
-    def _state(self, quantity: Any, x: Array) -> tuple[Any, Any]:
-        if self.linkage.bodies is None:
-            return self.linkage.motion(x, *self.rates), None
-        return self.linkage.step(x, *self.rates)
 
     def curve(self, curve: Curve) -> tuple[Array, Array]:
         """Return x and y of a point of the scene at equal steps of the input."""

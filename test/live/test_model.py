@@ -156,7 +156,7 @@ def test_playing_covers_the_range_and_stays_in_it(name):
     low, high = found.ranges[0]
     reached = []
     for _ in range(700):
-        course.advance(0.01 * course.period)
+        course.advance(0.01 * course.pace.value)
         reached.append(course.state().position)
         assert low <= reached[-1] <= high
         assert found.pose(*course.state())[0] == 0

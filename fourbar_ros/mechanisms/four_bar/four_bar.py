@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import acos, asin, asinh, atan2, fsum, pi, sqrt
-from typing import Any, NamedTuple
+from typing import Any
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External
@@ -18,6 +18,7 @@ from fourbar_ros.mechanisms.contract import Constants, CRANK, CROSSED, OPEN, Ran
 from fourbar_ros.mechanisms.four_bar import diagram
 from fourbar_ros.mechanisms.four_bar.loads import Loads, make_loads
 from fourbar_ros.mechanisms.four_bar.motion import make_motion, Motion
+from fourbar_ros.mechanisms.four_bar.ranges import DeadPoint, ranges_of, squares_of_half
 from fourbar_ros.mechanisms.four_bar.seen_from_output import SeenFromOutput
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
@@ -53,37 +54,6 @@ _CLASSES: dict[tuple[int, ...], str] = {
     (1, -1, 1): 'non-Grashof pi-pi double-rocker',
     (1, 1, -1): 'non-Grashof 0-pi double-rocker',
 }
-
-
-class DeadPoint(NamedTuple):
-    """Crank and coupler in line, one behind the other (stretched) or folded; angles in [rad]."""
-
-    theta1: float
-    theta4: float
-    stretched: bool
-
-
-def _squares_of_half(one: float, other: float, a3: float, a4: float) -> tuple[float, float]:
-    """Return 4 r a4 (sin^2, cos^2) of half the angle at O1 of r = one + other, a3, a4."""
-    return (fsum((a3, -one, -other, a4)) * fsum((a3, one, other, -a4)),
-            fsum((one, other, a4, -a3)) * fsum((one, other, a4, a3)))
-
-
-def _ranges(a1: float, a2: float, a3: float, a4: float) -> Ranges:
-    """
-    Return the ranges of the angle at which a1 leaves the ground link.
-
-    See FourBar.closing_ranges.
-    """
-    a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
-    s1 = difference_of_squares(a2, a3, a1, a4)
-    s2 = difference_of_squares(a1, -a4, a2, -a3)
-    far = 2.0 * atan2(sqrt(difference_of_squares(a2, a3, a1, -a4)), sqrt(-s1)) if s1 < 0.0 else pi
-    near = (2.0 * atan2(sqrt(-s2), sqrt(difference_of_squares(a1, a4, a2, -a3))) if s2 < 0.0
-            else 0.0)
-    if s1 >= 0.0:
-        return ((-pi, pi),) if s2 >= 0.0 else ((near, 2.0 * pi - near),)
-    return ((-far, far),) if s2 >= 0.0 else ((-far, -near), (near, far))
 
 
 @dataclass(frozen=True)
@@ -191,7 +161,7 @@ class FourBar(Mechanism):
         through pi (high > pi), or two. At an end that is no full turn, coupler and output link are
         in line (toggle).
         """
-        return _ranges(*self.lengths)
+        return ranges_of(*self.lengths)
 
     @property
     def singular_inputs(self) -> list[complex]:
@@ -222,7 +192,7 @@ class FourBar(Mechanism):
         """
         ranges = []
         # seen from O4, of pi - theta4
-        for low, high in _ranges(self.a3, self.a2, self.a1, self.a4):
+        for low, high in ranges_of(self.a3, self.a2, self.a1, self.a4):
             low, high = pi - high, pi - low
             turn = 2.0 * pi if low >= pi else 0.0
             ranges.append((low - turn, high - turn))
@@ -243,7 +213,7 @@ class FourBar(Mechanism):
         """
         points = []
         for stretched, r in ((True, (self.a1, self.a2)), (False, (self.a1, -self.a2))):
-            inner, outer = _squares_of_half(*r, self.a3, self.a4)
+            inner, outer = squares_of_half(*r, self.a3, self.a4)
             # |A B| and r count negative together where B lies behind O1
             if inner * outer > 0.0:
                 side = self.sign if stretched else -self.sign

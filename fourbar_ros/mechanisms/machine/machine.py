@@ -11,12 +11,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from dataclasses import fields as fields_of
 from functools import cached_property
-from math import nan, pi
+from math import nan
 from typing import Any, ClassVar
 
-from fourbar_ros.errors import FourBarError, InvalidParameter, Toggle
+from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
-from fourbar_ros.mechanisms.checks import STROKE, two_numbers
+from fourbar_ros.mechanisms.checks import two_numbers
 from fourbar_ros.mechanisms.contract import Constants, CRANK, SLIDE
 from fourbar_ros.mechanisms.machine import diagram
 from fourbar_ros.mechanisms.machine.connections import connections_of
@@ -34,11 +34,10 @@ from fourbar_ros.mechanisms.machine.given import (
     with_lengths,
 )
 from fourbar_ros.mechanisms.machine.layout import Layout, layout_of
+from fourbar_ros.mechanisms.machine.limits import WithLimits
 from fourbar_ros.mechanisms.machine.loads import make_loads
 from fourbar_ros.mechanisms.machine.motion import make_motion
 from fourbar_ros.mechanisms.machine.names import lengths_of, names_of
-from fourbar_ros.mechanisms.machine.ranges import Closings, find_ranges, Limit
-from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Arrow, Connection, Diagram
 from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.mechanisms.stroke import motion_within
@@ -53,7 +52,7 @@ _MADE = ('constants', 'stages', 'input_ranges', '_closings', '_near', '_made',
 
 
 @dataclass(frozen=True)
-class Machine(Mechanism):
+class Machine(WithLimits):
     """
     One driven link and dyads, each between two points that move already.
 
@@ -122,15 +121,8 @@ class Machine(Mechanism):
                   external=by_link('external', self.external, Applied, names.EXTERNAL,
                                    NOT_APPLIED) or names.EXTERNAL(),
                   gravity=two_numbers('gravity', self.gravity))
-        self._require_closing()
+        self.require_closing()
         self._check_stroke()
-
-    def _require_closing(self) -> None:
-        """Refuse a machine that cannot be assembled at any input."""
-        name = self._closings.stopped
-        if name:
-            others = '' if name == self.dyads[0].name else ' at which those before it do'
-            raise InvalidParameter(f'dyads.{name}', None, f'cannot close at any input{others}')
 
     def _set(self, **values: Any) -> None:
         for name, value in values.items():
@@ -186,16 +178,6 @@ class Machine(Mechanism):
         modes = [1 + ((mode - 1) >> i & 1) for i in range(len(self.stages))]
         return self._with_stages([replace(dyad, mode=own)
                                   for dyad, own in zip(self.stages, modes)])
-
-    def mode_beyond(self, limit: float) -> int:
-        """Return the mode into which quantities go on smoothly at a toggle at a limit."""
-        place = [dyad.name for dyad in self.stages].index(self._limit_next_to(limit).dyad)
-        has_one = self.stages[place].kind in OF_ONE_MODE     # goes on in x, not in its root
-        return self.mode if has_one else 1 + ((self.mode - 1) ^ (1 << place))
-
-    def _limit_next_to(self, position: float) -> Limit:
-        ends = [end for bound in self.limits if bound for end in bound]
-        return min(ends, key=lambda end: abs(self.distance(position, end.x)))
 
     def crank_angle(self, motion: Any) -> Any:
         """Return the angle of the crank in a motion [rad]; NaN of a machine without one."""
@@ -256,14 +238,6 @@ class Machine(Mechanism):
             self._made[key] = lambda motion: line(*motion)
         return super().make_loads(numbers)
 
-    def _why_no_motion(self, position: float) -> FourBarError:
-        """Return the error for an input at which a dyad does not close, or is at its toggle."""
-        error = super()._why_no_motion(position)
-        if not isinstance(error, Toggle):
-            return error
-        return Toggle(error.name, position, self.input_coordinate.unit,
-                      self._limit_next_to(position).dyad)
-
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
         return make_motion(numbers, self.layout, constants.lengths, constants.sign)
@@ -272,51 +246,6 @@ class Machine(Mechanism):
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
         return make_loads(numbers, self.layout, constants.lengths, constants.bodies,
                           constants.gravity, constants.external)
-
-    @cached_property
-    def _closings(self) -> Closings:
-        numbers = [dyad.numbers for dyad in self.stages]
-        size = sum(map(abs, self.lengths))
-        stroke = two_numbers('stroke', self.stroke, STROKE) if self.stroke is not None else ()
-        far = 2.0 * max([size, *map(abs, stroke)])
-        found = find_ranges(self.layout, numbers, self.signs, (-far, far))
-        if self.input == SLIDE and self.stroke is None and any(
-                bound is not None and far in map(abs, (bound[0].x, bound[1].x))
-                for bound in found.limits):
-            raise InvalidParameter('stroke', self.stroke, 'must be given: no dyad limits the '
-                                                          'slide')
-        return found
-
-    @cached_property
-    def _near(self) -> tuple[complex, ...]:
-        return tuple([z for near in self._closings.near for z in near()])
-
-    @property
-    def closing_ranges(self) -> tuple[tuple[float, float], ...]:
-        """Return the ranges of the input in which all dyads close [rad or m]."""
-        return tuple([(-pi, pi) if bound is None else (bound[0].x, bound[1].x)
-                      for bound in self._closings.limits])
-
-    @property
-    def limits(self) -> tuple[tuple[Limit, Limit] | None, ...]:
-        """Return (low, high) of each range, with the dyads at toggles; None: full turns."""
-        return self._closings.limits
-
-    @property
-    def singular_inputs(self) -> list[complex]:
-        """Return the inputs where a dyad is in line: limits, and complex ones next to ranges."""
-        ends = [complex(end.x) for bound in self.limits if bound for end in bound]
-        return ends + list(self._near)
-
-    @property
-    def margins(self) -> tuple[float, ...]:
-        """Return nothing: change points of a machine are not differences of lengths."""
-        return ()
-
-    @property
-    def change_point_margin(self) -> float:
-        """Return the distance of the nearest complex toggle from a range, over its size."""
-        return min([abs(z.imag) / self.input_unit for z in self._near], default=1.0)
 
     @property
     def classification(self) -> str:

@@ -9,7 +9,7 @@ import sys
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.ros.node import parameters, services
 from fourbar_ros.ros.node.diagnostics import Diagnostics
-from fourbar_ros.ros.node.drives import SimulatedTimerDrive, TimerDrive, TopicDrive
+from fourbar_ros.ros.node.drives import SimulatedTimerDrive, TimerDrive
 from fourbar_ros.ros.node.quiet_log import QuietLog
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.steady import SteadyTimers
@@ -81,6 +81,7 @@ class FourBarNode(Node):
             from fourbar_ros.ros.node.torque import SimulatedTorqueDrive, TorqueDrive
             return SimulatedTorqueDrive if is_simulated else TorqueDrive
         if source != 'timer':
+            from fourbar_ros.ros.node.topic_drive import TopicDrive
             return TopicDrive
         return SimulatedTimerDrive if is_simulated else TimerDrive
 

@@ -1,0 +1,94 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Where a machine of dyads closes: limits of its input, toggles there, modes beyond them."""
+from __future__ import annotations
+
+from functools import cached_property
+from math import pi
+
+from fourbar_ros.errors import FourBarError, InvalidParameter, Toggle
+from fourbar_ros.mechanisms.checks import STROKE, two_numbers
+from fourbar_ros.mechanisms.contract import SLIDE
+from fourbar_ros.mechanisms.machine.description import Dyad, OF_ONE_MODE
+from fourbar_ros.mechanisms.machine.layout import Layout
+from fourbar_ros.mechanisms.machine.ranges import Closings, find_ranges, Limit
+from fourbar_ros.mechanisms.mechanism import Mechanism
+
+
+class WithLimits(Mechanism):
+    """What a machine, by its ``layout``, ``stages`` and their ``signs``, knows of its limits."""
+
+    dyads: tuple[Dyad, ...]
+    layout: Layout
+    stages: tuple[Dyad, ...]
+    signs: tuple[float, ...]
+
+    def require_closing(self) -> None:
+        """Refuse a machine that cannot be assembled at any input."""
+        name = self._closings.stopped
+        if name:
+            others = '' if name == self.dyads[0].name else ' at which those before it do'
+            raise InvalidParameter(f'dyads.{name}', None, f'cannot close at any input{others}')
+
+    @cached_property
+    def _closings(self) -> Closings:
+        numbers = [dyad.numbers for dyad in self.stages]
+        size = sum(map(abs, self.lengths))
+        stroke = two_numbers('stroke', self.stroke, STROKE) if self.stroke is not None else ()
+        far = 2.0 * max([size, *map(abs, stroke)])
+        found = find_ranges(self.layout, numbers, self.signs, (-far, far))
+        if self.input == SLIDE and self.stroke is None and any(
+                bound is not None and far in map(abs, (bound[0].x, bound[1].x))
+                for bound in found.limits):
+            raise InvalidParameter('stroke', self.stroke, 'must be given: no dyad limits the '
+                                                          'slide')
+        return found
+
+    @cached_property
+    def _near(self) -> tuple[complex, ...]:
+        return tuple([z for near in self._closings.near for z in near()])
+
+    @property
+    def closing_ranges(self) -> tuple[tuple[float, float], ...]:
+        """Return the ranges of the input in which all dyads close [rad or m]."""
+        return tuple([(-pi, pi) if bound is None else (bound[0].x, bound[1].x)
+                      for bound in self._closings.limits])
+
+    @property
+    def limits(self) -> tuple[tuple[Limit, Limit] | None, ...]:
+        """Return (low, high) of each range, with the dyads at toggles; None: full turns."""
+        return self._closings.limits
+
+    @property
+    def singular_inputs(self) -> list[complex]:
+        """Return the inputs where a dyad is in line: limits, and complex ones next to ranges."""
+        ends = [complex(end.x) for bound in self.limits if bound for end in bound]
+        return ends + list(self._near)
+
+    @property
+    def margins(self) -> tuple[float, ...]:
+        """Return nothing: change points of a machine are not differences of lengths."""
+        return ()
+
+    @property
+    def change_point_margin(self) -> float:
+        """Return the distance of the nearest complex toggle from a range, over its size."""
+        return min([abs(z.imag) / self.input_unit for z in self._near], default=1.0)
+
+    def mode_beyond(self, limit: float) -> int:
+        """Return the mode into which quantities go on smoothly at a toggle at a limit."""
+        place = [dyad.name for dyad in self.stages].index(self._limit_next_to(limit).dyad)
+        has_one = self.stages[place].kind in OF_ONE_MODE     # goes on in x, not in its root
+        return self.mode if has_one else 1 + ((self.mode - 1) ^ (1 << place))
+
+    def _limit_next_to(self, position: float) -> Limit:
+        ends = [end for bound in self.limits if bound for end in bound]
+        return min(ends, key=lambda end: abs(self.distance(position, end.x)))
+
+    def _why_no_motion(self, position: float) -> FourBarError:
+        """Return the error for an input at which a dyad does not close, or is at its toggle."""
+        error = super()._why_no_motion(position)
+        if not isinstance(error, Toggle):
+            return error
+        return Toggle(error.name, position, self.input_coordinate.unit,
+                      self._limit_next_to(position).dyad)
