@@ -3,13 +3,14 @@ SHELL := /bin/bash
 SCENE ?= config/paper.yaml
 SECONDS ?= 5
 MINUTES ?= 60
+WORKERS ?= 3
 ARGS ?=
 export PYTHON
 
 env := . scripts/env.sh
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all lint check-pip check-clean check-oldest soak bench clean
+.PHONY: help setup run test test-all lint check-pip check-clean check-oldest check-loaded soak bench clean
 
 help:
 	@echo 'fourbar_ros: exact motion, loads and extrema of planar linkages;'
@@ -19,10 +20,12 @@ help:
 	@echo '                    SCENE=$(SCENE)  SECONDS=$(SECONDS)'
 	@echo '  make test       run the tests, except the slow ones    ARGS="-k loads" is passed to pytest'
 	@echo '  make test-all   run all tests'
+	@echo '                    WORKERS=$(WORKERS) processes, of which many wait; 0: one that prints'
 	@echo '  make lint       run ruff, mypy and the ament linters'
 	@echo '  make check-pip  test the library without ROS: sdist, wheel, fresh venv, every command'
 	@echo '  make check-clean   make run and make test in a fresh clone with a bare environment'
 	@echo '  make check-oldest  the same with numpy 1.26 and scipy 1.11, as in Ubuntu 24.04'
+	@echo '  make check-loaded  make test three times while six busy loops take the processor'
 	@echo '  make soak       flood the node: garbage, clock steps, a slow disk, restarts    MINUTES=60'
 	@echo '  make bench      measure accuracy, speed, extrema, node and recorder   ARGS="speed"'
 	@echo '  make setup      only set up: .venv, ROS 2, build'
@@ -44,11 +47,11 @@ run:
 
 test:
 	@scripts/setup.sh test
-	@$(env) && python -m pytest -m 'not slow' $(ARGS)
+	@$(env) && python -m pytest -m 'not slow' -n $(WORKERS) --dist loadfile $(ARGS)
 
 test-all:
 	@scripts/setup.sh test
-	@$(env) && python -m pytest $(ARGS)
+	@$(env) && python -m pytest -n $(WORKERS) --dist loadfile $(ARGS)
 
 lint:
 	@scripts/lint.sh
@@ -61,6 +64,9 @@ check-clean:
 
 check-oldest:
 	@scripts/check_clean.sh oldest
+
+check-loaded:
+	@scripts/check_loaded.sh
 
 soak:
 	@scripts/setup.sh test

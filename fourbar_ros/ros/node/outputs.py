@@ -43,6 +43,7 @@ class Outputs:
 
     def __init__(self, node, recording):
         self._node, self._recording = node, recording
+        self._sent = []           # (topic, bytes), to be recorded at the end of the step
         self._driven, self._drive_state, self.named = self._publisher(DRIVEN), None, []
 
     def apply(self, scene):
@@ -82,26 +83,33 @@ class Outputs:
         return self._all if self._recording.active else self._subscribed
 
     def send_driven(self, stamp, values):
-        """Send the driven motion."""
+        """Send the driven motion; it is recorded by :meth:`record` or with what follows."""
         self._send([self._driven], stamp, OK, values)
 
     def send_drive_state(self, stamp, status, values):
-        """Send the state of a drive that works by torque."""
+        """Send the state of a drive that works by torque; recorded as the driven motion is."""
         self._send([self._drive_state], stamp, status, values)
 
     def send(self, stamp, status, values, outputs=None):
-        """Send these outputs; all of the scene by default."""
+        """Send these outputs, all of the scene by default, and record what was sent."""
         outputs = self.named if outputs is None else outputs
         if status != OK:
             outputs = [output for output in outputs if output.has_something(values)]
         self._send(outputs, stamp, status, values)
+        self.record()
+
+    def record(self):
+        """Record what was sent since the last time, at one go."""
+        if self._sent:
+            sent, self._sent = self._sent, []
+            self._recording.write_all(sent)
 
     def _send(self, outputs, stamp, status, values):
         """Pack all messages, then send them together: so the middleware wakes up less often."""
-        mode, recording = self._mode, self._recording
+        mode = self._mode
         packed = [(output, output.pack(stamp, status, mode, values)) for output in outputs]
         for output, data in packed:
             if output.is_heard:                          # it may be wanted for the bag alone
                 output.publish(data)
-        if packed and recording.active:
-            recording.write_all([(output.name, data) for output, data in packed])
+        if self._recording.active:
+            self._sent += [(output.name, data) for output, data in packed]

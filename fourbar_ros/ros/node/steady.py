@@ -13,7 +13,8 @@ from collections.abc import Callable
 from threading import Event, Thread
 import time
 
-PERIOD = 0.1        # [s] so finely are these timers spaced, and so often is the executor woken
+PERIOD = 0.1        # [s] so finely are these timers spaced
+WAKE = 0.3          # [s] so often at least is the executor woken, which then sees signals
 
 
 class SteadyTimers:
@@ -48,10 +49,12 @@ class SteadyTimers:
                 failed(error)
 
         def wake():
+            woken = time.monotonic()
             while not self._ended.is_set():
                 time.sleep(PERIOD)
-                if not self._is_asked:                   # it may be busy
-                    self._is_asked = True
+                now = time.monotonic()
+                if not self._is_asked and (now - woken >= WAKE or self._any_is_due(now)):
+                    self._is_asked, woken = True, now    # asked once, as it may be busy
                     executor.create_task(run)
         self._thread = Thread(target=wake, name='steady timers', daemon=True)
         self._thread.start()
@@ -60,6 +63,9 @@ class SteadyTimers:
         """End it: nothing is called afterwards."""
         self._ended.set()
         self._thread.join()
+
+    def _any_is_due(self, now):
+        return any(now >= due - 0.5 * PERIOD for due in list(self._due.values()))
 
     def _run(self):
         now = time.monotonic()

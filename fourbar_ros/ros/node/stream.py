@@ -138,6 +138,7 @@ class Stream:
             self.outputs.send_driven(stamp, self._as_it_came(position, rate, acceleration))
         seen = self.pictures.are_due(stamp)
         if not wanted.outputs and not seen:
+            self.outputs.record()
             return None
         status, self._values = self._stepper.step(
             position, rate, acceleration, wanted.with_loads or seen and self.pictures.of_loads,
