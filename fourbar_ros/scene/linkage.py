@@ -9,7 +9,7 @@ from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Applied, Body, round_rod
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.mechanism import SLIDE
-from fourbar_ros.scene import families, machines, of_kinds
+from fourbar_ros.scene import families, of_kinds
 from fourbar_ros.scene.parameters import find, MACHINE, PARAMETERS
 
 OWN_NAMES = 'dyads.', 'cylinder', 'bodies.', 'external.'      # of parameters, as errors have them
@@ -86,6 +86,8 @@ def _of_kind(values):
 
 def _machine(values):
     """Return the machine of dyads of a scene; links without a mass have none."""
+    from fourbar_ros.scene import machines  # only these scenes need its formulas
+
     machine = machines.machine_of(values)
     _check_links(values, machine)
     bodies = Bodies(values, machine.LINKS, dict(zip(machine.length_names, machine.lengths)))

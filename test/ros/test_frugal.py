@@ -48,6 +48,8 @@ print(json.dumps({'calls': calls, 'topics': topics,
                                            'fourbar_ros.ros.node.inputs'))],
                   'imported': [m for m in ('scipy', 'mcap', 'matplotlib', 'rich',
                                         'fourbar_ros.extrema.find',
+                                        'fourbar_ros.mechanisms.machine.machine',
+                                        'fourbar_ros.dynamics.system',
                                         'importlib.metadata', 'fourbar_ros.bag.recorder')
                                if m in sys.modules]}))
 node.close()
