@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import sys
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
@@ -165,6 +166,7 @@ def main(args=None, stop=None):
         rclpy.try_shutdown()
         return 2
     sys.setswitchinterval(SWITCH)
+    gc.freeze()          # else each full collection stops the stream for 20 ms over the imports
     try:
         spin(nodes, stop)
     finally:
