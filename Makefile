@@ -10,7 +10,7 @@ export PYTHON
 env := . scripts/env.sh
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all lint check-pip check-clean check-oldest check-loaded soak bench clean
+.PHONY: help setup run test test-all coverage lint check-pip check-clean check-oldest check-loaded soak bench clean
 
 help:
 	@echo 'fourbar_ros: exact motion, loads and extrema of planar linkages;'
@@ -21,6 +21,7 @@ help:
 	@echo '  make test       run the tests, except the slow ones    ARGS="-k loads" is passed to pytest'
 	@echo '  make test-all   run all tests'
 	@echo '                    WORKERS=$(WORKERS) processes, of which many wait; 0: one that prints'
+	@echo '  make coverage   run the tests as make test does; lines and branches covered, in all processes'
 	@echo '  make lint       run ruff, mypy and the ament linters'
 	@echo '  make check-pip  test the library without ROS: sdist, wheel, fresh venv, every command'
 	@echo '  make check-clean   make run and make test in a fresh clone with a bare environment'
@@ -52,6 +53,12 @@ test:
 test-all:
 	@scripts/setup.sh test
 	@$(env) && python -m pytest -n $(WORKERS) --dist loadfile $(ARGS)
+
+coverage:
+	@scripts/setup.sh test
+	@$(env) && export COVERAGE_FILE=$(CURDIR)/.coverage && coverage erase && \
+	  { coverage run -m pytest -m 'not slow' $(ARGS); status=$$?; coverage combine -q; \
+	    coverage report --sort=cover; exit $$status; }
 
 lint:
 	@scripts/lint.sh

@@ -10,17 +10,18 @@ NAME = 'fourbar_ros'
 HERE = Path(__file__).resolve().parent      # colcon runs it through a link
 # Scenes are installed in the package, to be found by name, and in share, as ROS does.
 SCENES = [f'{NAME}.config', f'{NAME}.config.published', f'{NAME}.config.studies',
-          f'{NAME}.config.robots']
+          f'{NAME}.config.robots', f'{NAME}.config.chains']
 
 setup(
     name=NAME,
     version=re.search("__version__ = '(.+)'", (HERE / NAME / '__init__.py').read_text())[1],
     packages=find_packages(include=[NAME, NAME + '.*']) + SCENES,
     package_dir={SCENES[0]: 'config', SCENES[1]: 'config/published',
-                 SCENES[2]: 'config/studies', SCENES[3]: 'config/robots'},
+                 SCENES[2]: 'config/studies', SCENES[3]: 'config/robots',
+                 SCENES[4]: 'config/chains'},
     package_data={NAME: ['py.typed'], f'{NAME}.reproduction': ['*.yaml'],
                   SCENES[0]: ['*.yaml'], SCENES[1]: ['*.yaml'], SCENES[2]: ['*.yaml'],
-                  SCENES[3]: ['*.yaml']},
+                  SCENES[3]: ['*.yaml'], SCENES[4]: ['*.yaml']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + NAME]),
         ('share/' + NAME, ['package.xml']),
@@ -28,6 +29,7 @@ setup(
         ('share/' + NAME + '/config/published', glob('config/published/*.yaml')),
         ('share/' + NAME + '/config/studies', glob('config/studies/*.yaml')),
         ('share/' + NAME + '/config/robots', glob('config/robots/*.yaml')),
+        ('share/' + NAME + '/config/chains', glob('config/chains/*.yaml')),
         ('share/' + NAME + '/launch', glob('launch/*.launch.py')),
     ],
     python_requires='>=3.10',
@@ -42,7 +44,7 @@ setup(
         'live': ['nicegui>=3,<4'],
         'test': ['pytest<9', 'mpmath', 'rosbags', 'mcap>=1.5,<2', 'lz4', 'zstandard',
                  'mcap-ros2-support>=0.6,<1', 'scipy', 'matplotlib', 'python-flint',
-                 'yourdfpy', 'mujoco', 'pyarrow', 'distributed'],
+                 'yourdfpy', 'mujoco', 'pyarrow', 'distributed', 'coverage'],
     },
     zip_safe=False,
     maintainer='fourbar_ros developers',

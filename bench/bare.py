@@ -18,10 +18,15 @@ import rclpy
 from rclpy.experimental import EventsExecutor
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
+from sensor_msgs.msg import JointState
 
 
 def run(kind, rate, outputs):
-    """Publish these outputs at ``rate`` Hz ('timer'), or for each Motion that comes ('echo')."""
+    """
+    Publish these outputs at ``rate`` Hz ('timer'), or for each input that comes.
+
+    'echo': a Motion; 'relay': a JointState of the crank on the topic of the answers.
+    """
     stop = threading.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stop.set())
@@ -33,8 +38,10 @@ def run(kind, rate, outputs):
         message = kind_of()
         message.header.frame_id = 'fourbar'
         if name == 'joint_states':                  # as many bytes as the real one
-            message.name = ['crank', 'coupler', 'coupler_output', 'output']
-            message.position = message.velocity = message.effort = [0.0] * 4
+            message.name = ['crank', 'coupler', 'coupler_output', 'output'][kind == 'relay':]
+            message.position = message.velocity = [0.0] * len(message.name)
+            if kind != 'relay' or 'loads' in outputs:
+                message.effort = message.position
         messages.append((message, node.create_publisher(kind_of, f'~/{name}', 10)))
 
     def send(stamp):
@@ -57,8 +64,9 @@ def run(kind, rate, outputs):
         threading.Thread(target=tick, daemon=True).start()
     else:
         qos = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
-        node.create_subscription(Motion, '~/input', lambda message: send(message.header.stamp),
-                                 qos)
+        topic, of = (('~/joint_states', JointState) if kind == 'relay' else ('~/input', Motion))
+        node.create_subscription(of, topic, lambda message: send(message.header.stamp)
+                                 if kind == 'echo' or 'crank' in message.name else None, qos)
     executor = EventsExecutor()
     executor.add_node(node)
     while not stop.is_set():

@@ -5,9 +5,11 @@ Latency of chains of nodes, beside one bare rclpy node that echoes.
 
 Each node is a process; the output of one is the input of the next. The time is from publishing an
 input to hearing the output of the last node with its stamp. Rounds of all chains alternate, so
-that the load of the machine is the same for all; lost are those that were never heard.
+that the load of the machine is the same for all. Lost are inputs that were never answered, late
+those that were answered after the next one had been sent.
 """
 import json
+from os import getloadavg
 from pathlib import Path
 import statistics
 import tempfile
@@ -109,6 +111,23 @@ def drive(executor, chain, samples, first):
         executor.spin_once(timeout_sec=0.05)
 
 
+def report(chains, samples):
+    """Print the table."""
+    echo = statistics.median(chains[0].delays)
+    print(f'{ROUNDS} rounds of {samples} inputs at {RATE:g} Hz each; p50 over that of the echo; '
+          f'late: after {1e3 / RATE:g} ms, when the next input was sent. '
+          f'Load of the machine at the end: {getloadavg()[0]:.1f}.\n')
+    print('| nodes | p50 [us] | over echo | p99 [us] | jitter p99 - p50 [us] | inputs | late '
+          '| lost |\n|' + ' --- |' * 8)
+    for chain in chains:
+        delays = sorted(chain.delays)
+        p50, p99 = statistics.median(delays), delays[int(0.99 * len(delays))]
+        late = sum(delay > 1.0 / RATE for delay in delays)
+        print(f'| {chain.count or "bare echo"} | {1e6 * p50:.0f} | {p50 / echo:.2f} | '
+              f'{1e6 * p99:.0f} | {1e6 * (p99 - p50):.0f} | {chain.sent} | '
+              f'{late} ({100.0 * late / chain.sent:.2g} %) | {chain.sent - len(delays)} |')
+
+
 def main(samples=300):
     """Measure and print a table."""
     rclpy.init()
@@ -124,15 +143,6 @@ def main(samples=300):
         for chain in chains:
             for child in chain.children:
                 child.stop()
-    echo = statistics.median(chains[0].delays)
-    print(f'{ROUNDS} rounds of {samples} inputs at {RATE:g} Hz each; p50 over that of the echo.\n')
-    print('| nodes | p50 [us] | over echo | p99 [us] | jitter p99 - p50 [us] | lost |')
-    print('| --- | --- | --- | --- | --- | --- |')
-    for chain in chains:
-        delays = sorted(chain.delays)
-        p50, p99 = statistics.median(delays), delays[int(0.99 * len(delays))]
-        lost = 1.0 - len(delays) / chain.sent
-        print(f'| {chain.count or "bare echo"} | {1e6 * p50:.0f} | {p50 / echo:.2f} | '
-              f'{1e6 * p99:.0f} | {1e6 * (p99 - p50):.0f} | {100.0 * lost:.2g} % |')
+    report(chains, samples)
     node.destroy_node()
     rclpy.try_shutdown()

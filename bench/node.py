@@ -16,13 +16,17 @@ FLOOD = 5000                    # [Hz]
 
 
 @contextmanager
-def running(*children, outputs=KINEMATICS, poked=False):
-    """Yield the (child, listener) of children that run side by side, all found."""
+def running(*children, outputs=KINEMATICS, poked=False, **listening):
+    """
+    Yield the (child, listener) of children that run side by side, all found.
+
+    ``listening``: what the Listeners are made with besides.
+    """
     with ExitStack() as stack:
         pairs = []
         for child in children:
             stack.callback(child.stop)
-            listener = Listener(child.name, outputs)
+            listener = Listener(child.name, outputs, **listening)
             stack.callback(listener.close)
             pairs.append((child, listener))
         for _, listener in pairs:
@@ -30,7 +34,7 @@ def running(*children, outputs=KINEMATICS, poked=False):
         yield pairs
 
 
-def side_by_side(theirs, mine, outputs, work, poked=False):
+def side_by_side(theirs, mine, outputs, work, poked=False, **listening):
     """
     Return the slices of two children that run at once, during ``work(listeners)``.
 
@@ -40,7 +44,8 @@ def side_by_side(theirs, mine, outputs, work, poked=False):
     parts = [], []
     for k in range(ROUNDS):
         order = (theirs, mine)[::1 - 2 * (k % 2)]
-        with running(*(make() for make in order), outputs=outputs, poked=poked) as pairs:
+        with running(*(make() for make in order), outputs=outputs, poked=poked,
+                     **listening) as pairs:
             pairs = pairs[::1 - 2 * (k % 2)]
             for _ in range(SLICES):
                 with Slice(*pairs[0]) as first, Slice(*pairs[1]) as second:

@@ -57,15 +57,15 @@ class Child:
         return time.monotonic() - began
 
 
-def ours(outputs=KINEMATICS, **parameters):
+def ours(outputs=KINEMATICS, remaps=(), **parameters):
     """Start fourbar_node with these outputs and parameters (dots written as two underscores)."""
     values = {**PAPER, 'outputs': outputs,
               **{name.replace('__', '.'): value for name, value in parameters.items()}}
     file = Path(tempfile.mkdtemp()) / 'scene.yaml'
     file.write_text(json.dumps({'/**': {'ros__parameters': values}}))
     return Child('fourbar', '-m', 'fourbar_ros.ros.node.node', '--ros-args', '--params-file',
-                 str(file),
-                 '-r', 'joint_states:=/fourbar/joint_states')
+                 str(file), *(part for rule in ('joint_states:=/fourbar/joint_states', *remaps)
+                              for part in ('-r', rule)))
 
 
 def bare(kind, outputs=KINEMATICS, rate=1.0):
@@ -75,13 +75,16 @@ def bare(kind, outputs=KINEMATICS, rate=1.0):
 
 class Listener:
     """
-    Hears the state of a child in raw bytes: arrival times and stamps; drives its input.
+    Hears one output of a child in raw bytes: arrival times and stamps; drives its input.
 
     Its other outputs have a reader too, but of a node that nobody spins: they are delivered, and
     cost this process as little as can be.
+
+    ``heard``: the output; ``given``: (topic below the child, message) of the input, by default
+    a Motion. If it is the topic of the answers, the inputs are told from them by their length.
     """
 
-    def __init__(self, name, outputs=KINEMATICS):
+    def __init__(self, name, outputs=KINEMATICS, heard='state', given=None):
         from fourbar_msgs.msg import Motion
         import rclpy
         from rclpy.experimental import EventsExecutor
@@ -90,21 +93,22 @@ class Listener:
         self.node = rclpy.create_node(f'listener_of_{name}')
         self._deaf = rclpy.create_node(f'reader_of_{name}')
         self.arrived = []                               # (time of arrival, stamp) [ns]
+        topic, message = given or ('input', Motion(position=0.3, velocity=25.0))
+        self._given = bytearray(serialize_message(message))
         for output in outputs:
-            self._subscribe(output, f'/{name}/{output}')
-        self._input = self.node.create_publisher(Motion, f'/{name}/input', 10)
-        self._motion = bytearray(serialize_message(Motion(position=0.3, velocity=25.0)))
+            self._subscribe(output, f'/{name}/{output}', output == heard)
+        self._input = self.node.create_publisher(type(message), f'/{name}/{topic}', 10)
         self._executor = EventsExecutor()
         self._executor.add_node(self.node)
         self._running = True
         self._thread = threading.Thread(target=self._spin, daemon=True)
         self._thread.start()
 
-    def _subscribe(self, output, topic):
+    def _subscribe(self, output, topic, is_heard):
         from fourbar_ros.ros.messages import resolve
         from fourbar_ros.scene.topics import OUTPUTS
         kind = resolve(OUTPUTS[output].type)
-        if output == 'state':
+        if is_heard:
             self.node.create_subscription(kind, topic, self._take, 1000, raw=True)
         else:
             self._deaf.create_subscription(kind, topic, lambda data: None, 1, raw=True)
@@ -115,13 +119,15 @@ class Listener:
 
     def _take(self, data):
         now = time.time_ns()
+        if len(data) == len(self._given):
+            return
         sec, nanosec = STAMP.unpack_from(data, 4)       # behind the 4 bytes of the encapsulation
         self.arrived.append((now, sec * 10**9 + nanosec))
 
     def send(self):
         """Send an input stamped with the time."""
-        STAMP.pack_into(self._motion, 4, *divmod(time.time_ns(), 10**9))
-        self._input.publish(bytes(self._motion))
+        STAMP.pack_into(self._given, 4, *divmod(time.time_ns(), 10**9))
+        self._input.publish(bytes(self._given))
 
     def wait(self, poke=None):
         """

@@ -79,7 +79,7 @@ def test_every_message_package_that_is_imported_is_in_package_xml():
                           ('test', ('test', 'bench', 'docs', 'fourbar_ros'))])
 def test_no_requirement_is_dead(list_name, folders):
     imported = {NAMES.get(name, name) for name in third_party(*folders)}
-    tools = {'ruff', 'pytest-xdist'}        # commands and plugins, not imported
+    tools = {'ruff', 'pytest-xdist', 'coverage'}        # commands and plugins, not imported
     assert required(list_name) - imported - tools == set()
 
 

@@ -36,7 +36,6 @@ LOADS_FIELDS = ('f41_x', 'f41_y', 'f21_x', 'f21_y', 'f32_x', 'f32_y', 'f43_x', '
                 'shaking_moment',
                 'guide_force', 'guide_couple', 'driving_force')
 PASSIVE_EFFORT = 0.0                                   # frictionless joints
-_EFFORTS = {THETA1: 'driving_torque', TRAVEL: 'driving_force'}
 
 
 class FieldMap(NamedTuple):
@@ -163,9 +162,9 @@ def _input_as_state(driven: Coordinate, names: tuple[str, ...]) -> dict[str, str
 
 def _effort(joint: Coordinate, driven: Coordinate) -> str | None:
     """Return the name of the effort of a joint; None: passive."""
-    if joint == driven:
-        return 'driving_torque' if driven.unit == 'rad' else 'driving_force'
-    return _EFFORTS.get(joint)
+    if joint != driven:
+        return None
+    return 'driving_torque' if driven.unit == 'rad' else 'driving_force'
 
 
 def _joint_states(given: Names, with_effort: bool, own: bool) -> dict[str, Any]:

@@ -84,7 +84,7 @@ def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
     if not found:
         raise NotForNode(f'{path}: contains nothing for the node {node or NODE}, only '
                          f'{", ".join(there)}; write "/**:" there'
-                         + (f', or name one: {path}:{next(iter(there)).strip("/")}'
+                         + (f', or name one: {path}:{next(iter(there)).lstrip("/*")}'
                             if node is None else ''))
     values = {}
     for tree in found:

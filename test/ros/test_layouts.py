@@ -15,18 +15,21 @@ import pytest
 from support import ROOT
 import yaml
 
-SCENES = ('paper', 'slider_crank', 'cylinder', 'scotch_yoke')
+SCENES = ('paper', 'slider_crank', 'cylinder', 'scotch_yoke', 'jansen', 'bucket')
 
 
 @pytest.fixture(params=SCENES)
 def recorded(request, run_node, client, tmp_path):
     """Return (scene file, {topic: message}) of a fresh bag of a scene with pictures."""
     values = load(ROOT / f'config/{request.param}.yaml').values
-    outputs = [*dict.fromkeys([*values['outputs'], 'state', 'loads', 'output', *PICTURES])]
+    scene = load(ROOT / f'config/{request.param}.yaml')
+    families = ['links', 'reactions', *(['points'] if scene.points else [])]
+    outputs = [*dict.fromkeys([*values['outputs'], 'state', 'loads', 'output', *families,
+                               *PICTURES])]
     values = {name: value for name, value in values.items() if value == value and value != []}
     values |= {'drive.source': 'motion', 'outputs': outputs, 'pictures.rate': 0.0,
                'recording.directory': str(tmp_path / 'bags')}
-    node, scene = run_node(values), load(ROOT / f'config/{request.param}.yaml')
+    node = run_node(values)
     file = tmp_path / 'scene.yaml'
     file.write_text(json.dumps({'/**': {'ros__parameters': values}}))
     client.listen(['state'])
@@ -67,7 +70,10 @@ def check_foxglove(layout, messages):
     panels = layout['configById']
     plots = [panel for name, panel in panels.items() if name.startswith('Plot!')]
     paths = [path['value'] for plot in plots for path in plot['paths']]
+    labels = [path['label'] for plot in plots for path in plot['paths']]
     assert len(plots) >= 5 and len(paths) == len(set(paths))
+    assert {'foot angular_velocity', 'leg_inner force.x'} <= set(labels) or (
+        '/fourbar/links/foot' not in messages)
     for path in paths:
         topic, _, field = path.partition('.')
         assert is_number(messages, topic, field), path
@@ -84,9 +90,10 @@ def check_foxglove(layout, messages):
 
 def check_plotjuggler(root, messages):
     curves = [curve.get('name') for curve in root.iter('curve')]
-    assert len(curves) >= 8
+    assert len(curves) >= 8 and len(curves) == len(set(curves))
     for curve in curves:
-        topic, _, field = curve.rpartition('/')
+        topic = next(topic for topic in messages if curve.startswith(f'{topic}/'))
+        field = curve.removeprefix(f'{topic}/').replace('/', '.')
         assert is_number(messages, topic, field), curve
     for splitter in root.iter('DockSplitter'):
         assert len(splitter) == int(splitter.get('count')) == len(

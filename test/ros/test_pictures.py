@@ -22,7 +22,8 @@ from support.scenes import PAPER, RODS, TIP
 EPS = 2.0**-52
 SCENES = {name: {**load(ROOT / f'config/{name}.yaml').values, 'drive.source': 'motion',
                  'drive.timeout': 0.0, 'outputs': ['state', *PICTURES], 'pictures.rate': 0.0}
-          for name in ('paper', 'slider_crank', 'cylinder', 'scotch_yoke')}
+          for name in ('paper', 'slider_crank', 'cylinder', 'scotch_yoke', 'jansen',
+                       'quick_return')}
 # of geometry2's tf2_msgs, as `ros2 topic info -v /tf` shows it from Iron to Lyrical
 OFFICIAL = 'RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087'
 

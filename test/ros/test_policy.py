@@ -4,6 +4,7 @@
 from xml.etree import ElementTree
 
 from fourbar_ros.cli.main import main
+from fourbar_ros.scene.files import read_values
 from fourbar_ros.scene.policy import policy
 from fourbar_ros.scene.scene import from_values
 from fourbar_ros.scene.topics import OUTPUTS, PICTURES
@@ -13,7 +14,10 @@ from support.scenes import PAPER, RODS, TIP
 FULL = {**PAPER, **RODS, **TIP, 'drive.source': 'joint_state', 'drive.joint': 'motor',
         'external.output.from_topic': True, 'trajectories': True, 'drive.start': 1.0,
         'outputs': [name for name in OUTPUTS if name not in ('links', 'reactions')] + [*PICTURES]}
-SCENES = {'timer': PAPER, 'full': FULL}
+TORQUE = {**PAPER, **RODS, 'drive.source': 'torque', 'outputs': ['links', 'reactions']}
+MACHINE = {**read_values('jansen'), 'drive.source': 'motion', 'external.hip.from_topic': True,
+           'external.foot.from_topic': True, 'outputs': [*OUTPUTS, *PICTURES]}
+SCENES = {'timer': PAPER, 'full': FULL, 'torque': TORQUE, 'machine': MACHINE}
 
 
 def allowed(text, node='fourbar'):

@@ -18,6 +18,7 @@ from fourbar_ros.bag.recompute import compare
 from fourbar_ros.description.describe import describe
 from fourbar_ros.description.model import model_of
 from fourbar_ros.ros.clients.client import NoAnswer
+from fourbar_ros.scene.files import read_values
 from fourbar_ros.scene.scene import from_values, load
 import numpy as np
 import pytest
@@ -30,7 +31,6 @@ from support.scenes import PAPER, RODS, values_of
 SAME_TOPIC = ('~/input_joint_states:=joint_states',)
 RELAY = {'drive.source': 'joint_state', 'drive.joint': 'motor', 'drive.jump': 100.0,
          'joint_states.only_passive': True, 'outputs': ['joint_states', 'loads']}
-CASES = [case for case in contract.CASES if case.mode == 2]
 
 
 def joint_state(positions, velocities, stamp):
@@ -73,37 +73,65 @@ def newest(messages, stamp):
     return next((m for m in reversed(messages) if m.header.stamp.sec == stamp), None)
 
 
-@pytest.mark.parametrize('case', CASES, ids=contract.name_of)
-def test_the_answers_close_the_urdf_and_balance_power(run_node, client, case):
+class Checked:
+    """A relay whose answers are judged by the URDF in another program and by the core."""
+
+    def __init__(self, run_node, client, values):
+        from yourdfpy import URDF
+        run_node(values, remaps=SAME_TOPIC)
+        self.scene, self.robot = from_values(values), Robot(client)
+        self.model, self.mechanism = model_of(self.scene), self.scene.linkage
+        self.urdf = URDF.load(StringIO(describe(self.scene)), load_meshes=False)
+
+    def check(self, position, velocity=2.0):
+        """Drive the joint there; names, rates, efforts and the closed loops are right."""
+        driven, mechanism = self.scene.drive.joint, self.mechanism
+        self.robot.move(driven, position, velocity, lambda r: newest(r.answers, r.stamp))
+        answer, motion = (newest(self.robot.answers, self.robot.stamp),
+                          mechanism.motion(position, velocity))
+        passive = {name: joint.coordinate
+                   for name, joint in zip(self.scene.joint_names, mechanism.JOINTS)
+                   if name != driven}
+        assert list(answer.name) == list(passive)
+        for name, rate in zip(answer.name, answer.velocity):
+            assert rate == getattr(motion, passive[name].rate)
+        # frictionless, whether the acceleration is known or not
+        assert list(answer.effort) == [0.0] * len(passive)
+        self._check_loops(dict(zip(answer.name, answer.position)) | {driven: position},
+                          1e-12 * max(1.0, motion.condition))
+
+    def _check_loops(self, positions, bound):
+        self.urdf.update_cfg({joint.name: positions[joint.name] for joint in self.model.joints})
+        for closure in self.model.closures:
+            one, other = (self.urdf.get_transform(frame)[:3, 3] for frame in closure.frames)
+            assert np.linalg.norm(one - other) <= bound
+
+
+BOTH_MODES = [pytest.param(case, marks=[] if case.mode == 2 else pytest.mark.slow,
+                           id=contract.name_of(case)) for case in contract.CASES]
+
+
+@pytest.mark.parametrize('case', BOTH_MODES)
+def test_the_answers_close_the_urdf_over_the_whole_range(run_node, client, case):
     pytest.importorskip('yourdfpy')
-    from yourdfpy import URDF
     mechanism, _ = next(contract.ordinary(case, 11, 1))
     driven = [joint.coordinate for joint in mechanism.JOINTS].index(mechanism.input_coordinate)
     names = [f'joint_{i}' for i in range(4)]
     names[driven] = 'motor'
-    values = values_of(mechanism, case.name, **RELAY) | {'joint_names': names}
-    run_node(values, remaps=SAME_TOPIC)
-    scene, robot = from_values(values), Robot(client)
-    urdf = URDF.load(StringIO(describe(scene)), load_meshes=False)
+    checked = Checked(run_node, client,
+                      values_of(mechanism, case.name, **RELAY) | {'joint_names': names})
     low, high = mechanism.input_ranges[0]
-    for share in (0.1, 0.35, 0.6, 0.85):
-        position = low + share * (high - low)
-        robot.move('motor', position, 2.0, lambda r: newest(r.answers, r.stamp))
-        answer = newest(robot.answers, robot.stamp)
-        assert list(answer.name) == [name for name in names if name != 'motor']
-        positions = dict(zip(answer.name, answer.position)) | {'motor': position}
-        urdf.update_cfg({joint.name: positions[joint.name] for joint in model_of(scene).joints})
-        for closure in model_of(scene).closures:
-            one, other = (urdf.get_transform(frame)[:3, 3] for frame in closure.frames)
-            bound = 1e-12 * max(1.0, mechanism.motion(position).condition)
-            assert np.linalg.norm(one - other) <= bound
-        motion = mechanism.motion(position, 2.0)
-        for name, velocity, joint in zip(names, [2.0, *answer.velocity], mechanism.JOINTS):
-            if name != 'motor':
-                its = answer.velocity[list(answer.name).index(name)]
-                assert its == getattr(motion, joint.coordinate.rate)
-        # frictionless; that of a slide is NaN while the acceleration is not known
-        assert all(effort == 0.0 or effort != effort for effort in answer.effort)
+    for share in np.linspace(0.05, 0.95, 19):
+        checked.check(low + share * (high - low))
+
+
+def test_jansens_leg_as_a_relay_over_a_revolution(run_node, client):
+    pytest.importorskip('yourdfpy')
+    values = read_values('jansen') | RELAY | {'drive.joint': 'base'}
+    checked = Checked(run_node, client, values)
+    assert len(checked.model.closures) == 3
+    for position in np.linspace(-np.pi, np.pi, 73):
+        checked.check(float(position))
 
 
 def test_the_drive_effort_is_what_power_asks_for(run_node, client):
@@ -175,7 +203,7 @@ def test_two_mechanisms_of_a_robot_answer_from_one_process_and_one_file(client):
 
 
 @pytest.mark.parametrize('names, why', [
-    (['boom', 'arm'], 'contains nothing for the node /arm, only /boom, /stick'),
+    (['boom', 'arm'], 'contains nothing for the node /arm, only /**/boom, /**/stick'),
     (['boom', 'boom'], 'boom: two nodes of one name'),
     (['boom', '--fast'], '--fast: not understood'),
 ])

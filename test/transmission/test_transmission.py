@@ -145,3 +145,22 @@ def test_without_masses_the_effort_is_the_static_map():
 def test_a_sample_that_is_not_finite_is_refused(wrong):
     with pytest.raises(InvalidParameter, match='must be finite in every sample'):
         trajectory([1.0, wrong])
+
+
+def four_bar_linkage_transmission(actuators, n_a, n_j, offsets):
+    """Return the joints as transmission_interface's header of ros2_control states them."""
+    first = actuators[0] / (n_j[0] * n_a[0]) + offsets[0]
+    second = (actuators[1] / n_a[1] - actuators[0] / (n_j[0] * n_a[0])) / n_j[1] + offsets[1]
+    return first, second
+
+
+def test_the_transmission_of_ros2_control_is_a_parallelogram_and_no_other_four_bar():
+    """Its second link turns with the second actuator, relative to the ground."""
+    n_a, n_j, offsets = (50.0, -30.0), (1.0, 1.0), (0.0, 0.0)
+    crank = np.linspace(0.3, 2.8, 41)
+    actuators = (50.0 * 0.7, n_a[1] * crank)       # the arm stands at 0.7 rad, the crank turns
+    first, second = four_bar_linkage_transmission(actuators, n_a, n_j, offsets)
+    parallelogram, nearly = FourBar(0.1, 0.5, 0.1, 0.5), FourBar(0.1, 0.5, 0.11, 0.5)
+    error, other = (np.abs(linkage.motion(crank).theta4 - (first + second)).max()
+                    for linkage in (parallelogram, nearly))
+    assert error <= 8.0 * EPS * np.pi and other > 0.02

@@ -25,7 +25,7 @@ def foxglove(scene: Scene, node: str = NODE) -> str:
             'title': plot.title, 'showLegend': True, 'legendDisplay': 'floating',
             'showXAxisLabels': True, 'showYAxisLabels': True, 'isSynced': True,
             'xAxisVal': 'timestamp',
-            'paths': [{'value': f'{curve.topic}.{curve.field}', 'label': curve.field,
+            'paths': [{'value': f'{curve.topic}.{curve.field}', 'label': curve.label,
                        'enabled': True, 'timestampMethod': 'headerStamp'}
                       for curve in plot.curves]}
     names = list(panels)

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""A layout for PlotJuggler, whose curves are named ``TOPIC/FIELD``."""
+"""A layout for PlotJuggler, whose curves are named ``TOPIC/FIELD/OF/FIELD``."""
 from __future__ import annotations
 
 from fourbar_ros.description.elements import add, as_text, Element
@@ -25,7 +25,7 @@ def plotjuggler(scene: Scene, node: str = NODE) -> str:
             element = add(add(splitter, 'DockArea', name=plot.title), 'plot',
                           mode='TimeSeries', style='Lines')
             for number, curve in enumerate(plot.curves):
-                add(element, 'curve', name=f'{curve.topic}/{curve.field}',
+                add(element, 'curve', name=f'{curve.topic}/{curve.field.replace(".", "/")}',
                     color=COLOURS[number % len(COLOURS)])
     add(window, 'currentTabIndex', index='0')
     add(root, 'use_relative_time_offset', enabled='1')

@@ -15,10 +15,11 @@ NODE = '/fourbar'
 
 
 class Curve(NamedTuple):
-    """A field of a message: full name of the topic, and the field."""
+    """A field of a message: full name of the topic, the field with dots, what a legend says."""
 
     topic: str
     field: str
+    label: str
 
 
 class Plot(NamedTuple):
@@ -37,9 +38,17 @@ def full_name(topic: str, node: str = NODE) -> str:
 
 def plots_of(scene: Scene, node: str = NODE) -> list[Plot]:
     """Return the plots of a scene whose node has this full name."""
-    found = [*_states(scene), *_loads(scene), *_points(scene), *_output(scene)]
-    return [Plot(title, tuple(Curve(full_name(topic, node), field) for topic, field in curves))
+    found = [*_states(scene), *_links(scene), *_loads(scene), *_reactions(scene),
+             *_points(scene), *_output(scene)]
+    return [Plot(title, tuple(Curve(full_name(topic, node), field, _label(topic, field))
+                              for topic, field in curves))
             for title, curves in found if curves]
+
+
+def _label(topic: str, field: str) -> str:
+    """Return the field; before it the member of a family of topics that has it."""
+    _, is_member, name = topic.removeprefix('~/').partition('/')
+    return f'{name} {field.removeprefix("wrench.")}' if is_member else field
 
 
 def _states(scene: Scene) -> list[Any]:
@@ -70,9 +79,24 @@ def _loads(scene: Scene) -> list[Any]:
             *((title, [(topic, name)] if name in known else []) for title, name in others)]
 
 
+def _links(scene: Scene) -> list[Any]:
+    return [(f'{what.replace("_", " ")} of links [{unit}]', _members(scene, 'links', what))
+            for what, unit in (('angular_velocity', 'rad/s'), ('angular_acceleration', 'rad/s^2'))]
+
+
+def _reactions(scene: Scene) -> list[Any]:
+    return [(f'reactions, {axis} [N]', _members(scene, 'reactions', f'wrench.force.{axis}'))
+            for axis in 'xy']
+
+
 def _points(scene: Scene) -> list[Any]:
-    names = [name for name in scene.topics if name.startswith('points/')]
-    return [('speed of points [m/s]', [(scene.topics[name].topic, 'speed') for name in names])]
+    return [('speed of points [m/s]', _members(scene, 'points', 'speed'))]
+
+
+def _members(scene: Scene, family: str, field: str) -> list[Any]:
+    """Return a field of all topics of a family of outputs."""
+    return [(topic.topic, field) for name, topic in scene.topics.items()
+            if name.startswith(f'{family}/')]
 
 
 def _output(scene: Scene) -> list[Any]:

@@ -63,7 +63,7 @@ def extrema(scene):
         return
     for extremum in found:
         try:
-            position = getattr(extremum, mechanism.input_coordinate.position)
+            position = extremum.slide if mechanism.is_driven_by_slide else extremum.theta1
             diagram = mechanism.diagram(mechanism.motion(float(position)))
         except FourBarError:
             continue
