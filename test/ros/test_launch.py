@@ -1,17 +1,20 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The launch file with real launch and launch_ros, where they are: they are no wheels."""
+"""The launch files with real launch and launch_ros, where they are: they are no wheels."""
 import signal
 import subprocess
 import sys
 
+from fourbar_msgs.msg import LinkageState
+from fourbar_ros.scene.scene import load
 import pytest
+from ros.test_relay import FILE as ARM
+from ros.test_relay import Robot
 from support import ROOT
 from support.harness import PATIENCE
 
 pytest.importorskip('launch_ros.actions')
 
-FILE = ROOT / 'launch' / 'fourbar.launch.py'
 LAUNCH = """
 import sys
 from launch import LaunchDescription, LaunchService
@@ -34,8 +37,9 @@ def launched(tmp_path):
     """
     running = []
 
-    def start(*arguments):
-        running.append(subprocess.Popen([sys.executable, '-c', LAUNCH, str(FILE), *arguments],
+    def start(*arguments, name='fourbar'):
+        file = ROOT / 'launch' / f'{name}.launch.py'
+        running.append(subprocess.Popen([sys.executable, '-c', LAUNCH, str(file), *arguments],
                                         cwd=tmp_path,
                                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                         text=True))
@@ -76,9 +80,50 @@ def test_a_file_is_found_before_a_name(launched, client, tmp_path):
     assert answer.state.header.frame_id == 'mine'
 
 
-@pytest.mark.parametrize('arguments, reason', [(['scene:=papr'], 'known: cylinder, paper'),
+@pytest.mark.parametrize('arguments, reason', [(['scene:=papr'], 'no scene of this name; known: '),
                                                (['use_sim_time:=maybe'], 'use_sim_time')])
 def test_what_cannot_be_is_one_line(launched, arguments, reason):
     process = launched(*arguments)
     said, _ = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1 and reason in said
+
+
+def test_a_robot_of_several_relays_in_one_process(launched, client):
+    launched(f'file:={ARM}', 'nodes:=boom,stick', 'namespace:=left',
+             'joint_states:=/joint_states', name='robot')
+    robot = Robot(client, 'left/boom')
+    for name, position in (('boom', 1.4), ('stick', 1.5)):
+        robot.move(f'{name}_cylinder', position, 0.1, lambda r, n=name: any(
+            f'{n}_pivot' in m.name and m.header.stamp.sec == r.stamp for m in r.answers))
+        answer = next(m for m in reversed(robot.answers) if f'{name}_pivot' in m.name)
+        motion = load(f'{ARM}:{name}').linkage.motion(position, 0.1)
+        assert list(answer.position) == [motion.theta1, motion.theta2, motion.theta4]
+    assert {('boom', '/left'), ('stick', '/left')} <= set(
+        client.node.get_node_names_and_namespaces())
+
+
+@pytest.mark.parametrize('machine, nodes', [('watt', ('four_bar', 'dyad')),
+                                            ('quick_return', ('lever', 'ram'))])
+def test_a_machine_of_nodes(launched, client, machine, nodes):
+    launched(f'file:={ROOT}/config/chains/{machine}.yaml', f'nodes:={",".join(nodes)}',
+             'namespace:=cell', name='chain')
+    first, last = (f'cell/{node}' for node in nodes)
+    client.listen(['loads', 'driven'], node=first)
+    client.listen(['output'], node=last)
+    # the torque of the second loads the first, else its loads would be unknown
+    client.until(lambda: any(m.status == LinkageState.STATUS_OK
+                             for m in client.received['loads']), 'the closed chain')
+    client.received['output'].clear()
+    client.until(lambda: len(client.received['output']) > 20, 'the output')
+    whole, driven = load(machine).linkage, {(m.header.stamp.sec, m.header.stamp.nanosec): m
+                                            for m in client.received['driven']}
+    compared = 0
+    for output in client.received['output']:
+        given = driven.get((output.header.stamp.sec, output.header.stamp.nanosec))
+        if given:
+            motion = whole.motion(given.position, given.velocity, given.acceleration)
+            bound = 1e-12 * max(1.0, motion.condition)
+            want = getattr(motion, whole.outputs[0].coordinate.rate)
+            assert abs(output.velocity - want) <= bound * max(1.0, abs(want))
+            compared += 1
+    assert compared > 10
