@@ -57,7 +57,7 @@ test-all:
 coverage:
 	@scripts/setup.sh test
 	@$(env) && export COVERAGE_FILE=$(CURDIR)/.coverage && coverage erase && \
-	  { coverage run -m pytest -m 'not slow' $(ARGS); status=$$?; coverage combine -q; \
+	  { coverage run -m pytest -m 'not slow' -n $(WORKERS) --dist loadfile $(ARGS); status=$$?; coverage combine -q; \
 	    coverage report --sort=cover; exit $$status; }
 
 lint:
