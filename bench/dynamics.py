@@ -1,24 +1,19 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Torque-driven motion: error against CPU time of simulate and scipy's integrators."""
-from pathlib import Path
-import sys
 import time
 from typing import NamedTuple
 import warnings
 
+from fourbar_ros import SliderCrank
+from fourbar_ros.dynamics.drives import Drive, MotorLine, Shaft, SpeedController
+from fourbar_ros.dynamics.simulate import REACHED, simulate
+from fourbar_ros.dynamics.system import System
+from fourbar_ros.errors import FourBarError
 import mpmath as mp
 import numpy as np
 from scipy.integrate import solve_ivp
-
-sys.path.insert(0, str(Path(__file__).parent.parent / 'test'))
-# the tests' problems are in reach from here on
-from fourbar_ros import SliderCrank  # noqa: E402
-from fourbar_ros.dynamics.drives import Drive, MotorLine, Shaft, SpeedController  # noqa: E402
-from fourbar_ros.dynamics.simulate import REACHED, simulate  # noqa: E402
-from fourbar_ros.dynamics.system import System  # noqa: E402
-from fourbar_ros.errors import FourBarError  # noqa: E402
-from support.dynamics_problems import (  # noqa: E402
+from support.dynamics_problems import (
     exact_free_time,
     light_crank,
     light_rods,
@@ -32,7 +27,8 @@ from support.dynamics_problems import (  # noqa: E402
     sundials_slider_crank,
 )
 
-FIGURE = Path(__file__).resolve().parent.parent / 'docs' / 'bench' / 'dynamics'
+from .pages import figure, save
+
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
 METHODS = ('RK45', 'DOP853', 'LSODA', 'Radau', 'BDF')
 BUDGET = 60_000            # evaluations after which a method counts as stuck
@@ -182,14 +178,9 @@ def summary(results):
 
 def draw(results, names):
     """Draw error against CPU time for each scene."""
-    import matplotlib
-    matplotlib.use('Agg')
-    matplotlib.rcParams['svg.hashsalt'] = 'fourbar'
-    from matplotlib import pyplot
     columns = 4
     rows = -(-len(names) // columns)
-    figure, axes = pyplot.subplots(rows, columns, figsize=(13.0, 3.0 * rows),
-                                   layout='constrained')
+    drawing, axes = figure(rows, columns, figsize=(13.0, 3.0 * rows))
     for axis, name in zip(axes.flat, names):
         for i, method in enumerate(('simulate', *METHODS)):
             points = [(o.milliseconds, max(o.error, 1e-15))
@@ -202,13 +193,11 @@ def draw(results, names):
         axis.grid(alpha=0.3)
     for axis in axes.flat[len(names):]:
         axis.set_axis_off()
-    figure.supxlabel('CPU time [ms]')
-    figure.supylabel('error of the last position [rad]')
+    drawing.supxlabel('CPU time [ms]')
+    drawing.supylabel('error of the last position [rad]')
     handles, labels = axes.flat[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc='lower right', ncols=2)
-    figure.savefig(FIGURE.with_suffix('.svg'), metadata={'Date': None})
-    figure.savefig(FIGURE.with_suffix('.png'), dpi=100)
-    pyplot.close(figure)
+    drawing.legend(handles, labels, loc='lower right', ncols=2)
+    save(drawing, 'dynamics')
     print('\n![Error against CPU time of simulate and scipy](dynamics.svg)')
 
 

@@ -1,7 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The paper's linkage with a real motor: speed ripple, and what it does to the shaking force."""
-from pathlib import Path
 from typing import NamedTuple
 
 from fourbar_ros import Bodies, FourBar, round_rod
@@ -12,7 +11,8 @@ from fourbar_ros.dynamics.simulate import REACHED, simulate
 from fourbar_ros.dynamics.system import System
 import numpy as np
 
-FIGURE = Path(__file__).resolve().parent.parent / 'docs' / 'bench' / 'motor'
+from .pages import figure, save
+
 RODS = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8)))
 LINKAGE = FourBar(0.4, 1.2, 0.8, 1.0, bodies=RODS)      # config/paper.yaml
 SPEED = 25.0               # [rad/s] mean over time
@@ -71,12 +71,7 @@ def steady(flywheel):
 
 def draw(turns, constant):
     """Draw speed and shaking force over a turn, and the error of the assumption over ripple."""
-    import matplotlib
-    matplotlib.use('Agg')
-    matplotlib.rcParams['svg.hashsalt'] = 'fourbar'
-    from matplotlib import pyplot
-    figure, (left, middle, right) = pyplot.subplots(1, 3, figsize=(13.0, 4.0),
-                                                    layout='constrained')
+    drawing, (left, middle, right) = figure(1, 3, figsize=(13.0, 4.0))
     for turn, color in zip((turns[0], turns[3], turns[5]), ('C3', 'C1', 'C0')):
         text = 'motor alone' if not turn.flywheel else f'flywheel {turn.flywheel:.2g} kg m²'
         left.plot(np.degrees(turn.angle), turn.rate, color, label=text)
@@ -93,9 +88,7 @@ def draw(turns, constant):
               ylabel='peak shaking force off constant speed [%]')
     for axis in (left, middle, right):
         axis.grid(alpha=0.3, which='both')
-    figure.savefig(FIGURE.with_suffix('.svg'), metadata={'Date': None})
-    figure.savefig(FIGURE.with_suffix('.png'), dpi=100)
-    pyplot.close(figure)
+    save(drawing, 'motor')
 
 
 def main():

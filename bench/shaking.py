@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 from math import pi
-from pathlib import Path
 
 from fourbar_ros import Bodies, find_extrema_many, FourBar, round_rod
 import numpy as np
 from rich.progress import track
+
+from .pages import figure, save
 
 LINKAGES = 50_000
 # of a revolution; a parabola through the highest three locates the peak
@@ -17,7 +18,6 @@ SAMPLES = 360
 DENSITY, RADIUS = 7750.0, 0.01
 # [deg] what the paper calls close: "3.2 %" of an angle of 5.73 rad
 CLOSE = 10.5
-FIGURE = Path(__file__).resolve().parent.parent / 'docs' / 'bench' / 'shaking'
 
 
 def crank_rockers(count, rng):
@@ -118,11 +118,7 @@ def table(rows, kept):
 
 def draw(rows):
     """Write the figure: how far the peak of the shaking force and moment is from the extrema."""
-    import matplotlib
-    matplotlib.use('Agg')
-    import matplotlib.pyplot as plt
-    matplotlib.rcParams['svg.hashsalt'] = 'fourbar'
-    figure, axes = plt.subplots(1, 2, figsize=(10, 4), sharey=True, layout='constrained')
+    drawing, axes = figure(1, 2, figsize=(10, 4), sharey=True)
     shares = np.linspace(0.0, 100.0, LINKAGES)
     for axis, load, title in zip(axes, ('shaking_force', 'shaking_moment'),
                                  ('shaking force', 'shaking moment')):
@@ -142,10 +138,7 @@ def draw(rows):
         axis.grid(alpha=0.3)
     axes[0].set_ylabel('linkages [%]')
     axes[1].legend(loc='lower right')
-    FIGURE.parent.mkdir(exist_ok=True)
-    figure.savefig(FIGURE.with_suffix('.svg'), metadata={'Date': None})
-    figure.savefig(FIGURE.with_suffix('.png'), dpi=130)
-    plt.close(figure)
+    save(drawing, 'shaking', dpi=130)
 
 
 def main():

@@ -11,10 +11,11 @@ import sys
 import tempfile
 
 from . import hard, ROOT
+from .pages import figure, save
 
 PEERS = Path(__file__).resolve().parent / 'peers'
 ENVIRONMENT = ROOT / '.venv-peers'
-PICTURE = ROOT / 'docs' / 'bench' / 'speed'
+PICTURE = 'speed'
 # the paper's, mode 2
 LENGTHS, OMEGA, DENSITY, RADIUS = (0.4, 1.2, 0.8, 1.0), 25.0, 7750.0, 0.01
 SAMPLES, ROUNDS = 1000, 5
@@ -221,12 +222,7 @@ GROUPS = ((OURS, '#d62728', '*'), ('textbook', '#000000', 'd'), ('9x9 numpy', '#
 
 def draw(errors, times):
     """Draw error against run time."""
-    import matplotlib
-    matplotlib.use('Agg')
-    matplotlib.rcParams['svg.hashsalt'] = 'fourbar'
-    from matplotlib import pyplot
-    figure, axes = pyplot.subplots(1, 2, figsize=(11.0, 5.2), sharex=True, sharey=True,
-                                   layout='constrained')
+    drawing, axes = figure(1, 2, figsize=(11.0, 5.2), sharex=True, sharey=True)
     for axis, key, title in zip(axes, ('alpha4', 'f41'), ("θ4''", 'F41')):
         for group, color, marker in GROUPS:
             points = sorted((median(times[name]) * 1e6, errors[name][key]) for name in errors
@@ -246,11 +242,9 @@ def draw(errors, times):
     axes[0].annotate('better', (0.02, 0.2), (0.12, 0.3), xycoords='axes fraction',
                      textcoords='axes fraction',
                      arrowprops={'arrowstyle': '->', 'color': '0.4'}, color='0.4')
-    figure.legend(*axes[0].get_legend_handles_labels(), loc='outside lower center', ncols=4,
-                  frameon=False)
-    for kind in ('svg', 'png'):
-        figure.savefig(f'{PICTURE}.{kind}', dpi=110, metadata={'Date': None} if kind == 'svg'
-                       else None)
+    drawing.legend(*axes[0].get_legend_handles_labels(), loc='outside lower center', ncols=4,
+                   frameon=False)
+    save(drawing, PICTURE, dpi=110)
 
 
 def main():
@@ -272,7 +266,7 @@ def main():
     for peer, why in left_out.items():
         print(f'Left out: {peer}: {why}')
     draw(errors, times)
-    print(f'![Error against run time]({PICTURE.name}.svg)')
+    print(f'![Error against run time]({PICTURE}.svg)')
 
 
 if __name__ == '__main__':

@@ -8,7 +8,7 @@ Read from YAML and checked whole before anything is computed.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite, prod
+from math import prod
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,6 +18,7 @@ from fourbar_ros.scene.files import find, read_values
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.studies import StudyError
 from fourbar_ros.studies.design import LONGEST, METHODS, unit_points, WHOLE
+from fourbar_ros.studies.entries import choice_of, integer_of, list_of, number_of
 from fourbar_ros.studies.measures import CLASS, Measure, Measures, merged
 from fourbar_ros.studies.variation import TOLERANCES, Variation, variation
 import numpy as np
@@ -153,12 +154,12 @@ def from_document(document: Any, folder: Path = Path()) -> Study:
             raise InvalidParameter(str(key), None, f'unknown entry{nearest(str(key), KEYS)}')
     scene = _scene(document.get('scene'), folder)
     vary = _vary(document.get('vary'), scene)
-    method = _choice('method', document.get('method', 'sobol'), METHODS)
+    method = choice_of('method', document.get('method', 'sobol'), METHODS)
     measures = Measures(scene)
     bounds = _bounds(document.get('constraints', {}), measures)
     objectives = _objectives(document.get('objectives', {}), measures)
     curves = _curves(document.get('curves', {}), scene)
-    asked = [measure for name in _list('quantities', document.get('quantities', []))
+    asked = [measure for name in list_of('quantities', document.get('quantities', []))
              for measure in measures.named('quantities', name)]
     columns = merged([*asked, *(bound.measure for bound in bounds),
                       *(objective.measure for objective in objectives)])
@@ -167,11 +168,11 @@ def from_document(document: Any, folder: Path = Path()) -> Study:
                                                    'curves): what shall be computed?')
     rows = _rows(document.get('rows'), method, vary)
     study = Study(scene.values, vary, method, rows,
-                  _integer('seed', document.get('seed', 0), 0, 2**63 - 1),
-                  _number('acceleration', document.get('acceleration', 0.0)), columns, bounds,
+                  integer_of('seed', document.get('seed', 0), 0, 2**63 - 1),
+                  number_of('acceleration', document.get('acceleration', 0.0)), columns, bounds,
                   objectives, curves,
-                  _choice('keep', document.get('keep', KEEP[0]), KEEP) == 'all',
-                  _integer('chunk', document.get('chunk', CHUNK), 1, LARGEST))
+                  choice_of('keep', document.get('keep', KEEP[0]), KEEP) == 'all',
+                  integer_of('chunk', document.get('chunk', CHUNK), 1, LARGEST))
     _require_a_design(study)
     return study
 
@@ -221,7 +222,7 @@ def _rows(given: Any, method: str, vary: tuple[Variation, ...]) -> int:
         return count
     if given is None:
         raise InvalidParameter('rows', None, f'must be given: how many designs {method} draws')
-    rows = _integer('rows', given, 1, MOST_ROWS)
+    rows = integer_of('rows', given, 1, MOST_ROWS)
     if method == 'latin_hypercube' and rows > WHOLE:
         raise InvalidParameter('rows', rows, 'a Latin hypercube is drawn whole, so at most '
                                              f'{WHOLE}; sobol has no such limit')
@@ -249,7 +250,7 @@ def _bound(entry: str, measure: Measure, how: Any) -> Bound:
         return Bound(measure, -np.inf, np.inf, tuple(texts))
     if not isinstance(how, dict) or not how or not set(how) <= {'least', 'most'}:
         raise InvalidParameter(entry, how, 'must be {least: VALUE}, {most: VALUE} or both')
-    least, most = (_number(f'{entry}.{side}', how.get(side, unbounded), unbounded)
+    least, most = (number_of(f'{entry}.{side}', how.get(side, unbounded), unbounded)
                    for side, unbounded in (('least', -np.inf), ('most', np.inf)))
     if least > most:
         raise InvalidParameter(entry, how, 'least is more than most: no design can fulfil it')
@@ -265,7 +266,7 @@ def _objectives(given: Any, measures: Measures) -> tuple[Objective, ...]:
         measure = measures.one('objectives', name)
         if measure.part == CLASS:
             raise InvalidParameter('objectives', name, 'is a text: it has no best')
-        found.append(Objective(measure, _choice(f'objectives.{name}', sense, SENSES)))
+        found.append(Objective(measure, choice_of(f'objectives.{name}', sense, SENSES)))
     return tuple(found)
 
 
@@ -276,35 +277,5 @@ def _curves(given: Any, scene: Scene) -> tuple[Curve, ...]:
         if name not in scene.points:
             has = f'has {", ".join(scene.points)}' if scene.points else 'has none'
             raise InvalidParameter(f'curves.{name}', None, f'no point of the scene, which {has}')
-    return tuple([Curve(name, _integer(f'curves.{name}', samples, 1, MOST_SAMPLES))
+    return tuple([Curve(name, integer_of(f'curves.{name}', samples, 1, MOST_SAMPLES))
                   for name, samples in given.items()])
-
-
-def _list(entry: str, given: Any) -> list[Any]:
-    if not isinstance(given, list):
-        raise InvalidParameter(entry, given, 'must be a list, as [shaking_force, swing]')
-    return given
-
-
-def _choice(entry: str, given: Any, choices: tuple[str, ...]) -> str:
-    if given not in choices:
-        raise InvalidParameter(entry, given, f'must be one of {", ".join(choices)}')
-    return str(given)
-
-
-def _integer(entry: str, given: Any, low: int, high: int) -> int:
-    if isinstance(given, float) and given.is_integer():      # 1e7 is a float in YAML 1.2
-        given = int(given)
-    if isinstance(given, str) and given.replace('e', '', 1).replace('.', '', 1).isdigit():
-        return _integer(entry, float(given), low, high)      # and a text in YAML 1.1
-    if isinstance(given, bool) or not isinstance(given, int) or not low <= given <= high:
-        raise InvalidParameter(entry, given, f'must be an integer from {low} to {high}')
-    return given
-
-
-def _number(entry: str, given: Any, unbounded: float = 0.0) -> float:
-    if given is unbounded:
-        return unbounded
-    if isinstance(given, bool) or not isinstance(given, (int, float)) or not isfinite(given):
-        raise InvalidParameter(entry, given, 'must be a finite number')
-    return float(given)

@@ -1,0 +1,29 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""What the pages of measurements share: tables and figures."""
+from . import ROOT
+
+
+def table(head, rows):
+    """Print a Markdown table and an empty line."""
+    for line in (head, ['---'] * len(head), *rows):
+        print('| ' + ' | '.join(map(str, line)) + ' |')
+    print()
+
+
+def figure(rows=1, columns=1, **arguments):
+    """Return matplotlib's figure and axes, made for pictures that are the same on every run."""
+    import matplotlib
+    matplotlib.use('Agg')
+    matplotlib.rcParams['svg.hashsalt'] = 'fourbar'
+    from matplotlib import pyplot
+    return pyplot.subplots(rows, columns, layout='constrained', **arguments)
+
+
+def save(drawing, name, dpi=100):
+    """Write a picture of docs/bench as .svg and .png."""
+    from matplotlib import pyplot
+    file = ROOT / 'docs' / 'bench' / name
+    drawing.savefig(file.with_suffix('.svg'), metadata={'Date': None})
+    drawing.savefig(file.with_suffix('.png'), dpi=dpi)
+    pyplot.close(drawing)
