@@ -28,7 +28,8 @@ def perturbed_lengths(mechanism: Any) -> tuple[list[float], list[tuple[float, ..
     signs, margin = min(zip(mechanism.MARGIN_SIGNS, mechanism.margins),
                         key=lambda pair: abs(pair[1]),
                         default=((1,) * len(mechanism.lengths), 0.0))
-    steps = [sign * size if margin >= 0.0 else -sign * size for sign in signs]
+    away = size if margin >= 0.0 else -size
+    steps = [sign * away or size for sign in signs]
     lengths = mechanism.lengths
     return steps, [(*lengths[:i], length * (1.0 + step), *lengths[i + 1:])
                    for i, (step, length) in enumerate(zip(steps, lengths))]

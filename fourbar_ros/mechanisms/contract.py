@@ -83,7 +83,10 @@ class Contract(ABC):
         Of ``bodies`` and ``external``: a field for each link, and for each link that can be
         loaded.
     MARGIN_SIGNS : tuple of tuple
-        How the sizes of the lengths enter each of :attr:`margins`.
+        How the size of each length enters each of :attr:`margins`: 1, -1 or, not at all, 0.
+    PICTURE : module
+        With functions ``diagram``, ``velocity_polygon``, ``acceleration_polygon`` of (mechanism,
+        motion).
     MODES : mapping
         {assembly mode: its name as text}; see :attr:`modes`.
     QUANTITIES : tuple of Quantity
@@ -112,6 +115,7 @@ class Contract(ABC):
     EXTERNAL: Any = External
     QUANTITIES: tuple[Quantity, ...] = ()
     MARGIN_SIGNS: tuple[tuple[int, ...], ...]
+    PICTURE: Any
     MODES: Mapping[int, str] = {CROSSED: '1', OPEN: '2'}
     SLIDE_DIRECTION: tuple[str, str] | None = None
 
@@ -173,17 +177,19 @@ class Contract(ABC):
     def transmission_sine(self, motion: Any) -> Any:
         """Return a number that is zero where the dyad is in line, at most one."""
 
-    @abstractmethod
+    # --- its pictures, by the module PICTURE -----------------------------------------------------
+
     def diagram(self, motion: Any) -> Diagram:
         """Return what a picture shows in one pose."""
+        return self.PICTURE.diagram(self, motion)
 
-    @abstractmethod
     def velocity_polygon(self, motion: Any) -> list[Arrow]:
         """Return the arrows of the velocities [m/s]; the pole is the origin."""
+        return self.PICTURE.velocity_polygon(self, motion)
 
-    @abstractmethod
     def acceleration_polygon(self, motion: Any) -> list[Arrow]:
         """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
+        return self.PICTURE.acceleration_polygon(self, motion)
 
     # --- what some kinds know -------------------------------------------------------------------
 

@@ -2,53 +2,27 @@
 # SPDX-License-Identifier: Apache-2.0
 """Machines of dyads through the real node: topics, services, bag, live changes, 500 Hz."""
 from fourbar_msgs.msg import LinkageState
-from fourbar_ros.bag.recompute import compare
-from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.quantities import select
-from fourbar_ros.pipeline.stepper import Stepper
-from fourbar_ros.ros.clients.client import name_on
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import read_values
 import pytest
-from ros.test_inputs import set_parameters
-from ros.test_mechanisms import inputs_of
-from support.harness import fields_of
+from support.exchange import BY_MESSAGES, check_bag, check_extrema, check_topics
+from support.harness import set_parameters
 
-DRIVEN = {'drive.source': 'motion', 'drive.timeout': 0.0, 'recording.start': True,
-          'recording.name': 'run'}
 ALL = ['state', 'output', 'joint_states', 'loads', 'shaking_wrench', 'drive_wrench', 'links',
        'reactions', 'points']
 
 
 @pytest.mark.parametrize('name', ['jansen', 'bucket'])
 def test_topics_services_and_bag_are_those_of_the_core(name, run_node, client, tmp_path):
-    parameters = {**read_values(name), **DRIVEN, 'outputs': ALL}
+    parameters = {**read_values(name), **BY_MESSAGES, 'outputs': ALL}
     its = scene.from_values(parameters)
-    linkage, layout, stepper = its.linkage, its.layout, Stepper(its)
     run_node(parameters)
-    client.listen(its.topics)
-    publisher, inputs = client.publisher(), inputs_of(linkage, 40)
-    client.handshake(lambda: publisher.publish(inputs[0]))
-    for message in inputs:
-        publisher.publish(message)
-    client.until(lambda: all(len(m) >= len(inputs) for m in client.received.values()),
-                 'an answer on every topic')
-    for topic, messages in client.received.items():
-        for sent, message in zip(inputs, messages):
-            status, expected = stepper.step(sent.position, sent.velocity, sent.acceleration, True,
-                                            True)
-            assert status == LinkageState.STATUS_OK and message.header.stamp == sent.header.stamp
-            assert repr(fields_of(layout, topic,
-                                  message)) == repr(layout.expected(topic, expected))
+    inputs = check_topics(client, its)
     check_meaning(client.received, its, inputs[-1])
     check_services(client, its)
     assert client.call('stop_recording').success
-    found = compare(tmp_path / 'bags/run')
-    topics = {name_on('fourbar', topic) if topic.topic[0] == '~' else f'/{topic.topic}'
-              for topic in its.topics.values()}
-    assert found.inputs > len(inputs) and found.unmatched == 0
-    assert {d.topic for d in found.differences} - {'/fourbar/driven'} == topics
-    assert max(d.largest for d in found.differences) == 0.0
+    check_bag(tmp_path / 'bags/run', its, len(inputs))
 
 
 def check_meaning(received, its, sent):
@@ -76,12 +50,7 @@ def check_services(client, its):
     """Compare the answers of the services with the core."""
     linkage = its.linkage
     names = [linkage.REACTIONS[2].joint, linkage.outputs[0].coordinate.rate, 'shaking_force']
-    answer = client.call('find_extrema', quantities=names, velocity=2.0, acceleration=3.0)
-    assert answer.result == answer.RESULT_OK, answer.message
-    expected = find_extrema(linkage, select(names, linkage), 2.0, 3.0)
-    fields = ('quantity', 'mode', 'theta1', 'slide', 'value', 'is_global')
-    assert expected and ({repr([getattr(e, f) for f in fields]) for e in answer.extrema}
-                         == {repr([getattr(e, f) for f in fields]) for e in expected})
+    check_extrema(client, linkage, select(names, linkage), quantities=names)
     low, high = linkage.input_ranges[0]
     middle = low + 0.55 * (high - low)
     answer = client.call('evaluate', position=middle, velocity=2.0, acceleration=-3.0)

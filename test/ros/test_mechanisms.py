@@ -6,19 +6,13 @@ Slider-crank and inverted slider-crank, driven at crank or slide, and points.
 Node, services, bag as the 4R.
 """
 import math
-import random
 
-from fourbar_msgs.msg import LinkageState, Motion
-from fourbar_ros.bag.recompute import compare
-from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.quantities import known, select
-from fourbar_ros.pipeline.stepper import Stepper
-from fourbar_ros.ros.clients.client import name_on
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.topics import OUTPUTS
 import pytest
-from ros.test_inputs import set_parameters
-from support.harness import ALL_OUTPUTS, fields_of
+from support.exchange import BY_MESSAGES, check_bag, check_extrema, check_topics
+from support.harness import ALL_OUTPUTS, fields_of, set_parameters
 from support.scenes import PAPER, RODS, TIP
 
 BODIES = {**RODS, 'bodies.output.mass': 1.5, 'bodies.output.inertia': 0.02, 'gravity.y': -9.81}
@@ -44,77 +38,38 @@ MECHANISMS = {
 }
 
 
-def inputs_of(linkage, count):
-    """Return random inputs inside the range, in messages."""
-    rng = random.Random(5)
-    messages = []
-    for k in range(count):
-        low, high = rng.choice(linkage.input_ranges)
-        message = Motion(position=rng.uniform(low + 0.02 * (high - low),
-                                              high - 0.02 * (high - low)),
-                         velocity=rng.uniform(-5.0, 5.0), acceleration=rng.uniform(-90.0, 90.0))
-        message.header.stamp.sec = k + 1
-        messages.append(message)
-    return messages
-
-
 @pytest.mark.parametrize('name', MECHANISMS)
 def test_the_same_outputs_services_and_bag(name, run_node, client, tmp_path):
     values, joints = MECHANISMS[name]
     parameters = {**values, **TIP, 'points.pin.link': 'crank', 'points.pin.along': 0.05,
                   'joint_names': joints,
-                  'drive.source': 'motion', 'drive.timeout': 0.0, 'outputs': list(OUTPUTS),
-                  'recording.start': True, 'recording.name': 'run'}
+                  **BY_MESSAGES, 'outputs': list(OUTPUTS)}
     its = scene.from_values(parameters)
-    linkage, layout, stepper = its.linkage, its.layout, Stepper(its)
+    linkage = its.linkage
     run_node(parameters)
-    client.listen(its.topics)
-    publisher, inputs = client.publisher(), inputs_of(linkage, 40)
-    client.handshake(lambda: publisher.publish(inputs[0]))
-    for message in inputs:
-        publisher.publish(message)
-    client.until(lambda: all(len(m) >= len(inputs) for m in client.received.values()),
-                 'an answer on every topic')
+    inputs = check_topics(client, its)
     assert set(client.received) == {
         *ALL_OUTPUTS, 'points/tip', 'points/pin',
         *(f'links/{link.name}' for link in linkage.LINKS),
         *(f'reactions/{reaction.joint}' for reaction in linkage.REACTIONS)}
-    for topic, messages in client.received.items():
-        for sent, message in zip(inputs, messages):
-            status, expected = stepper.step(sent.position, sent.velocity, sent.acceleration, True,
-                                            True)
-            assert status == LinkageState.STATUS_OK and message.header.stamp == sent.header.stamp
-            # NaN is NaN here
-            assert repr(fields_of(layout, topic,
-                                  message)) == repr(layout.expected(topic, expected))
     state = client.received['state'][-1]
     for field in ('slide', 'theta4', 'theta3', 'beta'):
         assert math.isnan(getattr(state, field)) == (field not in linkage.MOTION._fields)
     assert list(client.received['joint_states'][0].name) == joints
     check_services(client, its)
     assert client.call('stop_recording').success
-    found = compare(tmp_path / 'bags/run')
-    assert found.inputs > len(inputs) and found.unmatched == 0
-    topics = {name_on('fourbar', t) if t.topic[0] == '~' else f'/{t.topic}'
-              for t in its.topics.values()}
-    assert {d.topic for d in found.differences} - {'/fourbar/driven'} == topics
-    assert max(d.largest for d in found.differences) == 0.0
+    check_bag(tmp_path / 'bags/run', its, len(inputs))
 
 
 def check_services(client, its):
     """Compare the answers of the services with the core, points included."""
     linkage = its.linkage
-    answer = client.call('find_extrema', velocity=2.0, acceleration=3.0)
     quantities = select((), linkage, its.point_quantities)
-    expected = find_extrema(linkage, quantities, 2.0, 3.0)
     assert {q.name for q in quantities} == {*known(type(linkage), linkage.input), 'tip.speed',
                                             'tip.acceleration',
                                             'pin.speed', 'pin.acceleration'}
-    assert (answer.result == answer.RESULT_OK and [e.quantity for e in answer.extrema]
-            == [e.quantity for e in expected])
-    fields = ('quantity', 'mode', 'theta1', 'slide', 'value', 'is_global')
-    assert ({repr([getattr(e, f) for f in fields]) for e in answer.extrema}
-            == {repr([getattr(e, f) for f in fields]) for e in expected})
+    answer, expected = check_extrema(client, linkage, quantities)
+    assert [e.quantity for e in answer.extrema] == [e.quantity for e in expected]
     middle = (sum(linkage.input_ranges[0]) / 2.0
               + 0.3 * (linkage.input_ranges[0][1] - linkage.input_ranges[0][0]))
     for mode in {1, 2} - set(linkage.modes):

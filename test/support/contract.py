@@ -12,7 +12,8 @@ from fourbar_ros import Applied, Bodies, Body, External, InvalidParameter
 from fourbar_ros.mechanisms.kinds import KINDS
 import mpmath as mp
 import numpy as np
-from support.reference import condition, EPS
+import pytest
+from support import dyad_reference
 from support.references import REFERENCES
 
 FAMILIES = (
@@ -22,7 +23,6 @@ FAMILIES = (
     'link ratios 1e8',
     'near a special input',
 )
-ANGLE_BOUND, RATE_BOUND, LOADS_BOUND = 2.0, 5.0, 5.0  # in eps cond
 ANGLES = ('theta', 'beta')  # how fields begin that count modulo a turn
 TRIES = 10_000
 
@@ -106,9 +106,26 @@ def name_of(case):
     return f'{case.name}-{case.driven}-{case.mode}' if isinstance(case, Case) else str(case)
 
 
+MACHINES = 'machines'  # of dyads, drawn with their structure: see :func:`ordinary`
+every_case = pytest.mark.parametrize('case', CASES, ids=name_of)
+every_mechanism = pytest.mark.parametrize('case', [*CASES, MACHINES], ids=name_of)
+
+
 def families_of(case):
     """Return the names of the families of lengths and inputs: those of all, then its own."""
     return (*FAMILIES, *case.reference.families)
+
+
+every_family = pytest.mark.parametrize(
+    'case, family',
+    [
+        (case, family)
+        for case in CASES
+        if case.name in REFERENCES
+        for family in families_of(case)
+    ],
+    ids=name_of,
+)
 
 
 def are_signed(kind):
@@ -170,10 +187,8 @@ def draw(rng, case, family='random'):
         if not mechanism.input_ranges:
             continue
         given = (_position(rng, case, mechanism, family), float(rng.normal()), float(rng.normal()))
-        if (
-            case.reference.motion(case.driven, _exact(lengths), case.sign, _exact(given))
-            is not None
-        ):
+        exact = exact_numbers(lengths), case.sign, exact_numbers(given)
+        if case.reference.motion(case.driven, *exact) is not None:
             return lengths, given
     raise AssertionError(f'{case}: no mechanism of the family {family!r} in {TRIES} tries')
 
@@ -198,6 +213,9 @@ def random_masses(rng, case, reach, speed):
 
 def ordinary(case, seed, count):
     """Yield (mechanism, input) with everything acting, away from toggles and change points."""
+    if case == MACHINES:
+        yield from dyad_reference.random_machines(seed, count, dyads=(1, 4), least_sine=0.2)
+        return
     rng = np.random.default_rng(seed)
     while count:
         lengths, given = draw(rng, case)
@@ -210,91 +228,11 @@ def ordinary(case, seed, count):
             yield mechanism, given
 
 
-def _exact(values):
+def exact_numbers(values):
+    """Return numbers for mpmath."""
     return [mp.mpf(value) for value in values]
 
 
-def values_and_conditions(function, case, given, others):
-    """
-    Return ({name: exact value}, {name: condition}) of function(given, others) -> {name: value}.
-
-    :func:`reference.condition` counts its first value modulo a turn, so a zero stands before an
-    input that is a length.
-    """
-    skip = 0 if case.turns else 1
-    names = []
-
-    def flat(values):
-        found = function(values[skip: skip + 3], values[skip + 3:])
-        names[:] = found
-        return tuple(found.values())
-
-    truth, cond = condition(flat, _exact([0.0] * skip + [*given, *others]))
-    return dict(zip(names, truth)), dict(zip(names, cond))
-
-
-def error_in_conditions(name, value, truth, cond):
-    """
-    Return |value - truth| in eps cond.
-
-    Of an angle modulo a turn, where a condition below 1 counts as 1.
-    """
-    error = abs(value - truth)
-    if name.startswith(ANGLES):
-        error, cond = abs(mp.arg(mp.expj(value - truth))), max(cond, 1)
-    return float(error / (EPS * cond)) if cond else np.inf if error else 0.0
-
-
-def motion_errors(case, lengths, given):
-    """Return {field: error in eps cond}, the larger one of a single value and of an array."""
-    n = len(lengths)
-    truth, cond = values_and_conditions(
-        lambda at, v: case.reference.motion(case.driven, v[:n], case.sign, at),
-        case,
-        given,
-        lengths,
-    )
-    mechanism = case.make(lengths)
-    motions = mechanism.motion(*given), _first(mechanism.motion(*(np.full(100, v) for v in given)))
-    return {
-        name: max(
-            error_in_conditions(name, getattr(motion, name), truth[name], cond[name])
-            for motion in motions
-        )
-        for name in truth
-    }
-
-
-def load_errors(case, lengths, given, masses):
-    """Return {field or stem of a pair: error in eps cond}, of a value and of an array."""
-    n = len(lengths)
-    truth, cond = values_and_conditions(
-        lambda at, v: case.reference.loads(case.driven, v[:n], case.sign, at, *case.pieces(v[n:])),
-        case,
-        given,
-        [*lengths, *masses],
-    )
-    mechanism = case.make(lengths, masses)
-    loads = mechanism.loads(*given), _first(mechanism.loads(*(np.full(100, v) for v in given)))
-
-    def value(one, name):
-        if isinstance(truth[name], mp.mpc):
-            return mp.mpc(getattr(one, f'{name}_x'), getattr(one, f'{name}_y'))
-        return getattr(one, name)
-
-    return {
-        name: max(
-            error_in_conditions(name, value(one, name), truth[name], cond[name]) for one in loads
-        )
-        for name in truth
-    }
-
-
-def _first(arrays):
-    """Return the first sample of a motion or of loads, as numbers of Python."""
-    return type(arrays)(*(float(field[0]) for field in arrays))
-
-
 def coordinates(kind):
-    """Return the coordinates of its joints."""
-    return [getattr(joint, 'coordinate', joint) for joint in kind.JOINTS]
+    """Return the coordinates of the joints of a kind or a mechanism."""
+    return [joint.coordinate for joint in kind.JOINTS]

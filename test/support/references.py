@@ -5,7 +5,8 @@ The reference of every kind of mechanism, in many digits.
 
 A new kind adds one entry to :data:`REFERENCES`.
 
-``test_contract`` compares each kind with its reference and fails for a kind without one.
+The tests in ``mechanisms/contract`` compare each kind with its reference, and fail for a kind
+without one.
 """
 
 from collections.abc import Callable, Mapping

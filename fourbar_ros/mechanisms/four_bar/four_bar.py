@@ -22,10 +22,8 @@ from fourbar_ros.mechanisms.four_bar.ranges import DeadPoint, ranges_of, squares
 from fourbar_ros.mechanisms.four_bar.seen_from_output import SeenFromOutput
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
-    Arrow,
     BETA,
     Connection,
-    Diagram,
     GROUND,
     Joint,
     Length,
@@ -118,6 +116,7 @@ class FourBar(Mechanism):
              BETA: 'coupler'}
     DRAWN = (THETA1, BETA, THETA4)
     MOTION, LOADS = Motion, Loads
+    PICTURE = diagram
 
     def __post_init__(self) -> None:
         self._check()
@@ -268,15 +267,3 @@ class FourBar(Mechanism):
         """Return {unit: size} of the terms of rates and accelerations, for noise bounds."""
         gain = min(1.0, self.a1 / min(self.a2, self.a3))
         return {'rad/s': gain * abs(rate), 'rad/s^2': gain * (abs(acceleration) + rate**2)}
-
-    def diagram(self, motion: Any) -> Diagram:
-        """Return what a picture shows in one pose."""
-        return diagram.diagram(self, motion)
-
-    def velocity_polygon(self, motion: Any) -> list[Arrow]:
-        """Return the arrows of the velocities [m/s]; the pole is the origin."""
-        return diagram.velocity_polygon(self, motion)
-
-    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
-        """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
-        return diagram.acceleration_polygon(self, motion)

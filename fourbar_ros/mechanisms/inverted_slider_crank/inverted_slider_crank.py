@@ -12,7 +12,6 @@ from functools import cached_property
 from math import atan2, atanh, pi, sqrt
 from typing import Any, NamedTuple
 
-from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.contract import Constants, CRANK, OPEN, Ranges, SLIDE
 from fourbar_ros.mechanisms.inverted_slider_crank import diagram
@@ -22,11 +21,10 @@ from fourbar_ros.mechanisms.inverted_slider_crank.motion import (
     make_crank_motion,
     make_slide_motion,
 )
-from fourbar_ros.mechanisms.mechanism import EPS, Mechanism
+from fourbar_ros.mechanisms.mechanism import EPS
+from fourbar_ros.mechanisms.offset_slide import OffsetSlide
 from fourbar_ros.mechanisms.parts import (
-    Arrow,
     Connection,
-    Diagram,
     GROUND,
     Joint,
     Length,
@@ -39,14 +37,7 @@ from fourbar_ros.mechanisms.parts import (
     TRAVEL,
 )
 from fourbar_ros.mechanisms.points import crank_motion, LinkMotion, point_of
-from fourbar_ros.mechanisms.slide_dyad import (
-    closes,
-    margins,
-    reach,
-    singular_slides,
-    slide_ranges,
-    SliderLoads,
-)
+from fourbar_ros.mechanisms.slide_dyad import reach, singular_slides, slide_ranges
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
 from fourbar_ros.numerics.number_types import Function, NumberType
 
@@ -59,7 +50,7 @@ class InvertedDeadPoint(NamedTuple):
 
 
 @dataclass(frozen=True)
-class InvertedSlider(Mechanism):
+class InvertedSlider(OffsetSlide):
     """
     Inverted slider-crank: a block pinned to the crank at A slides on a bar that turns about O4.
 
@@ -118,8 +109,6 @@ class InvertedSlider(Mechanism):
                                 'left of the bar', signed=True))
     LINKS = (Link('crank', 'crank', 'O1', 'a1', is_loadable=False), Link('coupler', 'block', 'A'),
              Link('output', 'bar', 'O4'))
-    MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
-    INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
     OUTPUTS = {CRANK: (Output(THETA4, 'output_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
     JOINTS = (Joint('O1', THETA1, 'crank'), Joint('A', THETA2, 'block'),
               Joint('slide', TRAVEL, 'slide'), Joint('O4', THETA4, 'bar'))
@@ -129,20 +118,8 @@ class InvertedSlider(Mechanism):
     PARTS = {THETA1: 'crank', THETA2: 'block to crank', THETA4: 'bar', TRAVEL: 'block on the bar'}
     SLIDE_DIRECTION = ('cos_y', 'sin_y')
     DRAWN = (THETA1, THETA4, TRAVEL)
-    MOTION, LOADS = InvertedSliderMotion, SliderLoads
-
-    def __post_init__(self) -> None:
-        self._check()
-        if not closes(*self.lengths):
-            raise InvalidParameter('offset', self.offset, 'the links cannot close: it must be '
-                                   'shorter than crank and ground together '
-                                   f'({self.a1 + self.a4!r})')
-        self._check_stroke()
-
-    @cached_property
-    def margins(self) -> tuple[float, ...]:
-        """Return a4 - a1 - |h| and a1 - a4 - |h| [m]."""
-        return margins(self.a1, self.a4, self.offset)
+    MOTION = InvertedSliderMotion
+    PICTURE = diagram
 
     @property
     def classification(self) -> str:
@@ -258,15 +235,3 @@ class InvertedSlider(Mechanism):
         slide, aside = motion.slide / size, self.offset / size
         opposite = slide if self.input == CRANK else self.a4 / size * motion.sin_x
         return opposite / (slide * slide + aside * aside)**0.5
-
-    def diagram(self, motion: Any) -> Diagram:
-        """Return what a picture shows in one pose."""
-        return diagram.diagram(self, motion)
-
-    def velocity_polygon(self, motion: Any) -> list[Arrow]:
-        """Return the arrows of the velocities [m/s]; the pole is the origin."""
-        return diagram.velocity_polygon(self, motion)
-
-    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
-        """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
-        return diagram.acceleration_polygon(self, motion)

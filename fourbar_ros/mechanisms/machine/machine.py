@@ -38,7 +38,7 @@ from fourbar_ros.mechanisms.machine.limits import WithLimits
 from fourbar_ros.mechanisms.machine.loads import make_loads
 from fourbar_ros.mechanisms.machine.motion import make_motion
 from fourbar_ros.mechanisms.machine.names import lengths_of, names_of
-from fourbar_ros.mechanisms.parts import Arrow, Connection, Diagram
+from fourbar_ros.mechanisms.parts import Connection
 from fourbar_ros.mechanisms.points import LinkMotion
 from fourbar_ros.mechanisms.stroke import motion_within
 from fourbar_ros.numerics.number_types import Function, NumberType, REAL
@@ -105,7 +105,7 @@ class Machine(WithLimits):
     layout: ClassVar[Layout]     # set for each one when it is made; no field
 
     TITLE = 'machine of dyads'
-    MARGIN_SIGNS = ()
+    MARGIN_SIGNS, PICTURE = (), diagram
     TEXT = 'a driven link and dyads, any planar linkage of Assur groups of class II'
 
     def __post_init__(self) -> None:
@@ -114,12 +114,11 @@ class Machine(WithLimits):
         self._set(dyads=checked_dyads(self.dyads),
                   cylinder=checked_cylinder(self.cylinder, self.input))
         layout = layout_of(self.input, self.stages, self.output)
-        names = names_of(layout)
-        self._set(layout=layout, output=layout.output, **names._asdict(),
+        self._set(layout=layout, output=layout.output, **names_of(layout),
                   LENGTHS=tuple([length for length, _ in lengths_of(self.stages)]))
-        self._set(bodies=by_link('bodies', self.bodies, Body, names.BODIES, NO_BODY),
-                  external=by_link('external', self.external, Applied, names.EXTERNAL,
-                                   NOT_APPLIED) or names.EXTERNAL(),
+        self._set(bodies=by_link('bodies', self.bodies, Body, self.BODIES, NO_BODY),
+                  external=by_link('external', self.external, Applied, self.EXTERNAL,
+                                   NOT_APPLIED) or self.EXTERNAL(),
                   gravity=two_numbers('gravity', self.gravity))
         self.require_closing()
         self._check_stroke()
@@ -273,18 +272,6 @@ class Machine(WithLimits):
         for sine in motion[len(motion) - len(self.stages):]:
             product = product * sine
         return product
-
-    def diagram(self, motion: Any) -> Diagram:
-        """Return what a picture shows in one pose."""
-        return diagram.diagram(self, motion)
-
-    def velocity_polygon(self, motion: Any) -> list[Arrow]:
-        """Return the arrows of the velocities [m/s]; the pole is the origin."""
-        return diagram.velocity_polygon(self, motion)
-
-    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
-        """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
-        return diagram.acceleration_polygon(self, motion)
 
     def __reduce__(self) -> tuple[Any, ...]:
         given = {own.name: getattr(self, own.name) for own in fields_of(self)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 from fourbar_ros.mechanisms.machine.description import (
     ANGLES,
@@ -43,27 +43,9 @@ ROLES = {'RRR': ('rod', 'rod'), 'RRP': ('rod', 'block'), 'RPR': ('block', 'bar')
          'RPP': ('block', 'yoke'), 'PRP': ('block', 'block')}
 
 
-class Names(NamedTuple):
-    """The attributes of :class:`~fourbar_ros.mechanisms.mechanism.Mechanism` of these names."""
-
-    LINKS: tuple[Link, ...]
-    JOINTS: tuple[Joint, ...]
-    PARTS: dict[Coordinate, str]
-    DRAWN: tuple[Coordinate, ...]
-    INPUTS: dict[str, Coordinate]
-    OUTPUTS: dict[str, tuple[Output, ...]]
-    MOTION: Any
-    LOADS: Any
-    WATCHED: tuple[str, ...]
-    REACTIONS: tuple[Reaction, ...]
-    BODIES: Any
-    EXTERNAL: Any
-    QUANTITIES: tuple[Quantity, ...]
-
-
 @cache
-def names_of(layout: Layout) -> Names:
-    """Return the :class:`Names` of a layout."""
+def names_of(layout: Layout) -> dict[str, Any]:
+    """Return the attributes of the contract that follow from a layout, by name."""
     joints, turning = layout.joints(), layout.turning()
     links = tuple(_links(layout))
     given = {'crank': coordinate(CRANK_LINK), 'slide': travel(SLIDER_LINK)}
@@ -72,16 +54,17 @@ def names_of(layout: Layout) -> Names:
     parts = {coordinate(link): f'{link} ({text})' for link, text, *_ in links if link in turning}
     parts.update((travel(link), f'{link} slides') for link in layout.slides())
     driven = given[layout.driver]
-    return Names(
-        links, tuple(_joints(layout)), parts,
-        tuple(dict.fromkeys((driven, output_of(layout).coordinate))), {layout.driver: driven},
-        {layout.driver: _outputs(layout, driven)},
-        record_type('MachineMotion', motion_fields(layout)),
-        record_type('MachineLoads', load_fields(layout)),
-        (*(name for name, _ in joints), 'shaking_moment'), tuple(_reactions(layout)),
-        record_type('MachineBodies', layout.moving),
-        record_type('MachineExternal', tuple(link.name for link in links if link.is_loadable)),
-        tuple(_quantities(layout, driven)))
+    return {
+        'LINKS': links, 'JOINTS': tuple(_joints(layout)), 'REACTIONS': tuple(_reactions(layout)),
+        'PARTS': parts, 'DRAWN': tuple(dict.fromkeys((driven, output_of(layout).coordinate))),
+        'INPUTS': {layout.driver: driven}, 'OUTPUTS': {layout.driver: _outputs(layout, driven)},
+        'MOTION': record_type('MachineMotion', motion_fields(layout)),
+        'LOADS': record_type('MachineLoads', load_fields(layout)),
+        'WATCHED': (*(name for name, _ in joints), 'shaking_moment'),
+        'BODIES': record_type('MachineBodies', layout.moving),
+        'EXTERNAL': record_type('MachineExternal', tuple(link.name for link in links
+                                                         if link.is_loadable)),
+        'QUANTITIES': tuple(_quantities(layout, driven))}
 
 
 def _links(layout: Layout) -> list[Link]:

@@ -11,9 +11,7 @@ from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.contract import Constants, CRANK, OPEN, SLIDE
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
-    Arrow,
     Connection,
-    Diagram,
     GROUND,
     Joint,
     Length,
@@ -105,7 +103,8 @@ class ScotchYoke(Mechanism):
     PARTS = {THETA1: 'crank', THETA2: 'block to crank', SLOT: 'block in the slot', TRAVEL: 'yoke'}
     DRAWN = (THETA1, TRAVEL, SLOT)
     MOTION, LOADS = ScotchYokeMotion, ScotchYokeLoads
-    MARGIN_SIGNS = ((1, 1),)
+    PICTURE = diagram
+    MARGIN_SIGNS = ((1, 0),)
     QUANTITIES = (Quantity('slot_velocity', 'm/s', 'velocity of the block in the slot', False),
                   Quantity('slot_acceleration', 'm/s^2', 'acceleration of the block in the slot',
                            False),
@@ -182,15 +181,3 @@ class ScotchYoke(Mechanism):
     def transmission_sine(self, motion: Any) -> Any:
         """Return a number that is zero where the yoke cannot turn the crank, at most one."""
         return 1.0 + 0.0 * motion.sin_x if self.input == CRANK else motion.sin_x
-
-    def diagram(self, motion: Any) -> Diagram:
-        """Return what a picture shows in one pose."""
-        return diagram.diagram(self, motion)
-
-    def velocity_polygon(self, motion: Any) -> list[Arrow]:
-        """Return the arrows of the velocities [m/s]; the pole is the origin."""
-        return diagram.velocity_polygon(self, motion)
-
-    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
-        """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
-        return diagram.acceleration_polygon(self, motion)

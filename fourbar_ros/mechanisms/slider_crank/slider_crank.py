@@ -12,15 +12,12 @@ from functools import cached_property
 from math import asin, atan2, fsum, log1p, pi, sqrt
 from typing import Any, NamedTuple
 
-from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.contract import Constants, CRANK, OPEN, Ranges, SLIDE
-from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.offset_slide import OffsetSlide
 from fourbar_ros.mechanisms.parts import (
-    Arrow,
     BETA,
     Connection,
-    Diagram,
     GROUND,
     Joint,
     Length,
@@ -33,14 +30,7 @@ from fourbar_ros.mechanisms.parts import (
     TRAVEL,
 )
 from fourbar_ros.mechanisms.points import crank_motion, LinkMotion, point_of
-from fourbar_ros.mechanisms.slide_dyad import (
-    closes,
-    margins,
-    reach,
-    singular_slides,
-    slide_ranges,
-    SliderLoads,
-)
+from fourbar_ros.mechanisms.slide_dyad import reach, singular_slides, slide_ranges
 from fourbar_ros.mechanisms.slider_crank import diagram
 from fourbar_ros.mechanisms.slider_crank.loads import make_loads
 from fourbar_ros.mechanisms.slider_crank.motion import (
@@ -65,7 +55,7 @@ class SliderDeadPoint(NamedTuple):
 
 
 @dataclass(frozen=True)
-class SliderCrank(Mechanism):
+class SliderCrank(OffsetSlide):
     """
     Slider-crank O1-A-B whose pin B slides along y = offset.
 
@@ -117,8 +107,6 @@ class SliderCrank(Mechanism):
     LINKS = (Link('crank', 'crank', 'O1', 'a1', is_loadable=False),
              Link('coupler', 'coupler', 'A', 'a2'),
              Link('output', 'slider', 'B', turns=False))
-    MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
-    INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
     OUTPUTS = {CRANK: (Output(TRAVEL, 'slide_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
     JOINTS = (Joint('O1', THETA1, 'crank'), Joint('A', THETA2, 'rod'), Joint('B', THETA3, 'pin'),
               Joint('guide', TRAVEL, 'slider'))
@@ -129,20 +117,8 @@ class SliderCrank(Mechanism):
     PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'slider to coupler',
              BETA: 'coupler', TRAVEL: 'slider'}
     DRAWN = (THETA1, BETA, TRAVEL)
-    MOTION, LOADS = SliderCrankMotion, SliderLoads
-
-    def __post_init__(self) -> None:
-        self._check()
-        if not closes(*self.lengths):
-            raise InvalidParameter('offset', self.offset, 'the links cannot close: it must be '
-                                   'shorter than crank and coupler together '
-                                   f'({self.a1 + self.a2!r})')
-        self._check_stroke()
-
-    @cached_property
-    def margins(self) -> tuple[float, ...]:
-        """Return a2 - a1 - |e| and a1 - a2 - |e| [m]."""
-        return margins(self.a1, self.a2, self.offset)
+    MOTION = SliderCrankMotion
+    PICTURE = diagram
 
     @property
     def classification(self) -> str:
@@ -262,15 +238,3 @@ class SliderCrank(Mechanism):
     def transmission_sine(self, motion: Any) -> Any:
         """Return a number that is zero where the dyad is in line, at most one."""
         return motion.cos_b if self.input == CRANK else motion.sin_2
-
-    def diagram(self, motion: Any) -> Diagram:
-        """Return what a picture shows in one pose."""
-        return diagram.diagram(self, motion)
-
-    def velocity_polygon(self, motion: Any) -> list[Arrow]:
-        """Return the arrows of the velocities [m/s]; the pole is the origin."""
-        return diagram.velocity_polygon(self, motion)
-
-    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
-        """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
-        return diagram.acceleration_polygon(self, motion)

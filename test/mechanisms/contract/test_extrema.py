@@ -1,0 +1,57 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Extrema of all quantities against dense scans."""
+
+from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed, select
+import numpy as np
+import pytest
+from support import contract
+from support.contract import every_case
+from support.scans import check_against_scan
+
+
+def everything(mechanism, rng):
+    """Return all quantities of a mechanism, and two of a point of its second link."""
+    link = mechanism.bodies._fields[1]
+    at = rng.uniform(-0.5, 0.5, 2).tolist()
+    return [
+        *select((), mechanism),
+        point_speed(mechanism, link, *at),
+        point_acceleration(mechanism, link, *at),
+    ]
+
+
+def mechanisms_for_extrema(case, seed, count):
+    """Yield random loaded mechanisms, not too near a change point."""
+    rng = np.random.default_rng(seed)
+    while count:
+        lengths, _ = contract.draw(rng, case)
+        mechanism = case.make(lengths, contract.random_masses(rng, case, 1.0, 1.0))
+        if mechanism.change_point_margin > 1e-3:
+            count -= 1
+            yield rng, mechanism
+
+
+@every_case
+def test_extrema_against_a_scan(case):
+    number = sum(
+        check_against_scan(
+            mechanism,
+            everything(mechanism, rng),
+            float(rng.normal(0.0, 10.0)),
+            float(rng.normal(0.0, 50.0)),
+            20_000,
+        )
+        for rng, mechanism in mechanisms_for_extrema(case, 220, 3)
+    )
+    assert number > 20
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('seed', range(4))
+@every_case
+def test_extrema_of_many_against_a_scan(case, seed):
+    for rng, mechanism in mechanisms_for_extrema(case, 230 + seed, 16):
+        check_against_scan(
+            mechanism, everything(mechanism, rng), float(rng.normal(0.0, 10.0)), 0.0, 60_000
+        )

@@ -1,0 +1,181 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Motion of links, points and joints: against the reference and as derivatives."""
+
+from math import pi
+
+from fourbar_ros import InvalidParameter
+from fourbar_ros.mechanisms.points import link_motion, point_motion
+from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
+from fourbar_ros.numerics.number_types import REAL
+import mpmath as mp
+import numpy as np
+import pytest
+from support import contract
+from support.contract import every_case, every_mechanism
+from support.reference import EPS
+
+STEP = 1e-40  # of the complex step: its square is lost beside anything
+
+
+@every_case
+def test_links_are_where_the_reference_has_them(case):
+    """
+    First joint and direction of every link.
+
+    Away from toggles the condition is at most some hundred.
+    """
+    for mechanism, given in contract.ordinary(case, 206, 20):
+        motion = mechanism.motion(*given)
+        exact = case.reference.links(
+            case.driven,
+            [mp.mpf(v) for v in mechanism.lengths],
+            case.sign,
+            [mp.mpf(v) for v in given],
+        )
+        assert set(exact) == set(mechanism.BODIES._fields)
+        size = max(map(abs, mechanism.lengths))
+        for link, (place, direction) in exact.items():
+            at = link_motion(mechanism, motion, link)
+            assert abs(mp.mpc(at.x, at.y) - place) <= 1e-13 * (size + abs(place)), link
+            assert abs(mp.mpc(at.cosine, at.sine) - direction / abs(direction)) <= 1e-12, link
+
+
+@every_mechanism
+def test_velocities_of_links_are_derivatives_of_their_places(case):
+    """Complex step: at rate 1 and acceleration 0 derivatives by time are those by the input."""
+    for mechanism, (value, _, _) in contract.ordinary(case, 207, 20):
+        motion = mechanism.motion(np.array([value]) + 1j * STEP, 1.0)
+        for link in mechanism.BODIES._fields:
+            at = link_motion(mechanism, motion, link)
+            pairs = [
+                (at.x, at.v_x),
+                (at.y, at.v_y),
+                (at.v_x, at.a_x),
+                (at.v_y, at.a_y),
+                (at.omega, at.alpha),
+            ]
+            size = max(
+                1.0, *(abs(np.real(number)) for pair in pairs for number in map(first, pair))
+            )
+            for function, derivative in pairs:
+                slope = first(function).imag / STEP
+                assert abs(slope - first(derivative).real) <= 1e-11 * size**2, link
+            spin = (
+                first(at.sine).imag / STEP * first(at.cosine).real
+                - first(at.cosine).imag / STEP * first(at.sine).real
+            )
+            assert abs(spin - first(at.omega).real) <= 1e-11 * size, link
+            assert (
+                abs(abs(complex(first(at.cosine).real, first(at.sine).real)) - 1.0) <= 4 * EPS
+            ), link
+
+
+def first(numbers):
+    """Return the first of some numbers, or the only one."""
+    return complex(np.ravel(numbers)[0])
+
+
+@every_mechanism
+def test_rates_and_accelerations_are_derivatives(case):
+    for mechanism, (value, _, _) in contract.ordinary(case, 208, 20):
+        motion = mechanism.motion(np.array([value]) + 1j * STEP, 1.0)
+        size = max(
+            1.0,
+            *(
+                abs(first(getattr(motion, name)))
+                for c in contract.coordinates(mechanism)
+                for name in c[1:]
+            ),
+        )
+        for coordinate in contract.coordinates(mechanism):
+            slope = first(getattr(motion, coordinate.rate)).imag / STEP
+            assert (
+                abs(slope - first(getattr(motion, coordinate.acceleration)).real)
+                <= 1e-11 * size**2
+            ), coordinate
+        ratios = [name for name in motion._fields if name.endswith('_ratio')]
+        rates = [
+            first(getattr(motion, name)).real
+            for name in motion._fields
+            if name.startswith('omega') or name.endswith('velocity')
+        ]
+        for name in ratios:
+            value_of = first(getattr(motion, name)).real
+            assert min(abs(value_of - rate) for rate in rates) <= 4 * EPS * size, name
+
+
+@every_mechanism
+def test_differences_of_positions_are_rates(case):
+    """Plain differences of single values, by time: of an independent kind, if coarse (h^2)."""
+    h = 1e-5
+    for mechanism, (value, rate, acceleration) in contract.ordinary(case, 209, 10):
+        steps = [
+            mechanism.motion(
+                value + rate * t + 0.5 * acceleration * t * t,
+                rate + acceleration * t,
+                acceleration,
+            )
+            for t in (-h, 0.0, h)
+        ]
+        size = max(
+            1.0,
+            *(
+                abs(getattr(steps[1], name))
+                for c in contract.coordinates(mechanism)
+                for name in c[1:]
+            ),
+        )
+        for position, rate_name, acceleration_name in contract.coordinates(mechanism):
+            one, _, other = (getattr(step, position) for step in steps)
+            change = (
+                np.remainder(other - one + pi, 2.0 * pi) - pi
+                if position.startswith('theta')
+                else other - one
+            )
+            assert abs(change / (2 * h) - getattr(steps[1], rate_name)) <= 1e-6 * size**3, position
+            one, _, other = (getattr(step, rate_name) for step in steps)
+            assert (
+                abs((other - one) / (2 * h) - getattr(steps[1], acceleration_name))
+                <= 1e-6 * size**4
+            ), rate_name
+
+
+@every_mechanism
+def test_points_of_all_links(case):
+    """Speed and acceleration of a point as a quantity, and its motion: one set of numbers."""
+    for mechanism, given in contract.ordinary(case, 224, 5):
+        state = mechanism.step(*given)
+        for link in mechanism.BODIES._fields:
+            point = point_motion(mechanism, state[0], link, 0.3, -0.2)
+            speed = point_speed(mechanism, link, 0.3, -0.2).of(*state)
+            assert speed == pytest.approx(point.speed, rel=4 * EPS)
+            assert point_acceleration(mechanism, link, 0.3, -0.2).of(*state) == pytest.approx(
+                np.hypot(point.acceleration_x, point.acceleration_y), rel=4 * EPS
+            )
+        with pytest.raises(InvalidParameter, match='^link = '):
+            link_motion(mechanism, state[0], 'spring')
+
+
+@every_case
+def test_another_coordinate_gives_the_same_links_by_the_chain_rule(case):
+    """X' = o' X_o and X'' = o'^2 X_oo + o'' X_o for every link, in one of its modes; and back."""
+    for mechanism, (value, _, _) in contract.ordinary(case, 500, 20):
+        curves = mechanism.make_coefficients(REAL)(value)
+        others = mechanism.driven_otherwise()
+        other, ratio, bend = others[0].read_coordinate(REAL, curves)
+        own, *slopes = mechanism.read_coordinate(REAL, curves)
+        assert abs(mechanism.distance(own, value)) <= 1e-13 * (1.0 + abs(value))
+        assert slopes == pytest.approx((1.0, 0.0), abs=1e-11)
+        errors = []
+        for same in others:
+            found = same.make_coefficients(REAL)(other)
+            error = abs(mechanism.distance(mechanism.read_coordinate(REAL, found)[0], value))
+            for (x, y, dx, dy, ddx, ddy, cosine, sine, turn, turn2), exact in zip(found, curves):
+                by_chain = (x, y, ratio * dx, ratio * dy, ratio**2 * ddx + bend * dx,
+                            ratio**2 * ddy + bend * dy, cosine, sine, ratio * turn,
+                            ratio**2 * turn2 + bend * turn)
+                error = max(error, *(abs(a - b) / (1.0 + abs(b))
+                                     for a, b in zip(by_chain, exact)))
+            errors.append(error)
+        assert min(errors) <= 1e-9, (mechanism, value)

@@ -1,0 +1,69 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Loads in balance with the motion of all links."""
+
+from fourbar_ros import Applied
+from fourbar_ros.mechanisms.points import link_motion, point_of
+import numpy as np
+from support import contract
+from support.contract import every_mechanism
+from support.reference import EPS
+
+
+@every_mechanism
+def test_magnitudes_are_those_of_their_components(case):
+    for mechanism, given in contract.ordinary(case, 205, 20):
+        loads = mechanism.loads(*given)
+        pairs = [name[:-2] for name in loads._fields if name.endswith('_x')]
+        assert len(pairs) >= 3
+        for name in pairs:
+            size = np.hypot(getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y'))
+            assert abs(getattr(loads, name) - size) <= 2 * EPS * size, name
+
+
+def needed(mechanism, motion):
+    """Return force, moment about O1 and power that the links need, and their sizes."""
+    total, sizes, gravity = np.zeros(4), np.zeros(3), complex(*mechanism.gravity)
+    for link, body in mechanism.bodies._asdict().items():
+        at, push = (
+            link_motion(mechanism, motion, link),
+            getattr(mechanism.external, link, Applied()),
+        )
+        couple = body.inertia * at.alpha - push.couple
+        for along, across, is_body in (
+            (body.cg_along, body.cg_across, True),
+            (push.along, push.across, False),
+        ):
+            x, y, v_x, v_y, a_x, a_y = point_of(at, along, across)
+            force = (
+                body.mass * (complex(a_x, a_y) - gravity)
+                if is_body
+                else -complex(push.force_x, push.force_y)
+            )
+            total += (
+                force.real,
+                force.imag,
+                x * force.imag - y * force.real,
+                v_x * force.real + v_y * force.imag,
+            )
+            sizes += (abs(force), np.hypot(x, y) * abs(force), np.hypot(v_x, v_y) * abs(force))
+        total += (0.0, 0.0, couple, couple * at.omega)
+        sizes += (0.0, abs(couple), abs(couple * at.omega))
+    return complex(*total[:2]), total[2], total[3], sizes
+
+
+@every_mechanism
+def test_power_and_momentum_balance(case):
+    """Shaking = -dP/dt, -dH/dt + loads; power of the drive = dE/dt: 1e-13 of the summed sizes."""
+    for mechanism, given in contract.ordinary(case, 210, 60):
+        motion, loads = mechanism.step(*given)
+        force, moment, power, (size_force, size_moment, size_power) = needed(mechanism, motion)
+        assert (
+            abs(complex(loads.shaking_force_x, loads.shaking_force_y) + force)
+            <= 1e-13 * size_force
+        )
+        assert abs(loads.shaking_moment + moment) <= 1e-13 * size_moment
+        drives = [getattr(loads, name, 0.0) for name in ('driving_torque', 'driving_force')]
+        assert abs(sum(drives) * given[1] - power) <= 1e-13 * size_power
+        assert drives[not mechanism.is_driven_by_slide] == 0.0
+        assert drives[mechanism.is_driven_by_slide] != 0.0

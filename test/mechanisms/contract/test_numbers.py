@@ -1,0 +1,80 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Single values, arrays, some fields of them, other units of length."""
+
+from fourbar_ros import Applied, InvalidParameter
+from fourbar_ros.mechanisms.quantities import known
+import numpy as np
+import pytest
+from support import contract
+from support.contract import every_case, every_mechanism
+
+
+@every_mechanism
+def test_arrays_equal_single_values(case):
+    for mechanism, given in contract.ordinary(case, 211, 10):
+        one = mechanism.step(*given)
+        for shape in ((2, 1, 3), (100,)):
+            many = mechanism.step(*(np.full(shape, v) for v in given))
+            for single, array in zip(one, many):
+                size = max(1.0, *map(abs, single))
+                for name, value, values in zip(single._fields, single, array):
+                    assert values.shape == shape and (values == values.flat[0]).all(), name
+                    assert abs(values.flat[0] - value) <= (
+                        0.0 if values.size < 10 else 1e-12 * size
+                    ), name
+        assert mechanism.motion(np.float64(given[0]), *given[1:]) == one[0]
+
+
+@every_mechanism
+def test_some_fields_are_those_of_the_whole(case):
+    for mechanism, given in contract.ordinary(case, 212, 3):
+        names = mechanism.MOTION._fields + mechanism.LOADS._fields
+        for values in (given, [np.full(40, v) for v in given]):
+            whole = dict(zip(names, sum(mechanism.step(*values), ())))
+            for name in names:
+                (part,) = mechanism.step(*values, fields=(name,))
+                np.testing.assert_array_equal(part, whole[name], err_msg=name)
+            assert len(mechanism.motion(*values, fields=mechanism.MOTION._fields)) == len(
+                mechanism.MOTION._fields
+            )
+        for wrong in (('nothing',), 'theta1', (names[-1],)):
+            with pytest.raises(InvalidParameter, match='^fields = '):
+                mechanism.motion(*given, fields=wrong)
+
+
+@every_case
+@pytest.mark.parametrize('power', [-300, 200])
+def test_scaling_by_a_power_of_two_changes_no_bit(case, power):
+    """
+    Lengths times a power of two, masses that keep the forces.
+
+    Every field is the same times a power of it.
+    """
+    scale, exponents = 2.0**power, {}
+    for mechanism, given in contract.ordinary(case, 213, 5):
+        bodies = [
+            type(b)(b.mass / scale, b.cg_along * scale, b.cg_across * scale, b.inertia * scale)
+            for b in mechanism.bodies
+        ]
+        external = [
+            Applied(a.force_x, a.force_y, a.along * scale, a.across * scale, a.couple * scale)
+            for a in mechanism.external
+        ]
+        scaled = case.make(
+            [v * scale for v in mechanism.lengths],
+            bodies=case.bodies(*bodies),
+            external=case.external(*external),
+            gravity=tuple(v * scale for v in mechanism.gravity),
+        )
+        moved = given if case.turns else [v * scale for v in given]
+        for one, other in zip(mechanism.step(*given), scaled.step(*moved)):
+            for name, value, values in zip(one._fields, one, other):
+                fits = {p for p in (-1, 0, 1) if value * scale**p == values}
+                exponents[name] = exponents.get(name, {-1, 0, 1}) & fits
+    assert {name for name, fits in exponents.items() if not fits} == set()
+    quantities = known(case.kind, case.driven)
+    assert {
+        name: (1 if q.unit in ('m', 'm/s', 'm/s^2', 'N m') else 0) in exponents[name]
+        for name, q in quantities.items()
+    } == dict.fromkeys(quantities, True)
