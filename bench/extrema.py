@@ -79,6 +79,12 @@ def ours_with_loads(lengths):
     return find_extrema(FourBar(*lengths, bodies=bodies), (*RATES, *LOADS))
 
 
+def at_change_point(way, lengths):
+    """Search a linkage with a1 + a4 = a2 + a3 exactly: lengths of 20 bits have exact sums."""
+    a1, a2, a3 = (round(length * 2.0**20) / 2.0**20 for length in lengths[:3])
+    way((a1, a2, a3, a2 + a3 - a1))
+
+
 OURS, BARE = 'find_extrema', 'find_extrema, conditions=False'
 QUICK = {
     OURS: ours,
@@ -93,12 +99,14 @@ QUICK = {
     'numpy.roots, degree 12 and 22': rivals.half_angle_roots,
 }
 SLOW = {
+    'find_extrema, exact change point': partial(at_change_point, ours),
+    'find_extrema, and seven loads, exact change point': partial(at_change_point, ours_with_loads),
     'scipy shgo, 64 Sobol points': rivals.by_shgo,
     'scipy differential_evolution, global only': rivals.by_evolution,
     'scipy dual_annealing, 250 iterations, global only': rivals.by_annealing,
 }
 FINDERS = {name: way for name, way in {**QUICK, **SLOW}.items()
-           if way not in (ours_proved, ours_with_loads)}
+           if way not in (ours_proved, ours_with_loads) and 'change point' not in name}
 
 
 # --- time ----------------------------------------------------------------------------------------

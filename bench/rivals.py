@@ -102,7 +102,7 @@ class Equations:
         """
         Return the angle in mode 2 of a root.
 
-        Of the two with this cosine, the one before squaring.
+        The one of the two with this cosine that solved the equation before squaring.
         """
         low, high = self.ends
         q = 0.5 * (low + high) - 0.5 * (high - low) * cosine
@@ -230,7 +230,7 @@ class Algebra:
         """
         Resultants in rational numbers, nroots.
 
-        Of these, the roots where theta4'' or theta4''' is zero.
+        Those of these roots where theta4'' or theta4''' is zero.
         """
         sp = self.sympy
         a1, a2, a3, a4 = (sp.Rational(str(length)) for length in lengths)

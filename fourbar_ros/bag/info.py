@@ -47,7 +47,7 @@ class Info(NamedTuple):
     about : dict
         What the recorder noted: scene, software, units, ...
     ended : str
-        Why the recording ended, if the bag says so.
+        Why the recording ended, if the bag states it.
     dropped : int
         How many of the missing messages the recorder had to drop.
     lost : str

@@ -3,7 +3,7 @@
 """
 Which scene a bag was made with, and which topic is which output.
 
-Bags of our recorder say so in their metadata; in bags of rosbag2 the topics are searched.
+Bags of our recorder name it in their metadata; in bags of rosbag2 the topics are searched.
 """
 from __future__ import annotations
 

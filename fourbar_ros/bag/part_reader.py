@@ -35,7 +35,7 @@ class PartReader:
     name : Path
         What errors call it: the bag, if it has no other file.
     channels : Channels
-        Of the bag; the file adds its own.
+        The channels of the bag; the file adds its own.
     is_first : bool
         The file is the first of the bag.
     wait : callable, optional

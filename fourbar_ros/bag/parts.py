@@ -52,7 +52,7 @@ class Parts:
         self._about, self._given, self._is_synced = about, given, is_synced
         latched = {i for i, channel in enumerate(channels) if channel.latched}
         self._splitter = Splitter(split, latched) if split.is_wanted else None
-        # Of this part: its first numbers, messages that it repeats. Of those before: metadata,
+        # This part: its first numbers, messages that it repeats. Those before: metadata,
         # files to sync, recorded messages, dropped ones by topic.
         self._firsts, self._repeats = [0] * len(channels), []
         self._done, self._unsynced, self._recorded, self._lost = [], deque(), 0, {}

@@ -93,7 +93,7 @@ class Bag:
         """
         Return the rosbag2 metadata kept in the file itself; the last undamaged record wins.
 
-        Of a split bag that of the first part, with what the last one adds to its custom_data.
+        For a split bag, that of the first part with what the last one adds to its custom_data.
         """
         told = [found for found in (metadata_in(file)
                                     for file in (self.files[0], *self.files[1:][-1:])) if found]
@@ -239,7 +239,7 @@ class Bag:
         """
         Yield lists of (channel, sequence, log time, bytes), one a chunk.
 
-        Of a finished file with an index only the chunks are read that can hold what is asked for.
+        A finished file has an index: only chunks that can hold what is asked for are read.
         """
         wanted = None if topics is None else set(topics)
         self.damage, self.cut, read = [], False, 0

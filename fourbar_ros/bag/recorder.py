@@ -225,7 +225,7 @@ class BagWriter:
             self._give_up(self._parts.missing() or getattr(error, 'strerror', None) or str(error))
 
     def _give_up(self, why: str) -> None:
-        """End the bag by an error as well as the disk allows, and say so."""
+        """End the bag by an error as well as the disk allows, and report it."""
         parts, intake = self._parts, self._intake
         intake.refuse(f'recording stopped: {why}')
         parts.ended = why

@@ -17,7 +17,8 @@ from fourbar_ros.balancing.rms import Balance, Counterweight, nearest_to_zero, P
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
-# Of the singular values: less is rounding. Of the unbalanced force: less is balanced.
+# Singular values below this part are rounding; forces below that part of the unbalanced one are
+# balanced.
 RANK, BALANCED = 1e-10, 1e-9
 # Mass that is tried, over that of the mechanism; steps of the programme.
 PLENTY, STEPS, ENOUGH = 1e4, 100, 1e-10

@@ -68,7 +68,7 @@ class Loads:
     mechanism : Mechanism
         With masses.
     rate : float
-        Of the input, constant [rad/s or m/s].
+        Constant rate of the input [rad/s or m/s].
 
     Raises
     ------

@@ -123,7 +123,7 @@ def least_rms(places: Places, names: Iterable[str], mass: float,
     ----------
     places : Places
     names : iterable of str
-        Of :attr:`.Loads.groups`; of several, each counts relative to what it is unbalanced.
+        Some of :attr:`.Loads.groups`; if several, each counts relative to what it is unbalanced.
     mass : float
     start : sequence of Counterweight
         Places to begin with, as of a neighbouring mass; the result does not depend on it.

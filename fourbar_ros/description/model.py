@@ -36,11 +36,11 @@ class ModelJoint(NamedTuple):
     connection : Connection
         The links it joins, by the names of the mechanism.
     coordinate : Coordinate
-        Of the motion.
+        The coordinate of the motion.
     ratio, offset : float
         joint = ratio * coordinate + offset.
     limits : tuple of 2 floats, optional
-        Of the joint [rad or m]; None: it turns without end.
+        Limits of the joint [rad or m]; None: it turns without end.
     start : float
         Position of the joint at the start of the scene.
     is_driven : bool

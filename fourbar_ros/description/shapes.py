@@ -73,7 +73,7 @@ def shapes_of(mechanism: Any, joints: Sequence[Any], points: Iterable[Any],
     points : iterable of Point
         Links reach as far as the points on them.
     radius : float
-        Of the rods [m].
+        Radius of the rods [m].
 
     """
     places: dict[str, list[Place]] = {GROUND: [], **{link.name: [(0.0, 0.0)]

@@ -46,7 +46,7 @@ def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywhee
     Parameters
     ----------
     equation : Equation
-        Of a crank that turns fully.
+        Its crank turns fully.
     rate : float
         Mean of the largest and the smallest rate [rad/s], not zero.
     fluctuation : float
@@ -84,7 +84,7 @@ def _angles() -> Array:
 
 
 def steady_turn(equation: Equation, rate: float, inertia: float) -> Flywheel:
-    """Return the periodic motion (W1) with a flywheel, at this mean of its extreme rates."""
+    """Return the periodic motion (W1) with a flywheel; ``rate``: mean of highest and lowest."""
     position = _angles()
     terms = equation.terms(position)
     rates: Array = np.full(SAMPLES, rate)

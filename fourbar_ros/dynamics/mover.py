@@ -46,7 +46,7 @@ class Mover:
     ----------
     system : System
     tolerance, budget : float, int
-        Of a step, see :class:`~fourbar_ros.dynamics.stepper.OneStep`.
+        Those of a step, see :class:`~fourbar_ros.dynamics.stepper.OneStep`.
     takes_commands : bool
         The torque comes from a topic.
 

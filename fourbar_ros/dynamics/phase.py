@@ -153,13 +153,13 @@ class Course:
     Parameters
     ----------
     make_equation : callable
-        Of (start, coordinate or None), returns the Equation.
+        (start, coordinate or None) -> Equation.
     mechanism : Mechanism
         In its mode at the start.
     start : float
         The input there.
     make_derivative : callable
-        Of a Phase, returns (time, state) -> d state / dt.
+        Phase -> function (time, state) -> d state / dt.
 
     """
 

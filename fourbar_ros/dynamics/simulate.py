@@ -61,9 +61,9 @@ class Run:
         Largest change of what must be constant, energy less work, over the energy in play.
     method : str
     tolerance : float
-        Of the integrator, in the last run.
+        Tolerance of the integrator in the last run.
     evaluations : int
-        Of the equation of motion, in all runs.
+        How often the equation of motion was evaluated in all runs.
 
     """
 

@@ -67,7 +67,7 @@ class OneStep:
     ----------
     system : System
     tolerance : float
-        Of one step: of the input and the twist, and of speeds times the length of the step.
+        Allowed error of one step: in the input and the twist, and in speeds times its length.
     budget : int
         Most evaluations of the equation of motion in one step.
 

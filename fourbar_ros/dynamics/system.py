@@ -38,7 +38,7 @@ class System:
     mechanism : Mechanism
         With bodies; its assembly mode is that at the start.
     position, rate : float
-        Of the input at the start: angle [rad] or slide [m], [rad/s] or [m/s].
+        The input at the start and its rate: angle [rad] or slide [m], [rad/s] or [m/s].
     elements : sequence of Spring or TorsionSpring
     drive : Drive, optional
         Without one the mechanism moves freely. Its motor starts at the position and rate of the

@@ -61,7 +61,7 @@ class Extremum(NamedTuple):
         How it is known that no extremum inside the range is missing: '' if not asked, 'exact
         count', 'interval bounds ...', or 'not proved: ...'.
     slide : float
-        Of a driven slide [m], where ``theta1`` is the crank's angle; NaN if the crank is driven.
+        The driven slide [m], ``theta1`` is then the crank's angle; NaN if the crank is driven.
 
     """
 

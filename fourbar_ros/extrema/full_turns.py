@@ -158,7 +158,7 @@ class _Roots(NamedTuple):
     x, bend : ndarray, shape (n, r)
         First guesses, 1 where there is none, and how the slope rises there.
     quantity, rank : ndarray of int, shape (n, r)
-        Of which quantity, and the how manieth of it.
+        Which quantity it is an extremum of, and its number among them.
     is_there : ndarray of bool, shape (n, r)
 
     """
@@ -190,7 +190,7 @@ def _refined(rows: Rows, roots: _Roots, spacing: float,
     """
     Return places and values of roots, shape (n, r), and which mechanisms have one that strays.
 
-    Of positive quantities, roots of the slope of half the square are sought. The first step is
+    For positive quantities, roots of the slope of half the square are sought. The first step is
     that of the bend of the samples, the others are the secant's.
     """
     mechanism = np.arange(len(roots.x))[:, None]

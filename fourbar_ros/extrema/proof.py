@@ -23,7 +23,7 @@ def exact_counts(lengths: Sequence[float]) -> list[Proof]:
     """
     Return the proofs of the output's rate and, at constant input rate, its acceleration.
 
-    Of a four-bar.
+    For a four-bar.
     """
     return [(count, EXACT_COUNT if count is not None else
              f'{NOT_PROVED}: constant in a range, or a root of its derivative is not simple')

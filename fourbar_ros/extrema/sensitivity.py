@@ -38,9 +38,9 @@ def perturbed_lengths(mechanism: Any) -> tuple[list[float], list[tuple[float, ..
 def sampled_conditions(sampler: Sampler, x: Array, row: Array,
                        spacing: Array) -> tuple[Array, Array]:
     """
-    Return the conditions of place [rad] and relative value, each of shape (n,).
+    Return the conditions of place [rad] and relative value of a sampler's extrema.
 
-    Of the extrema of a sampler's quantities.
+    Each of shape (n,).
 
     Parameters
     ----------

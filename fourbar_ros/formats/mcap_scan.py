@@ -230,7 +230,7 @@ class Scan:
             return offset
         self._file.seek(offset)
         opcode, length = HEAD.unpack(self._file.read(HEAD.size))
-        # Of the two lengths, its own and that of its content, one bit spoils one.
+        # One flipped bit spoils one of the two lengths, its own or that of its content.
         ends = {offset + HEAD.size + length}
         if opcode in SHAPES:
             begin = offset + HEAD.size

@@ -50,7 +50,7 @@ class Shown:
     ----------
     scene : Scene
     acceleration : float
-        Of the input [rad/s^2] or [m/s^2]; the rate is the scene's ``drive.speed``.
+        Acceleration of the input [rad/s^2] or [m/s^2]; the rate is the scene's ``drive.speed``.
 
     """
 

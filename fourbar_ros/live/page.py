@@ -48,7 +48,7 @@ class Page:
     values : dict
         Parameters of the scene by name.
     query : dict
-        Of the address of the page.
+        Query of the address of the page.
     course : callable, optional
         Shown -> :class:`~fourbar_ros.live.course.Course`; not given: the input over a cycle.
 

@@ -172,9 +172,9 @@ def rolling_contact(omega: Values, alpha: Values, radius: float, normal: Values,
     Parameters
     ----------
     omega, alpha : float or array_like, shape (...)
-        Of the disc [rad/s], [rad/s^2].
+        Angular velocity and acceleration of the disc [rad/s], [rad/s^2].
     radius : float
-        Of the disc [m].
+        Radius of the disc [m].
     normal : array_like, shape (..., 2)
         Unit vector from the contact to the centre of the disc.
     ground_radius : float

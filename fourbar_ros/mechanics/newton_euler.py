@@ -107,7 +107,7 @@ def make_needs_of_crank_and_carried(crank: LinkTerms, link: LinkTerms, mass: Any
     Parameters
     ----------
     crank, link : LinkTerms
-        Of the crank :func:`with_pin`.
+        Terms of the crank as :func:`with_pin` returns them, and of the link that it carries.
     mass, a1
         Mass of the link [kg unit], length of the crank [unit].
 

@@ -75,12 +75,12 @@ class Contract(ABC):
         {name of the input: tuple of :class:`Output`, the one that is published as ``output``
         first}.
     MOTION, LOADS : NamedTuple types
-        Of the results. A motion has ``transmission_angle`` and ``condition``, loads have
+        Types of the results. A motion has ``transmission_angle`` and ``condition``, loads have
         ``shaking_force_x``, ``_y``, ``shaking_force``, ``shaking_moment``.
     WATCHED : tuple of str
         Two loads or more, of which one is not finite if any load is not.
     BODIES, EXTERNAL : NamedTuple types
-        Of ``bodies`` and ``external``: a field for each link, and for each link that can be
+        Types of ``bodies`` and ``external``: a field for each link, and for each link that can be
         loaded.
     MARGIN_SIGNS : tuple of tuple
         How the size of each length enters each of :attr:`margins`: 1, -1 or, not at all, 0.

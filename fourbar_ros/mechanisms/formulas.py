@@ -97,7 +97,7 @@ class Formulas(Described):
         """
         Return position -> coefficients of all links for a number type: what dynamics is made of.
 
-        Of each of ``LINKS`` (x, y, x', y', x'', y'', cosine, sine, theta', theta''): place of its
+        For each of ``LINKS`` (x, y, x', y', x'', y'', cosine, sine, theta', theta''): place of its
         first joint and direction, primes for derivatives with respect to the input, so a
         LinkMotion at unit rate and zero acceleration. Exact, and one call for all links. A stroke
         is no limit here; where the links cannot close: ValueError, or NaN in arrays.

@@ -225,7 +225,7 @@ class Diagram(NamedTuple):
     ground : tuple of str
         Those of them that the ground holds.
     bars, blocks : tuple
-        Of :class:`Bar` and :class:`Block`.
+        Each a :class:`Bar`, each a :class:`Block`.
     forces : mapping
         {field of the loads: joint at which the arrow starts}.
     angles : mapping

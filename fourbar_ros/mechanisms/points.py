@@ -150,7 +150,7 @@ def instant_centre(link: LinkMotion, other: LinkMotion | None = None) -> Any:
     Parameters
     ----------
     link, other : LinkMotion
-        Of floats or arrays of shape (...); the first two of the pole P_ij. None: the ground.
+        Two links, each of floats or arrays of shape (...). None: the ground.
 
     Returns
     -------

@@ -28,7 +28,7 @@ def number(name: str, value: Any, allowed: str = 'must be a finite number', leas
     Parameters
     ----------
     name, value
-        Of the parameter.
+        Name and value of the parameter.
     allowed : str
         What is allowed, in words.
     least, above : float

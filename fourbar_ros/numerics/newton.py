@@ -36,7 +36,7 @@ def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array
     function : callable
         (x, row) -> f and the step f/f'.
     row : ndarray
-        Of each bracket.
+        The row of each bracket.
     xa, xb, fa, x : ndarray
         Where f changes its sign, its value at the first of them, and a first guess.
 

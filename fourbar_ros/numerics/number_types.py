@@ -54,7 +54,7 @@ class NumberType:
     exact_sum : callable
         Correctly rounded sum of a tuple of lengths, as :func:`math.fsum`.
     power_of_two : callable
-        Of some lengths: the power of two next above the largest. Scaling by it rounds nothing.
+        The power of two next above the largest of some lengths. Scaling by it rounds nothing.
     infinitesimal : float
         Added to a number that must not be exactly zero.
 

@@ -73,7 +73,7 @@ def straight_line(make_formula: Callable[[Any], Function], count: int = 1) -> Fu
     Parameters
     ----------
     make_formula : callable
-        Of a number type, returns the formula: a function of ``count`` numbers that gives a
+        Number type -> formula, a function of ``count`` numbers that gives a
         sequence of numbers.
     count : int
 

@@ -58,7 +58,7 @@ class FieldMap(NamedTuple):
         """
         Return {field: number or tuple of numbers} of one output message.
 
-        Of many messages if ``values`` are arrays.
+        If ``values`` are arrays, those of many messages.
         """
         def pick(source: Any) -> Any:
             if isinstance(source, tuple):

@@ -32,7 +32,7 @@ from typing import Any
 
 NANOSECOND = 1e-9        # [s]
 MEMORY = 100             # samples over which noise and size of the acceleration are averaged
-ENOUGH = 10              # of them before anything is said
+ENOUGH = 10              # of them before anything is reported
 ROUNDED = sqrt(1 / 12)   # standard deviation of rounding to whole units
 TOO_NOISY = 0.1          # noise over size of the acceleration from which it is worth a warning
 
@@ -107,7 +107,7 @@ class RateEstimator:
     period : float
         A turn of the input; infinite for one that slides.
     length : float
-        Of the input [rad, m]: an acceleration of velocity^2/length matters, whatever its own size.
+        Unit of the input [rad, m]: an acceleration of velocity^2/length always matters.
 
     Attributes
     ----------

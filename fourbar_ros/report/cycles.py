@@ -61,7 +61,7 @@ def make_cycle_figure(what: str, mechanism: Mechanism, rate: float, acceleration
         'paths' of the points [m], their 'hodographs' [m/s], or 'forces' on the ground [N].
     mechanism : Mechanism
     rate, acceleration : float
-        Of the input [rad/s] or [m/s], and its square.
+        Those of the input [rad/s, rad/s^2] or [m/s, m/s^2].
     points : mapping
         {name: (link, along, across)}; empty: the middle of the coupler.
 

@@ -96,7 +96,7 @@ class PlainTable:
         """
         Return the least width of each column.
 
-        Of its longest cell, or longest word if it may wrap.
+        That of its longest cell, or of its longest word if it may wrap.
         """
         return [max((cell_len(part) for cell in self._cells(i)
                      for part in ([cell] if right else cell.split())),

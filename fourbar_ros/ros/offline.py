@@ -54,7 +54,7 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
     ----------
     simulated : SimulatedScene
     path : Path
-        Of the new bag.
+        Where the new bag is written.
     progress : callable
         Called with the number of samples done.
 

@@ -18,7 +18,7 @@ DRIVE = (
               'over one sample, of speeds [rad/s]', low=1e-12, high=0.1),
     Parameter('drive.budget', 'integer', 60, '',
               'with torque or motor: most evaluations of the equation of motion in one step; a '
-              'step that needs more is finished less accurately and says so', 12, 10000),
+              'step that needs more is finished less accurately, as its status shows', 12, 10000),
     Parameter('drive.when_silent', 'string', 'zero', '',
               'with torque: torque in effect before the first message, and after drive.timeout '
               'without one: none (zero), or the last one (hold; before the first, none)',

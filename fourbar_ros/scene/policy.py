@@ -22,7 +22,7 @@ from fourbar_ros.scene.topics import (
     TRAJECTORIES,
 )
 
-# Of every rclpy node: its log, its parameters' changes, its type descriptions.
+# What every rclpy node has: its log, its parameters' changes, its type descriptions.
 OF_ALL = ('/rosout', '/parameter_events')
 PARAMETER_SERVICES = ('describe_parameters', 'get_parameter_types', 'get_parameters',
                       'list_parameters', 'set_parameters', 'set_parameters_atomically',

@@ -38,7 +38,7 @@ def unit_points(method: str, rows: tuple[int, int], seed: int, levels: tuple[Arr
     rows : (first, after last)
     seed : int
     levels : tuple of ndarray
-        Of each parameter on a grid.
+        Levels of each parameter on a grid.
     count : int
         Rows of the whole design.
 

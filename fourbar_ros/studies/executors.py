@@ -125,7 +125,7 @@ class Cluster:
     Parameters
     ----------
     address : str
-        Of its scheduler, as ``tcp://host:8786``.
+        Address of its scheduler, as ``tcp://host:8786``.
 
     Raises
     ------

@@ -3,8 +3,8 @@
 """
 What a study can compute of each design, by name.
 
-Of every quantity that can be searched for extrema, a part behind a dot: ``shaking_force.max``.
-Of the mechanism as a whole, a name alone: ``swing``.
+A quantity that can be searched for extrema has parts behind a dot: ``shaking_force.max``.
+The mechanism as a whole has measures of one name: ``swing``.
 """
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ class Design:
     ----------
     scene : Scene
     acceleration : float
-        Of the input, whose rate is that of the scene's drive.
+        Acceleration of the input, whose rate is that of the scene's drive.
 
     """
 

@@ -161,7 +161,7 @@ def nothing(study: Study) -> dict[str, Array]:
     head: dict[str, Array] = {'row': np.zeros(0, np.int64)}
     if study.keeps_all:
         head[FEASIBLE] = np.zeros(0, bool)
-    head |= {one.name: np.array(one.extremes)[:0] for one in study.vary}
+    head |= {one.name: np.array(one.bounds)[:0] for one in study.vary}
     return head | {name: column.astype(kinds_of(study)[name])
                    for name, column in _columns(study, 0, {}).items()}
 

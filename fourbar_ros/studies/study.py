@@ -69,9 +69,9 @@ class Study:
         Every parameter of the scene, checked.
     vary : tuple of Variation
     method, rows, seed
-        Of the design, see :mod:`fourbar_ros.studies.design`.
+        The design of the study, see :mod:`fourbar_ros.studies.design`.
     acceleration : float
-        Of the input, beside the rate ``drive.speed``.
+        Acceleration of the input, beside the rate ``drive.speed``.
     measures : tuple of Measure
         All columns that are computed, those of constraints and objectives included.
     bounds : tuple of Bound

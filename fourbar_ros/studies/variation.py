@@ -41,7 +41,7 @@ class Variation(NamedTuple):
     Parameters
     ----------
     name : str
-        Of the parameter, as in a scene.
+        Name of the parameter, as in a scene.
     unit : str
     kind : str
         One of :data:`KINDS`.
@@ -74,7 +74,7 @@ class Variation(NamedTuple):
         return np.asarray(one + other * ndtri(np.clip(p, EDGE, 1.0 - EDGE)))
 
     @property
-    def extremes(self) -> list[Any]:
+    def bounds(self) -> list[Any]:
         """Return the values that are least and greatest, or all of a list."""
         if self.kind == 'list':
             return list(self.values)
@@ -120,7 +120,7 @@ def variation(name: str, given: Any, scene_value: Any) -> Variation:
     values = _values(f'{entry}.{kind}', kind, given[kind], scene_value)
     levels = _levels(entry, kind, given.get('levels'), values)
     found = Variation(name, parameter.unit, kind, values, levels)
-    for value in found.extremes:
+    for value in found.bounds:
         try:
             parameter.check(value)
         except InvalidParameter as error:

@@ -125,7 +125,7 @@ def test_a_bag_that_cannot_be_read_does_not_stop_the_others(folder, tmp_path, ca
     assert 'not an MCAP file' in capsys.readouterr().out
 
 
-def test_results_come_in_order_and_are_told_as_they_are_done(folder):
+def test_results_come_in_order_and_are_reported_as_they_are_done(folder):
     paths, told = bags_below([folder[0]]), []
     found = each(info, paths, jobs=2, done=told.append)
     assert ([one.state for one in found] == [info(path).state for path in paths]

@@ -205,7 +205,7 @@ def test_the_motion_of_the_driven_joint_is_compared_with_its_input(tmp_path):
     assert [d.field for d in found.differences if d.largest] == ['header.stamp']
 
 
-def test_it_is_said_when_the_motion_cannot_be_computed_again(bag):
+def test_a_motion_that_cannot_be_computed_again_is_reported(bag):
     assert 'not recomputed: driven by the motion, no input in the bag' == compare(bag).driven
 
 
@@ -261,8 +261,8 @@ def test_a_scene_changed_during_a_bag_of_rosbag2_leaves_a_moment_out(tmp_path):
     assert found.compared + found.uncertain == 300 * len(OUTPUTS)
 
 
-def test_a_remapped_topic_of_joint_states_is_found_and_two_nodes_are_told_apart(bag, tmp_path,
-                                                                                capsys):
+def test_a_remapped_topic_of_joint_states_is_found_and_two_nodes_are_kept_apart(
+        bag, tmp_path, capsys):
     raws = content(as_recorded_by_rosbag2(bag, tmp_path))
     other = bags.run(tmp_path, 'other', {**PAPER, 'outputs': ['state']}, TURNS[:20], paced=True)
     topics = {topic: told for path in (bag, other)

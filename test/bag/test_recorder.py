@@ -282,7 +282,7 @@ except BagError as error:
 """
 
 
-def test_a_full_disk_is_told_once_the_caller_lives_and_the_bag_holds_all_that_was_flushed(
+def test_a_full_disk_is_reported_once_the_caller_lives_and_the_bag_holds_all_that_was_flushed(
         tmp_path):
     done = subprocess.run([sys.executable, '-c', FULL.format(test=str(TEST), path=str(tmp_path))],
                           capture_output=True, text=True, timeout=60, check=False, env=os.environ)

@@ -90,7 +90,7 @@ def test_a_real_difference_is_named_also_beside_rounding(bag, tmp_path, capsys):
 
 
 def test_the_condition_is_that_of_mpmath():
-    """Of theta4: sum of |p dtheta4/dp| over lengths and theta1, plus |theta4|."""
+    """Condition of theta4: sum of |p dtheta4/dp| over lengths and theta1, plus |theta4|."""
     scene, given = from_values(FULL), [FULL[f'linkage.a{i}'] for i in (1, 2, 3, 4)]
     for theta1 in (0.3, 1.9, 4.4):
         guess = scene.linkage.motion(theta1, 0.0, 0.0).theta4

@@ -358,7 +358,7 @@ def test_play_keeps_the_original_pace_and_its_multiples(tmp_path):
     assert len(list(play(path, rate=math.inf))) == 40
 
 
-def test_play_starts_later_loops_selects_and_stops_when_told(tmp_path, bag):
+def test_play_starts_later_loops_selects_and_stops_on_request(tmp_path, bag):
     path = paced(tmp_path)
     assert [r.sequence for r in play(path, start=0.1, rate=math.inf)] == list(range(20, 40))
     assert list(play(path, start=99.0)) == []
@@ -406,7 +406,7 @@ def test_exit_codes_and_messages(tmp_path, capsys, monkeypatch):
     assert stopped.value.code == 2
 
 
-def test_a_file_that_is_no_bag_is_not_said_to_be_cut(tmp_path, capsys):
+def test_a_file_that_is_no_bag_is_not_reported_as_cut(tmp_path, capsys):
     for content in (b'linkage: {a1: 0.4}\n' * 40, b'x', MAGIC[1:4]):
         (tmp_path / 'no.yaml').write_bytes(content)
         for action in (['info'], ['info', '--check'], ['export', '-o', str(tmp_path / 'out')]):
@@ -418,7 +418,7 @@ def test_a_file_that_is_no_bag_is_not_said_to_be_cut(tmp_path, capsys):
         assert 'cut off' in capsys.readouterr().out
 
 
-def test_a_foreign_bag_is_not_recomputed_but_said_to_be_foreign(tmp_path):
+def test_a_foreign_bag_is_not_recomputed_but_reported_as_foreign(tmp_path):
     writer = BagWriter(tmp_path, 'foreign', [bags.MOTION], {})
     writer.write(0, bags.motion(1))
     with pytest.raises(BagError, match='holds no run of a fourbar_node'):
@@ -448,7 +448,7 @@ def test_every_verb_explains_itself_with_ros_and_mcap_blocked():
 
 
 class Clock:
-    """A time that passes when it is told to."""
+    """A time that passes on request."""
 
     def __init__(self):
         self.now = 100.0
@@ -583,7 +583,7 @@ def test_only_the_topics_that_are_drawn_are_decoded(bag, monkeypatch):
     assert decoded.count('fourbar_msgs/msg/LinkageLoads') <= 1          # where the time begins
 
 
-def test_two_topics_of_one_name_are_told_apart(tmp_path):
+def test_two_topics_of_one_name_are_kept_apart(tmp_path):
     writer = BagWriter(tmp_path, 'run', [bags.MOTION, bags.MOTION._replace(topic='/other/driven')],
                        {})
     writer.write(0, bags.motion(1))

@@ -191,7 +191,7 @@ def test_gravity_and_loads_from_outside_stay_as_they_are():
     assert balanced.gravity == scene.linkage.gravity and balanced.gravity != (0.0, 0.0)
 
 
-def test_what_cannot_be_balanced_is_said():
+def test_what_cannot_be_balanced_is_reported():
     with pytest.raises(BalanceError, match='no masses'):
         loads_of('slides_7_7')
     linkage = load('paper').linkage

@@ -48,7 +48,7 @@ def said(capsys, *arguments):
     ('99999999999999999999', 1e20), ('inf', float('inf')), ('-.inf', -float('inf')), ('-', None),
     ('', None)])
 def test_scalars_are_read_as_ros_reads_them(text, value, tmp_path):
-    """Of the same texts test/ros/test_scene_file.py asks ROS itself."""
+    """test/ros/test_scene_file.py gives ROS itself the same texts."""
     file = scene_with(tmp_path, f'    frame_id: {text}\n')
     if value is None:
         with pytest.raises(SceneError):
@@ -269,7 +269,7 @@ def test_make_run_checks_what_it_is_asked_for_first(arguments, text):
     assert text in done.stderr and len(done.stderr.splitlines()) == bool(text)
 
 
-def test_a_picture_is_where_it_is_said_to_be(tmp_path, capsys):
+def test_a_picture_is_where_the_output_says(tmp_path, capsys):
     pytest.importorskip('matplotlib')
     code, out, _ = said(capsys, 'draw', 'paper', '--at', '60', '-o', str(tmp_path / 'noext'))
     assert code == 0 and out == f"{tmp_path / 'noext.png'}\n" and (tmp_path / 'noext.png').exists()
@@ -283,7 +283,7 @@ def test_a_picture_is_where_it_is_said_to_be(tmp_path, capsys):
     (['bag', 'recover', 'x'], 'zstandard', 'fourbar: bag requires zstandard: pip install'),
     (['record', 'start'], 'rclpy', 'fourbar: record requires ROS 2: source a ROS 2'),
     (['replay', 'x'], 'rclpy', 'fourbar: replay requires ROS 2: source a ROS 2')])
-def test_what_to_install_is_said_in_one_line(command, blocked, hint):
+def test_what_to_install_is_reported_in_one_line(command, blocked, hint):
     done = subprocess.run([sys.executable, '-c', f'import sys; sys.modules[{blocked!r}] = None\n'
                            f'from fourbar_ros.cli.main import main; sys.exit(main({command}))'],
                           capture_output=True, text=True, cwd=ROOT, check=False)

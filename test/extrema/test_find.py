@@ -347,7 +347,7 @@ def test_change_point_of_the_research_example():
     assert values[1] == pytest.approx(-0.2359, abs=5e-5)
 
 
-def test_parallelogram_is_said_to_be_constant():
+def test_rate_of_a_parallelogram_is_constant():
     found = find_extrema(with_rods((1.0, 2.0, 1.0, 2.0)), RATES, 10.0)
     rate, = (e for e in found if e.quantity == 'omega4' and e.kind == 'constant')
     assert rate.value == pytest.approx(10.0, rel=8 * EPS)

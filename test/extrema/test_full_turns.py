@@ -32,7 +32,7 @@ def slope_roots(a, b):
     return np.sort(np.mod(np.angle(on_circle), 2.0 * np.pi))
 
 
-def test_all_extrema_of_random_functions_are_found_or_said_to_be_doubtful():
+def test_all_extrema_of_random_functions_are_found_or_marked_as_doubtful():
     rng = np.random.default_rng(0)
     coefficients = trigonometric(rng, 200, 6)
     found = search_turns(lambda x: values(coefficients, x)[None], 200, 128, np.zeros(1, bool))

@@ -193,7 +193,7 @@ def test_what_is_given_is_no_quantity():
 
 
 def test_near_a_change_point_the_ends_of_an_inverted_slider_are_unbounded():
-    """Of short ranges beside long inputs: samples are placed from the nearer end."""
+    """Short ranges beside long inputs: samples are placed from the nearer end."""
     rng = np.random.default_rng(1)
     for gap in (1e-3, 1e-5, 1e-7, 1e-9):
         for h in 10.0**rng.uniform(-3.5, -2.0, 20):

@@ -294,7 +294,7 @@ def with_rods(lengths, mode):
 @pytest.mark.parametrize('order', [(0, 1, 0, 1), (0, 0, 1, 1), (0, 1, 1, 0)])
 @pytest.mark.parametrize('gap', [0.5, 1e-2, 1e-4, 1e-6])
 def test_nearly_equal_links_have_as_few_extrema_as_others(order, gap):
-    """Of parallelograms and kites; what is constant in them has no extrema of noise."""
+    """Parallelograms and kites: what is constant in them has no extrema of noise."""
     for mode in (1, 2):
         linkage = with_rods([(1.0, 1.0 + gap)[i] for i in order], mode)
         found = find_extrema(linkage, (), 3.0, conditions=False)
@@ -323,7 +323,7 @@ def test_in_the_parallel_mode_all_forces_of_a_parallelogram_without_weight_are_c
 
 
 def test_functions_have_one_sided_values_too():
-    """Of plain arithmetic, with abs, and of plain numbers."""
+    """Functions of plain arithmetic, with abs, and plain numbers."""
     import math
 
     linkage = FourBar(2.0, 4.0, 3.0, 5.0)

@@ -222,7 +222,7 @@ def test_a_complex_step_differentiates_angles_too(kind, lengths, more):
 
 
 @every_kind
-def test_too_fast_is_said(kind, lengths, more):
+def test_too_fast_is_reported(kind, lengths, more):
     mechanism = with_rods(kind, lengths, more)
     rate = mechanism.input_coordinate.rate
     for value in (1e160, -1e200, 1e155):
@@ -233,7 +233,7 @@ def test_too_fast_is_said(kind, lengths, more):
 
 @pytest.mark.parametrize('power', [1000, 1022, 1023])
 @every_kind
-def test_too_long_is_said(kind, lengths, more, power):
+def test_too_long_is_reported(kind, lengths, more, power):
     for i, name in enumerate(length.name for length in kind.LENGTHS[:2]):
         with pytest.raises(InvalidParameter, match=f'^{name}.*shorter than'):
             kind(*lengths[:i], 2.0**power, *lengths[i + 1:], **more)

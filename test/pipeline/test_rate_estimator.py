@@ -204,13 +204,13 @@ def test_noise_is_never_less_than_stamps_and_floats_can_say():
     assert np.isnan(estimator.noise) and np.isnan(estimator.lag)
 
 
-def test_a_crank_driven_by_a_torque_is_told_from_noise():
+def test_a_crank_driven_by_a_torque_is_distinguished_from_noise():
     """
     500 Hz, window 3, a torque that changes.
 
     The error of the torque is that of the jerk, not of the clock.
 
-    With an encoder of 2000 counts it is noise, and said to be.
+    With an encoder of 2000 counts it is noise, and reported as noise.
     """
     linkage = scene.from_values({**PAPER, **RODS}).linkage
     times = EPOCHS[1] + np.arange(2000) * 2_000_000

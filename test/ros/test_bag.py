@@ -61,7 +61,7 @@ def plain(message, skip=('__msgtype__',)):
     return 'NaN' if isinstance(message, float) and math.isnan(message) else message
 
 
-def test_rosbags_reads_the_directory_and_every_value_is_what_was_heard(bag):
+def test_rosbags_reads_the_directory_and_every_value_is_what_was_received(bag):
     path, heard = bag
     by_stamp = {(name, m.header.stamp.sec, m.header.stamp.nanosec): plain(m)
                 for name, messages in heard.items() for m in messages}

@@ -106,7 +106,7 @@ def test_a_bag_can_be_read_while_the_node_writes_it(run_node, client, tmp_path):
     assert Bag(path).metadata()['custom_data']['node'] == '/fourbar'
 
 
-def test_a_recording_that_dies_is_told_and_the_stream_goes_on(run_node, client, tmp_path):
+def test_a_recording_that_dies_is_reported_and_the_stream_goes_on(run_node, client, tmp_path):
     import resource
     limit = resource.getrlimit(resource.RLIMIT_FSIZE)
     # the node inherits it: a full disk

@@ -83,7 +83,7 @@ def test_a_jump_makes_no_spike_and_an_old_sample_no_estimate(drive, client):
     assert (repeated.omega1, repeated.alpha1) == (again.omega1, again.alpha1)
 
 
-def test_silence_is_said_once_and_the_next_message_works(run_node, client):
+def test_silence_is_reported_once_and_the_next_message_works(run_node, client):
     node = run_node({**PAPER, 'drive.source': 'motion', 'drive.timeout': 1.0,
                      'outputs': ['state', 'output']})
     client.listen(['state', 'output'])

@@ -117,8 +117,8 @@ def test_the_scene_of_a_bag_runs_a_node(client, bag, tmp_path):
         assert node.wait(PATIENCE) == 0
 
 
-def test_points_are_compared_too_and_changes_of_the_scene_are_said_and_taken_over(run_node, client,
-                                                                                  tmp_path):
+def test_points_are_compared_and_changes_of_the_scene_are_reported_and_taken_over(
+        run_node, client, tmp_path):
     values = {**FULL, **TIP, 'outputs': [*ALL_OUTPUTS, 'points']}
     changes = {100: {'linkage.a1': 0.35}, 200: {'linkage.mode': 1, 'gravity.y': -9.81}}
     path = bags.run(tmp_path, 'changed', values, [(0.05 * k, 25.0, 0.1) for k in range(STEPS)],
@@ -195,7 +195,7 @@ def test_a_node_that_is_not_there_is_one_line(client, bag):
         assert code == 1 and said.startswith('fourbar: ') and said.count('\n') == 1, said
 
 
-def test_messages_of_another_definition_are_left_out_and_said(client, tmp_path):
+def test_messages_of_another_definition_are_left_out_and_reported(client, tmp_path):
     good = bags.channel('/good', 'std_msgs/msg/String')
     other = good._replace(topic='/other', hash='RIHS01_' + '0' * 64)
     writer = BagWriter(tmp_path, 'run',

@@ -292,7 +292,7 @@ def test_a_stamp_that_is_no_time_is_replaced_and_counted(run_node, client, heard
     client.until(lambda: heard()[1].get('bad stamps') == '3', 'the count')
 
 
-def test_an_estimated_acceleration_that_is_noise_is_said_so(run_node, client, heard):
+def test_an_estimated_acceleration_that_is_noise_is_reported(run_node, client, heard):
     """An encoder of 1000 counts at 500 Hz: its acceleration is 1e3 rad/s2 of nothing."""
     run_node({**DRIVEN, 'drive.source': 'joint_state', 'drive.joint': 'motor'})
     client.listen(['state'])

@@ -87,7 +87,7 @@ def modes_of(kind, driven):
     """
     Return the assembly modes of a kind with this input.
 
-    Of one whose lengths are all one metre.
+    Read from one whose lengths are all one metre.
     """
     others = {'input': driven} if len(kind.INPUTS) > 1 else {}
     return tuple(kind(*[1.0 for _ in kind.LENGTHS], **others).modes)

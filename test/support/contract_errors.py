@@ -33,7 +33,7 @@ def error_in_conditions(name, value, truth, cond):
     """
     Return |value - truth| in eps cond.
 
-    Of an angle modulo a turn, where a condition below 1 counts as 1.
+    Angles count modulo a turn, and a condition of an angle below 1 counts as 1.
     """
     error = abs(value - truth)
     if name.startswith(ANGLES):

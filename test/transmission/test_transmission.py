@@ -2,12 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Trajectories through a mechanism and back, power balance, and what cannot be followed."""
 from fourbar_ros import FourBar, InvalidParameter
-from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.transmission.branches import branch_of
 from fourbar_ros.transmission.transmission import CannotFollow, trajectory, Transmission
 import numpy as np
 import pytest
 from support import contract
+from support.power import power
 
 EPS = 2.0**-52
 every_case = pytest.mark.parametrize('case', contract.CASES, ids=contract.name_of)
@@ -55,18 +55,9 @@ def test_power_of_drive_and_output_differ_by_what_the_links_take(case):
     through = Transmission(mechanism, float(inputs[3]))
     wanted = through.to_output(trajectory(inputs, *rng.normal(size=(3, len(inputs)))))
     driven = through.to_input(wanted)
-    links, size = np.zeros(len(inputs)), np.abs(driven.effort * driven.rate)
+    links, size = power(mechanism, *driven[:3])
+    size = size + np.abs(driven.effort * driven.rate)
     motion = mechanism.motion(*driven[:3])
-    for link, (body, applied) in mechanism.loads_of_links().items():
-        its = mechanism.link_motion(motion, link)
-        centre = point_motion(mechanism, motion, link, body.cg_along, body.cg_across)
-        at = point_motion(mechanism, motion, link, applied.along, applied.across)
-        parts = (body.mass * (centre.acceleration_x - mechanism.gravity[0]) * centre.velocity_x,
-                 body.mass * (centre.acceleration_y - mechanism.gravity[1]) * centre.velocity_y,
-                 body.inertia * its.alpha * its.omega, -applied.couple * its.omega,
-                 -applied.force_x * at.velocity_x, -applied.force_y * at.velocity_y)
-        links = links + sum(parts)
-        size = size + sum(map(np.abs, parts))
     balance = driven.effort * driven.rate - wanted.effort * wanted.rate - links
     bound = 1e-12 * (1.0 + np.array(motion.condition))
     assert (np.abs(balance) <= bound * (size + np.abs(wanted.effort * wanted.rate))).all()

@@ -24,8 +24,8 @@ from fourbar_ros.numerics.number_types import ARRAY, power_of_two_of_arrays
 from fourbar_ros.numerics.roots import fold
 import numpy as np
 
-# Of the longest link to the shortest, from where on values are computed again by the more accurate
-# formulas.
+# Ratio of the longest link to the shortest from which values are computed again by the more
+# accurate formulas.
 UNEQUAL = 10.0
 Rows = list[tuple[Array, ...]]
 
@@ -144,8 +144,8 @@ def _improve(scaled: Array, sign: Array, unequal: Array, where: tuple[Array, Arr
     """
     Where links are unequal, put more accurate values of an extremum in place of others.
 
-    Of the second derivative of theta4, or, with the ``third`` one, of the first, whose place is
-    corrected too: as it is done for one linkage.
+    They are extrema of the second derivative of theta4 or, with the ``third`` one, of the first,
+    whose place is corrected too: as for one linkage.
     """
     rows, x = where
     i = np.nonzero(unequal[rows])[0]

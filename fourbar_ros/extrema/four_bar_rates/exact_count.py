@@ -38,8 +38,8 @@ def count_extrema(lengths: Sequence[float]) -> list[int | None]:
     Returns
     -------
     list of 2 (int or None)
-        Of theta4' and theta4''. None where the count proves nothing: the quantity is constant in a
-        range, or its derivative may touch zero without a change of sign.
+        The counts for theta4' and theta4''. None where the count proves nothing: the quantity is
+        constant in a range, or its derivative may touch zero without a change of sign.
 
     """
     ratios = [float(length).as_integer_ratio() for length in lengths]

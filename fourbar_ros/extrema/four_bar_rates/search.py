@@ -38,7 +38,7 @@ from fourbar_ros.numerics.roots import (
 )
 import numpy as np
 
-# Of a full turn, at least. Half as many have missed nothing in 280 000 linkages of all kinds.
+# At least so many for a full turn. Half as many have missed nothing in 280 000 linkages.
 SAMPLES = 24
 Sines = Callable[[Any, Any], tuple[Any, ...]]
 State = tuple[Any, ...]     # what the function of make_sines returns
@@ -133,7 +133,7 @@ def rate_extrema(linkage: FourBar, samples: int = SAMPLES, with_conditions: bool
     Returns
     -------
     extrema : tuple of 2 lists of RateExtremum
-        Of theta4' and of theta4''. The conditions are NaN if not wanted.
+        Those of theta4' and of theta4''. The conditions are NaN if not wanted.
     toggles : list of (float, int, bool, bool)
         theta1 [rad]; +1 where a range begins and -1 where it ends; whether theta4' and whether
         theta4'' go to plus infinity.

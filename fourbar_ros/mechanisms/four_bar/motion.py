@@ -145,7 +145,7 @@ def _shape(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any) -> _Shape:
     p_s_yx, r_s_yx, p_c_yx, r_c_yx, m_yx = half_angle_coefficients(-a4, a2, a3, -a1, exact_sum)
     p_s_bx, r_s_bx, p_c_bx, r_c_bx, m_bx = half_angle_coefficients(-a4, a3, -a2, -a1, exact_sum)
     f, low, high = (a2 - a3) * (a2 + a3), (a1 - a4)**2, (a1 + a4)**2
-    # Of three squares the odd one is paired with the larger of the others: what cancels then is
+    # The odd one of three squares is paired with the larger of the others: what cancels then is
     # what the data make.
     is_near, is_far = fabs(a1 - a4) > a2, a1 + a4 > a2
     y_near = where(is_near, squares(a1, -a4, a3, 0.0) + a2 * a2, f + low)

@@ -62,7 +62,7 @@ class InvertedSlider(OffsetSlide):
     a1, a4 : float
         Lengths of crank and ground [m], positive.
     offset : float
-        Of the line of A from O4, to the left of the bar [m], shorter than a1 + a4.
+        Distance of the path of A from O4, to the left of the bar [m], shorter than a1 + a4.
     mode : int
         Assembly mode. Crank input: 2 has slide > 0 (bar points from O4 towards A), 1 has slide <
         0.

@@ -80,15 +80,16 @@ class Dyad:
     ----------
     name, kind : str
     first, second : Point
-        Of the ground, the driven link, or a link of a dyad before this one.
+        Points of the ground, the driven link, or a link of a dyad before this one.
     links : tuple of 2 str
         Names of its links, the one at ``first`` first.
     length_1, length_2 : float
-        Of the rods [m], positive.
+        Lengths of the rods [m], positive.
     offset : float
-        Of the path of the block's pin from the pivot of the bar, to its left [m]; 0 if not given.
+        Distance of the path of the block's pin from the pivot of the bar, to its left [m].
+        0 if not given.
     direction_1, direction_2 : float
-        Of the line along which the first, the second link slides, from that of the link of
+        Directions in which the first, the second link slides, from that of the link of
         ``first``, of ``second`` [rad].
     slot : float
         From the direction in which the yoke slides to its slot [rad], not a multiple of pi.
@@ -188,9 +189,9 @@ class Cylinder(NamedTuple):
     Parameters
     ----------
     base : Point
-        Of the ground, where the tube is pinned.
+        Point of the ground where the tube is pinned.
     pin : Point
-        Of the crank, where the rod is pinned.
+        Point of the crank where the rod is pinned.
     links : tuple of 2 str
         Names of rod and tube.
     mode : int

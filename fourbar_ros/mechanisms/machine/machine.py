@@ -68,7 +68,7 @@ class Machine(WithLimits):
     output : str, optional
         Name of the link that the machine is used for; not given: the last.
     cylinder : Cylinder, optional
-        Of a machine driven by its cylinder.
+        Given if the machine is driven by a cylinder.
     bodies : mapping {link: Body}, optional
         Links that are not named have no mass. Not given: no loads.
     gravity : tuple of 2 floats
@@ -217,7 +217,7 @@ class Machine(WithLimits):
         """
         Return (position, rate, acceleration) -> fields of MOTION for a number type.
 
-        Of floats it is one straight line, without the calls and choices of dyads.
+        For floats it is one straight line, without the calls and choices of dyads.
         """
         key = 'motion', numbers
         if numbers is REAL and key not in self._made:

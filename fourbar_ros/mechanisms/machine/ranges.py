@@ -73,7 +73,7 @@ def find_ranges(layout: Layout, numbers: Sequence[Any], signs: Sequence[Any],
     layout, numbers, signs
         As for :func:`.motion.make_motion`.
     bounds : tuple of 2 floats
-        Of a driven slide: between which to search [m].
+        For a driven slide: where to search [m].
 
     """
     if layout.driver == 'crank':

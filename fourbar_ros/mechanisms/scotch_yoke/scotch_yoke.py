@@ -54,7 +54,7 @@ class ScotchYoke(Mechanism):
     a1 : float
         Length of the crank [m], positive.
     offset : float
-        Of the guide from O1, to the left of x [m]; it matters for couples alone.
+        y of the guide [m]; it matters for couples alone.
     mode : int
         Assembly mode. A driven slide: 2 has sin(theta1) > 0, 1 < 0. A driven crank has one mode,
         2.

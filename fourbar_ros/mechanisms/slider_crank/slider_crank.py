@@ -64,7 +64,7 @@ class SliderCrank(OffsetSlide):
     a1, a2 : float
         Lengths of crank and coupler [m], positive.
     offset : float
-        Of the guide from O1, to the left of x [m], shorter than a1 + a2.
+        y of the guide [m], shorter than a1 + a2.
     mode : int
         Assembly mode. Crank input: 2 has cos(beta) > 0 (slider ahead of A), 1 has cos(beta) < 0.
         Slider input: 2 has sin(theta2) > 0 (from O1 over A to B one turns left), 1 < 0.

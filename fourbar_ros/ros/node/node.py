@@ -161,7 +161,7 @@ def main(args=None, stop=None):
         for name in node_names(given):
             nodes.append(FourBarNode(given, name))
     except (FourBarError, *ROS_ERRORS) as error:
-        print(f'fourbar_node: {said(error)}', file=sys.stderr)
+        print(f'fourbar_node: {in_one_line(error)}', file=sys.stderr)
         close(nodes)
         rclpy.try_shutdown()
         return 2
@@ -186,7 +186,7 @@ def close(nodes, why='the node ended'):
             stack.callback(node.close, why)
 
 
-def said(error):
+def in_one_line(error):
     """Return what an error at start says, in one line."""
     if isinstance(error, UnknownArguments):
         return f'ROS 2 knows no argument {error}'

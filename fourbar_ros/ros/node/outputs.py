@@ -70,7 +70,7 @@ class Outputs:
         """Note what is needed: when a subscriber comes or leaves, not in every step."""
         every = self._every()
         self._all = self._needed_for(every)
-        self._subscribed = self._needed_for([output for output in every if output.is_heard])
+        self._subscribed = self._needed_for([output for output in every if output.is_subscribed])
 
     def _needed_for(self, those):
         outputs = [output for output in self.named if output in those]
@@ -109,7 +109,7 @@ class Outputs:
         mode = self._mode
         packed = [(output, output.pack(stamp, status, mode, values)) for output in outputs]
         for output, data in packed:
-            if output.is_heard:                          # it may be wanted for the bag alone
+            if output.is_subscribed:                          # it may be wanted for the bag alone
                 output.publish(data)
         if self._recording.active:
             self._sent += [(output.name, data) for output, data in packed]

@@ -60,7 +60,7 @@ class Pictures:
 
     def are_due(self, stamp):
         """Return whether a step at this time, (seconds, nanoseconds), shall be seen."""
-        if not self._makers or not (self._recording.active or any(map(self._is_heard,
+        if not self._makers or not (self._recording.active or any(map(self._is_subscribed,
                                                                       self._makers))):
             return False
         now = stamp[0] * 10**9 + stamp[1]
@@ -74,7 +74,7 @@ class Pictures:
         """Send the pictures of one step: its values in the places of the layout."""
         for name, make in self._makers.items():
             message = make(stamp, values)
-            if message is not None and (self._recording.active or self._is_heard(name)):
+            if message is not None and (self._recording.active or self._is_subscribed(name)):
                 self._send(name, serialize_message(message))
 
     def _publisher(self, topic):
@@ -82,7 +82,7 @@ class Pictures:
                    if topic.latched else QUEUE_DEPTH)
         return qos.create(self._node, 'publisher', resolve(topic.type), topic.topic, profile)
 
-    def _is_heard(self, name):
+    def _is_subscribed(self, name):
         return self._publishers[name].get_subscription_count() > 0
 
     def _send(self, name, data):

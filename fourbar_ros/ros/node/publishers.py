@@ -27,7 +27,7 @@ class TopicPublisher:
 
     Attributes
     ----------
-    is_heard : bool
+    is_subscribed : bool
         Whether it has subscribers.
 
     """
@@ -35,12 +35,12 @@ class TopicPublisher:
     def __init__(self, node, topic, changed):
         self.name, self._topic, self._node = topic.name, topic, node
         self.is_part = topic.name.partition('/')[0] in PARTS
-        self.is_heard, self._changed = False, changed
+        self.is_subscribed, self._changed = False, changed
         self._message = resolve(topic.type)()
         try:
             self._publisher = self._create(PublisherEventCallbacks(matched=self._matched))
         except UnsupportedEventTypeError:                # this middleware has none: always send
-            self.is_heard = True
+            self.is_subscribed = True
             self._publisher = self._create(None)
 
     def _create(self, callbacks):
@@ -49,9 +49,9 @@ class TopicPublisher:
                           event_callbacks=callbacks)
 
     def _matched(self, info):
-        heard = info.current_count > 0
-        if heard != self.is_heard:
-            self.is_heard = heard
+        is_subscribed = info.current_count > 0
+        if is_subscribed != self.is_subscribed:
+            self.is_subscribed = is_subscribed
             self._changed()
 
     def apply(self, scene):

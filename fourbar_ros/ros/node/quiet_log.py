@@ -24,36 +24,36 @@ class QuietLog:
 
     def __init__(self, logger, interval=INTERVAL):
         self._logger, self._interval, self._lock = logger, interval, threading.Lock()
-        self._causes = {}        # {cause: [when said, how many since, is bad, newest text]}
+        self._causes = {}        # {cause: [when logged, how many since, is bad, newest text]}
 
     def info(self, cause, text):
-        """Say what is good."""
+        """Log what is good."""
         self._note(cause, text, False)
 
     def warning(self, cause, text):
-        """Say what is not."""
+        """Log what is not."""
         self._note(cause, text, True)
 
     def flush(self, interval=None):
-        """Say what was held back for the interval, or another one: called now and then."""
+        """Log what was held back for the interval, or another one: called now and then."""
         interval = self._interval if interval is None else interval
         with self._lock:
-            for cause, (said, waiting, *_) in list(self._causes.items()):
-                if waiting and time.monotonic() - said >= interval:
-                    self._say(cause)
+            for cause, (logged, waiting, *_) in list(self._causes.items()):
+                if waiting and time.monotonic() - logged >= interval:
+                    self._log(cause)
 
     def _note(self, cause, text, is_bad):
         with self._lock:
-            said, waiting, *_ = self._causes.pop(cause, (-self._interval, 0))
-            self._causes[cause] = [said, waiting + 1, is_bad, text]      # the newest last
-            if time.monotonic() - said >= self._interval:
-                self._say(cause)
+            logged, waiting, *_ = self._causes.pop(cause, (-self._interval, 0))
+            self._causes[cause] = [logged, waiting + 1, is_bad, text]      # the newest last
+            if time.monotonic() - logged >= self._interval:
+                self._log(cause)
 
-    def _say(self, cause):
-        said, number, is_bad, text = self._causes[cause]
+    def _log(self, cause):
+        logged, number, is_bad, text = self._causes[cause]
         now = time.monotonic()
         self._causes[cause][:2] = now, 0
-        text += f' ({number} times in {now - said:.0f} s)' if number > 1 else ''
+        text += f' ({number} times in {now - logged:.0f} s)' if number > 1 else ''
         if is_bad:                       # two lines of code: to rclpy a line has one severity
             self._logger.warning(text)
         else:

@@ -32,7 +32,7 @@ class TopicDrive(Drive):
         """Subscribe to raw bytes, which are recorded as they are."""
         self._topic = INPUTS[self.settings.source]
         self._simulated = self._node.get_parameter('use_sim_time').value
-        self._heard, self._waiting, self._horizon = self._now(), False, 0
+        self._received, self._waiting, self._horizon = self._now(), False, 0
         self._estimated = False
         self._is_relay = self._stream.scene.joint_states.only_passive
         self.estimator = None
@@ -74,7 +74,7 @@ class TopicDrive(Drive):
 
     def age(self):
         """Return the time since the newest input [s]: steady, or simulated with use_sim_time."""
-        return self._now() - self._heard
+        return self._now() - self._received
 
     def _now(self):
         return (self._node.get_clock().now().nanoseconds * 1e-9 if self._simulated
@@ -134,7 +134,7 @@ class TopicDrive(Drive):
 
     def _note_arrival(self):
         self.counts['received'] += 1
-        self._heard, self._waiting = self._now(), True
+        self._received, self._waiting = self._now(), True
 
     def _stamp(self, sec, nanosec):
         """
@@ -168,7 +168,7 @@ class TopicDrive(Drive):
     def _watch(self):
         self._horizon = 0                                # the clock may have been set
         if self.age() < 0.0:                             # so was that of a simulation
-            self._heard = self._now()
+            self._received = self._now()
         limit = self.settings.timeout
         if limit and self._waiting and self.age() > limit:
             self._waiting = False

@@ -42,7 +42,7 @@ class Command:
 
     def __init__(self, node, stream, counts):
         self._node, self._stream, self._counts = node, stream, counts
-        self._type, self._torque, self._heard = resolve(TORQUE.type), 0.0, -inf
+        self._type, self._torque, self._received = resolve(TORQUE.type), 0.0, -inf
         self._was_silent = True
         profile = QoSProfile(depth=INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         self._subscription = qos.create(node, 'subscription', self._type, TORQUE.topic,
@@ -55,11 +55,11 @@ class Command:
     @property
     def age(self):
         """Return the time since the newest torque [s], NaN before the first."""
-        return time.monotonic() - self._heard if self._heard > -inf else nan
+        return time.monotonic() - self._received if self._received > -inf else nan
 
     def now(self, settings):
         """Return (torque in effect, whether the topic is silent), during a step."""
-        is_silent = self._heard == -inf or 0.0 < settings.timeout < self.age
+        is_silent = self._received == -inf or 0.0 < settings.timeout < self.age
         if is_silent and not self._was_silent:
             self._counts['silences'] += 1
             self._node.log.warning('torque', f'{TORQUE.topic}: no torque for '
@@ -80,7 +80,7 @@ class Command:
 
         def take():
             if isfinite(torque):
-                self._torque, self._heard = self._limited(torque, scene.drive), time.monotonic()
+                self._torque, self._received = self._limited(torque, scene.drive), time.monotonic()
         if not isfinite(torque):
             self._note('not_finite', 'a torque that is not finite: ignored')
         self._stream.between_steps(TORQUE.name, data, take)

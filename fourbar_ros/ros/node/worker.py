@@ -21,7 +21,7 @@ class Worker:
     Parameters
     ----------
     name : str
-        Of the thread.
+        Name of the thread.
     tell : callable
         Called with a text when a job has raised: a fault of ours, or an answer that nobody takes.
 

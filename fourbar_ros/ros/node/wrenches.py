@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Forces from outside: topics of WrenchStamped, what acts in a silence, what is said of it."""
+"""Forces from outside: topics of WrenchStamped, what acts in a silence, what is logged."""
 from __future__ import annotations
 
 from functools import partial
@@ -47,7 +47,7 @@ class WrenchInputs:
     def __init__(self, node, stream, recording):
         self._node, self._stream, self._recording = node, stream, recording
         self.counts = dict.fromkeys(self.COUNTED, 0)
-        self._heard, self._last = {}, {}     # [s] of those that are not silent; what came last
+        self._received, self._last = {}, {}     # [s] of those that are not silent; what came last
         profile = QoSProfile(depth=INPUT_DEPTH,
                              reliability=ReliabilityPolicy.BEST_EFFORT)
         for link in stream.scene.wrenches.links:
@@ -58,7 +58,7 @@ class WrenchInputs:
     def apply(self, scene):
         """Take over a scene: what acts in a silence may be another."""
         for link in scene.wrenches.links:
-            if link not in self._heard:
+            if link not in self._received:
                 self._be_silent(link)
 
     def _take(self, link, data):
@@ -75,7 +75,7 @@ class WrenchInputs:
                        f'a force in the frame {frame!r}, this one is {ours!r}')
             return
         wrench = Wrench(force.x, force.y, torque.z)
-        self._heard[link], self._last[link] = time.monotonic(), wrench
+        self._received[link], self._last[link] = time.monotonic(), wrench
         self._stream.act(link, wrench, message.header.stamp)
 
     def _once(self, what, link, text):
@@ -84,13 +84,13 @@ class WrenchInputs:
         if self.counts[what] == 1:
             self._node.get_logger().warning(
                 f'{wrench_topic(link).topic}: {text} '
-                '(said once; counted in the diagnostics)')
+                '(logged once; counted in the diagnostics)')
 
     def _watch(self):
         limit, now = self._stream.scene.wrenches.timeout, time.monotonic()
-        for link, heard in list(self._heard.items()):
-            if limit and now - heard > limit:
-                del self._heard[link]
+        for link, last in list(self._received.items()):
+            if limit and now - last > limit:
+                del self._received[link]
                 self.counts['wrench_silences'] += 1
                 self._be_silent(link)
                 self._node.get_logger().warning(
