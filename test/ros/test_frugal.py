@@ -27,12 +27,12 @@ node = FourBarNode(parameter_overrides=[Parameter(k, value=v)
                                         for k, v in json.loads(sys.argv[1]).items()])
 listener = rclpy.create_node('listener')
 from fourbar_msgs.msg import LinkageState
-def until(heard):
-    while node.stream.outputs.named[0].is_heard != heard:
+def until(expected):
+    while node.stream.outputs.named[0].is_subscribed != expected:
         rclpy.spin_once(listener, timeout_sec=0.02)
         rclpy.spin_once(node, timeout_sec=0.02)
 
-if sys.argv[2] != 'not heard':
+if sys.argv[2] != 'none':
     subscription = listener.create_subscription(LinkageState, '/fourbar/state',
                                                 lambda message: None, 10)
     until(True)
@@ -58,8 +58,8 @@ rclpy.try_shutdown()
 """
 
 
-def run(parameters, heard='heard'):
-    done = subprocess.run([sys.executable, '-c', SCRIPT, json.dumps(parameters), heard],
+def run(parameters, readers='subscribed'):
+    done = subprocess.run([sys.executable, '-c', SCRIPT, json.dumps(parameters), readers],
                           capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.splitlines()[-1])
@@ -74,11 +74,11 @@ def test_a_kinematics_only_scene_has_no_loads_and_no_heavy_imports():
                 '/joint_states'} & set(found['topics'])
 
 
-def test_outputs_that_nobody_hears_are_not_computed():
+def test_outputs_without_subscribers_are_not_computed():
     everything = {**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ['state', 'loads']}
-    assert set(run(everything)['calls']) == {'motion'}          # only state is heard
-    assert run(everything, heard='not heard')['calls'] == []
-    assert run(everything, heard='left')['calls'] == []         # the reader has gone again
+    assert set(run(everything)['calls']) == {'motion'}          # only state has a subscriber
+    assert run(everything, readers='none')['calls'] == []
+    assert run(everything, readers='left')['calls'] == []         # the reader has gone again
 
 
 def test_a_scene_on_the_clock_that_is_not_recorded_needs_nothing_of_bags_and_inputs():

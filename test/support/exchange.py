@@ -50,11 +50,11 @@ def check_topics(client, its, count=40):
     return inputs
 
 
-def check_extrema(client, linkage, quantities, **request):
-    """Compare the answer of the service with the core's; return that."""
+def check_extrema(client, linkage, expected_of, **request):
+    """Return the answer of the service and the extrema of the core, compared with each other."""
     answer = client.call('find_extrema', velocity=2.0, acceleration=3.0, **request)
     assert answer.result == answer.RESULT_OK, answer.message
-    expected = find_extrema(linkage, quantities, 2.0, 3.0)
+    expected = find_extrema(linkage, expected_of, 2.0, 3.0)
     fields = ('quantity', 'mode', 'theta1', 'slide', 'value', 'is_global')
     assert expected and ({repr([getattr(e, f) for f in fields]) for e in answer.extrema}
                          == {repr([getattr(e, f) for f in fields]) for e in expected})

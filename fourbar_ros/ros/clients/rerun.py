@@ -200,7 +200,7 @@ class _Live(Client):
         self._replayer = replayer
         self._in_order, self._first, recorded_node = origin.in_order, None, origin.node
         self._topics = {topic: _Topic(replayer.bag.decoder(topic)) for topic in outputs}
-        self._last, self._heard = None, time.monotonic()         # stamp of the newest motion
+        self._last, self._last_arrival = None, time.monotonic()     # stamp of the newest motion
         self._name, self._input = (name_on(node_name, INPUTS['motion']),
                                    self.publisher('motion', node_name))
         self._subscriptions = [self._listen(topic, type_name, recorded_node, node_name)
@@ -213,7 +213,7 @@ class _Live(Client):
         answers = self._topics[topic]
 
         def take(data):
-            self._heard = time.monotonic()
+            self._last_arrival = time.monotonic()
             answers.answer(stamp_of(data), data)
         return self.node.create_subscription(resolve(type_name), there, take,
                                              QoSProfile(depth=1000), raw=True)
@@ -234,9 +234,9 @@ class _Live(Client):
     def tick(self, _):
         """Handle what came in."""
         for _ in range(1000):
-            before = self._heard
+            before = self._last_arrival
             self.executor.spin_once(timeout_sec=0.0 if self._last else 0.02)
-            if self._heard == before:
+            if self._last_arrival == before:
                 break
         return self._replayer.tick(0)
 
@@ -273,8 +273,8 @@ class _Live(Client):
 
     def wait_for_the_rest(self, quiet=QUIET):
         """Wait until nothing has come for some time, or all has."""
-        self._heard = time.monotonic()
-        while time.monotonic() - self._heard < quiet and (
+        self._last_arrival = time.monotonic()
+        while time.monotonic() - self._last_arrival < quiet and (
                 not self._last or any(topic.is_waiting for topic in self._topics.values())):
             self.executor.spin_once(timeout_sec=0.02)
 
