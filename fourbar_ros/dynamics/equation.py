@@ -37,7 +37,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.dynamics.contract import FIXED, loads_of_links
 from fourbar_ros.dynamics.elements import Element, GROUND
-from fourbar_ros.dynamics.smooth import make_is_alternate
+from fourbar_ros.dynamics.smooth import beyond, make_is_alternate
 from fourbar_ros.dynamics.terms import (
     element_energy,
     element_stiffness,
@@ -156,7 +156,7 @@ class Equation:
         """Return a formula made for (coordinate, number type) in the mode that holds."""
         modes = [self.coordinate]
         if self._is_alternate is not None:
-            modes.append(self.coordinate.in_mode(3 - self.coordinate.mode))
+            modes.append(beyond(self.coordinate))
         return InBothModes(make_formula, modes, self._is_alternate)
 
     @cached_property

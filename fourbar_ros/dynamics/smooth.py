@@ -5,8 +5,9 @@ The smooth motion of a mechanism through its change points.
 
 At the flat position of an exact change point both assembly modes meet. A linkage that moves
 through it keeps the velocities of its links, and the side of the dyad changes: the motion goes on
-in the other mode. So the mode is a function of the input, the given one in the interval between
-flat positions in which the input starts: it alternates from one interval to the next.
+in the mode beyond, as the contract's ``mode_beyond`` says. So the mode is a function of the input,
+the given one in the interval between flat positions in which the input starts: it alternates from
+one interval to the next.
 """
 from __future__ import annotations
 
@@ -30,6 +31,11 @@ def flat_positions(mechanism: Any) -> tuple[float, ...]:
     inside = [value for value in real
               if all(abs(mechanism.distance(value, end)) > 1e-12 for end in ends)]
     return tuple(sorted({value % TURN if is_angle else value for value in inside}))
+
+
+def beyond(mechanism: Any) -> Any:
+    """Return a mechanism in the mode into which it goes on at its flat positions."""
+    return mechanism.in_mode(mechanism.mode_beyond(flat_positions(mechanism)[0]))
 
 
 def make_interval_of(mechanism: Any) -> Callable[[Any], Any]:

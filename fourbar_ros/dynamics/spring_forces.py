@@ -3,7 +3,9 @@
 """Forces of springs and dampers on the links, as external forces of the loads."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections import namedtuple
+from collections.abc import Callable, Sequence
+from functools import cache
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -11,7 +13,7 @@ from fourbar_ros.dynamics.contract import Curve, FIXED
 from fourbar_ros.dynamics.elements import Element, GROUND, TorsionSpring
 from fourbar_ros.dynamics.terms import deflection, place_of
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.mechanics.bodies import Applied
+from fourbar_ros.mechanics.bodies import Applied, applied_to
 from fourbar_ros.numerics.number_types import REAL
 
 Loaded = Callable[[float, float], Any]
@@ -61,17 +63,20 @@ def make_loaded(linkage: Any, elements: Sequence[Element]) -> Loaded:
     """
     Return the function (position, rate) -> linkage with the springs' forces of this moment.
 
-    They come on top of its constant external forces; its loads are then those with springs. It
-    returns None where a force is not finite. All links of the elements must take external forces.
+    They come on top of its constant external forces, and act on any link, a driven crank too; the
+    loads of that linkage are those with springs. It returns None where a force is not finite.
     """
-    links = tuple(linkage.EXTERNAL._fields)
+    links = tuple(link.name for link in linkage.LINKS)
+    given = [applied_to(linkage.external, link) for link in links]
+    sprung = {link for element in elements for link in element.links} - {GROUND}
+    on_links = _on_links(links)
 
     def loaded(position: float, rate: float) -> Any:
         try:
             motion = linkage.motion(position, rate, 0.0)
         except FourBarError:
             return linkage                               # it has no loads here either
-        curves = {link: linkage.link_motion(motion, link) for link in links}
+        curves = {link: linkage.link_motion(motion, link) for link in sprung}
         try:
             acting = [force for element in elements for force in
                       forces_of(element, *(curves.get(link, FIXED) for link in element.links))]
@@ -79,10 +84,16 @@ def make_loaded(linkage: Any, elements: Sequence[Element]) -> Loaded:
             return None
         if not all(isfinite(number) for force in acting for number in force[1:]):
             return None
-        return linkage.with_external(linkage.EXTERNAL(
-            *(_with(given, curves[link], [force for force in acting if force.link == link])
-              for link, given in zip(links, linkage.external))))
+        return linkage.with_external(on_links(
+            *(_with(applied, curves[link], [force for force in acting if force.link == link])
+              if link in sprung else applied for link, applied in zip(links, given))))
     return loaded
+
+
+@cache
+def _on_links(links: tuple[str, ...]) -> Any:
+    """Return the type of a record of what acts on each of these links."""
+    return namedtuple('OnLinks', links)       # type: ignore[misc]  # noqa: PYI024
 
 
 def _with(given: Applied, curve: Curve, acting: Sequence[Acting]) -> Applied:
@@ -93,9 +104,3 @@ def _with(given: Applied, curve: Curve, acting: Sequence[Acting]) -> Applied:
     return Applied(given.force_x + sum(force.force_x for force in acting),
                    given.force_y + sum(force.force_y for force in acting), given.along,
                    given.across, couple)
-
-
-def not_loadable(linkage: Any, elements: Sequence[Element]) -> Iterator[str]:
-    """Yield the links of elements that take no external force."""
-    known = (GROUND, *linkage.EXTERNAL._fields)
-    yield from (link for element in elements for link in element.links if link not in known)

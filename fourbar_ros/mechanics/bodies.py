@@ -120,3 +120,9 @@ class External(NamedTuple):
 
     coupler: Applied = NOT_APPLIED
     output: Applied = NOT_APPLIED
+
+
+def applied_to(external: Any, link: str) -> Applied:
+    """Return what acts on a link; nothing where a record, as of a driven crank, names none."""
+    acting: Applied = getattr(external, link, NOT_APPLIED)
+    return acting

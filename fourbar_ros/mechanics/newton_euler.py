@@ -28,7 +28,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
+from fourbar_ros.mechanics.bodies import Applied, applied_to, Body, NOT_APPLIED
 from fourbar_ros.numerics.number_types import Function
 
 
@@ -65,16 +65,16 @@ def about_first_joint(body: Body, unit: Any, gravity: tuple[Any, Any],
                      across * g_y + along * g_x + p_across * f_y + p_along * f_x)
 
 
-def with_pin(crank: LinkTerms, carried: LinkTerms, mass: Any, a1: Any) -> LinkTerms:
+def crank_with_pin(bodies: Any, unit: Any, gravity: tuple[Any, Any], external: Any,
+                   carried: LinkTerms, a1: Any) -> LinkTerms:
     """
-    Return the :class:`LinkTerms` of the crank.
+    Return the :class:`LinkTerms` of the crank; lengths, and ``a1`` of the crank, in ``unit`` [m].
 
-    Its moments about O1 include what it carries at its pin A.
-
-    That is the mass [kg unit] of the next link and the force that holds that link at rest, in (N5)
-    the terms m a^2 alpha1 and -a x W. ``a1``: length of the crank in the unit.
+    Its moments about O1 include what it carries at its pin A: the mass of the next link and the
+    force that holds that link at rest, in (N5) the terms m a^2 alpha1 and -a x W.
     """
-    return crank._replace(inertia=crank.inertia + mass * a1 * a1,
+    crank = about_first_joint(bodies.crank, unit, gravity, applied_to(external, 'crank'))
+    return crank._replace(inertia=crank.inertia + bodies.coupler.mass * unit * a1 * a1,
                           by_cosine=crank.by_cosine + a1 * carried.hold_y,
                           by_sine=crank.by_sine - a1 * carried.hold_x)
 
@@ -107,7 +107,7 @@ def make_needs_of_crank_and_carried(crank: LinkTerms, link: LinkTerms, mass: Any
     Parameters
     ----------
     crank, link : LinkTerms
-        Terms of the crank as :func:`with_pin` returns them, and of the link that it carries.
+        Terms of the crank as :func:`crank_with_pin` returns them, and of the link that it carries.
     mass, a1
         Mass of the link [kg unit], length of the crank [unit].
 

@@ -39,7 +39,8 @@ _records: dict[tuple[Any, ...], Record] = {}
 def recorded(mechanism: Any, with_loads: bool) -> tuple[Record, Constants]:
     """Return the record of a mechanism's motion, or motion and loads, and its own constants."""
     data = mechanism.constants if with_loads else mechanism.constants._replace(bodies=None)
-    key = *mechanism.structure, with_loads
+    # forces of springs act on links, as a driven crank, that are not loaded from outside
+    key = *mechanism.structure, type(mechanism.external), with_loads
 
     def formulas(numbers: NumberType, data: Any) -> Iterator[Function]:
         yield mechanism.motion_formula(numbers, data)

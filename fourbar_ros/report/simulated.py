@@ -34,6 +34,3 @@ def print_summary(simulated: Any, name: str, tolerance: float, took: float) -> N
         table.add_row(peak.name, peak.unit, f'{peak.low:.6g}', f'{peak.low_at:g}',
                       f'{peak.high:.6g}', f'{peak.high_at:g}')
     console.print(table)
-    if link := simulated.scene.springs_without_loads:
-        console.print(f'Loads are not shown: with a spring or damper on the {link} they are not '
-                      'computed.')

@@ -47,8 +47,5 @@ def check_together(scene):
     if scene.dynamics and scene.wrenches.links:
         refuse(f'external.{scene.wrenches.links[0]}.from_topic', 'motion that follows from torque '
                'takes constant external forces only')
-    if (link := scene.springs_without_loads) and scene.needs_loads:
-        refuse('outputs', f'loads with a spring or damper on the {link} are not computed; those '
-               f'are that take external forces: {", ".join(scene.linkage.EXTERNAL._fields)}')
     if scene.drive.source == 'joint_state' and not scene.drive.joint:
         refuse('drive.joint', 'must name the joint that is the input')

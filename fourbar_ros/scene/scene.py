@@ -166,17 +166,9 @@ class Scene(NamedTuple):
         return [TORQUE, DRIVE_STATE] if self.drive.source == TORQUE.name else [DRIVE_STATE]
 
     @property
-    def springs_without_loads(self):
-        """Return the first link with a spring that its loads cannot have, '' if there is none."""
-        if self.dynamics is None or not self.dynamics.elements:
-            return ''
-        from fourbar_ros.dynamics.spring_forces import not_loadable
-        return next(not_loadable(self.linkage, self.dynamics.elements), '')
-
-    @property
     def loaded(self):
         """Return (position, rate) -> linkage with the forces of springs; None without springs."""
-        if self.dynamics is None or not self.dynamics.elements or self.springs_without_loads:
+        if self.dynamics is None or not self.dynamics.elements:
             return None
         from fourbar_ros.dynamics.spring_forces import make_loaded
         return make_loaded(self.linkage, self.dynamics.elements)

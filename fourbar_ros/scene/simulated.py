@@ -86,11 +86,9 @@ class SimulatedScene(NamedTuple):
                 if not np.isnan(values).all()]
 
     def _loads(self) -> list[tuple[str, str, Array]]:
-        """Return (name, unit, values) of loads; none with springs, which are not in them."""
+        """Return (name, unit, values) of loads, the forces of springs among them."""
         from fourbar_ros.mechanisms.quantities import known
         run, linkage = self.run, self.scene.linkage
-        if self.scene.springs_without_loads:
-            return []
         quantities = known(type(linkage), linkage.input)
         found: dict[str, Array] = {}
         for mode in np.unique(run.modes).tolist():

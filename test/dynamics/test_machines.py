@@ -1,10 +1,15 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Machines of dyads moved by a torque: Andrews' squeezer."""
+from math import pi
+
+from fourbar_ros import Bodies, Body, FourBar
 from fourbar_ros.dynamics.drives import ConstantTorque, Drive
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.simulate import REACHED, simulate
 from fourbar_ros.dynamics.system import System
+from fourbar_ros.mechanisms.machine.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp
 import numpy as np
 import pytest
@@ -56,3 +61,30 @@ def test_the_equation_of_motion_gives_the_drive_of_the_loads():
         parts = terms.inertia * acceleration, terms.half_slope * rate**2, terms.force
         found = Equation(machine).torque(position, rate, acceleration)
         assert abs(found - drive) <= 1e-10 * (np.abs(parts).sum() + abs(drive))
+
+
+class Flat(Machine):
+    """A machine that says of itself where it lies flat: its second dyad is a parallelogram."""
+
+    change_point_margin = 0.0
+    singular_inputs = (0j, complex(pi))
+    turns_fully = True
+
+    def mode_beyond(self, limit):
+        return 1 + (self.mode - 1 ^ 2)
+
+
+def test_a_machine_goes_on_in_the_mode_that_it_says_lies_beyond_a_flat_position():
+    """Of four modes, of two dyads: 3 less the mode would be none of them."""
+    at_end = Point('crank', 0.5)
+    rod = Body(1.0, 0.25, 0.0, 0.02)
+    machine = Flat([Dyad('side', 'RRR', at_end, Point('ground', 1.0, 0.6), ('arm', 'rocker'),
+                         length_1=1.2, length_2=0.9, mode=2),
+                    Dyad('main', 'RRR', at_end, Point('ground', 1.0), ('coupler', 'output'),
+                         length_1=1.0, length_2=0.5, mode=2)],
+                   bodies={'crank': rod, 'coupler': rod, 'output': rod}, gravity=(0.0, -9.81))
+    alone = FourBar(0.5, 1.0, 0.5, 1.0, bodies=Bodies(rod, rod, rod), gravity=(0.0, -9.81))
+    runs = [simulate(System(mechanism, pi / 2, 8.0), 2.0, 1e-8, times=[0.5, 1.0, 1.5, 2.0])
+            for mechanism in (machine, alone)]
+    assert [run.status for run in runs] == [REACHED] * 2 and runs[1].position[-1] > 4.0 * pi
+    assert runs[0].position == pytest.approx(runs[1].position, abs=2e-8)

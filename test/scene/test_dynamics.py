@@ -65,7 +65,6 @@ def test_the_source_torque_starts_at_rest_without_a_torque():
     ({**MOTOR, 'springs.s.stifness': 1.0}, 'springs.s.stifness', 'springs.s.stiffness?'),
     ({**MOTOR, 'torsion_springs.s.second': 'ground'}, 'torsion_springs.s.second', 'another'),
     ({**PAPER, **RODS, 'torsion_springs.s.damping': 1.0}, 'torsion_springs.s', 'drive.source'),
-    ({**MOTOR, 'torsion_springs.s.damping': 1.0, 'outputs': ['loads']}, 'outputs', 'crank'),
     ({**MOTOR, 'external.output.from_topic': True}, 'external.output.from_topic', 'constant'),
     ({**MOTOR, 'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.start': 3.1}, 'drive.start',
      'no motion can start'),

@@ -36,9 +36,9 @@ from typing import Any, NamedTuple
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanics.newton_euler import (
     about_first_joint,
+    crank_with_pin,
     make_needs_of_crank_and_carried,
     make_needs_of_pivoted,
-    with_pin,
 )
 from fourbar_ros.numerics.number_types import Function, NumberType
 
@@ -84,7 +84,7 @@ def make_loads(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any, bodies: Bodies
     mass2 = bodies.coupler.mass * unit
     coupler = about_first_joint(bodies.coupler, unit, gravity, external.coupler)
     output = about_first_joint(bodies.output, unit, gravity, external.output)
-    crank = with_pin(about_first_joint(bodies.crank, unit, gravity), coupler, mass2, a1)
+    crank = crank_with_pin(bodies, unit, gravity, external, coupler, a1)
     needs_of_crank_and_carried = make_needs_of_crank_and_carried(crank, coupler, mass2, a1)
     needs_of_pivoted = make_needs_of_pivoted(output)
 

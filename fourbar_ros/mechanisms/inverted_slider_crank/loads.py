@@ -23,9 +23,9 @@ from typing import Any
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanics.newton_euler import (
     about_first_joint,
+    crank_with_pin,
     make_needs_of_crank_and_carried,
     make_needs_of_pivoted,
-    with_pin,
 )
 from fourbar_ros.numerics.number_types import Function, NumberType
 
@@ -43,7 +43,7 @@ def make_loads(n: NumberType, a1: Any, a4: Any, h: Any, is_crank_driven: bool, b
     mass2 = bodies.coupler.mass * unit
     block = about_first_joint(bodies.coupler, unit, gravity, external.coupler)
     bar = about_first_joint(bodies.output, unit, gravity, external.output)
-    crank = with_pin(about_first_joint(bodies.crank, unit, gravity), block, mass2, a1)
+    crank = crank_with_pin(bodies, unit, gravity, external, block, a1)
     needs_of_crank_and_carried = make_needs_of_crank_and_carried(crank, block, mass2, a1)
     needs_of_pivoted = make_needs_of_pivoted(bar)
 

@@ -22,7 +22,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from fourbar_ros.mechanics.bodies import NOT_APPLIED
+from fourbar_ros.mechanics.bodies import applied_to
 from fourbar_ros.mechanics.newton_euler import about_first_joint
 from fourbar_ros.mechanisms.machine.description import CYLINDER
 from fourbar_ros.mechanisms.machine.dyad_loads import Needs, SOLVERS
@@ -60,7 +60,7 @@ def make_needs(body: Any, gravity: tuple[Any, Any], applied: Any) -> Function:
 def make_loads(n: NumberType, layout: Layout, numbers: Sequence[Any], bodies: Any,
                gravity: tuple[Any, Any], external: Any) -> Function:
     """Return the function (fields of motion) -> fields of :func:`.layout.load_fields`."""
-    needs_of = [make_needs(body, gravity, getattr(external, name, NOT_APPLIED))
+    needs_of = [make_needs(body, gravity, applied_to(external, name))
                 for name, body in zip(layout.moving, bodies)]
     read, drive_and_shaking = make_reader(layout), make_drive_and_shaking(n)
     solve, base = make_backward(n, layout, numbers), make_base(n, layout)

@@ -22,8 +22,8 @@ from typing import Any, NamedTuple
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanics.newton_euler import (
     about_first_joint,
+    crank_with_pin,
     make_needs_of_crank_and_carried,
-    with_pin,
 )
 from fourbar_ros.numerics.number_types import Function, NumberType
 
@@ -69,7 +69,7 @@ def make_loads(n: NumberType, a1: Any, e: Any, is_crank_driven: bool, bodies: Bo
     mass2, mass3 = bodies.coupler.mass * unit, bodies.output.mass * unit
     block = about_first_joint(bodies.coupler, unit, gravity, external.coupler)
     yoke = about_first_joint(bodies.output, unit, gravity, external.output)
-    crank = with_pin(about_first_joint(bodies.crank, unit, gravity), block, mass2, a1)
+    crank = crank_with_pin(bodies, unit, gravity, external, block, a1)
     across, hold_x, f3_y, couple = (yoke.across, yoke.hold_x, yoke.hold_y,
                                     yoke.by_cosine + yoke.couple)
     needs_of_crank_and_carried = make_needs_of_crank_and_carried(crank, block, mass2, a1)

@@ -24,8 +24,8 @@ from typing import Any
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanics.newton_euler import (
     about_first_joint,
+    crank_with_pin,
     make_needs_of_crank_and_carried,
-    with_pin,
 )
 from fourbar_ros.numerics.number_types import Function, NumberType
 
@@ -44,7 +44,7 @@ def make_loads(n: NumberType, a1: Any, a2: Any, e: Any, is_crank_driven: bool, b
     mass2, mass3 = bodies.coupler.mass * unit, bodies.output.mass * unit
     coupler = about_first_joint(bodies.coupler, unit, gravity, external.coupler)
     slider = about_first_joint(bodies.output, unit, gravity, external.output)
-    crank = with_pin(about_first_joint(bodies.crank, unit, gravity), coupler, mass2, a1)
+    crank = crank_with_pin(bodies, unit, gravity, external, coupler, a1)
     across, hold_x, f3_y, couple = (slider.across, slider.hold_x, slider.hold_y,
                                     slider.by_cosine + slider.couple)
     needs_of_crank_and_carried = make_needs_of_crank_and_carried(crank, coupler, mass2, a1)
