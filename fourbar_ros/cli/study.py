@@ -4,16 +4,14 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 import sys
-import time
 
+from fourbar_ros.cli import tolerances
 from fourbar_ros.cli.common import add_verb, BAD
+from fourbar_ros.cli.progress import shown
 from fourbar_ros.scene.arguments import positive_integer
 
-ACTIONS = ('run', 'show', 'plot', 'pick')
-EVERY = 30.0        # [s] between two lines about progress where there is no terminal
+ACTIONS = ('run', 'show', 'plot', 'pick', 'tolerances')
 DESCRIPTION = """\
 Compute many designs of one scene: draw them, search all their extrema, keep those that fulfil the
 constraints as Parquet files, show which are best. docs/studies.md describes the file STUDY.yaml:
@@ -38,6 +36,7 @@ examples:
   fourbar study show DIR                       counts, ranges, the best designs
   fourbar study plot DIR page.html             the same with figures
   fourbar study pick DIR best -o best.yaml     one design as a scene for the node
+  fourbar study tolerances STUDY.yaml          sensitivities, worst case, Monte Carlo
 """
 
 
@@ -56,6 +55,7 @@ def add(verbs):
     actions = verb.add_subparsers(dest='action', required=True, metavar='ACTION')
     _add_run(actions)
     _add_answers(actions)
+    tolerances.add(actions)
 
 
 def _add_run(actions):
@@ -180,35 +180,3 @@ def _run(arguments):
     for row, text in failures[:5]:
         print(f'row {row} failed: {text}', file=sys.stderr)
     return BAD if failures else 0
-
-
-@contextmanager
-def shown() -> Iterator[Callable]:
-    """Give a function that shows the progress of a run: a bar, or a line now and then."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn
-    console = Console(stderr=True)
-    text = '{task.fields[text]}'
-    with Progress(BarColumn(), TextColumn(text), console=console, transient=True,
-                  disable=not console.is_terminal) as bar:
-        task = bar.add_task('designs', text='', total=None)
-        last = time.monotonic()
-
-        def report(progress):
-            nonlocal last
-            line = in_words(progress)
-            bar.update(task, total=progress.total, completed=progress.done, text=line)
-            if not console.is_terminal and time.monotonic() - last > EVERY:
-                last = time.monotonic()
-                print(line, file=sys.stderr, flush=True)
-        yield report
-
-
-def in_words(progress):
-    """Return done, rate and remaining time as text."""
-    text = f'{progress.done} of {progress.total} designs'
-    if not progress.in_this_run:
-        return text
-    minutes, seconds = divmod(round(progress.remaining), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f'{text}, {progress.rate:.0f}/s, {hours}:{minutes:02d}:{seconds:02d} remain'

@@ -44,6 +44,8 @@ class Answers:
     Parameters
     ----------
     path : str or Path
+    feasible_only : bool
+        Leave out the rows that do not fulfil the constraints, if they were kept.
 
     Raises
     ------
@@ -52,8 +54,8 @@ class Answers:
 
     """
 
-    def __init__(self, path: str | Path):
-        self.folder = Folder(path)
+    def __init__(self, path: str | Path, feasible_only: bool = True):
+        self.folder, self._feasible_only = Folder(path), feasible_only
         manifest = self.folder.manifest()
         self.study, self.units = manifest['study'], manifest['units']
         self.parts = self.folder.parts()
@@ -79,7 +81,7 @@ class Answers:
     def blocks(self, names: list[str]) -> Iterator[dict[str, Array]]:
         """Yield columns of one part after the other, feasible rows only."""
         from pyarrow import parquet
-        feasible = ['feasible'] if self.study['keeps_all'] else []
+        feasible = ['feasible'] * (self.study['keeps_all'] and self._feasible_only)
         for path in self.parts.values():
             table = parquet.read_table(path, columns=[*names, *feasible])
             columns = {name: table[name].to_numpy() for name in names}

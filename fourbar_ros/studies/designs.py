@@ -16,7 +16,7 @@ from typing import Any
 
 from fourbar_ros.extrema.sampling import NoLoads
 from fourbar_ros.mechanics.bodies import Applied, Body, rod_numbers, unchecked
-from fourbar_ros.mechanisms.mechanism import OPEN
+from fourbar_ros.mechanisms.contract import Constants, OPEN
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.exact_sums import exact_sum_of_four
@@ -50,6 +50,47 @@ class _Columns(Bodies):
         return unchecked(Body, *rod_numbers(length, density, radius))
 
 
+def constants_of(scene: Scene, values: dict[str, Any]) -> Constants:
+    """
+    Return what the formulas of a scene's mechanism are made for.
+
+    Parameters
+    ----------
+    scene : Scene
+        One like it: of the same kind, in the same mode.
+    values : dict
+        All parameters: floats, or numbers of any type.
+
+    """
+    kind, names = type(scene.linkage), scene.linkage.length_names
+    lengths = tuple([values[f'linkage.{name}'] for name in names])
+    bodies = _Columns(values, kind.LINKS, dict(zip(names, lengths)))
+    external = external_of(values, kind, partial(unchecked, Applied))
+    return scene.linkage.constants._replace(
+        lengths=lengths, bodies=kind.BODIES(**bodies.every()) if bodies.are_given else None,
+        gravity=(values['gravity.x'], values['gravity.y']), external=kind.EXTERNAL(**external))
+
+
+def with_lengths(linkage: Any, lengths: Sequence[Any]) -> Any:
+    """Return a linkage whose lengths are any numbers: quantities of points take them from it."""
+    many = copy(linkage)
+    for name, length in zip(linkage.length_names, lengths):
+        object.__setattr__(many, name, length)
+    return many
+
+
+def point_quantities_of(scene: Scene, values: dict[str, Any], many: Any) -> dict[str, Any]:
+    """Return {name: quantity} of the points of a scene, whose parameters are any numbers."""
+    found = {}
+    for name, point in scene.points.items():
+        place = values[f'points.{name}.along'], values[f'points.{name}.across']
+        for make in (point_speed, point_acceleration):
+            one = make(scene.linkage, *point, name=name)
+            _, link, _, _, first = one.of.args
+            found[one.name] = one._replace(of=partial(one.of.func, many, link, *place, first))
+    return found
+
+
 class Designs:
     """
     Designs of a scene, evaluated together.
@@ -69,26 +110,17 @@ class Designs:
 
     def __init__(self, scene: Scene, values: dict[str, Any], drawn: dict[str, Array],
                  with_angles: bool = True):
-        self.scene, kind = scene, type(scene.linkage)
+        self.scene = scene
         self._complex = COMPLEX_WITH_ANGLES if with_angles else COMPLEX
         self.size = len(next(iter(drawn.values())))
         columns = {name: np.asarray(column, float)[:, None] for name, column in drawn.items()}
         self.values = values | columns
-        lengths = tuple([self.values[f'linkage.{name}'] for name in scene.linkage.length_names])
-        bodies = _Columns(self.values, kind.LINKS, dict(zip(scene.linkage.length_names, lengths)))
-        mode = self.values['linkage.mode']
-        self._constants = scene.linkage.constants._replace(
-            lengths=tuple([np.broadcast_to(length, (self.size, 1)) for length in lengths]),
-            sign=np.where(np.equal(mode, OPEN), 1.0, -1.0),
-            bodies=kind.BODIES(**bodies.every()) if bodies.are_given else None,
-            gravity=(self.values['gravity.x'], self.values['gravity.y']),
-            external=kind.EXTERNAL(**external_of(self.values, kind,
-                                                 partial(unchecked, Applied))))
+        constants = constants_of(scene, self.values)
+        lengths = tuple([np.broadcast_to(length, (self.size, 1)) for length in constants.lengths])
+        self._constants = constants._replace(
+            lengths=lengths, sign=np.where(np.equal(self.values['linkage.mode'], OPEN), 1.0, -1.0))
         self.lengths = self._constants.lengths
-        # of which the quantities of points take lengths
-        self.many = copy(scene.linkage)
-        for name, length in zip(scene.linkage.length_names, lengths):
-            object.__setattr__(self.many, name, length)
+        self.many = with_lengths(scene.linkage, lengths)
         self.rate = self.values['drive.speed']
         self._made: dict[bool, tuple[Callable, Callable | None]] = {}
 
@@ -124,14 +156,7 @@ class Designs:
 
     def point_quantities(self) -> dict[str, Any]:
         """Return {name: quantity} of the points of the scene, with columns."""
-        found = {}
-        for name, point in self.scene.points.items():
-            for make in (point_speed, point_acceleration):
-                one = make(self.scene.linkage, *point, name=name)
-                _, link, _, _, first = one.of.args
-                of = partial(one.of.func, self.many, link, *self.point(name), first)
-                found[one.name] = one._replace(of=of)
-        return found
+        return point_quantities_of(self.scene, self.values, self.many)
 
     def point(self, name: str) -> tuple[Any, Any]:
         """Return along and across of a point."""

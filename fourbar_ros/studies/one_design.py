@@ -69,10 +69,11 @@ class Design:
             return () if is_smooth else (measure.quantity,)
         if measure.part == LEAST_ANGLE:
             return ('transmission_angle',)
-        return (self._output,) if measure.part in (SWING, STROKE, TIME_RATIO) else ()
+        return (self.output,) if measure.part in (SWING, STROKE, TIME_RATIO) else ()
 
     @property
-    def _output(self) -> str:
+    def output(self) -> str:
+        """Return the position of the output, by name."""
         return str(self.linkage.outputs[0].coordinate.position)
 
     def of(self, measure: Measure) -> float | str:
@@ -83,6 +84,15 @@ class Design:
             return self.rms(self._quantities[measure.quantity])
         return self._part(self._found[measure.quantity], measure.part)
 
+    def extreme(self, name: str, part: str) -> Extremum | None:
+        """Return the largest or least (max, min) extremum of a quantity that was searched."""
+        choose = max if part == 'max' else min
+        return choose(self._found[name], key=lambda extremum: extremum.value, default=None)
+
+    def place_of(self, extremum: Extremum) -> float:
+        """Return the input at an extremum [rad or m]."""
+        return extremum.slide if self.linkage.is_driven_by_slide else extremum.theta1
+
     def _part(self, found: list[Extremum], part: str) -> float:
         if part == 'extrema':
             return len(found)
@@ -91,13 +101,12 @@ class Design:
         most, least = (choose(found, key=lambda extremum: extremum.value)
                        for choose in (max, min))
         if part in ('max_at', 'min_at'):
-            place = most if part == 'max_at' else least
-            return place.slide if self.linkage.is_driven_by_slide else place.theta1
+            return self.place_of(most if part == 'max_at' else least)
         return {'max': most.value, 'min': least.value, 'span': most.value - least.value,
                 'peak': max(abs(most.value), abs(least.value))}[part]
 
     def _swing(self) -> float:
-        found = self._found[self._output]
+        found = self._found[self.output]
         return self._part(found, 'span') if found else 2.0 * pi
 
     def _least_angle(self) -> float:
@@ -105,7 +114,7 @@ class Design:
         return min(self._part(found, 'min'), pi - self._part(found, 'max'))
 
     def _time_ratio(self) -> float:
-        found = self._found[self._output]
+        found = self._found[self.output]
         if not self.linkage.turns_fully or not found:
             return nan
         one, other = (self._part(found, part) for part in ('max_at', 'min_at'))
@@ -132,7 +141,7 @@ class Design:
         """Return the mean of the square in a range, by twice as many points until two agree."""
         points, before, is_turn = POINTS, nan, self.linkage.turns_fully
         while points <= (MOST_POINTS if is_turn else MOST_NODES):
-            x, weights = full_turn(points) if is_turn else between(low, high, points)
+            x, weights = nodes(low, high, points, is_turn)
             values = quantity.of(*self.linkage.motion_and_loads(x, *self.rates))
             mean = float(np.sum(weights * np.square(values)))
             if abs(mean - before) <= AGREE * mean:
@@ -149,6 +158,11 @@ class Design:
         link, along, across = self.scene.points[curve.point]
         motion = self.linkage.motion(x, *self.rates)
         return point_of(link_motion(self.linkage, motion, link), along, across)[:2]
+
+
+def nodes(low: float, high: float, points: int, is_turn: bool) -> tuple[Array, Array]:
+    """Return inputs and weights of a mean over a range of the input."""
+    return full_turn(points) if is_turn else between(low, high, points)
 
 
 def is_within(value: Any, least: float, most: float, texts: tuple[str, ...] = ()) -> bool:

@@ -48,30 +48,61 @@ class Chunk(NamedTuple):
     failures: list[tuple[int, str]]
 
 
+class Computed(NamedTuple):
+    """
+    What was computed of designs.
+
+    Parameters
+    ----------
+    columns : dict
+        {measure or axis of a curve: array}, NaN where it was not computed.
+    reasons : list of str
+        Why each design is left out; :data:`FEASIBLE` if it is not.
+    is_known : ndarray of bool
+        Which designs have all columns.
+    failures : list of (int, str)
+
+    """
+
+    columns: dict[str, Array]
+    reasons: list[str]
+    is_known: Array
+    failures: list[tuple[int, str]]
+
+
+def measured(study: Study, drawn: dict[str, Array]) -> Computed:
+    """Return the measures of designs: {parameter that varies: values, shape (n,)}."""
+    size = len(next(iter(drawn.values())))
+    found, reasons = _together(study, drawn)
+    columns = _columns(study, size, found)
+    failures: list[tuple[int, str]] = []
+    is_known = np.array([reason is not None for reason in reasons])
+    for i in np.nonzero(~is_known)[0].tolist():
+        values = {name: column[i].item() for name, column in drawn.items()}
+        reasons[i], one = _row(study, values)
+        if reasons[i] == FAILED:
+            failures.append((i, one[FAILED]))
+        is_known[i] = bool(one) and reasons[i] != FAILED
+        for name in one.keys() & columns.keys():
+            columns[name][i] = one[name]
+    return Computed(columns, reasons, is_known, failures)
+
+
 def compute(study: Study, number: int) -> Chunk:
     """Return the results of chunk ``number`` of a study."""
     start, stop = study.rows_of(number)
     drawn = study.drawn(start, stop)
-    found, reasons = _together(study, drawn)
-    columns = _columns(study, stop - start, found)
-    failures: list[tuple[int, str]] = []
-    is_kept = np.array([reason == FEASIBLE or study.keeps_all for reason in reasons])
-    for i in [i for i, reason in enumerate(reasons) if reason is None]:
-        values = {name: column[i].item() for name, column in drawn.items()}
-        reasons[i], one = _row(study, values)
-        if reasons[i] == FAILED:
-            failures.append((start + i, one[FAILED]))
-        is_kept[i] = reasons[i] == FEASIBLE or (study.keeps_all and one and reasons[i] != FAILED)
-        for name in one.keys() & columns.keys():
-            columns[name][i] = one[name]
-    rows = np.nonzero(is_kept)[0]
+    found = measured(study, drawn)
+    is_feasible = np.array([reason == FEASIBLE for reason in found.reasons])
+    rows = np.nonzero(is_feasible | (found.is_known & study.keeps_all))[0]
     head = {'row': rows + start}
     if study.keeps_all:
-        head[FEASIBLE] = np.array([reasons[i] == FEASIBLE for i in rows], dtype=bool)
+        head[FEASIBLE] = is_feasible[rows]
     head |= {name: column[rows] for name, column in drawn.items()}
-    measured = {name: column[rows].astype(kinds_of(study)[name])
-                for name, column in columns.items()}
-    return Chunk(head | measured, dict(Counter(reasons)), failures)
+    columns = {name: column[rows].astype(kinds_of(study)[name])
+               for name, column in found.columns.items()}
+    return Chunk(head | columns, dict(Counter(found.reasons)),
+                 [(start + i, text) for i, text in found.failures])
 
 
 def _columns(study: Study, size: int, found: dict[str, Array]) -> dict[str, Array]:

@@ -1,0 +1,220 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Dual numbers: a value and its exact derivatives by any number of parameters.
+
+A number type made of another one: of arrays for derivatives at many samples, of complex arrays
+for second derivatives too (a complex step of the input), of balls for derivatives over a box of
+parameters (:mod:`fourbar_ros.numerics.centred`). The rules are those of the chain rule,
+
+    (D1)  (u v)' = u' v + u v',   (u/v)' = (u' - (u/v) v') / v,   sqrt(u)' = u' / (2 sqrt(u))
+    (D2)  atan2(y, x)' = (x y' - y x') / (x^2 + y^2),   hypot(x, y)' = (x x' + y y') / hypot(x, y)
+
+A derivative that is not listed is zero, and costs nothing: masses do not act on a motion.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from fourbar_ros.numerics.number_types import Function, NumberType
+import numpy as np
+
+Derivatives = dict[str, Any]
+
+
+class Dual:
+    """
+    A number and its derivatives.
+
+    Parameters
+    ----------
+    value
+        A number of the type that the duals are made of.
+    by : dict
+        {parameter: derivative}.
+
+    """
+
+    __slots__ = ('by', 'value')
+
+    def __init__(self, value: Any, by: Derivatives) -> None:
+        self.value, self.by = value, by
+
+    @property
+    def whole(self) -> Any:
+        """Return the value that derivatives are computed with: over a box, if there is one."""
+        return self.value
+
+    def of(self, value: Any, by: Derivatives) -> Dual:
+        """Return another number of this type."""
+        return type(self)(value, by)
+
+    @property
+    def real(self) -> Any:
+        """Return the real part of the value: formulas choose by it."""
+        return getattr(self.value, 'real', self.value)
+
+    def __add__(self, other: Any) -> Dual:
+        if not isinstance(other, Dual):
+            return self.of(self.value + other, self.by)
+        return self.of(self.value + other.value, _sum(self.by, other.by))
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Dual:
+        return self.of(-self.value, {name: -part for name, part in self.by.items()})
+
+    def __sub__(self, other: Any) -> Dual:
+        if not isinstance(other, Dual):
+            return self.of(self.value - other, self.by)
+        by = dict(self.by)
+        for name, part in other.by.items():
+            by[name] = by[name] - part if name in by else -part
+        return self.of(self.value - other.value, by)
+
+    def __rsub__(self, other: Any) -> Dual:
+        return self.of(other - self.value, {name: -part for name, part in self.by.items()})
+
+    def __mul__(self, other: Any) -> Dual:
+        if not isinstance(other, Dual):
+            return self.of(self.value * other, _scaled(self.by, other))
+        return self.of(self.value * other.value,                                        # (D1)
+                       _sum(_scaled(self.by, other.whole), _scaled(other.by, self.whole)))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Dual:
+        if not isinstance(other, Dual):
+            return self.of(self.value / other, {name: part / other
+                                                for name, part in self.by.items()})
+        per = 1.0 / other.whole
+        return self.of(self.value / other.value,
+                       _sum(_scaled(self.by, per), _scaled(other.by, -(self.whole * per * per))))
+
+    def __rtruediv__(self, other: Any) -> Dual:
+        per = 1.0 / self.whole
+        return self.of(other / self.value, _scaled(self.by, -(other * per * per)))
+
+    def __pow__(self, exponent: int) -> Dual:
+        return self.of(self.value**exponent,
+                       _scaled(self.by, exponent * self.whole**(exponent - 1)))
+
+    def __gt__(self, other: Any) -> Any:
+        return self.value > value_of(other)
+
+    def __lt__(self, other: Any) -> Any:
+        return self.value < value_of(other)
+
+    def sqrt(self) -> Dual:
+        """Return the root, as ``numpy.sqrt`` asks for it."""
+        return _root(self, np.sqrt)
+
+    def __array_ufunc__(self, function: Any, method: str, *given: Any, **more: Any) -> Any:
+        """Take part in operations that an array begins."""
+        operation = _OF_ARRAYS.get(function)
+        if method != '__call__' or more or operation is None:
+            return NotImplemented
+        return operation(*given)
+
+
+def value_of(number: Any) -> Any:
+    """Return the value of a dual, and any other number as it is."""
+    return number.value if isinstance(number, Dual) else number
+
+
+def whole_of(number: Any) -> Any:
+    """Return :attr:`Dual.whole` of a dual, and any other number as it is."""
+    return number.whole if isinstance(number, Dual) else number
+
+
+def derivatives_of(number: Any) -> Mapping[str, Any]:
+    """Return {parameter: derivative} of a dual, nothing of any other number."""
+    return number.by if isinstance(number, Dual) else {}
+
+
+def _sum(one: Mapping[str, Any], other: Mapping[str, Any]) -> Derivatives:
+    by = dict(one)
+    for name, part in other.items():
+        by[name] = by[name] + part if name in by else part
+    return by
+
+
+def _scaled(by: Mapping[str, Any], factor: Any) -> Derivatives:
+    return {name: factor * part for name, part in by.items()}
+
+
+def _root(number: Dual, sqrt: Function) -> Dual:
+    return number.of(sqrt(number.value), _scaled(number.by, 0.5 / sqrt(number.whole)))
+
+
+# What arrays ask of a dual on their right, and numpy's functions of one.
+_OF_ARRAYS: dict[Any, Callable[..., Any]] = {
+    np.add: lambda a, b: b + a if isinstance(b, Dual) else a + b,
+    np.subtract: lambda a, b: b.__rsub__(a) if not isinstance(a, Dual) else a - b,
+    np.multiply: lambda a, b: b * a if isinstance(b, Dual) else a * b,
+    np.true_divide: lambda a, b: b.__rtruediv__(a) if not isinstance(a, Dual) else a / b,
+    np.greater: lambda a, b: value_of(a) > value_of(b),
+    np.less: lambda a, b: value_of(a) < value_of(b),
+    np.sqrt: Dual.sqrt,
+}
+
+
+def _where_of(choose: Function, dual: type[Dual]) -> Function:
+    """Return ``where`` of duals."""
+    def where(condition: Any, one: Any, other: Any) -> Any:
+        if isinstance(one, tuple):
+            return tuple([where(condition, a, b) for a, b in zip(one, other)])
+        if not (isinstance(one, Dual) or isinstance(other, Dual)):
+            return choose(condition, one, other)
+        by, others = derivatives_of(one), derivatives_of(other)
+        return dual(choose(condition, value_of(one), value_of(other)),
+                    {name: choose(condition, by.get(name, 0.0), others.get(name, 0.0))
+                     for name in by.keys() | others.keys()})
+    return where
+
+
+def duals_of(numbers: NumberType, dual: type[Dual] = Dual) -> NumberType:
+    """Return the type of duals whose values and derivatives are of a type of numbers."""
+    def of_one(function: Function, derivative: Callable[[Any], Any]) -> Function:
+        def call(number: Any) -> Any:
+            if not isinstance(number, Dual):
+                return function(number)
+            return dual(function(number.value), _scaled(number.by, derivative(number.whole)))
+        return call
+
+    def sqrt(number: Any) -> Any:
+        return _root(number, numbers.sqrt) if isinstance(number, Dual) else numbers.sqrt(number)
+
+    def atan2(y: Any, x: Any) -> Any:                                                   # (D2)
+        whole_y, whole_x = whole_of(y), whole_of(x)
+        per = 1.0 / (whole_x * whole_x + whole_y * whole_y)
+        return dual(numbers.atan2(value_of(y), value_of(x)),
+                    _sum(_scaled(derivatives_of(y), whole_x * per),
+                         _scaled(derivatives_of(x), -(whole_y * per))))
+
+    def hypot(x: Any, y: Any) -> Any:
+        per = 1.0 / numbers.hypot(whole_of(x), whole_of(y))
+        return dual(numbers.hypot(value_of(x), value_of(y)),
+                    _sum(_scaled(derivatives_of(x), whole_of(x) * per),
+                         _scaled(derivatives_of(y), whole_of(y) * per)))
+
+    def fabs(number: Any) -> Any:
+        if not isinstance(number, Dual):
+            return numbers.fabs(number)
+        sign = numbers.where(number.real < 0.0, -1.0, 1.0)
+        return dual(numbers.fabs(number.value), _scaled(number.by, sign))
+
+    def exact_sum(terms: Any) -> Any:
+        by: Derivatives = {}
+        for term in terms:
+            by = _sum(by, derivatives_of(term))
+        return dual(numbers.exact_sum([value_of(term) for term in terms]), by)
+
+    def power_of_two(*lengths: Any) -> Any:      # nothing depends on a unit
+        return numbers.power_of_two(*map(value_of, lengths))
+
+    where = _where_of(numbers.where, dual)
+    return NumberType(f'duals of {numbers.name}', of_one(numbers.sin, numbers.cos),
+                      of_one(numbers.cos, lambda value: -numbers.sin(value)), sqrt, atan2, hypot,
+                      fabs, where, exact_sum, power_of_two, numbers.infinitesimal)

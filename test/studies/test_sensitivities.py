@@ -1,0 +1,195 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Exact derivatives of outputs, extrema and measures beside 50 digits and beside differences."""
+from math import isnan
+
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.numerics.duals import derivatives_of, Dual, duals_of, value_of
+from fourbar_ros.numerics.number_types import ARRAY
+from fourbar_ros.scene.scene import from_values
+from fourbar_ros.studies.derivatives import Derivatives
+from fourbar_ros.studies.one_design import Design
+from fourbar_ros.studies.sensitivities import sensitivities
+from fourbar_ros.studies.study import from_document
+import mpmath as mp
+import numpy as np
+import pytest
+from support.reference import LOAD_NAMES, loads_of, MOTION_FIELDS, motion_of
+
+pytest.importorskip('scipy')
+LENGTHS = [f'linkage.a{i}' for i in (1, 2, 3, 4)]
+BODY = ('mass', 'cg_along', 'cg_across', 'inertia')
+LINKS = ('crank', 'coupler', 'output')
+STEP = mp.mpf(10)**-40
+RATE = 25.0
+
+
+def scene_of(rng=None, **more):
+    """Return the paper's linkage with bodies of their own, changed at random."""
+    values = from_document({'scene': 'paper', 'rows': 1, 'vary': {
+        'linkage.a1': {'range': [0.3, 0.4]}}, 'quantities': ['swing']}).values
+    values = dict(values) | {'bodies.rods.density': float('nan'),
+                             'bodies.rods.radius': float('nan'), 'gravity.y': -9.8} | more
+    for i, link in enumerate(LINKS):
+        given = (1.0 + 0.5 * i, 0.2 + 0.1 * i, 0.03 * (i - 1), 0.02 * (i + 1))
+        values |= {f'bodies.{link}.{field}': value for field, value in zip(BODY, given)}
+    if rng is not None:
+        for name in values:
+            if name in LENGTHS or name.startswith('bodies.') and not isnan(values[name]):
+                values[name] *= rng.uniform(0.97, 1.03)
+    return from_values(values)
+
+
+def of_reference(scene, name, x, moved=None):
+    """Return a quantity in many digits, with one parameter moved."""
+    values = {key: mp.mpf(scene.values[key]) for key in Derivatives(scene).names}
+    if moved:
+        values[moved[0]] += moved[1]
+    lengths = [values[key] for key in LENGTHS]
+    sign = 1 if scene.linkage.mode == 2 else -1
+    if name in MOTION_FIELDS:
+        return motion_of(lengths, sign, x, mp.mpf(RATE), 0)[MOTION_FIELDS.index(name)]
+    bodies = [[values[f'bodies.{link}.{field}'] for field in BODY] for link in LINKS]
+    found = loads_of(lengths, sign, x, mp.mpf(RATE), 0, bodies, [(0,) * 5] * 2,
+                     (values['gravity.x'], values['gravity.y']))
+    return abs(found[LOAD_NAMES.index(name)]) if name not in (
+        'driving_torque', 'shaking_moment') else found[LOAD_NAMES.index(name)]
+
+
+def difference(function, step=STEP):
+    """Return the derivative of a function of a step at zero."""
+    return (function(step) - function(-step)) / (2 * step)
+
+
+def close(found, true, size, bound=1e-12):
+    assert abs(found - float(true)) <= bound * float(size), (found, float(true), float(size))
+
+
+def test_every_output_has_the_derivatives_of_fifty_digits():
+    rng = np.random.default_rng(5)
+    names = ('theta4', 'omega4', 'alpha4', 'alpha_beta', 'omega3', *LOAD_NAMES)
+    for _ in range(2):
+        scene = scene_of(rng)
+        found, x = Derivatives(scene), rng.uniform(0.0, 2.0 * np.pi, 2)
+        motion, loads = found.state(x)
+        fields = motion._asdict() | loads._asdict()
+        for name in names:
+            for i, place in enumerate(x.tolist()):
+                true = {one: difference(lambda step: of_reference(
+                    scene, name, mp.mpf(place), (one, step))) for one in found.names  # noqa: B023
+                    if one.startswith(('linkage', 'bodies', 'gravity'))}
+                # each beside the largest, in the unit of the output: what rounding can reach
+                size = max(abs(value * (scene.values[one] or 1.0))
+                           for one, value in true.items())
+                by = derivatives_of(fields[name])
+                for one, value in true.items():
+                    scale = abs(scene.values[one]) or 1.0
+                    close(np.broadcast_to(by.get(one, 0.0), x.shape)[i] * scale, value * scale,
+                          size)
+
+
+@pytest.mark.parametrize('name', ['omega4', 'alpha4', 'shaking_force', 'driving_torque', 'f32'])
+def test_every_extremum_moves_as_in_fifty_digits(name):
+    scene = scene_of()
+    design, found = Design(scene), Derivatives(scene)
+    study = from_document({'scene': 'paper', 'rows': 1, 'quantities': [name], 'vary': {
+        'linkage.a1': {'range': [0.3, 0.4]}}})
+    design.search(study.measures)
+    small = mp.mpf(10)**-20
+
+    def place(near, moved):
+        def slope(x):
+            return difference(lambda step: of_reference(scene, name, x + step, moved))
+        return mp.findroot(slope, (near, near + mp.mpf(10)**-9), tol=mp.mpf(10)**-60)
+
+    for end in ('max', 'min'):
+        extremum = design.extreme(name, end)
+        moves = found.at_extremum(name, extremum.theta1)
+        true = {}
+        for one in (LENGTHS[0], LENGTHS[2], 'bodies.output.mass', 'bodies.coupler.cg_across'):
+            before, after = ((one, sign * small) for sign in (-1, 1))
+            ends = [(x, of_reference(scene, name, x, moved)) for moved in (before, after)
+                    for x in [place(mp.mpf(extremum.theta1), moved)]]
+            true[one] = [(b - a) / (2 * small) for a, b in zip(*ends)]
+        for row, by in ((0, moves.place), (1, moves.value)):
+            size = max(abs(value[row] * scene.values[one]) for one, value in true.items())
+            for one, value in true.items():
+                # a place is known to eps times its condition, some hundreds here
+                close(by[one] * scene.values[one], value[row] * scene.values[one], size,
+                      1e-12 if row else 1e-11)
+
+
+MEASURES = {
+    'paper': (['shaking_force', 'omega4.span', 'shaking_moment.peak', 'driving_torque.rms',
+               'swing', 'time_ratio', 'least_transmission_angle', 'change_point_margin',
+               'input_range'],
+              ['linkage.a1', 'linkage.a3', 'bodies.rods.radius', 'drive.speed']),
+    'slider_crank': (['shaking_force', 'slide_acceleration', 'f32.peak', 'driving_torque.rms',
+                      'stroke', 'time_ratio', 'middle.acceleration'],
+                     ['linkage.a1', 'linkage.a2', 'linkage.offset', 'bodies.coupler.mass',
+                      'points.middle.across']),
+    'scotch_yoke': (['shaking_force', 'driving_torque.rms', 'stroke'], ['linkage.a1']),
+    'cylinder': (['omega1', 'f32.peak', 'driving_force.rms', 'swing', 'input_range'],
+                 ['linkage.a1', 'linkage.a4']),
+}
+
+
+@pytest.mark.parametrize('name', MEASURES)
+def test_measures_of_every_kind_change_as_their_differences_say(name):
+    quantities, names = MEASURES[name]
+    study = from_document({'scene': name, 'rows': 1, 'quantities': quantities,
+                           'vary': {names[0]: {'uniform': 1e-6}}})
+    scene = from_values(study.values)
+    names = [one for one in names if one in Derivatives(scene).names]
+    measures = [measure for measure in study.measures if measure.part != 'extrema']
+    found = sensitivities(Derivatives(scene, names), measures)
+    for one in names:
+        step = 1e-6 * (abs(study.values[one]) or 0.1)
+        ends = []
+        for moved in (-step, step):
+            design = Design(from_values(study.values | {one: study.values[one] + moved}))
+            design.search([*measures, *(m._replace(part='peak') for m in measures
+                                        if m.quantity)])
+            ends.append([design.of(measure) for measure in measures])
+        for measure, before, after, mine in zip(measures, *ends, found):
+            true = (after - before) / (2.0 * step)
+            size = abs(true) + abs(mine.value) / (abs(study.values[one]) or 0.1)
+            assert abs(mine.by[one] - true) <= 2e-6 * size, (measure.name, one, mine.by[one], true)
+    assert not any(isnan(value) for one in found for value in one.by.values())
+
+
+def test_a_toggle_has_no_derivative_and_a_turn_none_but_zero():
+    study = from_document({'scene': 'paper', 'rows': 1, 'quantities': ['omega4.max', 'swing'],
+                           'vary': {'linkage.a1': {'uniform': [0.95, 1e-3]}}})
+    scene = from_values(study.values | {'linkage.a1': 0.95, 'linkage.a4': 0.9})
+    found = sensitivities(Derivatives(scene, ['linkage.a1']), study.measures)
+    assert isnan(found[0].by['linkage.a1'])
+    turning = from_values(study.values | {'linkage.a1': 1.3, 'linkage.a4': 0.3})
+    swing, = sensitivities(Derivatives(turning, ['linkage.a1']), study.measures[1:])
+    assert swing.by == {'linkage.a1': 0.0}
+
+
+def test_what_has_no_derivative_is_refused():
+    for name in ('linkage.mode', 'linkage.a5', 'bodies.crank.mass', 'linkage.offset'):
+        scene = from_values(from_document({'scene': 'paper', 'rows': 1, 'quantities': ['swing'],
+                                           'vary': {'linkage.a1': {'uniform': 1e-3}}}).values)
+        with pytest.raises(InvalidParameter, match='a number that the scene gives'):
+            Derivatives(scene, [name])
+
+
+def test_duals_obey_the_chain_rule_whatever_stands_left_and_right():
+    n = duals_of(ARRAY)
+    u, v = np.array([0.7, 1.3]), np.array([0.4, 2.1])
+
+    def formula(n, u, v):
+        w = n.sqrt(u * u + v) / (1.0 + v**3) - 2.0 / u
+        w = n.where(u > v, w * n.hypot(u, v), n.atan2(w, u) + n.fabs(-v))
+        return 3.0 - (np.array([1.0, 2.0]) * w - n.sin(u) * n.cos(v)) / np.array([2.0, 4.0]) * u
+
+    found = formula(n, Dual(u, {'u': 1.0}), Dual(v, {'v': 1.0}))
+    np.testing.assert_array_equal(value_of(found), formula(ARRAY, u, v))
+    h = 2.0**-17
+    for name, (before, after) in {'u': ((u - h, v), (u + h, v)),
+                                  'v': ((u, v - h), (u, v + h))}.items():
+        slope = (formula(ARRAY, *after) - formula(ARRAY, *before)) / (2.0 * h)
+        np.testing.assert_allclose(derivatives_of(found)[name], slope, 1e-8)
