@@ -43,6 +43,11 @@ SAMPLES, TRIAL = 128, 12
 RATES = ('omega4', 'alpha4')
 
 
+def has_fast_rates(linkage: Any, names: Sequence[str], acceleration: float) -> bool:
+    """Return whether :mod:`.batch` finds the extrema of these quantities of many linkages."""
+    return isinstance(linkage, FourBar) and {*names} <= {*RATES} and not acceleration
+
+
 class Methods:
     """
     The searches and proofs for some quantities of a mechanism in its mode.

@@ -173,3 +173,26 @@ def test_curves_computed_together_are_those_computed_one_by_one(curves, monkeypa
         if not name.endswith('_at'):
             np.testing.assert_allclose(together.columns[name], column, 1e-11, 1e-13,
                                        err_msg=name)
+
+
+def test_rates_of_any_four_bars_computed_together_are_those_computed_one_by_one(monkeypatch):
+    quantities = ['omega4', 'alpha4', 'omega4.span', 'alpha4.peak', 'change_point_margin']
+    study = from_document({
+        'scene': 'paper', 'rows': 200, 'keep': 'all', 'quantities': quantities,
+        'vary': {**{f'linkage.a{i}': {'range': [0.2, 1.0]} for i in (1, 2, 3, 4)},
+                 'linkage.mode': {'list': [1, 2]}, 'drive.speed': {'list': [-7.0, 0.5, 25.0]}}})
+    alone = []
+    monkeypatch.setattr(rows, '_row', lambda *given: alone.append(given) or one_by_one(*given))
+    together = compute(study, 0)
+    not_built = together.counts['cannot be built']
+    assert 0 < not_built == len(alone)          # the others are all computed together
+    monkeypatch.setattr(rows, '_together', lambda study, drawn: ({}, [None] * 200))
+    expected = compute(study, 0)
+    assert together.counts == expected.counts
+    infinite = 0
+    for measure in study.measures:
+        found, true = together.columns[measure.name], expected.columns[measure.name]
+        infinite += np.isinf(true).sum()
+        if measure.part not in ('max_at', 'min_at'):
+            np.testing.assert_allclose(found, true, 1e-11, 1e-9, err_msg=measure.name)
+    assert infinite                             # toggle positions are among them
