@@ -7,7 +7,7 @@ Both listen and answer on one topic, as in a robot, so both pass over their own 
 to them in turns, half a millisecond apart.
 """
 import gc
-from os import getloadavg, SCHED_FIFO, sched_param, sched_setscheduler
+from os import getloadavg
 import time
 
 from bench.node import beside, side_by_side
@@ -15,7 +15,6 @@ from bench.processes import bare, ours, percentile, sent
 
 RATE = 1000.0                   # [Hz] of the inputs of each
 LATE = 1e3                      # [us] the next input comes then
-PRIORITY = 10                   # of SCHED_FIFO: below the kernel's own threads
 CASES = {'position, velocity': ['joint_states'], 'and loads, effort': ['joint_states', 'loads']}
 RELAY = {'drive__source': 'joint_state', 'drive__joint': 'crank', 'drive__timeout': 0.0,
          'joint_states__only_passive': True}
@@ -53,31 +52,19 @@ def rows(what, outputs, samples):
     yield '| | ratio | ' + ' | '.join(f'{value:.2f}' for value in columns[2]) + ' | | | |'
 
 
-def table(priority, samples):
-    """Print the table of all cases."""
-    print(f'{priority}, load of the machine {getloadavg()[0]:.1f}:\n')
-    print('| answers | node | p50 [us] | p99 [us] | CPU a message [us] | inputs | later than 1 ms '
-          '| lost |\n|' + ' --- |' * 8)
-    for what, outputs in CASES.items():
-        for row in rows(what, outputs, samples):
-            print(row)
-    print(flush=True)
-
-
 def main(samples=3000):
-    """Print a table at normal priority, and one at that of a robot's controllers."""
+    """Print a table."""
     import rclpy
     rclpy.init()
     anchor = rclpy.create_node('bench')     # this process is in the graph all the time
     gc.disable()                            # no pause of this process is measured
     try:
-        table('Normal priority', samples)
-        try:
-            sched_setscheduler(0, SCHED_FIFO, sched_param(PRIORITY))     # children inherit it
-        except PermissionError:
-            print('Real-time priority is not allowed here.')
-            return
-        table('Real-time priority (SCHED_FIFO) of all three processes', samples)
+        print(f'Load of the machine at the start: {getloadavg()[0]:.1f}.\n')
+        print('| answers | node | p50 [us] | p99 [us] | CPU a message [us] | inputs '
+              '| later than 1 ms | lost |\n|' + ' --- |' * 8)
+        for what, outputs in CASES.items():
+            for row in rows(what, outputs, samples):
+                print(row)
     finally:
         gc.enable()
         anchor.destroy_node()

@@ -56,11 +56,18 @@ def pose(scene, motion, diagram):
     made += [shapes.box(frame, 'blocks', i, block.place, atan2(*block.direction[::-1]),
                         (5.0 * width, 3.0 * width, 2.0 * width), shapes.BLOCK)
              for i, block in enumerate(diagram.blocks)]
-    places = [point_of(mechanism.link_motion(motion, link), along, across)[:2]
-              for link, along, across in scene.points.values()]
-    if places:
-        made.append(shapes.spheres(frame, 'points', 0, places, 2.0 * width, shapes.POINT))
+    if scene.points:
+        arms = [_arm(mechanism.link_motion(motion, link), along, across)
+                for link, along, across in scene.points.values()]
+        made += [shapes.lines(frame, 'arms', 0, arms, 0.5 * width, shapes.LINK, 0.6),
+                 shapes.spheres(frame, 'points', 0, [end for _, end in arms], 2.0 * width,
+                                shapes.POINT)]
     return made
+
+
+def _arm(link, along, across):
+    """Return the first joint of a link and a point on it."""
+    return (link.x, link.y), point_of(link, along, across)[:2]
 
 
 class Scales:
