@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 from fourbar_ros.extrema.four_bar_rates.input_paths import half_turn, phases, POINTS_PER_FEATURE
 from fourbar_ros.extrema.four_bar_rates.sensitivity import rate_changes
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
-from fourbar_ros.mechanisms.four_bar.half_angle import half_angle_coefficients
+from fourbar_ros.mechanisms.half_angle import half_angle_coefficients
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
 from fourbar_ros.numerics.newton import newton_root

@@ -27,7 +27,7 @@ import math
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanisms.four_bar.half_angle import bilinear_factors
+from fourbar_ros.mechanisms.half_angle import bilinear_factors
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import array, number
 import numpy as np

@@ -15,8 +15,10 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from fourbar_ros.mechanisms.machine.description import CYLINDER, PRP, RPR, RRP, RRR
-from fourbar_ros.mechanisms.machine.dyads import FIXED, MAKERS, nodes_of, turned
+from fourbar_ros.mechanisms.machine.dyads import turned
+from fourbar_ros.mechanisms.machine.frames import Frames
 from fourbar_ros.mechanisms.machine.layout import Layout, Stage
+from fourbar_ros.mechanisms.machine.loops import make_moves
 from fourbar_ros.mechanisms.machine.motion import make_driver
 from fourbar_ros.numerics.number_types import NumberType
 
@@ -49,24 +51,22 @@ def make_closing(n: NumberType, kind: str, numbers: Sequence[Any]) -> Callable[.
 def make_closings(n: NumberType, layout: Layout, numbers: Sequence[Any], signs: Sequence[Any],
                   count: int) -> Closing:
     """Return input -> closings of the first ``count`` dyads; 1 of those that have none."""
-    driver = make_driver(n, layout, numbers, signs)
-    work = [(stage, its, layout.meet(stage),
-             MAKERS[stage.kind](n, 1.0 if stage.name == CYLINDER else sign, *its[4:]),
-             make_closing(n, stage.kind, its) if closes_somewhere(stage) else None)
-            for stage, its, sign in list(zip(layout.stages, numbers, signs))[:count]]
+    driver, frames = make_driver(n, layout, numbers, signs), Frames(layout, numbers)
+    work = [(moves, make_closing(n, stage.kind, its) if closes_somewhere(stage) else None)
+            for stage, its, moves in list(zip(layout.stages, numbers, make_moves(
+                n, layout, numbers, signs)))[:count]]
 
     def closings_at(x: Any) -> list[Any]:
-        curves, found = [FIXED, driver(x)[0]], []
-        for stage, its, meet, moves, closing in work:
-            first, second = curves[stage.first], curves[stage.second]
-            nodes = nodes_of(first, second, its, meet)
-            found.append(closing(nodes[2], first, second) if closing else 1.0)
+        poses, found = frames.begin(driver(x)[0]), []
+        for number, (moves, closing) in enumerate(work):
+            hung = frames.hang(number, poses)
+            found.append(closing(*hung[2:]) if closing else 1.0)
             if len(found) < count:
-                curves += moves(*nodes, first, second)[:2]
+                frames.add(number, poses, moves(*hung))
         return found
     return closings_at
 
 
 def closes_somewhere(stage: Stage) -> bool:
     """Return whether a dyad does not close at every input."""
-    return stage.kind in CLOSING and stage.name != CYLINDER
+    return stage.kind in CLOSING and stage.name != CYLINDER and stage.loop is None

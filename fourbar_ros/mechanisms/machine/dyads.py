@@ -89,21 +89,6 @@ def between(at_p: Node, at_q: Node) -> Node:
 ORIGIN = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-def nodes_of(first: Curve, second: Curve, numbers: tuple[Any, ...],
-             meet: bool) -> tuple[Node, Node, Node]:
-    """
-    Return P, Q and D of a dyad.
-
-    ``meet``: both links have the same first joint, which D then does not contain: it may be far
-    away and fast.
-    """
-    at_p, at_q = node_of(first, *numbers[:2]), node_of(second, *numbers[2:4])
-    if not meet:
-        return at_p, at_q, between(at_p, at_q)
-    here, there = (*ORIGIN, *first[6:]), (*ORIGIN, *second[6:])
-    return at_p, at_q, between(node_of(here, *numbers[:2]), node_of(there, *numbers[2:4]))
-
-
 def make_rrr(n: NumberType, sign: Any, r1: Any, r2: Any) -> MovesDyad:
     """Return the motion of the dyad RRR: rods of lengths r1 from P and r2 from Q, pinned at B."""
     sqrt = n.sqrt

@@ -34,6 +34,23 @@ SLIDES = {RRR: {}, RRP: {'second': 1}, RPR: {'inner': 0}, RPP: {'inner': 0, 'sec
 BASE = 'base'
 
 
+class Loop(NamedTuple):
+    """
+    A dyad as coupler and output link of a loop of four rods, see :mod:`.loops`.
+
+    Parameters
+    ----------
+    turns_first : bool
+        Whether the link of ``first`` turns about a point of the ground; else that of ``second``.
+    pivot : tuple of 2 int, or None
+        (number of the dyad, place of its numbers) that has that point; None: O1.
+
+    """
+
+    turns_first: bool
+    pivot: tuple[int, int] | None
+
+
 class Stage(NamedTuple):
     """
     One dyad in the structure of a machine.
@@ -46,6 +63,8 @@ class Stage(NamedTuple):
     links : tuple of 2 str
         Names of its own; the first is number ``number``, the second the next.
     number : int
+    loop : Loop, optional
+        Of a dyad that makes a change point.
 
     """
 
@@ -55,6 +74,7 @@ class Stage(NamedTuple):
     second: int
     links: tuple[str, str]
     number: int
+    loop: Loop | None = None
 
     def slides(self) -> list[str]:
         """Return the names of the links that slide, in the order of the joints."""
@@ -113,14 +133,6 @@ class Layout(NamedTuple):
             turns += {RRR: (True, True), RRP: (True, other), RPR: (True, True),
                       RPP: (other, other), PRP: (one, other)}[stage.kind]
         return {name for name, is_turning in zip(self.links, turns) if is_turning}
-
-    def meet(self, stage: Stage) -> bool:
-        """Return whether the links on which a dyad hangs have their first joint in common."""
-        number = max(stage.first, stage.second)
-        owner = next((its for its in self.stages if number in (its.number, its.number + 1)), None)
-        both = {stage.first, stage.second}
-        return len(both) == 1 or owner is not None and owner.kind == PRP and both == {
-            owner.number, owner.number + 1}
 
     def slides(self) -> list[str]:
         """Return the names of the links that slide."""

@@ -11,6 +11,7 @@ from fourbar_ros.mechanisms.checks import STROKE, two_numbers
 from fourbar_ros.mechanisms.contract import SLIDE
 from fourbar_ros.mechanisms.machine.description import Dyad, OF_ONE_MODE
 from fourbar_ros.mechanisms.machine.layout import Layout
+from fourbar_ros.mechanisms.machine.loops import SAME
 from fourbar_ros.mechanisms.machine.ranges import Closings, find_ranges, Limit
 from fourbar_ros.mechanisms.mechanism import Mechanism
 
@@ -20,6 +21,7 @@ class WithLimits(Mechanism):
 
     dyads: tuple[Dyad, ...]
     layout: Layout
+    flats: tuple[float, ...]
     stages: tuple[Dyad, ...]
     signs: tuple[float, ...]
 
@@ -61,9 +63,9 @@ class WithLimits(Mechanism):
 
     @property
     def singular_inputs(self) -> list[complex]:
-        """Return the inputs where a dyad is in line: limits, and complex ones next to ranges."""
+        """Return the inputs where a dyad is in line: limits, flats, complex ones near ranges."""
         ends = [complex(end.x) for bound in self.limits if bound for end in bound]
-        return ends + list(self._near)
+        return [*ends, *map(complex, self.flats), *self._near]
 
     @property
     def margins(self) -> tuple[float, ...]:
@@ -73,10 +75,15 @@ class WithLimits(Mechanism):
     @property
     def change_point_margin(self) -> float:
         """Return the distance of the nearest complex toggle from a range, over its size."""
+        if self.flats:
+            return 0.0
         return min([abs(z.imag) / self.input_unit for z in self._near], default=1.0)
 
     def mode_beyond(self, limit: float) -> int:
-        """Return the mode into which quantities go on smoothly at a toggle at a limit."""
+        """Return the mode into which quantities go on smoothly at a toggle, a flat position."""
+        if any(abs(self.distance(limit, flat)) < SAME for flat in self.flats):
+            return 1 + ((self.mode - 1) ^ sum(
+                1 << i for i, stage in enumerate(self.layout.stages) if stage.loop))
         place = [dyad.name for dyad in self.stages].index(self._limit_next_to(limit).dyad)
         has_one = self.stages[place].kind in OF_ONE_MODE     # goes on in x, not in its root
         return self.mode if has_one else 1 + ((self.mode - 1) ^ (1 << place))

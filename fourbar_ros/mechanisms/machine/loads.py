@@ -26,6 +26,7 @@ from fourbar_ros.mechanics.bodies import applied_to
 from fourbar_ros.mechanics.newton_euler import about_first_joint
 from fourbar_ros.mechanisms.machine.description import CYLINDER
 from fourbar_ros.mechanisms.machine.dyad_loads import Needs, SOLVERS
+from fourbar_ros.mechanisms.machine.frames import slides_of
 from fourbar_ros.mechanisms.machine.layout import (
     COEFFICIENTS,
     Layout,
@@ -120,29 +121,49 @@ def make_base(n: NumberType, layout: Layout) -> Function:
 def make_backward(n: NumberType, layout: Layout, numbers: Sequence[Any]) -> Function:
     """Return (curves, slides, sines, needs, drive) -> fields of all joints of the dyads."""
     work = [(i, stage.first - 1, stage.second - 1, stage.number - 1,
-             SOLVERS[stage.kind](*given[4:]), make_fields(n, stage))
+             SOLVERS[stage.kind](*given[4:]), make_fields(n, stage), make_arms(stage, given))
             for i, (stage, given) in enumerate(zip(layout.stages, numbers))][::-1]
     with_cylinder = layout.driver == CYLINDER
 
     def backward(curves: Sequence[Any], slides: Sequence[Any], sines: Sequence[Any],
                  needs: list[Needs], drive: Any) -> list[Any]:
         found: list[tuple[Any, ...]] = [()] * len(work)
-        for number, i, j, k, solve, fields in work:
+        for number, i, j, k, solve, fields, arms in work:
             one, two = curves[k], curves[k + 1]
             forces = solve(one[6:8], two[6:8], slides[number], sines[number], needs[k],
                            needs[k + 1])
             if with_cylinder and number == 0:
                 forces = driven_along(forces, drive, one[6], one[7])
             found[number] = fields(forces)
-            for parent, own, at in ((i, one, 0), (j, two, 3)):
+            for parent, at, arm in zip((i, j), (0, 3), arms(slides[number])):
                 if parent >= 0:
                     f_x, f_y, couple = forces[at:at + 3]
-                    x, y = own[0] - curves[parent][0], own[1] - curves[parent][1]
+                    (along, across), (c, s) = arm, curves[parent][6:8]
+                    x, y = along * c - across * s, along * s + across * c
                     old = needs[parent]
                     needs[parent] = (old[0] + f_x, old[1] + f_y,
                                      old[2] + couple + x * f_y - y * f_x)
         return [field for fields in found for field in fields]
     return backward
+
+
+def make_arms(stage: Stage, numbers: Sequence[Any]) -> Function:
+    """
+    Return slides -> where on the links on which a dyad hangs the first joints of its links are.
+
+    From their first joints, along and across: not as differences of places, which may be far.
+    """
+    sliding = {link: (k, *slide) for k, (link, slide) in enumerate(slides_of(stage, numbers))}
+
+    def arm_of(link: int, parent: int, at: Sequence[Any]) -> Function:
+        k, carrier, start, (c, s) = sliding.get(link, (0, -1, at, (0.0, 0.0)))
+        if carrier != parent:
+            return lambda _slides: at
+        return lambda slides: (start[0] + slides[k] * c, start[1] + slides[k] * s)
+
+    first = arm_of(stage.number, stage.first, numbers[:2])
+    second = arm_of(stage.number + 1, stage.second, numbers[2:4])
+    return lambda slides: (first(slides), second(slides))
 
 
 def driven_along(forces: tuple[Any, ...], drive: Any, x: Any, y: Any) -> tuple[Any, ...]:

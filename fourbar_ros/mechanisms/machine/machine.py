@@ -36,6 +36,7 @@ from fourbar_ros.mechanisms.machine.given import (
 from fourbar_ros.mechanisms.machine.layout import Layout, layout_of
 from fourbar_ros.mechanisms.machine.limits import WithLimits
 from fourbar_ros.mechanisms.machine.loads import make_loads
+from fourbar_ros.mechanisms.machine.loops import with_loops
 from fourbar_ros.mechanisms.machine.motion import make_motion
 from fourbar_ros.mechanisms.machine.names import lengths_of, names_of
 from fourbar_ros.mechanisms.parts import Connection
@@ -102,7 +103,9 @@ class Machine(WithLimits):
     external: Any = field(default_factory=dict)
     stroke: tuple[float, float] | None = None
 
-    layout: ClassVar[Layout]     # set for each one when it is made; no field
+    # set for each one when it is made; no fields
+    layout: ClassVar[Layout]
+    flats: ClassVar[tuple[float, ...]]
 
     TITLE = 'machine of dyads'
     MARGIN_SIGNS, PICTURE = (), diagram
@@ -114,7 +117,8 @@ class Machine(WithLimits):
         self._set(dyads=checked_dyads(self.dyads),
                   cylinder=checked_cylinder(self.cylinder, self.input))
         layout = layout_of(self.input, self.stages, self.output)
-        self._set(layout=layout, output=layout.output, **names_of(layout),
+        layout, flats = with_loops(layout, self.stages)
+        self._set(layout=layout, flats=flats, output=layout.output, **names_of(layout),
                   LENGTHS=tuple([length for length, _ in lengths_of(self.stages)]))
         self._set(bodies=by_link('bodies', self.bodies, Body, self.BODIES, NO_BODY),
                   external=by_link('external', self.external, Applied, self.EXTERNAL,
@@ -151,7 +155,9 @@ class Machine(WithLimits):
         """Return the same structure of other dyads, its own of a cylinder first."""
         other = object.__new__(type(self))
         kept = {name: value for name, value in self.__dict__.items() if name not in _MADE}
-        other.__dict__.update(kept, stages=tuple(stages), dyads=tuple(stages))
+        layout, flats = with_loops(self.layout, stages)
+        other.__dict__.update(kept, stages=tuple(stages), dyads=tuple(stages), layout=layout,
+                              flats=flats)
         if self.cylinder is not None:
             own = stages[0]
             other.__dict__.update(dyads=tuple(stages[1:]), cylinder=self.cylinder._replace(
@@ -184,10 +190,14 @@ class Machine(WithLimits):
 
     @property
     def modes(self) -> dict[int, str]:
-        """Return {mode: its name}: the modes of the dyads that have two."""
-        text = ', '.join(f'{dyad.name} {dyad.mode}' for dyad in self.stages
-                         if dyad.kind not in OF_ONE_MODE)
-        return {self.mode: text or 'one'}
+        """
+        Return {mode: its name}: the modes of the dyads that have two.
+
+        With a change point also the one in which the machine goes on through its flat positions.
+        """
+        both = [self, self.in_mode(self.mode_beyond(self.flats[0]))] if self.flats else [self]
+        return {one.mode: ', '.join(f'{dyad.name} {dyad.mode}' for dyad in one.stages
+                                    if dyad.kind not in OF_ONE_MODE) or 'one' for one in both}
 
     # --- the contract ---------------------------------------------------------------------------
 

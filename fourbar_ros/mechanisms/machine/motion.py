@@ -28,15 +28,17 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from fourbar_ros.mechanisms.machine.description import CYLINDER, PRP, RPR, RRP, RRR
-from fourbar_ros.mechanisms.machine.dyads import Curve, FIXED, MAKERS, MovesDyad, nodes_of
+from fourbar_ros.mechanisms.machine.dyads import Curve, FIXED
+from fourbar_ros.mechanisms.machine.frames import Frames
 from fourbar_ros.mechanisms.machine.layout import Layout, Stage
+from fourbar_ros.mechanisms.machine.loops import make_moves
 from fourbar_ros.numerics.number_types import Function, NumberType
 
 # Errors of a link for relative errors of the lengths: of the place of its first joint, its angle.
 Errors = tuple[Any, Any]
 EXACT: Errors = (0.0, 0.0)
 Driver = Callable[[Any], tuple[Curve, Errors]]
-Walk = Callable[[Any], tuple[list[Curve], list[Any], list[Any], list[Errors]]]
+Walk = Callable[[Any], tuple[list[Curve], list[Any], list[Any], list[Errors], list[Any]]]
 
 
 def make_crank(n: NumberType) -> Driver:
@@ -114,38 +116,42 @@ def make_walk(n: NumberType, layout: Layout, numbers: Sequence[Any],
     """
     Return input -> curves of all links, the ground's first, and for each dyad its slides.
 
-    Also (sine, cosine) of each, and the errors of all links.
+    Also (sine, cosine) of each, the errors of all links, and for each pin between moving links
+    the curves of both in their common frame.
     """
-    driver = make_driver(n, layout, numbers, signs)
-    work: list[tuple[int, int, Any, bool, MovesDyad, Function]] = []
-    for stage, given, sign in zip(layout.stages, numbers, signs):
-        moves = MAKERS[stage.kind](n, 1.0 if stage.name == CYLINDER else sign, *given[4:])
-        work.append((stage.first, stage.second, given, layout.meet(stage), moves,
-                     make_errors(n, stage, given)))
-
-    with_cylinder, hypot = layout.driver == CYLINDER, n.hypot
-
-    def arm_and_rod(rod: Curve) -> tuple[Any, Any]:
-        x, y, cosine, sine = *rod[:2], *rod[6:8]
-        per = 1.0 / hypot(x, y)
-        return (x * sine - y * cosine) * per, (x * cosine + y * sine) * per             # (C8)
+    driver, frames = make_driver(n, layout, numbers, signs), Frames(layout, numbers)
+    work = [(stage, moves, make_errors(n, stage, given)) for stage, given, moves in zip(
+        layout.stages, numbers, make_moves(n, layout, numbers, signs))]
+    pins = [(i, j, frames.common(i, j)) for _, i, j in layout.pins()]
+    with_cylinder, arm_and_rod = layout.driver == CYLINDER, make_arm_and_rod(n)
 
     def walk(position: Any) -> Any:
         curve, error = driver(position)
         curves, slides, transmissions = [FIXED, curve], [], []
         errors: list[Errors] = [EXACT, error]
-        turns_crank = with_cylinder
-        for i, j, given, meet, moves, errors_of in work:
-            first, second = curves[i], curves[j]
-            one, two, slid, sine, cosine = moves(*nodes_of(first, second, given, meet), first,
-                                                 second)
-            curves += (one, two)
+        poses = frames.begin(curve)
+        for number, (stage, moves, errors_of) in enumerate(work):
+            moved = moves(*frames.hang(number, poses))
+            _, _, slid, sine, cosine = moved
+            curves += frames.add(number, poses, moved)
             slides.append(slid)
-            transmissions.append((sine, cosine) if not turns_crank else arm_and_rod(one))
-            turns_crank = False
-            errors += errors_of(errors[i], errors[j], slid, sine, cosine)
-        return curves, slides, transmissions, errors
+            transmissions.append(arm_and_rod(curves[-2]) if with_cylinder and not number
+                                 else (sine, cosine))
+            errors += errors_of(errors[stage.first], errors[stage.second], slid, sine, cosine)
+        return (curves, slides, transmissions, errors,
+                [(poses.of(i, frame), poses.of(j, frame)) for i, j, frame in pins])
     return walk
+
+
+def make_arm_and_rod(n: NumberType) -> Callable[[Curve], tuple[Any, Any]]:
+    """Return curve of a cylinder's rod -> sine and cosine of its angle to the arm, (C8)."""
+    hypot = n.hypot
+
+    def arm_and_rod(rod: Curve) -> tuple[Any, Any]:
+        x, y, cosine, sine = *rod[:2], *rod[6:8]
+        per = 1.0 / hypot(x, y)
+        return (x * sine - y * cosine) * per, (x * cosine + y * sine) * per
+    return arm_and_rod
 
 
 def make_motion(n: NumberType, layout: Layout, numbers: Sequence[Any],
@@ -160,7 +166,7 @@ def make_motion(n: NumberType, layout: Layout, numbers: Sequence[Any],
         For each stage what :attr:`.description.Dyad.numbers` has, and its assembly mode as +-1.
 
     """
-    walk, pins = make_walk(n, layout, numbers, signs), [pin[1:] for pin in layout.pins()]
+    walk = make_walk(n, layout, numbers, signs)
     atan2, transmission_angles = n.atan2, make_transmission_angles(n)
     is_crank = layout.driver == 'crank'
     output = layout.links.index(layout.output)
@@ -169,7 +175,7 @@ def make_motion(n: NumberType, layout: Layout, numbers: Sequence[Any],
     with_cylinder = layout.driver == CYLINDER
 
     def motion(position: Any, rate: Any, acceleration: Any) -> tuple[Any, ...]:
-        curves, slides, transmissions, errors = walk(position)
+        curves, slides, transmissions, errors, pins = walk(position)
         square = rate * rate
         fields: list[Any] = []
         for curve in curves[1:]:
@@ -187,12 +193,10 @@ def make_motion(n: NumberType, layout: Layout, numbers: Sequence[Any],
                            slid[k + 1] * acceleration + slid[k + 2] * square, slid[k + 1])
         if with_cylinder:
             fields[3 * len(curves) - 3:3 * len(curves) + 1] = given
-        for i, j in pins:
-            _, _, _, _, _, _, c1, s1, _, _ = curves[i]
-            _, _, _, _, _, _, c2, s2, _, _ = curves[j]
-            one, two = 3 * i - 3, 3 * j - 3
-            fields += (atan2(c1 * s2 - s1 * c2, c1 * c2 + s1 * s2),
-                       fields[two + 1] - fields[one + 1], fields[two + 2] - fields[one + 2])
+        for (*_, c1, s1, turn1, bend1), (*_, c2, s2, turn2, bend2) in pins:
+            turn = turn2 - turn1
+            fields += (atan2(c1 * s2 - s1 * c2, c1 * c2 + s1 * s2), turn * rate,
+                       turn * acceleration + (bend2 - bend1) * square)
         fields += transmission_angles(transmissions)
         fields += (errors[output][error_of_output], rate, acceleration)
         for curve in curves[1:]:

@@ -12,7 +12,7 @@ from math import atan, degrees, pi, radians, tan
 
 from fourbar_ros import Bodies, Body, CROSSED, FourBar, InvalidParameter, OPEN, round_rod
 from fourbar_ros.mechanisms.four_bar import io_equations
-from fourbar_ros.mechanisms.four_bar.half_angle import bilinear_factors
+from fourbar_ros.mechanisms.half_angle import bilinear_factors
 from fourbar_ros.mechanisms.four_bar.io_equations import (
     from_half_angle,
     io_equation,

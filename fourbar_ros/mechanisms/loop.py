@@ -1,0 +1,192 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+A loop of four rods: where they are and how they turn, stable in the last bits.
+
+The 4R linkage, and what is one within a machine. x is the angle of its crank a1, y of its output
+a3, b of its coupler a2, all from its ground line a4; mu = y - b, q = |A O4|^2, primes are
+derivatives with respect to x. Loop: a1 e^{ix} + a2 e^{ib} = a4 + a3 e^{iy}.
+
+Positions. Every angle z of y, y - x and b - x comes from its own homogeneous half-angle quadratic
+(slides, Eqs. (16), (17) and their rotations)
+
+    (M1)  p t^2 - 2 m t + r = 0,   t = tan(z/2) = r / (m + root) = (m - root) / p
+
+with p, r, m of :func:`.half_angle_coefficients`. t is kept as a pair g, h, so that no angle is
+special (t = tan(pi/2) is just h = 0), and of its two forms the one without cancellation is taken:
+"side" is +1 for t = g/h, g = r, h = m + root, and -1 for t = h/g, g = p, h = m - root. Then
+
+    (M2)  sin z = 2 g h / (g^2 + h^2),   cos z = side (h^2 - g^2) / (g^2 + h^2)
+
+The quadratics share one discriminant root^2 = (2 a2 a3 sin mu)^2 = u w,
+
+    (M3)  u = 4 a2 a3 cos^2(mu/2) = s1 sin^2(x/2) + c1 cos^2(x/2)
+          w = 4 a2 a3 sin^2(mu/2) = c2 sin^2(x/2) + s2 cos^2(x/2)
+
+    s1 = (a2 + a3)^2 - (a1 + a4)^2     c1 = (a2 + a3)^2 - (a1 - a4)^2
+    s2 = (a1 - a4)^2 - (a2 - a3)^2     c2 = (a1 + a4)^2 - (a2 - a3)^2
+
+whose coefficients are products of two bilinear factors each: they keep their digits near toggles
+and change points, where coordinates lose them.
+
+Rates. The relative rates at the four joints are as the areas of the triangles of the other three
+joints, so each is a product, without a difference of rates:
+
+    (M4)  theta2' = b' - 1 = -a4 sin y / (a2 sin mu)
+    (M5)  theta3' = mu' = y' - b' = a1 a4 sin x / (a2 a3 sin mu)
+    (M6)  y' = a1 sin(x - b) / (a3 sin mu)
+    (M7)  b' = a1 sin(x - y) / (a2 sin mu)
+
+Accelerations. mu is a function of q alone, and y and b are the direction of the diagonal A-O4 plus
+or minus an angle of the triangle A-B-O4. With e = a1^2 - a4^2, f = a2^2 - a3^2:
+
+    (M8)   q = (a1 - a4)^2 + 4 a1 a4 sin^2(x/2)
+    (M9)   turn = a1 a4 sin x rho,   rho = y' + b' - 1 = (e + f mu')/q
+    (M10)  mu'' = 2 a1 a4 (s2 cos^2(x/2) u - s1 sin^2(x/2) w) / root^3
+    (M11)  y'' = ((f + q) mu''/2 - turn) / q
+    (M12)  b'' = ((f - q) mu''/2 - turn) / q
+
+where the second form of rho is for large q, so for all where a1 = a4. Every difference in these is
+one that the data make: the error stays within a few eps times the condition at any link ratio.
+
+    (M13)  condition = (a1 |cos(x - b)| + a2 + a3 |cos mu| + a4 |cos b|) / (a3 |sin mu|)
+
+Change points. Where a sum of lengths is zero (parallelogram, kite, ...), so is s1 or s2 exactly; u
+or w is then one term, which the divisions cancel: no other path is needed. At the flat position
+both modes meet; each mode keeps its sign of sin mu on either side of it, so that its rates jump
+there, and the values returned at theta1 = 0 itself are the limits for theta1 -> 0 from above (y''
+= b'' = 0). At theta1 = pi there is no such case: no float is pi, each is on one side.
+"""
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from fourbar_ros.mechanisms.half_angle import half_angle_coefficients
+from fourbar_ros.numerics.exact_sums import difference_of_squares
+from fourbar_ros.numerics.number_types import Function, NumberType
+
+
+class _Shape(NamedTuple):
+    """
+    Constants of the equations, named as there.
+
+    Lengths in a power of two that makes the largest about one.
+
+    Numbers of the type that lengths are.
+    """
+
+    s1: Any
+    c1: Any
+    s2: Any
+    c2: Any
+    if_adds: tuple[Any, ...]       # r of y, y - x, b - x: (sin^2(x/2), cos^2(x/2)) of each; side
+    if_not: tuple[Any, ...]        # p of the same; side
+    m_y: Any                       # m / (sin(x/2) cos(x/2)) of y, y - x and, negative, of b - x
+    m_yx: Any
+    m_bx: Any
+    e: Any
+    f: Any
+    y_near: Any                    # (f + q)/2 at x = 0 and x = pi, (f - q)/2 at both
+    y_far: Any
+    b_near: Any
+    b_far: Any
+
+
+def _shape(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any) -> _Shape:
+    """Return the :class:`_Shape` of scaled lengths."""
+    fabs, where, exact_sum = n.fabs, n.where, n.exact_sum
+
+    def squares(a: Any, b: Any, c: Any, d: Any) -> Any:
+        return difference_of_squares(a, b, c, d, exact_sum)
+
+    p_s, r_s, p_c, r_c, m_y = half_angle_coefficients(a1, a2, a3, a4, exact_sum)
+    # Seen from the crank the ground turns by -x.
+    p_s_yx, r_s_yx, p_c_yx, r_c_yx, m_yx = half_angle_coefficients(-a4, a2, a3, -a1, exact_sum)
+    p_s_bx, r_s_bx, p_c_bx, r_c_bx, m_bx = half_angle_coefficients(-a4, a3, -a2, -a1, exact_sum)
+    f, low, high = (a2 - a3) * (a2 + a3), (a1 - a4)**2, (a1 + a4)**2
+    # The odd one of three squares is paired with the larger of the others: what cancels then is
+    # what the data make.
+    is_near, is_far = fabs(a1 - a4) > a2, a1 + a4 > a2
+    y_near = where(is_near, squares(a1, -a4, a3, 0.0) + a2 * a2, f + low)
+    y_far = where(is_far, squares(a1, a4, a3, 0.0) + a2 * a2, f + high)
+    is_near, is_far = fabs(a1 - a4) > a3, a1 + a4 > a3
+    b_near = where(is_near, squares(a2, 0.0, a1, -a4) - a3 * a3, f - low)
+    b_far = where(is_far, squares(a2, 0.0, a1, a4) - a3 * a3, f - high)
+    return _Shape(squares(a2, a3, a1, a4), squares(a2, a3, a1, -a4),
+                  squares(a1, -a4, a2, -a3), squares(a1, a4, a2, -a3),
+                  (r_s, r_c, r_s_yx, r_c_yx, r_s_bx, r_c_bx, 1.0),
+                  (p_s, p_c, p_s_yx, p_c_yx, p_s_bx, p_c_bx, -1.0), m_y, -m_yx, -m_bx,
+                  (a1 - a4) * (a1 + a4), f, 0.5 * y_near, 0.5 * y_far, 0.5 * b_near, 0.5 * b_far)
+
+
+def make_pose(n: NumberType, shape: _Shape, sign: Any) -> Function:
+    """
+    Return the function sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2) -> (u, w, root, then others).
+
+    Those are cos mu, sin mu, cos y, sin y, sin(y - x), cos(b - x), sin(b - x).
+    """
+    sqrt, where = n.sqrt, n.where
+    s1, c1, s2, c2, if_adds, if_not, m_y, m_yx, m_bx = shape[:9]
+
+    def pose(ss: Any, cc: Any, sc: Any) -> tuple[Any, ...]:
+        u, w = s1 * ss + c1 * cc, c2 * ss + s2 * cc                                     # (M3)
+        root = sign * sqrt(u * w)     # not real where the linkage cannot close
+        # 1/(4 a2 a3) with the roundings of u and w; NaN where the root is not real
+        per = 1.0 / (u + w + 0.0 * root)
+        cos_mu, sin_mu = (u - w) * per, (root + root) * per
+        # What adds for one angle adds for all three.
+        y_s, y_c, yx_s, yx_c, bx_s, bx_c, side = where((sc * root).real > 0.0, if_adds, if_not)
+        signed = side * root
+        g, h = y_s * ss + y_c * cc, m_y * sc + signed                                   # (M1)
+        hh = h * h
+        per = 2.0 / (g * g + hh)
+        cos_y, sin_y = side * (hh * per - 1.0), g * h * per                             # (M2)
+        g, h = yx_s * ss + yx_c * cc, m_yx * sc + signed
+        sin_yx = 2.0 * g * h / (g * g + h * h)
+        g, h = bx_s * ss + bx_c * cc, m_bx * sc - signed
+        hh = h * h
+        per = 2.0 / (g * g + hh)
+        cos_bx, sin_bx = side * (hh * per - 1.0), g * h * per
+        return u, w, root, cos_mu, sin_mu, cos_y, sin_y, sin_yx, cos_bx, sin_bx
+    return pose
+
+
+def make_loop(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any, sign: Any) -> Function:
+    """
+    Return the function sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2) -> all of a loop.
+
+    ``sign`` is the sign of sin(mu). The results: cosine and sine of x, of b - x, b, y and mu; the
+    derivatives of b - x, mu, y and b; the second ones of mu, y and b; the condition.
+    """
+    fabs, where = n.fabs, n.where
+    unit = n.power_of_two(a1, a2, a3, a4)
+    a1, a2, a3, a4 = a1 / unit, a2 / unit, a3 / unit, a4 / unit
+    shape = _shape(n, a1, a2, a3, a4)
+    pose, (e, f, y_near, y_far, b_near, b_far) = make_pose(n, shape, sign), shape[9:]
+    a14, four_a14, q_least, e_size = a1 * a4, 4.0 * a1 * a4, (a1 - a4)**2, fabs(e)
+    s1_a14, s2_a14 = 2.0 * a1 * a4 * shape.s1, 2.0 * a1 * a4 * shape.s2
+    per_theta2, per_theta3, per_y, per_b = -a4 / a2, a1 * a4 / (a2 * a3), -a1 / a3, -a1 / a2
+    by_a1, by_a2, by_a4 = sign * a1 / a3, sign * a2 / a3, sign * a4 / a3
+
+    def loop(ss: Any, cc: Any, sc: Any) -> tuple[Any, ...]:
+        cos_x, sin_x = cc - ss, sc + sc
+        u, w, root, cos_mu, sin_mu, cos_y, sin_y, sin_yx, cos_bx, sin_bx = pose(ss, cc, sc)
+        cos_b, sin_b = cos_x * cos_bx - sin_x * sin_bx, sin_x * cos_bx + cos_x * sin_bx
+        per = 1.0 / sin_mu
+        d_theta2 = per_theta2 * sin_y * per                                             # (M4)
+        d_theta3 = per_theta3 * sin_x * per                                             # (M5)
+        velocity_ratio = per_y * sin_bx * per                                           # (M6)
+        coupler_ratio = per_b * sin_yx * per                                            # (M7)
+        condition = (by_a1 * fabs(cos_bx) + by_a2 + sign * fabs(cos_mu)                 # (M13)
+                     + by_a4 * fabs(cos_b)) * per
+
+        q = q_least + four_a14 * ss                                                     # (M8)
+        per = 1.0 / q
+        turn = a14 * sin_x * where(q.real > e_size, (e + f * d_theta3) * per,           # (M9)
+                                   velocity_ratio + d_theta2)
+        dd_mu = (s2_a14 * cc * u - s1_a14 * ss * w) / (u * w * root)                    # (M10)
+        dd_y = ((y_near * cc + y_far * ss) * dd_mu - turn) * per                        # (M11)
+        dd_b = ((b_near * cc + b_far * ss) * dd_mu - turn) * per                        # (M12)
+        return (cos_x, sin_x, cos_bx, sin_bx, cos_b, sin_b, cos_y, sin_y, cos_mu, sin_mu,
+                d_theta2, d_theta3, velocity_ratio, coupler_ratio, dd_mu, dd_y, dd_b, condition)
+    return loop

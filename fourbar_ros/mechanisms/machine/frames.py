@@ -1,0 +1,189 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Frames: what links have in common cancels before it is computed.
+
+A dyad between two links that are carried by a third one does not feel how that one moves. In
+coordinates of the ground its rates are small differences of large ones. So each link has a
+*frame*, the link from which its motion is simplest: that which carries its slide, or else the last
+one that moves both links on which its dyad hangs. A dyad is solved in the last frame that both its
+links have in common; a link that moves in a frame that moves, at the angle of the frame plus its
+own, e turned with the frame, has
+
+    (K1)  x = X + x_own e,   x' = X' + (x_own' + turn n x_own) e,
+          x'' = X'' + (x_own'' + 2 turn n x_own' + bend n x_own - turn^2 x_own) e
+
+with n the turn by +90 deg. Points P and Q of links that are pinned to each other are compared
+along the arms from one to the other: what is between them does not contain where they are.
+"""
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import reduce
+from operator import add
+from typing import Any
+
+from fourbar_ros.mechanisms.machine.description import PRP, RPP, RPR, RRP, RRR
+from fourbar_ros.mechanisms.machine.dyads import (
+    between,
+    Curve,
+    DyadMotion,
+    FIXED,
+    Node,
+    node_of,
+    ORIGIN,
+)
+from fourbar_ros.mechanisms.machine.layout import Layout, Stage
+
+# Of a link whose joint is that of another: (that link, place of its numbers that are the arm).
+Anchor = tuple[int, tuple[Any, Any]]
+# Of a link that slides: (its carrier, start and direction of the slide there).
+Slide = tuple[int, tuple[Any, Any], tuple[Any, Any]]
+
+
+def slides_of(stage: Stage, numbers: Sequence[Any]) -> list[tuple[int, Slide]]:
+    """Return [(number of a link that slides, its :data:`Slide`)] in the order of the joints."""
+    one, two = stage.number, stage.number + 1
+    p, q, sizes = tuple(numbers[:2]), tuple(numbers[2:4]), tuple(numbers[4:])
+    if stage.kind == RRP:
+        return [(two, (stage.second, q, sizes[1:]))]
+    if stage.kind == RPR:
+        return [(one, (two, (0.0, sizes[0]), (1.0, 0.0)))]
+    if stage.kind == RPP:
+        return [(one, (two, (0.0, 0.0), sizes[2:])), (two, (stage.second, q, sizes[:2]))]
+    if stage.kind == PRP:
+        return [(one, (stage.first, p, sizes[:2])), (two, (stage.second, q, sizes[2:]))]
+    return []
+
+
+def anchors_of(stage: Stage, numbers: Sequence[Any]) -> dict[int, Anchor]:
+    """Return the anchors of the links of a dyad: where on another link their first joint is."""
+    one, two = stage.number, stage.number + 1
+    at_p, at_q = (stage.first, tuple(numbers[:2])), (stage.second, tuple(numbers[2:4]))
+    if stage.kind == PRP:
+        return {two: (one, (0.0, 0.0))}
+    second = {RRR: at_q, RPR: at_q, RRP: (one, (numbers[4], 0.0))}.get(stage.kind)
+    return {one: at_p, **({two: second} if second else {})}
+
+
+def composed(frame: Curve, own: Curve) -> Curve:
+    """Return the curve of a link from its own in a frame and that of the frame, (K1)."""
+    x, y, dx, dy, ddx, ddy, c, s, d_angle, dd_angle = own
+    x0, y0, dx0, dy0, ddx0, ddy0, cosine, sine, turn, bend = frame
+    ddx, ddy = (ddx - 2.0 * turn * dy - bend * y - turn * turn * x,
+                ddy + 2.0 * turn * dx + bend * x - turn * turn * y)
+    dx, dy = dx - turn * y, dy + turn * x
+    return (x0 + cosine * x - sine * y, y0 + sine * x + cosine * y,
+            dx0 + cosine * dx - sine * dy, dy0 + sine * dx + cosine * dy,
+            ddx0 + cosine * ddx - sine * ddy, ddy0 + sine * ddx + cosine * ddy,
+            cosine * c - sine * s, sine * c + cosine * s, turn + d_angle, bend + dd_angle)
+
+
+class Frames:
+    """
+    The frames of all links of a machine, and how the dyads hang in them.
+
+    Parameters
+    ----------
+    layout, numbers
+        As for :func:`.motion.make_motion`.
+
+    """
+
+    def __init__(self, layout: Layout, numbers: Sequence[Any]) -> None:
+        self._frame = {1: 0}                 # of each link but the ground
+        self._slides = [slides_of(stage, own) for stage, own in zip(layout.stages, numbers)]
+        self._anchors: dict[int, Anchor] = {1: (0, (0.0, 0.0))} if layout.driver != 'slide' else {}
+        self._work = []
+        for stage, own, slides in zip(layout.stages, numbers, self._slides):
+            frame = self.common(stage.first, stage.second)
+            carriers = {link: carrier for link, (carrier, _, _) in slides}
+            for link in (stage.number, stage.number + 1):
+                self._frame[link] = carriers.get(link, frame)
+            at_p, at_q = tuple(own[:2]), tuple(own[2:4])
+            self._work.append((stage, frame, at_p, at_q, self._arms(stage, frame, at_p, at_q)))
+            self._anchors.update(anchors_of(stage, own))
+
+    def _up(self, link: int) -> Iterator[int]:
+        """Yield a link, its frame, the frame of that, to the ground."""
+        while link:
+            yield link
+            link = self._frame[link]
+        yield 0
+
+    def _path(self, link: int, arm: tuple[Any, Any]) -> list[Anchor]:
+        """Return (link, arm) from a point on, joint by joint, as far as they are pinned."""
+        found = [(link, arm)]
+        while link in self._anchors:
+            link, arm = self._anchors[link]
+            found.append((link, arm))
+        return found
+
+    def _arms(self, stage: Stage, frame: int, at_p: Any,
+              at_q: Any) -> list[tuple[Any, ...]] | None:
+        """Return (link, along, across) of which D is the sum; None if P, Q meet in the frame."""
+        from_p, from_q = self._path(stage.first, at_p), self._path(stage.second, at_q)
+        links = [link for link, _ in from_p]
+        common = next((link for link, _ in from_q if link in links), frame)
+        if common in (frame, 0):
+            return None
+        i, j = links.index(common), [link for link, _ in from_q].index(common)
+        (a, b), (c, d) = from_p[i][1], from_q[j][1]
+        arms = [(common, c - a, d - b), *((link, *arm) for link, arm in from_q[:j]),
+                *((link, -arm[0], -arm[1]) for link, arm in from_p[:i])]
+        # from a carrier a rod may lead out of the frame
+        return arms if all(frame in self._up(link) for link, *_ in arms) else None
+
+    def common(self, one: int, other: int) -> int:
+        """Return the last frame that two links have in common."""
+        chain = list(self._up(one))
+        return next(link for link in self._up(other) if link in chain)
+
+    def begin(self, driven: Curve) -> Poses:
+        """Return the curves that are known when that of the driven link is."""
+        return Poses(self._frame, driven)
+
+    def hang(self, number: int, poses: Poses) -> tuple[Node, Node, Node, Curve, Curve]:
+        """Return P, Q, D and the curves of the links they are of, in the frame of a dyad."""
+        stage, frame, at_p, at_q, arms = self._work[number]
+        first, second = poses.of(stage.first, frame), poses.of(stage.second, frame)
+        nodes = node_of(first, *at_p), node_of(second, *at_q)
+        if arms is None:
+            return *nodes, between(*nodes), first, second
+        apart = [node_of((*ORIGIN, *poses.of(link, frame)[6:]), along, across)
+                 for link, along, across in arms]
+        x, y, dx, dy, ddx, ddy = [reduce(add, parts) for parts in zip(*apart)]
+        return *nodes, (x, y, dx, dy, ddx, ddy), first, second
+
+    def add(self, number: int, poses: Poses, moved: DyadMotion) -> tuple[Curve, Curve]:
+        """Take the curves of a dyad in its frame; return those on the ground."""
+        stage, frame, *_ = self._work[number]
+        one, two = stage.number, stage.number + 1
+        poses.known[one, frame], poses.known[two, frame] = moved[:2]
+        for k, (link, (carrier, start, direction)) in enumerate(self._slides[number]):
+            way, rate, change = moved[2][3 * k:3 * k + 3]
+            if (link, carrier) in poses.known:
+                continue
+            c, s = direction
+            poses.known[link, carrier] = (start[0] + way * c, start[1] + way * s, rate * c,
+                                          rate * s, change * c, change * s, c, s, 0.0, 0.0)
+        return poses.of(one, 0), poses.of(two, 0)
+
+
+class Poses:
+    """Curves of links in frames, as far as they are known."""
+
+    def __init__(self, frame: dict[int, int], driven: Curve) -> None:
+        self._frame = frame
+        self.known: dict[tuple[int, int], Curve] = {(1, 0): driven}
+
+    def of(self, link: int, frame: int) -> Curve:
+        """Return the curve of a link in one of its frames."""
+        if link == frame:
+            return FIXED
+        found = self.known.get((link, frame))
+        if found is None:
+            between_them = self._frame[link]
+            found = composed(self.of(between_them, frame), self.known[link, between_them])
+            self.known[link, frame] = found
+        return found
