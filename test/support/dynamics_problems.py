@@ -6,6 +6,8 @@ from math import pi
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, round_rod, SliderCrank
 from fourbar_ros.dynamics.elements import Attachment, Spring
 from fourbar_ros.dynamics.system import System
+from fourbar_ros.mechanisms.machine.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp
 from support.machines import exact_links
 
@@ -35,9 +37,22 @@ def one_window():
     return System(parallelogram, pi / 2, -1.0)
 
 
-def one_window_exact(time):
-    """Return theta1 of P3, N = 1: a pendulum that goes round, in elliptic functions."""
-    strength = mp.mpf('9.81') * 2 / (mp.mpf(2) / 3 + 1)
+def windows(count):
+    """P3: so many windows side by side as a machine, each post the crank of the next."""
+    dyads, post = [], 'crank'
+    for i in range(count):
+        dyads.append(Dyad(f'window{i}', 'RRR', Point(post, 1.0), Point('ground', i + 1.0),
+                          (f'beam{i}', f'post{i}'), length_1=1.0, length_2=1.0))
+        post = f'post{i}'
+    links = ['crank', *(link for dyad in dyads for link in dyad.links)]
+    bodies = dict.fromkeys(links, Body(1.0, 0.5, 0.0, 1.0 / 12.0))
+    return System(Machine(dyads, bodies=bodies, gravity=(0.0, -9.81)), pi / 2, -1.0)
+
+
+def windows_exact(time, count):
+    """Return theta1 of P3: a pendulum that goes round, in elliptic functions."""
+    posts = mp.mpf(count + 1)
+    strength = mp.mpf('9.81') * (posts / 2 + count) / (posts / 3 + count)
     energy = mp.mpf(1) / 2 + strength
     m, speed = 2 * strength / (energy + strength), mp.sqrt((energy + strength) / 2)
     quarter = mp.ellipk(m)
@@ -45,6 +60,11 @@ def one_window_exact(time):
     turns = mp.floor(u / (2 * quarter) + mp.mpf(1) / 2)
     half = turns * mp.pi + mp.asin((-1)**int(turns) * mp.ellipfun('sn', u, m=m))
     return 3 * mp.pi / 2 - 2 * half
+
+
+def one_window_exact(time):
+    """Return theta1 of P3, N = 1."""
+    return windows_exact(time, 1)
 
 
 def near_lock_up(crank=1.98):

@@ -91,18 +91,39 @@ class Frames:
     """
 
     def __init__(self, layout: Layout, numbers: Sequence[Any]) -> None:
-        self._frame = {1: 0}                 # of each link but the ground
+        # of each link but the ground: the link that carries it; in which it is solved
+        self._frame, self._solved = {1: 0}, {1: 0}
+        self._sliding: set[int] = set()
         self._slides = [slides_of(stage, own) for stage, own in zip(layout.stages, numbers)]
         self._anchors: dict[int, Anchor] = {1: (0, (0.0, 0.0))} if layout.driver != 'slide' else {}
         self._work = []
         for stage, own, slides in zip(layout.stages, numbers, self._slides):
-            frame = self.common(stage.first, stage.second)
+            frame, pair = self._frame_of(stage)
             carriers = {link: carrier for link, (carrier, _, _) in slides}
+            self._sliding.update(carriers)
             for link in (stage.number, stage.number + 1):
-                self._frame[link] = carriers.get(link, frame)
+                self._frame[link], self._solved[link] = carriers.get(link, frame), frame
             at_p, at_q = tuple(own[:2]), tuple(own[2:4])
-            self._work.append((stage, frame, at_p, at_q, self._arms(stage, frame, at_p, at_q)))
+            self._work.append((stage, frame, at_p, at_q,
+                               None if pair else self._arms(stage, frame, at_p, at_q), pair))
             self._anchors.update(anchors_of(stage, own))
+
+    def _frame_of(self, stage: Stage) -> tuple[int, Anchor | None]:
+        """
+        Return the frame of a dyad; between moving links that are pinned, one of these.
+
+        Then also (the other, where on the frame its first joint is). Two slides on a block and
+        what carries it: the block, by whose direction they are given.
+        """
+        frame = self.common(stage.first, stage.second)
+        for parent, child in ((stage.first, stage.second), (stage.second, stage.first)):
+            pinned, arm = self._anchors.get(child, (0, (0.0, 0.0)))
+            if parent and pinned == parent and frame not in (parent, child):
+                return parent, (child, arm)
+            if stage.kind == PRP and parent in self._sliding and child == frame == (
+                    self._frame[parent]):
+                return parent, None
+        return frame, None
 
     def _up(self, link: int) -> Iterator[int]:
         """Yield a link, its frame, the frame of that, to the ground."""
@@ -139,13 +160,20 @@ class Frames:
         chain = list(self._up(one))
         return next(link for link in self._up(other) if link in chain)
 
+    def base_of(self, link: int, frame: int) -> int:
+        """Return the link by whose frame the curve of a link in a frame is found."""
+        solved = self._solved[link]
+        return solved if frame in self._up(solved) else self._frame[link]
+
     def begin(self, driven: Curve) -> Poses:
         """Return the curves that are known when that of the driven link is."""
-        return Poses(self._frame, driven)
+        return Poses(self, driven)
 
     def hang(self, number: int, poses: Poses) -> tuple[Node, Node, Node, Curve, Curve]:
         """Return P, Q, D and the curves of the links they are of, in the frame of a dyad."""
-        stage, frame, at_p, at_q, arms = self._work[number]
+        stage, frame, at_p, at_q, arms, pair = self._work[number]
+        if pair:
+            poses.pin(frame, *pair)
         first, second = poses.of(stage.first, frame), poses.of(stage.second, frame)
         nodes = node_of(first, *at_p), node_of(second, *at_q)
         if arms is None:
@@ -160,21 +188,16 @@ class Frames:
         stage, frame, *_ = self._work[number]
         one, two = stage.number, stage.number + 1
         poses.known[one, frame], poses.known[two, frame] = moved[:2]
-        for k, (link, (carrier, start, direction)) in enumerate(self._slides[number]):
-            way, rate, change = moved[2][3 * k:3 * k + 3]
-            if (link, carrier) in poses.known:
-                continue
-            c, s = direction
-            poses.known[link, carrier] = (start[0] + way * c, start[1] + way * s, rate * c,
-                                          rate * s, change * c, change * s, c, s, 0.0, 0.0)
+        for k, (link, slide) in enumerate(self._slides[number]):
+            poses.slide(link, slide, moved[2][3 * k:3 * k + 3])
         return poses.of(one, 0), poses.of(two, 0)
 
 
 class Poses:
     """Curves of links in frames, as far as they are known."""
 
-    def __init__(self, frame: dict[int, int], driven: Curve) -> None:
-        self._frame = frame
+    def __init__(self, frames: Frames, driven: Curve) -> None:
+        self._frames = frames
         self.known: dict[tuple[int, int], Curve] = {(1, 0): driven}
 
     def of(self, link: int, frame: int) -> Curve:
@@ -183,7 +206,24 @@ class Poses:
             return FIXED
         found = self.known.get((link, frame))
         if found is None:
-            between_them = self._frame[link]
-            found = composed(self.of(between_them, frame), self.known[link, between_them])
+            base = self._frames.base_of(link, frame)
+            found = composed(self.of(base, frame), self.known[link, base])
             self.known[link, frame] = found
         return found
+
+    def pin(self, frame: int, link: int, arm: tuple[Any, Any]) -> None:
+        """Take a link that is pinned to its frame."""
+        shared = self._frames.common(frame, link)
+        *_, c0, s0, turn0, bend0 = self.of(frame, shared)
+        *_, c, s, turn, bend = self.of(link, shared)
+        self.known[link, frame] = (*arm, 0.0, 0.0, 0.0, 0.0, c0 * c + s0 * s, c0 * s - s0 * c,
+                                   turn - turn0, bend - bend0)
+
+    def slide(self, link: int, slide: Slide, way: Sequence[Any]) -> None:
+        """Take a link that slides in its carrier, and the carrier as seen from it."""
+        (carrier, (x, y), (c, s)), (place, rate, change) = slide, way
+        if (link, carrier) not in self.known:
+            self.known[link, carrier] = (x + place * c, y + place * s, rate * c, rate * s,
+                                         change * c, change * s, c, s, 0.0, 0.0)
+        self.known[carrier, link] = (-(x * c + y * s) - place, x * s - y * c, -rate, 0.0,
+                                     -change, 0.0, c, -s, 0.0, 0.0)

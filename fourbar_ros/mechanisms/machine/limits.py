@@ -79,6 +79,17 @@ class WithLimits(Mechanism):
             return 0.0
         return min([abs(z.imag) / self.input_unit for z in self._near], default=1.0)
 
+    @property
+    def modes(self) -> dict[int, str]:
+        """
+        Return {mode: its name}: the modes of the dyads that have two.
+
+        With a change point also the one in which the machine goes on through its flat positions.
+        """
+        both = [self, self.in_mode(self.mode_beyond(self.flats[0]))] if self.flats else [self]
+        return {one.mode: ', '.join(f'{dyad.name} {dyad.mode}' for dyad in one.stages
+                                    if dyad.kind not in OF_ONE_MODE) or 'one' for one in both}
+
     def mode_beyond(self, limit: float) -> int:
         """Return the mode into which quantities go on smoothly at a toggle, a flat position."""
         if any(abs(self.distance(limit, flat)) < SAME for flat in self.flats):

@@ -24,7 +24,6 @@ from fourbar_ros.mechanisms.machine.description import (
     CYLINDER,
     Cylinder,
     Dyad,
-    OF_ONE_MODE,
     RPR,
 )
 from fourbar_ros.mechanisms.machine.given import (
@@ -187,17 +186,6 @@ class Machine(WithLimits):
     def crank_angle(self, motion: Any) -> Any:
         """Return the angle of the crank in a motion [rad]; NaN of a machine without one."""
         return motion.theta_crank if self.input != SLIDE else nan * motion.rate
-
-    @property
-    def modes(self) -> dict[int, str]:
-        """
-        Return {mode: its name}: the modes of the dyads that have two.
-
-        With a change point also the one in which the machine goes on through its flat positions.
-        """
-        both = [self, self.in_mode(self.mode_beyond(self.flats[0]))] if self.flats else [self]
-        return {one.mode: ', '.join(f'{dyad.name} {dyad.mode}' for dyad in one.stages
-                                    if dyad.kind not in OF_ONE_MODE) or 'one' for one in both}
 
     # --- the contract ---------------------------------------------------------------------------
 
