@@ -41,7 +41,7 @@ setup(
         'proof': ['python-flint'],
         'dynamics': ['scipy>=1.11'],
         'study': ['scipy>=1.11', 'pyarrow>=15', 'matplotlib', 'distributed'],
-        'live': ['nicegui>=3,<4'],
+        'live': ['nicegui>=3.5,<4'],
         'test': ['pytest<9', 'mpmath', 'rosbags', 'mcap>=1.5,<2', 'lz4', 'zstandard',
                  'mcap-ros2-support>=0.6,<1', 'scipy', 'matplotlib', 'python-flint',
                  'yourdfpy', 'mujoco', 'pyarrow', 'distributed', 'coverage'],

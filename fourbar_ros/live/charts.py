@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite
+from math import ceil, floor, isfinite, log10
 from typing import Any
 
 from fourbar_ros.extrema.find import CONSTANT, Extremum, MAXIMUM
@@ -16,6 +16,8 @@ import numpy as np
 COLOURS = ('#2463a8', '#a3501c', '#1e6b37', '#7b3294', '#8a1538', '#4d5b00')
 CURVE_HEIGHT, GAP, TOP, LEFT, RIGHT = 130, 46, 34, 78, 24      # [px]
 CURSOR = '#c0392b'
+POLAR_SIZE = 400, 380                                          # [px]
+POLAR_EDGES = 62, 18, 40, 44                                   # left, right, top, bottom [px]
 
 
 def height(count: int) -> int:
@@ -26,35 +28,57 @@ def height(count: int) -> int:
 def over_input(shown: Shown, names: Sequence[str], extrema: Sequence[Extremum],
                is_dark: bool) -> dict[str, Any]:
     """Return the options of one panel for each quantity, over one input axis, extrema marked."""
-    series = [_curve(shown, name, i, extrema) for i, name in enumerate(names)]
+    inputs: list[float | None] = []
+    for cycle in shown.cycles:              # a gap separates the ranges of the input
+        inputs += [*map(shown.shown_input, cycle.inputs.tolist()), None]
+    columns = {'x': inputs} | {name: _column(shown, name) for name in names}
+    series = [_line(place, 0, name) | {
+        'name': name, 'color': COLOURS[place % len(COLOURS)],
+        'markPoint': {'data': _marks(shown, name, extrema), 'silent': False}}
+              for place, name in enumerate(names)]
     ends = shown.shown_input(shown.ranges[0][0]), shown.shown_input(shown.ranges[-1][1])
     label = f'{shown.linkage.input_coordinate.position} [{shown.input_unit}]'
-    return _panels(shown, names, series, (*ends, label), is_dark)
+    return _panels(shown, names, (series, [columns]), (*ends, label), is_dark)
 
 
-def over_time(shown: Shown, names: Sequence[str],
-              lines: Sequence[Sequence[tuple[str, np.ndarray, np.ndarray]]], end: float,
-              is_dark: bool) -> dict[str, Any]:
+def over_time(shown: Shown, runs: Sequence[tuple[str, np.ndarray, dict[str, np.ndarray]]],
+              names: Sequence[str], end: float, is_dark: bool) -> dict[str, Any]:
     """
     Return the options of one panel for each quantity over time.
 
-    ``lines``: for each quantity (title of a run, times [s], values) of every run.
+    ``runs``: of each its title, times [s], and values of its quantities by name.
     """
-    series = [{'type': 'line', 'name': ' '.join(filter(None, (name, title))), 'showSymbol': False,
-               'id': f'run{place}_{which}', 'xAxisIndex': place, 'yAxisIndex': place,
-               'color': COLOURS[which % len(COLOURS)],
-               'lineStyle': {'width': 2, 'type': 'dashed' if which else 'solid'},
-               'data': [[float(x), float(y)] if isfinite(y) else [float(x), None]
-                        for x, y in zip(times, values)]}
+    columns = [{'x': times.tolist()} | {name: _finite(values) for name, values in found.items()}
+               for _, times, found in runs]
+    series = [_line(place, which, name) | {
+        'name': ' '.join(filter(None, (name, title))), 'color': COLOURS[which % len(COLOURS)],
+        'lineStyle': {'width': 2, 'type': 'dashed' if which else 'solid'}}
               for place, name in enumerate(names)
-              for which, (title, times, values) in enumerate(lines[place])]
-    return _panels(shown, names, series, (0.0, end, 'time [s]'), is_dark)
+              for which, (title, _, found) in enumerate(runs) if name in found]
+    return _panels(shown, names, (series, columns), (0.0, end, 'time [s]'), is_dark)
 
 
-def _panels(shown: Shown, names: Sequence[str], series: list[dict[str, Any]],
+def _line(place: int, which: int, name: str) -> dict[str, Any]:
+    """Return the series of a column of data set number ``which`` in panel number ``place``."""
+    return {'type': 'line', 'id': f'line{place}_{which}', 'showSymbol': False,
+            'xAxisIndex': place, 'yAxisIndex': place, 'lineStyle': {'width': 2},
+            'datasetIndex': which, 'encode': {'x': 'x', 'y': name}}
+
+
+def _finite(values: np.ndarray) -> list[float | None]:
+    return [value if isfinite(value) else None for value in np.asarray(values, float).tolist()]
+
+
+def _panels(shown: Shown, names: Sequence[str],
+            lines: tuple[list[dict[str, Any]], list[dict[str, Any]]],
             axis: tuple[float, float, str], is_dark: bool) -> dict[str, Any]:
-    """Return the options of stacked panels over one axis (low, high, label)."""
-    panels, (low, high, label) = range(len(names)), axis
+    """
+    Return the options of stacked panels over one axis (low, high, label).
+
+    ``lines``: the series, and the columns of each data set: a browser copies a few long columns
+    in a fraction of the time of many pairs.
+    """
+    (series, columns), panels, (low, high, label) = lines, range(len(names)), axis
     ink = {'color': _ink(is_dark)}
     return {
         'animation': False, 'backgroundColor': 'transparent',
@@ -73,7 +97,8 @@ def _panels(shown: Shown, names: Sequence[str], series: list[dict[str, Any]],
                    'axisLabel': ink, 'splitLine': _grid(is_dark)} for i in panels],
         'tooltip': {'trigger': 'axis'},
         'axisPointer': {'link': [{'xAxisIndex': 'all'}]},
-        'series': series + [cursor_series(i, None) for i in panels],
+        'dataset': [{'source': source} for source in columns],
+        'series': series,
     }
 
 
@@ -85,40 +110,31 @@ def _grid(is_dark: bool) -> dict[str, Any]:
     return {'lineStyle': {'color': '#3a3f45' if is_dark else '#dddddd'}}
 
 
-def _curve(shown: Shown, name: str, place: int, extrema: Sequence[Extremum]) -> dict[str, Any]:
-    """Return the series of one quantity; a gap separates the ranges of the input."""
-    data: list[Any] = []
-    for inputs, values in shown.curves(name):
+def _column(shown: Shown, name: str) -> list[float | None]:
+    """Return the values of a quantity over all ranges of the input, gaps between them."""
+    data: list[float | None] = []
+    for _, values in shown.curves(name):
         with np.errstate(invalid='ignore'):
             bound = LIMIT * float(np.nanmedian(np.abs(values))) or np.inf
-        data += [[shown.shown_input(float(x)), float(y)]
-                 for x, y in zip(inputs, values) if abs(y) <= bound] + [[None, None]]
-    marks = [{'coord': [shown.shown_input(shown.place_of(extremum)), extremum.value],
-              'value': significant(extremum.value), 'symbol': 'circle',
-              'symbolSize': 9 if extremum.is_global else 5,
-              'label': {'show': extremum.is_global, 'fontSize': 11,
-                        'position': 'bottom' if extremum.kind == MAXIMUM else 'top'}}
-             for extremum in extrema if extremum.quantity == name and extremum.kind != CONSTANT
-             and isfinite(extremum.value)]
-    return {'type': 'line', 'name': name, 'id': f'curve{place}', 'showSymbol': False,
-            'xAxisIndex': place, 'yAxisIndex': place, 'data': data,
-            'lineStyle': {'width': 2}, 'color': COLOURS[place % len(COLOURS)],
-            'markPoint': {'data': marks, 'silent': False}}
+            data += [*_finite(np.where(np.abs(values) <= bound, values, np.nan)), None]
+    return data
 
 
-def cursor_series(place: int, at: float | None) -> dict[str, Any]:
-    """Return the series with the line at the present input, of panel number ``place``."""
-    marks = [] if at is None else [{'xAxis': at}]
-    return {'type': 'line', 'id': f'cursor{place}', 'xAxisIndex': place, 'yAxisIndex': place,
-            'data': [], 'silent': True, 'tooltip': {'show': False},
-            'markLine': {'symbol': 'none', 'animation': False, 'label': {'show': False},
-                         'lineStyle': {'color': CURSOR, 'type': 'solid', 'width': 1.5},
-                         'data': marks}}
+def _marks(shown: Shown, name: str, extrema: Sequence[Extremum]) -> list[dict[str, Any]]:
+    """Return the marks of the extrema of a quantity, the global ones with their value."""
+    return [{'coord': [shown.shown_input(shown.place_of(extremum)), extremum.value],
+             'value': significant(extremum.value), 'symbol': 'circle',
+             'symbolSize': 9 if extremum.is_global else 5,
+             'label': {'show': extremum.is_global, 'fontSize': 11,
+                       'position': 'bottom' if extremum.kind == MAXIMUM else 'top'}}
+            for extremum in extrema if extremum.quantity == name and extremum.kind != CONSTANT
+            and isfinite(extremum.value)]
 
 
-def cursors(count: int, at: float) -> dict[str, Any]:
-    """Return what moves the cursors of a chart of so many panels to an input."""
-    return {'series': [cursor_series(i, at) for i in range(count)]}
+def cursor_style(at: float, low: float, high: float) -> str:
+    """Return the CSS of the line over the panels that stands at the present input or time."""
+    share = (at - low) / (high - low) if high > low else 0.0
+    return f'left:calc({LEFT}px + {share:.6f} * (100% - {LEFT + RIGHT}px))'
 
 
 def polar(shown: Shown, is_dark: bool) -> dict[str, Any]:
@@ -140,22 +156,39 @@ def polar(shown: Shown, is_dark: bool) -> dict[str, Any]:
             largest = max(largest, float(np.nanquantile(size[np.isfinite(size)], 0.99)))
         series.append({'type': 'line', 'name': text, 'showSymbol': False, 'data': data,
                        'lineStyle': {'width': 2}, 'color': COLOURS[len(series) % len(COLOURS)]})
-    series.append({'type': 'scatter', 'id': 'now', 'name': 'now', 'data': [], 'symbolSize': 10,
-                   'color': CURSOR})
-    bound = float(f'{1.08 * largest:.2g}') or 1.0
-    axis = {'type': 'value', 'min': -bound, 'max': bound, 'splitLine': _grid(is_dark),
-            'axisLabel': {'color': _ink(is_dark), 'showMinLabel': False, 'showMaxLabel': False},
+    left, right, top, bottom = POLAR_EDGES
+    bound, step = _round_axis(1.04 * largest)
+    axis = {'type': 'value', 'min': -bound, 'max': bound, 'interval': step,
+            'splitLine': _grid(is_dark), 'axisLabel': {'color': _ink(is_dark)},
             'nameTextStyle': {'color': _ink(is_dark)}}
     return {'animation': False, 'backgroundColor': 'transparent',
             'darkMode': is_dark,
-            'legend': {'top': 0, 'textStyle': {'color': _ink(is_dark)}},
-            'grid': {'left': 70, 'right': 30, 'top': 40, 'bottom': 40},
-            'xAxis': axis | {'name': 'x [N]', 'nameLocation': 'middle', 'nameGap': 24},
-            'yAxis': axis | {'name': 'y [N]'}, 'tooltip': {}, 'series': series}
+            'legend': {'top': 0, 'itemWidth': 16, 'textStyle': {'color': _ink(is_dark)}},
+            'grid': {'left': left, 'right': right, 'top': top, 'bottom': bottom},
+            'xAxis': axis | {'name': 'x [N]', 'nameLocation': 'middle', 'nameGap': 26},
+            'yAxis': axis | {'name': 'y [N]', 'nameLocation': 'middle', 'nameGap': 46},
+            'tooltip': {}, 'series': series}
 
 
-def polar_now(shown: Shown, loads: Any) -> dict[str, Any]:
-    """Return what moves the dots of the polar diagram to the present loads."""
-    names = ['shaking_force', *ground_forces(shown.linkage)]
-    return {'series': [{'id': 'now', 'data': [[getattr(loads, f'{name}_x'),
-                                               getattr(loads, f'{name}_y')] for name in names]}]}
+def _round_axis(largest: float) -> tuple[float, float]:
+    """Return (bound, step) of an axis from -bound to bound with round steps of 1, 2 or 5."""
+    if not largest > 0.0 or not isfinite(largest):
+        return 1.0, 0.5
+    size = 10.0 ** floor(log10(largest / 2.0))
+    step = next(float(f'{size * part:.0e}') for part in (1.0, 2.0, 5.0, 10.0)
+                if 3.0 * size * part >= largest)
+    return step * ceil(largest / step - 1e-9), step
+
+
+def polar_now(shown: Shown, loads: Any, bound: float) -> str:
+    """Return SVG dots at the present loads, to lie over the polar diagram of that bound [N]."""
+    left, right, top, bottom = POLAR_EDGES
+    width, height = POLAR_SIZE[0] - left - right, POLAR_SIZE[1] - top - bottom
+    dots = []
+    for name in ('shaking_force', *ground_forces(shown.linkage)):
+        x, y = (getattr(loads, f'{name}_{axis}') / bound for axis in 'xy')
+        if max(abs(x), abs(y)) <= 1.0:
+            dots.append(f'<circle cx="{left + 0.5 * (1.0 + x) * width:.1f}" '
+                        f'cy="{top + 0.5 * (1.0 - y) * height:.1f}" r="5"/>')
+    return (f'<svg width="{POLAR_SIZE[0]}" height="{POLAR_SIZE[1]}" fill="{CURSOR}">'
+            f'{"".join(dots)}</svg>')

@@ -51,7 +51,7 @@ def build(shown: Shown, change: Callable[[str, Any], None]) -> dict[str, Any]:
     """
     fields = {}
     for group, found in shown_parameters(shown).items():
-        with ui.expansion(GROUPS[group], value=group in OPEN).classes('w-full').props(
+        with ui.expansion(GROUPS[group], value=group in OPEN).classes('full-width').props(
                 'dense expand-separator'):
             for parameter in found:
                 fields[parameter.name] = _control(parameter, shown.scene.values[parameter.name],
@@ -65,18 +65,18 @@ def _control(parameter: Parameter, value: Any, shown: Shown,
     name, text = parameter.name, parameter.text[0].upper() + parameter.text[1:]
     if name.endswith('.mode') and parameter.type == 'integer':
         modes = shown.linkage.modes if name == 'linkage.mode' else {1: '1', 2: '2'}
-        with ui.row().classes('items-center w-full no-wrap'):
+        with ui.row().classes('items-center full-width no-wrap'):
             ui.label('assembly mode')
             return ui.toggle(modes, value=value, on_change=lambda event: change(
                 name, event.value)).props(f'dense no-caps aria-label="{name}"').tooltip(text)
     unit = f' [{parameter.unit}]' if parameter.unit else ''
     low, high, step = _span(parameter, float(value), shown)
-    with ui.row().classes('items-center w-full no-wrap fb-control'):
+    with ui.row().classes('items-center full-width no-wrap fb-control'):
         field = ui.number(f'{name.split(".", 1)[1]}{unit}', value=value, format='%.12g',
                           on_change=lambda event: change(name, event.value)).props(
             f'dense debounce=200 aria-label="{name}"').classes('fb-number').tooltip(text)
         slider = ui.slider(min=low, max=high, step=step, value=float(value)).props(
-            f'aria-label="{name} slider"').classes('grow')
+            f'aria-label="{name} slider"').classes('col')
         slider.on_value_change(lambda event: field.set_value(event.value)
                                if event.value != _clamped(field.value, low, high) else None)
         field.on_value_change(lambda event: slider.set_value(_clamped(event.value, low, high)))

@@ -12,6 +12,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import radians
+from time import monotonic
 from typing import Any, NamedTuple
 
 from fourbar_ros.extrema.find import Extremum
@@ -20,7 +21,7 @@ from fourbar_ros.live.dragging import nearest_input, range_of
 from fourbar_ros.live.model import Shown
 import numpy as np
 
-MOST_POINTS = 1500          # of a curve over a long run
+SILENCE = 2.0               # [s] after which a node's pose is said to be old
 
 
 class State(NamedTuple):
@@ -45,7 +46,9 @@ class Course(ABC):
     """What moves the input."""
 
     can_drag = True
+    has_extrema = True          # its curves are over the input, with the extrema marked
     pace: Pace | None = None    # what its user may set; None: nothing
+    beside: tuple[str, ...] = ()        # titles of other runs to compare with
 
     @property
     @abstractmethod
@@ -77,6 +80,14 @@ class Course(ABC):
     @abstractmethod
     def follow(self, shown: Shown) -> None:
         """Go on with another mechanism."""
+
+    def others(self) -> list[tuple[Shown, State | None]]:
+        """Return the mechanism and the state of each run beside; None after its end."""
+        return []
+
+    def warning(self) -> str:
+        """Return what its user should know of the state, or ''."""
+        return ''
 
     @abstractmethod
     def curves(self, names: Sequence[str], extrema: Sequence[Extremum],
@@ -141,87 +152,6 @@ class OverInput(Course):
         return charts.over_input(self.shown, names, extrema, is_dark)
 
 
-class Run(NamedTuple):
-    """
-    The recorded motion of an input.
-
-    Parameters
-    ----------
-    times : array of shape (n,)
-        Since the first sample [s], growing.
-    states : array of shape (3, n)
-        Position, rate and acceleration of the input.
-
-    """
-
-    times: np.ndarray
-    states: np.ndarray
-
-
-class OverTime(Course):
-    """A recorded run, at its own pace or to scrub along; a second one beside it to compare."""
-
-    can_drag = False
-
-    def __init__(self, shown: Shown, run: Run, others: Sequence[tuple[str, Shown, Run]] = ()):
-        self.shown, self.run, self.others, self.time = shown, run, others, 0.0
-        self.pace = Pace('times real time', 0.1, 10.0, 1.0)
-
-    @property
-    def label(self) -> str:
-        """Return what its slider shows, with unit."""
-        return 'time [s]'
-
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """Return the ends of its slider."""
-        return 0.0, float(self.run.times[-1])
-
-    @property
-    def at(self) -> float:
-        """Return where its slider stands."""
-        return self.time
-
-    def go(self, at: float) -> None:
-        """Go to a time [s]."""
-        self.time = min(max(at, 0.0), self.bounds[1])
-
-    def advance(self, seconds: float) -> None:
-        """Move on by a time, at the end to the start again."""
-        length = self.bounds[1]
-        self.time = (self.time + self.pace.value * seconds) % length if length > 0.0 else 0.0
-
-    def state(self) -> State:
-        """Return the :class:`State` at the sample that holds now."""
-        return state_at(self.run, self.time)
-
-    def follow(self, shown: Shown) -> None:
-        """Go on with another mechanism, moved by the same run."""
-        self.shown = shown
-
-    def curves(self, names: Sequence[str], extrema: Sequence[Extremum],
-               is_dark: bool) -> dict[str, Any]:
-        """Return the options of the chart over time, of all runs."""
-        runs = [('', self.shown, self.run), *self.others]
-        lines = [[(title, *_thinned(shown, run, name)) for title, shown, run in runs
-                  if name in shown.quantities] for name in names]
-        return charts.over_time(self.shown, names, lines, self.bounds[1], is_dark)
-
-
-def state_at(run: Run, time: float) -> State:
-    """Return the :class:`State` of the last sample up to a time [s]."""
-    i = max(int(np.searchsorted(run.times, time, 'right')) - 1, 0)
-    return State(*map(float, run.states[:, i]))
-
-
-def _thinned(shown: Shown, run: Run, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return times and values of a quantity over a run, of a long one some of its samples."""
-    picked = np.linspace(0, len(run.times) - 1, min(len(run.times), MOST_POINTS)).astype(int)
-    quantity, given = shown.quantities[name], [row[picked] for row in run.states]
-    motion, loads = shown.linkage.motion_and_loads(*given)
-    return run.times[picked], np.broadcast_to(quantity.of(motion, loads), picked.shape)
-
-
 class OfNode(OverInput):
     """The input of a running node, as its topic has it."""
 
@@ -231,6 +161,7 @@ class OfNode(OverInput):
         super().__init__(shown, shown.scene.drive.start)
         self.pace = None
         self.latest = latest
+        self._heard, self._last = monotonic(), None
         self._state = super().state()        # until the first motion comes
 
     def go(self, at: float) -> None:
@@ -239,13 +170,22 @@ class OfNode(OverInput):
     def advance(self, seconds: float) -> None:
         """Take the latest motion."""
         found = self.latest()
-        if found is not None:
+        if found is not None and found is not self._last:
+            self._last, self._heard = found, monotonic()
             self._state = State(*found)
             self.position = nearest_input(self.shown, self._state.position)
 
     def state(self) -> State:
         """Return the latest :class:`State` of the input."""
         return self._state
+
+    def warning(self) -> str:
+        """Return since when the node is silent: what is shown is then its last pose."""
+        silent = monotonic() - self._heard
+        if silent < SILENCE:
+            return ''
+        return (f'no motion of the node for {silent:.0f} s: this is its last pose'
+                if self._last else 'no motion of the node yet: this is where it would start')
 
     def follow(self, shown: Shown) -> None:
         """Go on with another mechanism."""

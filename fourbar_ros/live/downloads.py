@@ -3,6 +3,7 @@
 """Downloads of a page: scene file, pictures, numbers, one page that needs no server."""
 from __future__ import annotations
 
+from collections.abc import Callable
 import csv
 import io
 import json
@@ -10,25 +11,36 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from fourbar_ros.errors import FourBarError
 from fourbar_ros.live.model import Shown
-from fourbar_ros.live.picture import (
-    document,
-    HEIGHT,
-    Layers,
-    mechanism_svg,
-    STYLE,
-    traces_svg,
-    WIDTH,
-)
-from nicegui import ui
+from fourbar_ros.live.picture import document, Layers, mechanism_svg, traces_svg
+from fourbar_ros.live.strokes import HEIGHT, STYLE, WIDTH
+from fourbar_ros.live.tables import extrema_rows
+from nicegui import run, ui
 
 FRAMES = 120             # pictures in a page of its own
+
+
+# The picture as the browser draws it, at twice its size.
+PNG = """(name, svg) => {
+const image = new Image();
+image.onload = () => {
+  const canvas = document.createElement('canvas');
+  [canvas.width, canvas.height] = [2 * image.width, 2 * image.height];
+  canvas.getContext('2d').drawImage(image, 0, 0, canvas.width, canvas.height);
+  const link = document.createElement('a');
+  [link.href, link.download] = [canvas.toDataURL('image/png'), name];
+  link.click();
+};
+image.src = 'data:image/svg+xml;charset=utf-8,' + encodeURIComponent(svg);
+}"""
 
 
 def menu(page: Any) -> None:
     """Build the menu of downloads."""
     kinds = {'scene file (YAML)': ('yaml', lambda: page.shown.scene.as_text),
              'picture (SVG)': ('svg', lambda: picture(page)),
+             'picture (PNG)': ('png', lambda: picture(page)),
              'numbers of a cycle (CSV)': ('csv', lambda: cycle_csv(page.shown)),
              'page that needs no server (HTML)': ('html', lambda: html(page)),
              'animation (GIF)': ('gif', lambda: gif(page.shown))}
@@ -38,9 +50,24 @@ def menu(page: Any) -> None:
             ui.menu_item(text, lambda suffix=suffix, make=make: _send(page, suffix, make))
 
 
-def _send(page: Any, suffix: str, make: Any) -> None:
-    content = make()
-    ui.download.content(content, f'{page.title.rpartition("/")[2].removesuffix(".yaml")}.{suffix}')
+async def _send(page: Any, suffix: str, make: Callable[[], str | bytes]) -> None:
+    """Make a file without stopping the page, and send it; or say why there is none."""
+    why = page.refusal if page.refusal or suffix not in ('svg', 'png', 'html') else page.no_pose
+    if why:
+        ui.notify(f'nothing to save: {why}', type='warning')
+        return
+    if suffix == 'gif':
+        ui.notify('drawing the animation takes some seconds', type='ongoing', timeout=5000)
+    try:
+        content = await run.io_bound(make)
+    except FourBarError as error:
+        ui.notify(str(error), type='negative')
+        return
+    name = f'{page.title.rpartition("/")[2].removesuffix(".yaml")}.{suffix}'
+    if suffix == 'png':
+        ui.run_javascript(f'({PNG})({json.dumps(name)}, {json.dumps(content)})')
+    else:
+        ui.download.content(content, name)
 
 
 def picture(page: Any) -> str:
@@ -67,17 +94,12 @@ def cycle_csv(shown: Shown) -> str:
 
 def html(page: Any) -> str:
     """Return a page of its own: the moving mechanism, its scene and its extrema, no server."""
-    shown, frames = page.shown, []
-    for cycle in shown.cycles:
-        step = max(1, len(cycle.inputs) * len(shown.cycles) // FRAMES)
-        for position in cycle.inputs[::step]:
-            status, motion, loads = shown.pose(float(position))
-            if status == 0:
-                frames.append(mechanism_svg(shown, motion, loads, page.view, page.per_newton,
-                                            Layers(page.layers.curves, page.layers.forces)))
+    shown, layers = page.shown, Layers(page.layers.curves, page.layers.forces)
+    frames = [mechanism_svg(shown, motion, loads, page.view, page.per_newton, layers)
+              for _, motion, loads in shown.samples(FRAMES)]
     rows = ''.join(f'<tr><td>{row["quantity"]}</td><td>{row["kind"]}</td><td>{row["value"]}</td>'
                    f'<td>{row["unit"]}</td><td>{row["at"]}</td></tr>'
-                   for row in page.elements.extrema.rows)
+                   for row in extrema_rows(shown, page.views.found))
     return f"""<!doctype html><html lang="en"><meta charset="utf-8"><title>{page.title}</title>
 <style>{STYLE}body{{font:16px sans-serif;max-width:60rem;margin:auto}}
 td{{padding:0 .8em 0 0;font-variant-numeric:tabular-nums}}</style>

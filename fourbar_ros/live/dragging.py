@@ -8,10 +8,10 @@ from math import pi
 from typing import Any
 
 from fourbar_ros.live.model import Shown
-from fourbar_ros.live.picture import View
+from fourbar_ros.live.strokes import View
 import numpy as np
 
-DRAG_SAMPLES = 2            # every second sample of a cycle is a place to drag a joint to
+DRAG_SAMPLES = 181          # of the cycles are places to drag a joint to
 NEAR = 40.0                 # [px] a joint is caught from so far
 
 
@@ -47,14 +47,9 @@ class Handle:
     @cached_property
     def _path(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the inputs and the pixels of the joint at them."""
-        inputs, pixels = [], []
-        for cycle in self.shown.cycles:
-            for position in cycle.inputs[::DRAG_SAMPLES]:
-                status, motion, _ = self.shown.pose(float(position))
-                if status == 0:
-                    place = self.shown.linkage.diagram(motion).joints[self.joint]
-                    inputs.append(float(position))
-                    pixels.append(self.view.at(place))
+        found = [(position, self.view.at(self.shown.linkage.diagram(motion).joints[self.joint]))
+                 for position, motion, _ in self.shown.samples(DRAG_SAMPLES)]
+        inputs, pixels = zip(*found)
         return np.array(inputs), np.array(pixels)
 
     def input_at(self, pixel: tuple[float, float], now: float) -> float:

@@ -6,8 +6,9 @@ from __future__ import annotations
 from typing import Any
 
 from fourbar_ros.live import controls, downloads
-from fourbar_ros.live.picture import HEIGHT, STYLE, WIDTH
-from fourbar_ros.live.tables import EXTREMA_COLUMNS, NOW_COLUMNS
+from fourbar_ros.live.charts import CURSOR, GAP, POLAR_SIZE, TOP
+from fourbar_ros.live.strokes import HEIGHT, STYLE, WIDTH
+from fourbar_ros.live.tables import EXTREMA_COLUMNS, now_columns
 from nicegui import ui
 
 HEAD = f"""<style>{STYLE}
@@ -19,9 +20,14 @@ body.body--dark{{--fb-paper:#161a1f;--fb-ink:#ececec;--fb-link:#3b4653;--fb-poin
 @media (max-width:1000px){{.fb-columns{{grid-template-columns:minmax(0,1fr)}}}}
 .fb-number{{width:9.5rem;flex:none}} .fb-control{{gap:10px}}
 .fb-picture{{background:var(--fb-paper);border:1px solid rgba(128,128,128,.35);touch-action:none}}
+.fb-over{{position:relative;max-width:100%;overflow-x:auto;overflow-y:hidden}}
+.fb-cursor{{position:absolute;top:{TOP}px;bottom:{GAP}px;width:0;
+border-left:1.5px solid {CURSOR};pointer-events:none}}
+.fb-dots{{position:absolute;top:0;left:0;pointer-events:none}}
 .fb-table td,.fb-table th{{font-variant-numeric:tabular-nums;white-space:nowrap}}
 </style>"""
-TABS = ('Curves', 'Forces', 'Polygons', 'Extrema', 'Facts')
+CURVES, FORCES, POLYGONS, EXTREMA, FACTS = TABS = (
+    'Curves', 'Forces', 'Polygons', 'Extrema', 'Facts')
 LAYERS = {'curves': 'coupler curves', 'forces': 'forces', 'centres': 'instant centres'}
 
 
@@ -44,13 +50,14 @@ class Elements:
         self.dark = ui.dark_mode(None)
         ui.colors(primary='#1f5f99')
         self._header()
-        self.alarm = ui.label().classes('text-negative text-subtitle1 w-full').props('role=alert')
+        self.alarm = ui.label().classes('text-negative text-subtitle1 full-width').props(
+            'role=alert')
         with ui.element('main').classes('fb-columns'):
-            with ui.column().classes('w-full'):
+            with ui.column().classes('full-width'):
                 self._picture()
                 self._transport()
-                self.now = _table(NOW_COLUMNS, 'name')
-            with ui.column().classes('w-full'):
+                self.now = _table(now_columns(page.course.beside), 'name')
+            with ui.column().classes('full-width'):
                 self._views()
 
     def _header(self) -> None:
@@ -59,7 +66,7 @@ class Elements:
             ui.button(icon='menu', on_click=lambda: drawer.toggle()).props(
                 'flat dense color=white aria-label="parameters"')
             ui.label(page.title).classes('text-h6').props('role=heading aria-level=1')
-            self.words = ui.label().classes('grow')
+            self.words = ui.label().classes('col')
             downloads.menu(page)
             ui.button(icon='contrast', on_click=page.switch_dark).props(
                 'flat dense color=white aria-label="dark or light"')
@@ -67,31 +74,31 @@ class Elements:
             controls.build(page.shown, page.change)
             ui.number('acceleration of the input', value=page.acceleration,
                       on_change=lambda event: page.set_acceleration(event.value)).props(
-                'dense aria-label="acceleration of the input"').classes('w-full')
+                'dense aria-label="acceleration of the input"').classes('full-width')
 
     def _picture(self) -> None:
         self.picture = ui.interactive_image(
             size=(WIDTH, HEIGHT), on_mouse=self.page.on_mouse, sanitize=False,
             events=['mousedown', 'mousemove', 'mouseup', 'mouseleave']).classes(
-                'w-full fb-picture').props('role=img aria-label="the mechanism in its pose"')
+                'full-width fb-picture').props('role=img aria-label="the mechanism in its pose"')
         self.traces = self.picture.add_layer()
 
     def _transport(self) -> None:
         page, pace = self.page, self.page.course.pace
-        with ui.row().classes('items-center w-full no-wrap'):
+        with ui.row().classes('items-center full-width no-wrap'):
             self.play = ui.button(icon='play_arrow', on_click=page.play).props(
                 'round dense aria-label="play or pause"')
             self.slider = ui.slider(min=0.0, max=1.0, step=0.001, value=0.0,
                                     on_change=lambda event: page.go(event.value)).classes(
-                'grow').props('aria-label="input"')
+                'col').props('aria-label="input"')
             self.field = ui.number(value=0.0, format='%.6g',
                                    on_change=lambda event: page.go(event.value)).props(
                 'dense debounce=200 aria-label="input value"').classes('fb-number')
-        with ui.row().classes('items-center w-full'):
+        with ui.row().classes('items-center full-width'):
             if pace:
                 ui.label(pace.label)
                 ui.slider(min=pace.least, max=pace.most, step=pace.least / 2.0,
-                          value=pace.value).bind_value(pace, 'value').classes('w-32').props(
+                          value=pace.value).bind_value(pace, 'value').style('width:8rem').props(
                     f'label aria-label="{pace.label}"')
             for name, text in LAYERS.items():
                 ui.checkbox(text, value=getattr(page.layers, name),
@@ -99,46 +106,61 @@ class Elements:
 
     def _views(self) -> None:
         page = self.page
-        with ui.tabs().props('dense no-caps align=left').classes('w-full') as self.tabs:
+        with ui.tabs().props('dense no-caps align=left').classes('full-width') as self.tabs:
             for name in TABS:
                 ui.tab(name)
-        self.tabs.on_value_change(lambda: page.draw())
+        self.tabs.on_value_change(page.show_view)
         with ui.tab_panels(self.tabs, value=TABS[0], animated=False, keep_alive=True).classes(
-                'w-full bg-transparent'):
-            with _panel('Curves'):
+                'full-width bg-transparent'):
+            with _panel(CURVES):
                 ui.select(list(page.shown.quantities), value=page.names, multiple=True,
                           label='quantities', on_change=lambda event: page.choose(event.value)
-                          ).props('dense use-chips aria-label="quantities"').classes('w-full')
-                self.curves = ui.echart({}).classes('w-full').props(
-                    'role=img aria-label="curves over the input, extrema marked"')
-            with _panel('Forces'):
-                self.polar = ui.echart({}).style('width:400px;height:380px').props(
-                    'role=img aria-label="polar diagram of the shaking force and reactions"')
-            with _panel('Polygons'):
+                          ).props('dense use-chips aria-label="quantities"').classes('full-width')
+                if len(page.course.beside) == 1:
+                    ui.checkbox('difference of the two runs',
+                                on_change=lambda event: page.set_difference(event.value))
+                with ui.element('div').classes('full-width fb-over'):
+                    self.curves = ui.echart({}).classes('full-width').props(
+                        'role=img aria-label="curves over the input, extrema marked"')
+                    self.cursor = ui.element('div').classes('fb-cursor')
+            with _panel(FORCES):
+                self.no_loads = ui.label('no masses given, so no loads')
+                width, height = POLAR_SIZE
+                with ui.element('div').classes('fb-over'):
+                    self.polar = ui.echart({}).style(f'width:{width}px;height:{height}px').props(
+                        'role=img aria-label="polar diagram of the shaking force and reactions"')
+                    self.dots = ui.html('', sanitize=False).classes('fb-dots').props(
+                        'role=img aria-label="the forces of this pose"')
+            with _panel(POLYGONS):
                 self.polygons = [_polygon(name) for name in ('velocity', 'acceleration')]
-            with _panel('Extrema'):
+            with _panel(EXTREMA):
                 self.extrema = _table(EXTREMA_COLUMNS, 'key')
                 self.extrema.on('rowClick', lambda event: page.go(event.args[1]['input']))
-            with _panel('Facts'):
+            with _panel(FACTS):
                 columns = [{'name': name, 'label': '', 'field': name, 'align': 'left'}
                            for name in ('name', 'text')]
                 self.facts = _table(columns, 'name', 'wrap-cells hide-header')
 
-    def clear(self) -> None:
-        """Take away all pictures and numbers."""
-        self.clear_pose()
-        self.traces.content = ''
-        for table in (self.extrema, self.facts):
-            table.rows = []
-        for chart in (self.curves, self.polar):
-            chart.options.clear()
-            chart.run_chart_method('clear')
+    @property
+    def is_dark(self) -> bool:
+        """Return whether the page is dark."""
+        return bool(self.dark.value)
 
     def clear_pose(self) -> None:
         """Take away what shows one pose."""
-        for picture in (self.picture, *self.polygons):
+        for picture in (self.picture, *self.polygons, self.dots):
             picture.content = ''
+        self.cursor.set_visibility(False)
         self.now.rows = []
+
+    def clear_views(self, besides: str | None = None) -> None:
+        """Take away what shows a mechanism over its cycle, but for one view."""
+        for name, chart in ((CURVES, self.curves), (FORCES, self.polar)):
+            if name != besides and chart.options:
+                set_chart(chart, {})
+        for name, table in ((EXTREMA, self.extrema), (FACTS, self.facts)):
+            if name != besides and table.rows:
+                table.rows = []
 
 
 def _panel(name: str) -> Any:
@@ -148,13 +170,13 @@ def _panel(name: str) -> Any:
 def _polygon(name: str) -> Any:
     ui.label(f'{name} polygon')
     return ui.interactive_image(size=(WIDTH, HEIGHT), sanitize=False).classes(
-        'w-full fb-picture').props(f'role=img aria-label="{name} polygon"')
+        'full-width fb-picture').props(f'role=img aria-label="{name} polygon"')
 
 
 def _table(columns: list[dict[str, Any]], key: str, props: str = '') -> Any:
     return ui.table(columns=columns, rows=[], row_key=key).props(
         f'dense flat hide-pagination {props} :rows-per-page-options="[0]"').classes(
-        'w-full fb-table')
+        'full-width fb-table')
 
 
 def set_chart(chart: Any, options: dict[str, Any]) -> None:

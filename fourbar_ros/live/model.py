@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import ceil, degrees, pi
+from math import ceil, degrees, isfinite, pi
 from typing import Any
 
 from fourbar_ros.extrema.find import Extremum, find_extrema
@@ -145,17 +145,26 @@ class Shown:
         return {name: [point_motion(self.linkage, cycle.motion, *point) for cycle in self.cycles]
                 for name, point in self.points.items()}
 
+    def samples(self, most: int) -> list[tuple[float, Any, Any]]:
+        """
+        Return some (input, motion, loads) over the cycles, at most about so many, where finite.
+
+        Loads are None without masses.
+        """
+        found = []
+        for cycle in self.cycles:
+            step = max(1, ceil(len(cycle.inputs) * len(self.cycles) / most))
+            for i in range(0, len(cycle.inputs), step):
+                motion = _sample(cycle.motion, i)
+                loads = _sample(cycle.loads, i) if self.linkage.bodies else None
+                if isfinite(sum(motion) + sum(loads or ())):
+                    found.append((float(cycle.inputs[i]), motion, loads))
+        return found
+
     @cached_property
     def poses(self) -> list[tuple[Any, Any]]:
         """Return some forty (motion, loads) over the cycles, for the size of pictures."""
-        found = []
-        for cycle in self.cycles:
-            step = max(1, ceil(len(cycle.inputs) * len(self.cycles) / 40))
-            for i in range(0, len(cycle.inputs), step):
-                status, motion, loads = self.pose(float(cycle.inputs[i]))
-                if status == 0:
-                    found.append((motion, loads))
-        return found
+        return [(motion, loads) for _, motion, loads in self.samples(40)]
 
     def shown_input(self, position: float) -> float:
         """Return an input in the unit of the page: degrees, or m."""
@@ -165,6 +174,11 @@ class Shown:
     def input_unit(self) -> str:
         """Return the unit of the input on the page."""
         return 'm' if self.linkage.is_driven_by_slide else 'deg'
+
+
+def _sample(columns: Any, i: int) -> Any:
+    """Return number i of a NamedTuple of arrays and of numbers that are the same everywhere."""
+    return type(columns)(*[float(column[i] if np.ndim(column) else column) for column in columns])
 
 
 def shown(values: dict[str, Any], acceleration: float = 0.0) -> Shown:

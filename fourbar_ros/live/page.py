@@ -3,6 +3,7 @@
 """What a page of a scene shows, and how it answers to its user; :mod:`elements` is its form."""
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
 import contextlib
 from math import isfinite
@@ -10,30 +11,31 @@ import time
 from typing import Any
 
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.extrema.find import Extremum
-from fourbar_ros.live import address, charts
+from fourbar_ros.live import address
 from fourbar_ros.live.course import Course, OverInput
 from fourbar_ros.live.dragging import Handle
-from fourbar_ros.live.elements import Elements, set_chart
+from fourbar_ros.live.elements import Elements
 from fourbar_ros.live.model import Shown
 from fourbar_ros.live.model import shown as shown_of
 from fourbar_ros.live.picture import (
     force_scale,
+    ghost_svg,
     Layers,
     mechanism_svg,
     mechanism_view,
-    polygon_svg,
-    polygon_view,
     traces_svg,
 )
-from fourbar_ros.live.tables import extrema_rows, now_rows
-from fourbar_ros.pipeline.status import OK, STATUS_NAMES
-from fourbar_ros.report.tables import facts
-from nicegui import ui
+from fourbar_ros.live.tables import now_rows, pose_values
+from fourbar_ros.live.views import Views
+from fourbar_ros.pipeline.status import OK, OUT_OF_RANGE, STATUS_NAMES
+from nicegui import background_tasks, ui
 
 FRAME = 1.0 / 30.0          # [s]
+PICTURE_FIRST = 0.005       # [s] within which what was drawn leaves for the browser
+VIEW_EVERY = 0.1            # [s] charts are filled so often at most
 CATCH_UP = 6                # frames: so many at most wait for a browser that is slower
 PATIENCE = 10.0             # [s] ... and so long
+LIKES_DARK = "matchMedia('(prefers-color-scheme: dark)').matches"
 TABLE_EVERY = 5             # frames: numbers that change faster cannot be read
 
 
@@ -69,14 +71,17 @@ class Page:
         if at is not None:
             self.course.go(at)
         self.names = self.shown.usual_quantities
-        self.layers, self.handle, self.is_possible = Layers(), None, False
-        self.extrema: list[Extremum] = []
+        self.layers, self.handle, self.pose = Layers(), None, None
+        self.refusal = self.no_pose = ''         # why there is no mechanism, why it has no pose
         self.last, self.frames, self.is_behind = time.monotonic(), 0, False
 
     def build(self) -> None:
         """Build the elements of the page and fill them."""
+        self.client = ui.context.client
         self.elements = Elements(self)
+        self.views = Views(self)
         self.timer = ui.timer(FRAME, self._tick, active=False)
+        ui.timer(0.0, self._ask_dark, once=True)
         self.rebuild(keep_problem=True)
         # the pictures are drawn over images of nothing, which readers of screens shall skip
         ui.run_javascript("document.querySelectorAll('img:not([alt])').forEach(i => {i.alt = ''})")
@@ -102,78 +107,78 @@ class Page:
         """Compute all that is shown again; what is impossible takes the picture away."""
         try:
             found = shown_of(self.values, self.acceleration)
-            view, per_newton = mechanism_view(found), force_scale(found)
+            view = mechanism_view(found, *(other for other, _ in self.course.others()))
+            per_newton = force_scale(found)
         except FourBarError as error:
             return self._refuse(str(error))
         self.problem = self.problem if keep_problem else ''
-        self.shown, self.view, self.per_newton, self.is_possible = found, view, per_newton, True
+        self.shown, self.view, self.per_newton, self.refusal = found, view, per_newton, ''
+        self.names = [name for name in self.names if name in found.quantities]
         self.course.follow(found)
         self.elements.words.set_text(found.linkage.description)
         self._set_input()
-        self.polygon_views = [
-            polygon_view([polygon(motion) for motion, _ in found.poses])
-            for polygon in (found.linkage.velocity_polygon, found.linkage.acceleration_polygon)]
         self._draw_traces()
-        self.elements.facts.rows = [{'name': name, 'text': text}
-                                    for name, text in facts(found.linkage)]
-        self._draw_charts()
+        self.views.expire()
         self.draw()
+        self.show_view()
         self._remember()
         return None
 
     def _refuse(self, why: str) -> None:
         """Show why there is nothing to show, and no old picture."""
-        self.is_possible = False
+        self.refusal, self.pose = why, None
         self.elements.alarm.set_text(why)
-        self.elements.clear()
+        self.elements.clear_pose()
+        self.elements.traces.content = ''
+        self.views.clear()
         self.elements.words.set_text('impossible')
 
     def _draw_traces(self) -> None:
-        self.elements.traces.content = (traces_svg(self.shown, self.view) if self.layers.curves
-                                        else '')
-
-    def _draw_charts(self) -> None:
-        self.names = [name for name in self.names if name in self.shown.quantities]
-        is_dark = bool(self.elements.dark.value)
-        self.extrema = self.shown.extrema(self.names)
-        set_chart(self.elements.curves, self.course.curves(self.names, self.extrema, is_dark))
-        self.elements.curves.style(f'height:{charts.height(len(self.names))}px')
-        self.elements.polar.set_visibility(self.shown.linkage.bodies is not None)
-        if self.shown.linkage.bodies is not None:
-            set_chart(self.elements.polar, charts.polar(self.shown, is_dark))
-        self.elements.extrema.rows = extrema_rows(self.shown, self.extrema)
+        self.elements.traces.content = (traces_svg(self.shown, self.view)
+                                        if self.layers.curves and not self.refusal else '')
 
     def draw(self, with_table: bool = True) -> None:
         """Draw the present pose in every picture, and its numbers."""
-        if not self.is_possible:
+        if self.refusal:
             return
         status, motion, loads = self.shown.pose(*self.course.state())
-        self.elements.alarm.set_text(
-            self.problem if status == OK else
+        self.no_pose = '' if status == OK else (
             f'{STATUS_NAMES[status]} at {self.course.label} {self.course.at:.6g}')
-        if status != OK:
+        self.elements.alarm.set_text(self.no_pose or self.problem or self.course.warning())
+        if self.no_pose:
+            self.pose = None
             self.elements.clear_pose()
             return
         self.pose = motion, loads
-        self.elements.picture.content = mechanism_svg(self.shown, motion, loads, self.view,
-                                                      self.per_newton, self.layers)
+        beside = [(other, *(other.pose(*state) if state else (OUT_OF_RANGE, None, None)))
+                  for other, state in self.course.others()]
+        ghosts = ''.join(ghost_svg(other, its, self.view) for other, status, its, _ in beside
+                         if status == OK)
+        self.elements.picture.content = ghosts + mechanism_svg(
+            self.shown, motion, loads, self.view, self.per_newton, self.layers)
         if with_table:
-            self.elements.now.rows = now_rows(self.shown, motion, loads)
-        self._draw_view(motion, loads)
+            self.elements.now.rows = now_rows(
+                pose_values(self.shown, motion, loads),
+                [pose_values(other, *pose) if status == OK else {}
+                 for other, status, *pose in beside])
+        self.views.pose(motion, loads)
 
-    def _draw_view(self, motion: Any, loads: Any) -> None:
-        """Draw the present pose in the tab that is open."""
-        elements, linkage = self.elements, self.shown.linkage
-        if elements.tabs.value == 'Curves':
-            elements.curves.run_chart_method('setOption',
-                                             charts.cursors(len(self.names), self.course.at))
-        elif elements.tabs.value == 'Forces' and loads is not None:
-            elements.polar.run_chart_method('setOption', charts.polar_now(self.shown, loads))
-        elif elements.tabs.value == 'Polygons':
-            arrows = linkage.velocity_polygon(motion), linkage.acceleration_polygon(motion)
-            for picture, *drawn in zip(elements.polygons, arrows, self.polygon_views,
-                                       ('m/s', 'm/s²')):
-                picture.content = polygon_svg(*drawn)
+    async def _fill_view(self) -> None:
+        """Fill the view that is open, after the picture is on its way."""
+        await asyncio.sleep(PICTURE_FIRST)
+        if self.refusal or self.client.is_deleted:
+            return
+        try:
+            self.views.fill()
+        except FourBarError as error:       # a search that is beyond the numbers
+            self.views.clear()
+            self.problem = str(error)
+        self.draw(with_table=False)
+        await asyncio.sleep(VIEW_EVERY)
+
+    def show_view(self) -> None:
+        """Fill the view that is open, once for all that asked for it meanwhile."""
+        background_tasks.create_lazy(self._fill_view(), name=f'view of {self.client.id}')
 
     # --- transport ------------------------------------------------------------------------------
 
@@ -230,7 +235,7 @@ class Page:
         pixel = event.image_x, event.image_y
         if event.type == 'mousedown':
             self.handle = (Handle(self.shown, self.pose[0], self.view, pixel)
-                           if self.course.can_drag and self.is_possible else None)
+                           if self.course.can_drag and self.pose else None)
         elif event.type == 'mousemove' and self.handle and self.handle.joint and event.buttons:
             self.course.go(self.shown.shown_input(
                 self.handle.input_at(pixel, self.course.state().position)))
@@ -249,14 +254,30 @@ class Page:
     def choose(self, names: list[str]) -> None:
         """Draw the curves of these quantities, and find their extrema."""
         self.names = list(names)
-        self._draw_charts()
-        self.draw()
+        self._refill()
+
+    def set_difference(self, value: bool) -> None:
+        """Draw by how much the other run's curves are larger, or the curves of both."""
+        self.course.is_difference = value
+        self._refill()
 
     def switch_dark(self) -> None:
         """Turn from light to dark or back."""
         self.elements.dark.set_value(not self.elements.dark.value)
-        self._draw_charts()
-        self.draw()
+        self._refill()
+
+    async def _ask_dark(self) -> None:
+        """Be dark if the browser's user likes it so: charts cannot find that out themselves."""
+        with contextlib.suppress(TimeoutError):
+            if (await ui.run_javascript(LIKES_DARK, timeout=PATIENCE)
+                    and self.elements.dark.value is None):
+                self.switch_dark()
+
+    def _refill(self) -> None:
+        """Fill the views again, where there is something to show."""
+        if not self.refusal:
+            self.views.expire()
+            self.show_view()
 
     def _remember(self) -> None:
         """Put the state into the address of the page."""

@@ -8,7 +8,7 @@ from pathlib import Path
 from fourbar_ros.bag.origin import origin_of
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.live.course import Run
+from fourbar_ros.live.over_time import Run
 from fourbar_ros.pipeline.message_fields import driven_of
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import DRIVEN

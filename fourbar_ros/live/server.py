@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 import os
+from pathlib import Path
 import socket
 from typing import Any
 
@@ -16,6 +17,7 @@ HOST = '127.0.0.1'
 NAMES = (HOST, 'localhost')
 PORT = 8420
 PATIENCE = 30.0         # [s] a tab that is silent for longer is forgotten
+HISTORY = 100           # messages kept for a tab that comes back; older ones: it loads again
 
 
 class PortTaken(FourBarError, OSError):
@@ -81,15 +83,22 @@ def serve_scene(title: str, values: dict[str, Any], port: int, is_opened: bool) 
 
 def serve_run(paths: Sequence[str], node: str | None, port: int, is_opened: bool) -> None:
     """Serve the page of one recorded run, or of several beside each other."""
-    from fourbar_ros.live.course import OverTime
     from fourbar_ros.live.model import Shown
+    from fourbar_ros.live.over_time import OverTime
     from fourbar_ros.live.recorded import read_run
     (scene, run), *others = [read_run(path, node) for path in paths]
-    beside = [(str(path), Shown(other), its) for path, (other, its) in zip(paths[1:], others)]
+    beside = [(_short(path, paths), Shown(other), its)
+              for path, (other, its) in zip(paths[1:], others)]
     title = ' and '.join(map(str, paths))
     _serve(title, lambda query: Page(title, scene.values, query,
                                      lambda shown: OverTime(shown, run, beside)),
            port, is_opened)
+
+
+def _short(path: str, paths: Sequence[str]) -> str:
+    """Return the name of a bag, or its path if others have that name too."""
+    names = [Path(other).name for other in paths]
+    return Path(path).name if names.count(Path(path).name) == 1 else str(path)
 
 
 def serve_node(node: str, port: int, is_opened: bool) -> None:
@@ -111,4 +120,6 @@ def _serve(title: str, make: Callable[[dict[str, str]], Page], port: int,
     app.on_startup(lambda: print(f'http://{HOST}:{port}  (Ctrl-C ends it)', flush=True))
     ui.run(host=HOST, port=port, title='fourbar live', dark=None, language='en-US', reload=False,
            show=is_opened, show_welcome_message=False, favicon='⚙️',
-           reconnect_timeout=PATIENCE)
+           reconnect_timeout=PATIENCE, message_history_length=HISTORY,
+           # nothing is gained by packing what stays on this machine; Quasar's classes are enough
+           gzip_middleware_factory=None, ws_per_message_deflate=False, tailwind=False)

@@ -3,7 +3,7 @@
 """Rows of the tables of a page; numbers have the digits of the command line."""
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import degrees
 from typing import Any
 
@@ -38,20 +38,39 @@ def extrema_rows(shown: Shown, extrema: Sequence[Extremum]) -> list[dict[str, An
     return rows
 
 
-def now_rows(shown: Shown, motion: Any, loads: Any) -> list[dict[str, str]]:
-    """Return the rows of the present pose: every joint, the transmission angle, every load."""
-    rows = []
+def pose_values(shown: Shown, motion: Any, loads: Any) -> dict[str, tuple[float, str]]:
+    """Return {name: (value, unit)} of a pose: all joints, transmission angle, all loads."""
+    found = {}
     for coordinate in shown.linkage.PARTS:
         angle = coordinate.unit == 'rad'
         for name, factor, unit in zip(coordinate, (degrees(1.0) if angle else 1.0, 1.0, 1.0),
                                       (('deg', 'rad/s', 'rad/s²') if angle
                                        else ('m', 'm/s', 'm/s²'))):
-            rows.append({'name': name, 'value': number(factor * getattr(motion, name)),
-                         'unit': unit})
-    rows.append({'name': 'transmission_angle', 'unit': 'deg',
-                 'value': number(degrees(motion.transmission_angle))})
+            found[name] = factor * getattr(motion, name), unit
+    found['transmission_angle'] = degrees(motion.transmission_angle), 'deg'
     if loads is not None:
-        rows += [{'name': quantity.name, 'unit': quantity.unit,
-                  'value': number(quantity.of(motion, loads))}
-                 for quantity in select((), shown.linkage) if quantity.is_load]
+        found |= {quantity.name: (quantity.of(motion, loads), quantity.unit)
+                  for quantity in select((), shown.linkage) if quantity.is_load}
+    return found
+
+
+def now_columns(others: Sequence[str]) -> list[dict[str, str]]:
+    """Return the columns of the present pose, and of the same moment of other runs."""
+    columns = [*NOW_COLUMNS[:2]]
+    columns += [_column(f'other{i}', title, 'right') for i, title in enumerate(others)]
+    columns += [_column('difference', 'difference', 'right')] if len(others) == 1 else []
+    return [*columns, NOW_COLUMNS[2]]
+
+
+def now_rows(pose: Mapping[str, tuple[float, str]],
+             others: Sequence[Mapping[str, tuple[float, str]]] = ()) -> list[dict[str, str]]:
+    """Return the rows of :func:`pose_values`, those of other runs beside them; '' is unknown."""
+    rows = []
+    for name, (value, unit) in pose.items():
+        row = {'name': name, 'value': number(value), 'unit': unit}
+        for i, other in enumerate(others):
+            row[f'other{i}'] = number(other[name][0]) if name in other else ''
+        if len(others) == 1 and name in others[0]:
+            row['difference'] = number(others[0][name][0] - value)
+        rows.append(row)
     return rows

@@ -8,9 +8,10 @@ from xml.etree import ElementTree
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.live import address, charts
-from fourbar_ros.live.course import OverInput, OverTime, Run
+from fourbar_ros.live.course import OverInput
 from fourbar_ros.live.dragging import Handle, nearest_input
 from fourbar_ros.live.model import shown
+from fourbar_ros.live.over_time import OverTime, Run
 from fourbar_ros.live.picture import (
     document,
     force_scale,
@@ -117,7 +118,9 @@ def test_charts_mark_the_extrema_of_the_core():
              for mark in series.get('markPoint', {}).get('data', [])]
     assert sorted(mark['coord'][1] for mark in marks) == sorted(e.value for e in extrema)
     for series, name in zip(options['series'], names):
-        points = np.array([p for p in series['data'] if p[0] is not None], float)
+        source = options['dataset'][series['datasetIndex']]['source']
+        points = np.array([p for p in zip(source['x'], source[series['encode']['y']])
+                           if p[0] is not None], float)
         assert np.all(np.diff(points[:, 0]) > 0.0) and len(points) == 361
         for mark in series['markPoint']['data']:        # on the curve, within its spacing
             near = np.argmin(abs(points[:, 0] - mark['coord'][0]))
@@ -206,7 +209,8 @@ def test_a_run_is_shown_at_its_own_samples():
     course.go(1.0012)
     assert course.state() == (25.0 * times[200], 25.0, 0.0)
     options = course.curves(['omega4'], [], False)
-    values = dict(options['series'][0]['data'])
+    source = options['dataset'][0]['source']
+    values = dict(zip(source['x'], source['omega4']))
     motion = found.linkage.motion(25.0 * times[37], 25.0)
     assert values[times[37]] == pytest.approx(motion.omega4, rel=64 * EPS)
     course.go(99.0)

@@ -18,9 +18,8 @@ HOW = ('no browser: apt-get install chromium chromium-driver, or the packages of
 needs_browser = pytest.mark.skipif(not (CHROMIUM and DRIVER), reason=HOW)
 
 
-@contextmanager
-def live(*arguments):
-    """Run ``fourbar live`` and give the address of its page."""
+def start(*arguments):
+    """Start ``fourbar live``; return the process and, as soon as it is said, its address."""
     # to the page's server it would be a test of its own kind
     environment = {name: value for name, value in os.environ.items()
                    if name != 'PYTEST_CURRENT_TEST'}
@@ -29,19 +28,30 @@ def live(*arguments):
          '--no-browser'], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
         env={**environment, 'PYTHONUNBUFFERED': '1'})
     said = []
+    for line in process.stdout:
+        said.append(line)
+        found = re.search(r'http://\S+', line)
+        if found:
+            return process, found[0]
+    stop(process)
+    raise AssertionError(f'fourbar live ended: {"".join(said)}')
+
+
+def stop(process):
+    """End what :func:`start` started."""
+    process.terminate()
+    process.wait(PATIENCE)
+    process.stdout.close()
+
+
+@contextmanager
+def live(*arguments):
+    """Run ``fourbar live`` and give the address of its page."""
+    process, address = start(*arguments)
     try:
-        for line in process.stdout:
-            said.append(line)
-            found = re.search(r'http://\S+', line)
-            if found:
-                break
-        else:
-            raise AssertionError(f'fourbar live ended: {"".join(said)}')
-        yield found[0]
+        yield address
     finally:
-        process.terminate()
-        process.wait(PATIENCE)
-        process.stdout.close()
+        stop(process)
 
 
 @contextmanager
@@ -116,7 +126,7 @@ class Tab:
 
     def now(self):
         """Return {name: value as text} of the present pose."""
-        return {row[0]: row[1] for row in self.rows('now') if len(row) == 3}
+        return {row[0]: row[1] for row in self.rows('now') if len(row) >= 3}
 
     def until(self, condition, what):
         """Wait until a condition holds."""
