@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, floor, isfinite, log10
+from math import ceil, floor, isfinite, log10, radians
 from typing import Any
 
 from fourbar_ros.extrema.find import CONSTANT, Extremum, MAXIMUM
@@ -16,6 +16,8 @@ import numpy as np
 COLOURS = ('#2463a8', '#a3501c', '#1e6b37', '#7b3294', '#8a1538', '#4d5b00')
 CURVE_HEIGHT, GAP, TOP, LEFT, RIGHT = 130, 46, 34, 78, 24      # [px]
 CURSOR = '#c0392b'
+GOOD = 50.0                 # [deg] a transmission angle is called good so far off square
+BAND = 'rgba(60,160,80,.16)'
 POLAR_SIZE = 400, 380                                          # [px]
 POLAR_EDGES = 62, 18, 40, 44                                   # left, right, top, bottom [px]
 
@@ -34,7 +36,10 @@ def over_input(shown: Shown, names: Sequence[str], extrema: Sequence[Extremum],
     columns = {'x': inputs} | {name: _column(shown, name) for name in names}
     series = [_line(place, 0, name) | {
         'name': name, 'color': COLOURS[place % len(COLOURS)],
-        'markPoint': {'data': _marks(shown, name, extrema), 'silent': False}}
+        'markPoint': {'data': _marks(shown, name, extrema), 'silent': False},
+        'markArea': {'silent': True, 'itemStyle': {'color': BAND},
+                     'data': [[{'yAxis': radians(90.0 - GOOD)}, {'yAxis': radians(90.0 + GOOD)}]]
+                     if name.startswith('transmission_angle') else []}}
               for place, name in enumerate(names)]
     ends = shown.shown_input(shown.ranges[0][0]), shown.shown_input(shown.ranges[-1][1])
     label = f'{shown.linkage.input_coordinate.position} [{shown.input_unit}]'

@@ -3,13 +3,16 @@
 """Tables of a linkage's properties and of extrema; words for class, mode and units."""
 from __future__ import annotations
 
-from math import degrees, tau
+from math import degrees, pi, tau
 
-from fourbar_ros.report.poses import number, shown
+from fourbar_ros.extrema.find import CONSTANT, find_extrema
+from fourbar_ros.mechanisms.quantities import positions
+from fourbar_ros.report.poses import in_degrees, number, shown
 from fourbar_ros.report.terminal import plain_table
 import numpy as np
 
 SAMPLES, END, FULL_TURN = 721, 1e-14, tau * (1.0 - 1e-9)
+ANGLE = 'transmission_angle'
 SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the range is approached
 
 
@@ -94,11 +97,43 @@ def facts(linkage):
                              *(output.coordinate for output in linkage.outputs)),
                             point)))
              for point in linkage.dead_points]
+    rows += [*_toggles(linkage), *transmission_angles(linkage)]
     rows.append(('change-point margin', f'{linkage.change_point_margin:.6g} of the perimeter'))
     if linkage.bodies:
         rows += [(f'{name}', f'{body.mass:.6g} kg, {body.inertia:.6g} kg m^2, CG at '
                              f'({body.cg_along:g}, {body.cg_across:g}) m')
                  for name, body in linkage.bodies._asdict().items()]
+    return rows
+
+
+def _toggles(linkage):
+    """Return the row of where the links of a dyad come in line: at ends of the input."""
+    ends = {end for bounds in linkage.closing_ranges for end in bounds}
+    found = [] if linkage.turns_fully else [
+        shown(linkage.input_coordinate, end) for bounds in linkage.input_ranges
+        for end in bounds if end in ends]
+    return [('toggle', f'{linkage.input_coordinate.position} {", ".join(found)}' if found
+             else 'none within the range of the input')]
+
+
+def transmission_angles(linkage):
+    """Return rows of the band of each transmission angle over the input: ends, and worst."""
+    names = [name for name in positions(linkage, linkage.input) if name.startswith(ANGLE)]
+    own = [name for name in names if name != ANGLE] or names     # of a machine, each dyad's own
+    found = find_extrema(linkage, own, conditions=False)
+    rows = []
+    for name in own:
+        places = [extremum for extremum in found if extremum.quantity == name]
+        least, most = (pick(places, key=lambda extremum: extremum.value) for pick in (min, max))
+        worst = max((least, most), key=lambda extremum: abs(extremum.value - 0.5 * pi))
+        band = (in_degrees(least.value) if least.kind == CONSTANT else
+                f'{degrees(least.value):.4f} to {in_degrees(most.value)}')
+        at = worst.slide if linkage.is_driven_by_slide else worst.theta1
+        where = '' if least.kind == CONSTANT else (
+            f'; {degrees(abs(worst.value - 0.5 * pi)):.1f} deg off square at '
+            f'{linkage.input_coordinate.position} {shown(linkage.input_coordinate, at)}')
+        rows.append((f'transmission angle{name.removeprefix(ANGLE).replace("_", " ")}',
+                     band + where))
     return rows
 
 

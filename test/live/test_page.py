@@ -59,6 +59,12 @@ def test_every_scene_shows_its_mechanism_and_its_extrema(driver, address, name, 
     shown = capsys.readouterr().out
     for row in tab.rows('quantity'):
         assert row[2] in shown, row          # the command line has every number of the page
+    tab.open('Facts')
+    tab.until(lambda: tab.rows('lengths'), 'facts')
+    printed = ' '.join(shown.split())
+    for name, text in tab.rows('lengths'):
+        assert f'{name} {" ".join(text.split())}' in printed
+    assert any(name.startswith('transmission angle') for name, _ in tab.rows('lengths'))
     assert not errors(driver)
 
 

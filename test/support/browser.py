@@ -128,6 +128,40 @@ class Tab:
         """Return {name: value as text} of the present pose."""
         return {row[0]: row[1] for row in self.rows('now') if len(row) >= 3}
 
+    def keys(self, *keys):
+        """Press keys, real ones, in one go."""
+        from selenium.webdriver.common.action_chains import ActionChains
+        ActionChains(self.driver, duration=0).send_keys(*keys).perform()
+
+    def focus_slider(self, label):
+        """Put the keyboard's focus on a slider."""
+        self.driver.execute_script(
+            "document.querySelector(`[role=slider][aria-label='${arguments[0]}']`)"
+            ".querySelector('[tabindex]').focus()", label)
+
+    def labels(self, role):
+        """Return the labels of all controls of a role."""
+        return self.driver.execute_script(
+            'return [...document.querySelectorAll(`[role=${arguments[0]}]`)]'
+            ".map(e => e.getAttribute('aria-label'))", role)
+
+    def query(self):
+        """Return the state in the address of the page, {name: text}."""
+        from urllib.parse import parse_qsl, urlsplit
+        return dict(parse_qsl(urlsplit(self.driver.current_url).query))
+
+    def pins(self, kind='pin'):
+        """Return the places of all joints in the picture, in its own pixels."""
+        found = re.findall(rf'class="{kind}" cx="([^"]+)" cy="([^"]+)"', self.picture())
+        return [(float(x), float(y)) for x, y in found]
+
+    def count_series(self, label):
+        """Return how many curves a chart has; 0 when it is empty."""
+        chart = self.driver.find_elements('css selector', f'[aria-label="{label}"]')
+        return self.driver.execute_script(
+            'return getElement(+arguments[0].id.slice(1)).chart.getOption()?.series?.length || 0',
+            chart[0]) if chart else 0
+
     def until(self, condition, what):
         """Wait until a condition holds."""
         from selenium.common.exceptions import (

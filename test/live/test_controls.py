@@ -1,0 +1,187 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Every control of the page on every kind of mechanism, by real keys, clicks and drags."""
+from math import hypot, radians
+
+from fourbar_ros.live import address as links
+from fourbar_ros.live.course import OverInput
+from fourbar_ros.live.model import shown
+from fourbar_ros.live.picture import mechanism_view
+from fourbar_ros.live.tables import now_rows, pose_values
+from fourbar_ros.scene.files import find
+from fourbar_ros.scene.scene import load
+import pytest
+from support.browser import browser, live, needs_browser, Tab
+
+pytestmark = needs_browser
+KINDS = ['paper', 'jansen',
+         *(pytest.param(name, marks=pytest.mark.slow)
+           for name in ('slider_crank', 'cylinder', 'scotch_yoke'))]
+CURVES = 'curves over the input, extrema marked'
+
+
+@pytest.fixture(scope='module')
+def driver(tmp_path_factory):
+    with browser(tmp_path_factory.mktemp('profile')) as driver:
+        yield driver
+
+
+@pytest.fixture(scope='module')
+def server():
+    with live('paper') as address:
+        yield address
+
+
+@pytest.fixture
+def opened(driver, server):
+    """Return a function: name of a scene -> its page."""
+    def opened(name, **state):
+        query = '&'.join(f'{key}={value}' for key, value in {'scene': name, **state}.items())
+        return Tab(driver, f'{server}/?{query}')
+    return opened
+
+
+def expected(tab, name):
+    """Return what the core computes for the state in the address: what is shown, pose, rows."""
+    values = load(find(name)).values
+    link = links.read(tab.query(), name, values)
+    found = shown(link.values, link.acceleration)
+    course = OverInput(found, found.scene.drive.start)
+    if link.at is not None:
+        course.go(link.at)
+    status, motion, loads = found.pose(*course.state())
+    assert status == 0
+    return found, motion, now_rows(pose_values(found, motion, loads))
+
+
+def agrees(tab, name):
+    """Return whether table and picture are those of the state in the address."""
+    found, motion, rows = expected(tab, name)
+    if tab.now() != {row['name']: row['value'] for row in rows}:
+        return False
+    view = mechanism_view(found)
+    places = [view.at(place) for place in found.linkage.diagram(motion).joints.values()]
+    pins = tab.pins()
+    return len(pins) == len(places) and all(
+        hypot(x - u, y - v) <= 0.08 for (x, y), (u, v) in zip(pins, places))
+
+
+@pytest.mark.parametrize('name', KINDS)
+def test_every_slider_changes_what_it_says(opened, name):
+    from selenium.webdriver.common.keys import Keys
+    tab = opened(name, at=load(find(name)).values.get('drive.start') or 1.3)
+    for group in tab.driver.find_elements('css selector', '.q-expansion-item--collapsed .q-item'):
+        group.click()
+    names = [label.removesuffix(' slider') for label in tab.labels('slider')
+             if label.endswith(' slider')]
+    values = load(find(name)).values
+    assert {'drive.speed'} < set(names) <= set(values)
+    for parameter in names:
+        tab.focus_slider(f'{parameter} slider')
+        tab.keys(Keys.ARROW_LEFT if values[parameter] > 0.0 else Keys.ARROW_RIGHT)
+        tab.until(lambda: parameter in tab.query(), f'{parameter} in the address')
+        changed = float(tab.query()[parameter])
+        assert changed != values[parameter]
+        tab.until(lambda: agrees(tab, name), f'table and picture with {parameter} = {changed}')
+        assert float(tab.by(parameter).get_attribute('value')) == pytest.approx(changed, 1e-11)
+        tab.keys(Keys.ARROW_RIGHT if values[parameter] > 0.0 else Keys.ARROW_LEFT)
+    assert not tab.alarm()
+
+
+@pytest.mark.parametrize('name', [name if isinstance(name, str) else name.values[0]
+                                  for name in KINDS])
+def test_input_drag_modes_and_layers(opened, name):
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.keys import Keys
+    tab = opened(name)
+    tab.focus_slider('input')
+    tab.keys(*[Keys.ARROW_RIGHT] * 10)
+    tab.until(lambda: 'at' in tab.query() and agrees(tab, name), 'the pose of the input')
+    found, motion, _ = expected(tab, name)
+    diagram, view = found.linkage.diagram(motion), mechanism_view(found)
+    moving = next(i for i, joint in enumerate(diagram.joints) if joint not in diagram.ground)
+    _, (goal, *_), *_ = found.samples(12)[3:5]
+    there = found.linkage.diagram(found.pose(goal)[1]).joints
+    joint = list(diagram.joints)[moving]
+    box = tab.driver.execute_script(
+        "const b = document.querySelector('[aria-label=\"the mechanism in its pose\"]')"
+        '.getBoundingClientRect(); return [b.x, b.y, b.width / 600]')
+    chain = ActionChains(tab.driver, duration=30)
+    for step, place in enumerate((diagram.joints[joint], *(
+            (1.0 - part / 6) * diagram.joints[joint] + part / 6 * there[joint]
+            for part in range(1, 7)))):
+        x, y = view.at(place)
+        chain.w3c_actions.pointer_action.move_to_location(int(box[0] + x * box[2]),
+                                                          int(box[1] + y * box[2]))
+        if step == 0:
+            chain.click_and_hold()
+    chain.release().perform()
+    x, y = view.at(there[joint])
+    tab.until(lambda: hypot(tab.pins()[moving][0] - x, tab.pins()[moving][1] - y) < 4.0,
+              'the joint below the pointer')
+    tab.until(lambda: agrees(tab, name), 'the pose that was dragged to')
+    for label, sign in (('coupler curves', 'class="trace"'), ('forces', 'class="force"')):
+        box = next(box for box in tab.driver.find_elements('css selector', '.q-checkbox')
+                   if label in box.text)
+        box.click()
+        tab.until(lambda: sign not in tab.picture(), f'no {label}')
+        box.click()
+        tab.until(lambda: sign in tab.picture(), label)
+
+
+def test_ten_quick_moves_end_with_the_last(opened):
+    from selenium.webdriver.common.keys import Keys
+    tab = opened('paper', at=40)
+    for slider in ('linkage.a2', 'linkage.a3'):
+        tab.focus_slider(f'{slider} slider')
+        tab.keys(*[Keys.ARROW_RIGHT] * 10)
+    tab.until(lambda: float(tab.query().get('linkage.a3', 0)) == pytest.approx(0.84)
+              and agrees(tab, 'paper'), 'the last of ten')
+    for text in ('9', '1.1', '9', '1.15', '9', '1.25'):
+        tab.write('linkage.a2', text)
+    tab.until(lambda: not tab.alarm() and agrees(tab, 'paper'), 'the last of six')
+    assert tab.query()['linkage.a2'] == '1.25'
+    tab.until(lambda: tab.count_series(CURVES) == len(expected(tab, 'paper')[0].usual_quantities),
+              'its curves')
+
+
+def test_what_is_impossible_leaves_nothing_on_the_page(opened):
+    tab = opened('paper', at=40)
+    for view in ('Curves', 'Forces', 'Polygons', 'Extrema', 'Facts'):
+        tab.open(view)
+        tab.write('linkage.a2', '1.2')
+        tab.until(lambda: not tab.alarm() and tab.now(), 'a mechanism')
+        if view in ('Extrema', 'Facts'):
+            head = {'Extrema': 'quantity', 'Facts': 'lengths'}[view]
+            tab.until(lambda head=head: tab.rows(head), view)
+        tab.write('linkage.a2', '9')
+        tab.until(lambda: 'cannot close' in tab.alarm(), 'the reason')
+        shown_svg = tab.driver.execute_script(
+            "return [...document.querySelectorAll('.fb-picture svg, .fb-dots')]"
+            ".map(s => s.querySelectorAll('line, circle, polyline, polygon').length)")
+        assert not any(shown_svg), view
+        assert not tab.now() and not tab.rows('quantity') and not tab.rows('lengths'), view
+        for chart in (CURVES, 'polar diagram of the shaking force and reactions'):
+            assert tab.count_series(chart) == 0
+        cursors = tab.driver.find_elements('css selector', '.fb-cursor')
+        assert not any(cursor.is_displayed() for cursor in cursors)
+
+
+def test_the_cursor_stands_at_the_input(opened):
+    tab = opened('paper')
+    tab.write('input value', '60')
+    tab.until(lambda: tab.now().get('theta1') == '60', 'the input')
+    share = (60.0 + 180.0) / 360.0
+    tab.until(lambda: f'{share:.6f}' in tab.driver.find_element(
+        'css selector', '.fb-cursor').get_attribute('style'), 'the cursor')
+    assert radians(60.0) == expected(tab, 'paper')[1].theta1
+
+
+def test_pace_is_how_fast_it_turns(opened):
+    from selenium.webdriver.common.keys import Keys
+    tab = opened('paper')
+    tab.focus_slider('seconds a cycle')
+    before = tab.by('seconds a cycle').get_attribute('aria-valuenow')
+    tab.keys(Keys.ARROW_LEFT, Keys.ARROW_LEFT)
+    tab.until(lambda: tab.by('seconds a cycle').get_attribute('aria-valuenow') == '5', 'the pace')
+    assert before == '6'
