@@ -32,13 +32,18 @@ class Link(NamedTuple):
     acceleration: float
 
 
+def rounded(at: float) -> float:
+    """Return an input as the page and its address have it: with nine digits."""
+    return float(f'{at:.9g}')
+
+
 def address(title: str, first: Mapping[str, Any], values: Mapping[str, Any], at: float,
             acceleration: float) -> str:
     """Return the query of the state: the scene by name, the input, and each changed parameter."""
     changed = {name: repr(value) if isinstance(value, float) else value
                for name, value in values.items()
                if value != first.get(name, value) and value == value}
-    return urlencode({SCENE: title, AT: f'{at:.6g}', **changed,
+    return urlencode({SCENE: title, AT: f'{rounded(at):.9g}', **changed,
                       **({ACCELERATION: f'{acceleration:g}'} if acceleration else {})})
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.live import address
+from fourbar_ros.live.address import rounded
 from fourbar_ros.live.course import Course, OverInput
 from fourbar_ros.live.dragging import Handle
 from fourbar_ros.live.elements import Elements
@@ -189,14 +190,13 @@ class Page:
         self._show_input()
 
     def _show_input(self) -> None:
-        at = float(f'{self.course.at:.9g}')
-        self.elements.slider.value = self.elements.field.value = at
+        self.elements.slider.value = self.elements.field.value = rounded(self.course.at)
 
     def go(self, at: float | None) -> None:
         """Go to an input given in the unit of the page."""
         if at is None or not isfinite(at) or abs(at - self.course.at) <= 1e-8 * max(1.0, abs(at)):
             return
-        self.course.go(at)
+        self.course.go(rounded(at))
         self._show_input()
         self.draw()
         self._remember()
@@ -205,6 +205,7 @@ class Page:
         """Let the course go on, or stop it."""
         if self.timer.active:
             self.timer.deactivate()
+            self.course.go(rounded(self.course.at))     # what the address can say
             self._show_input()
             self.draw()
             self._remember()
@@ -237,8 +238,8 @@ class Page:
             self.handle = (Handle(self.shown, self.pose[0], self.view, pixel)
                            if self.course.can_drag and self.pose else None)
         elif event.type == 'mousemove' and self.handle and self.handle.joint and event.buttons:
-            self.course.go(self.shown.shown_input(
-                self.handle.input_at(pixel, self.course.state().position)))
+            self.course.go(rounded(self.shown.shown_input(
+                self.handle.input_at(pixel, self.course.state().position))))
             self._show_input()
             self.draw()
         elif self.handle and event.type in ('mouseup', 'mouseleave'):
