@@ -14,6 +14,7 @@ from fourbar_ros.report.mechanism_panel import significant
 import numpy as np
 
 COLOURS = ('#2463a8', '#a3501c', '#1e6b37', '#7b3294', '#8a1538', '#4d5b00')
+OF_DARK = ('#6aa9e9', '#e0905c', '#6cc28a', '#c08ad6', '#e8789a', '#b5c24a')
 CURVE_HEIGHT, GAP, TOP, LEFT, RIGHT = 130, 46, 34, 78, 24      # [px]
 CURSOR = '#c0392b'
 GOOD = 50.0                 # [deg] a transmission angle is called good so far off square
@@ -35,7 +36,7 @@ def over_input(shown: Shown, names: Sequence[str], extrema: Sequence[Extremum],
         inputs += [*map(shown.shown_input, cycle.inputs.tolist()), None]
     columns = {'x': inputs} | {name: _column(shown, name) for name in names}
     series = [_line(place, 0, name) | {
-        'name': name, 'color': COLOURS[place % len(COLOURS)],
+        'name': name, 'color': _colour(place, is_dark),
         'markPoint': {'data': _marks(shown, name, extrema), 'silent': False},
         'markArea': {'silent': True, 'itemStyle': {'color': BAND},
                      'data': [[{'yAxis': radians(90.0 - GOOD)}, {'yAxis': radians(90.0 + GOOD)}]]
@@ -56,7 +57,7 @@ def over_time(shown: Shown, runs: Sequence[tuple[str, np.ndarray, dict[str, np.n
     columns = [{'x': times.tolist()} | {name: _finite(values) for name, values in found.items()}
                for _, times, found in runs]
     series = [_line(place, which, name) | {
-        'name': ' '.join(filter(None, (name, title))), 'color': COLOURS[which % len(COLOURS)],
+        'name': ' '.join(filter(None, (name, title))), 'color': _colour(which, is_dark),
         'lineStyle': {'width': 2, 'type': 'dashed' if which else 'solid'}}
               for place, name in enumerate(names)
               for which, (title, _, found) in enumerate(runs) if name in found]
@@ -105,6 +106,10 @@ def _panels(shown: Shown, names: Sequence[str],
         'dataset': [{'source': source} for source in columns],
         'series': series,
     }
+
+
+def _colour(number: int, is_dark: bool) -> str:
+    return (OF_DARK if is_dark else COLOURS)[number % len(COLOURS)]
 
 
 def _ink(is_dark: bool) -> str:
@@ -160,7 +165,7 @@ def polar(shown: Shown, is_dark: bool) -> dict[str, Any]:
             data.append([None, None])
             largest = max(largest, float(np.nanquantile(size[np.isfinite(size)], 0.99)))
         series.append({'type': 'line', 'name': text, 'showSymbol': False, 'data': data,
-                       'lineStyle': {'width': 2}, 'color': COLOURS[len(series) % len(COLOURS)]})
+                       'lineStyle': {'width': 2}, 'color': _colour(len(series), is_dark)})
     left, right, top, bottom = POLAR_EDGES
     bound, step = _round_axis(1.04 * largest)
     axis = {'type': 'value', 'min': -bound, 'max': bound, 'interval': step,

@@ -65,13 +65,13 @@ def _control(parameter: Parameter, value: Any, shown: Shown,
     name, text = parameter.name, parameter.text[0].upper() + parameter.text[1:]
     if name.endswith('.mode') and parameter.type == 'integer':
         modes = shown.linkage.modes if name == 'linkage.mode' else {1: '1', 2: '2'}
-        with ui.row().classes('items-center full-width no-wrap'):
+        with ui.row().classes('fb-middle full-width no-wrap'):
             ui.label('assembly mode')
             return ui.toggle(modes, value=value, on_change=lambda event: change(
                 name, event.value)).props(f'dense no-caps aria-label="{name}"').tooltip(text)
     unit = f' [{parameter.unit}]' if parameter.unit else ''
     low, high, step = _span(parameter, float(value), shown)
-    with ui.row().classes('items-center full-width no-wrap fb-control'):
+    with ui.row().classes('fb-middle full-width no-wrap fb-control'):
         field = ui.number(f'{name.split(".", 1)[1]}{unit}', value=value, format='%.12g',
                           on_change=lambda event: change(name, event.value)).props(
             f'dense debounce=200 aria-label="{name}"').classes('fb-number').tooltip(text)

@@ -18,7 +18,8 @@ body.body--dark{{--fb-paper:#161a1f;--fb-ink:#ececec;--fb-link:#3b4653;--fb-poin
 --fb-force:#6fcf8e;--fb-part:#f08a8a;--fb-sum:#8ab8f0}}
 .fb-columns{{display:grid;grid-template-columns:minmax(0,1fr) minmax(0,1fr);gap:16px;width:100%}}
 @media (max-width:1000px){{.fb-columns{{grid-template-columns:minmax(0,1fr)}}}}
-.fb-number{{width:9.5rem;flex:none}} .fb-control{{gap:10px}}
+.fb-middle{{align-items:center}} .fb-control{{gap:10px}}
+.fb-number{{width:9.5rem;flex:none}}
 .fb-picture{{background:var(--fb-paper);border:1px solid rgba(128,128,128,.35);touch-action:none}}
 .fb-over{{position:relative;max-width:100%;overflow-x:auto;overflow-y:hidden}}
 .fb-cursor{{position:absolute;top:{TOP}px;bottom:{GAP}px;width:0;
@@ -62,7 +63,7 @@ class Elements:
 
     def _header(self) -> None:
         page = self.page
-        with ui.header(elevated=False).classes('items-center q-py-xs'):
+        with ui.header(elevated=False).classes('fb-middle q-py-xs'):
             ui.button(icon='menu', on_click=lambda: drawer.toggle()).props(
                 'flat dense color=white aria-label="parameters"')
             ui.label(page.title).classes('text-h6').props('role=heading aria-level=1')
@@ -70,7 +71,7 @@ class Elements:
             downloads.menu(page)
             ui.button(icon='contrast', on_click=page.switch_dark).props(
                 'flat dense color=white aria-label="dark or light"')
-        with ui.left_drawer(value=True).props('width=330 bordered') as drawer:
+        with ui.left_drawer().props('width=330 bordered') as drawer:
             controls.build(page.shown, page.change)
             ui.number('acceleration of the input', value=page.acceleration,
                       on_change=lambda event: page.set_acceleration(event.value)).props(
@@ -85,7 +86,7 @@ class Elements:
 
     def _transport(self) -> None:
         page, pace = self.page, self.page.course.pace
-        with ui.row().classes('items-center full-width no-wrap'):
+        with ui.row().classes('fb-middle full-width no-wrap'):
             self.play = ui.button(icon='play_arrow', on_click=page.play).props(
                 'round dense aria-label="play or pause"')
             self.slider = ui.slider(min=0.0, max=1.0, step=0.001, value=0.0,
@@ -94,7 +95,7 @@ class Elements:
             self.field = ui.number(value=0.0, format='%.6g',
                                    on_change=lambda event: page.go(event.value)).props(
                 'dense debounce=200 aria-label="input value"').classes('fb-number')
-        with ui.row().classes('items-center full-width'):
+        with ui.row().classes('fb-middle full-width'):
             if pace:
                 ui.label(pace.label)
                 ui.slider(min=pace.least, max=pace.most, step=pace.least / 2.0,

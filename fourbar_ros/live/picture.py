@@ -71,8 +71,8 @@ def mechanism_svg(shown: Shown, motion: Any, loads: Any, view: View, per_newton:
         parts += [strokes.line('arm', *ends) for arm in arms.values()
                   for ends in zip(arm, arm[1:])]
     parts += _links(diagram, view)
-    parts += [strokes.text('', strokes.outside(place, at.values()), strokes.plain(name))
-              for name, place in at.items()]
+    parts += [strokes.text('', strokes.outside(name, place, at.values()), name)
+              for name, place in ((strokes.plain(name), place) for name, place in at.items())]
     for name, (*_, tip) in arms.items() if layers.curves else ():
         parts += [strokes.circle('point', tip, 4.5),
                   strokes.text('point', (tip[0] + 9.0, tip[1] - 8.0), name)]

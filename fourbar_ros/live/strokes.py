@@ -19,6 +19,7 @@ import numpy as np
 WIDTH, HEIGHT = 600.0, 420.0       # [px] of a picture
 MARGIN = 44.0                      # [px]
 LINE = 17.0                        # [px] between labels
+LETTER = 9.0                       # [px] of the letters of a joint
 LEAST = 4.0                        # [px] shorter arrows are left out
 STYLE = """
 .fb text{font:italic 16px 'STIX Two Text',Georgia,serif;fill:var(--fb-ink,#1c1c1c)}
@@ -138,13 +139,14 @@ def arrow(kind: str, start: tuple[float, float], vector: tuple[float, float],
             + f'<polygon class="{kind}" points="{head}"/>' + text(kind, place, label))
 
 
-def outside(at: tuple[float, float],
+def outside(name: str, at: tuple[float, float],
             places: Iterable[tuple[float, float]]) -> tuple[float, float]:
     """Return where the letter of a joint stands: away from the middle of the others."""
     x, y = np.mean(list(places), axis=0)
     dx, dy = at[0] - x, at[1] - y
     size = hypot(dx, dy) or 1.0
-    return at[0] + 16.0 * dx / size - 5.0, at[1] + 16.0 * dy / size + 5.0
+    width = LETTER * len(name)
+    return (at[0] + (13.0 + 0.5 * width) * dx / size - 0.5 * width, at[1] + 18.0 * dy / size + 5.0)
 
 
 def plain(label: str) -> str:
