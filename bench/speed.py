@@ -55,13 +55,17 @@ def write_case(file):
                                 'truth': truth}))
 
 
-def install():
-    """Return {peer: why not, or None}, each installed by itself into the environment for peers."""
+def install(wanted=()):
+    """
+    Return {peer: why not, or None}, each installed by itself into the environment for peers.
+
+    ``wanted``: names of packages; without any, all.
+    """
     python = ENVIRONMENT / 'bin' / 'python'
     if not python.exists():
         subprocess.run([sys.executable, '-m', 'venv', str(ENVIRONMENT)], check=True)
     lines = [line for line in (PEERS / 'requirements.txt').read_text().splitlines() if line
-             and line[0] != '#']
+             and line[0] != '#' and (not wanted or line.split('==')[0] in wanted)]
     found = {}
     for line in lines:
         done = subprocess.run([str(python), '-m', 'pip', 'install', '--quiet',
