@@ -104,10 +104,18 @@ def print_all(rows, name):
     methods = list(dict.fromkeys(row['method'] for row in rows if row['problem'] == name))
     print(f'\n## {name}\n\n| method | error, CPU time [ms] at each setting |\n| --- | --- |')
     for method in methods:
-        cells = [f'{row["setting"]}: ' + (row['why'] if 'why' in row else
-                                          f'{row["error"]:.0e}, {row["milliseconds"]:.3g}')
+        cells = [f'{row["setting"]}: ' + ('gave up' if 'why' in row else
+                                          f'{row["error"]:.0e}, {short(row["milliseconds"])}')
                  for row in rows if (row['problem'], row['method']) == (name, method)]
         print(f'| {method} | {"; ".join(cells)} |')
+    reasons = dict.fromkeys(f'{row["method"]}: {row["why"]}' for row in rows
+                            if row['problem'] == name and 'why' in row)
+    print(''.join(f'\n- {reason}' for reason in reasons))
+
+
+def short(number):
+    """Return a number with two or three digits, never as a power of ten."""
+    return f'{number:.0f}' if number >= 100.0 else f'{number:.2g}'
 
 
 def cheapest(rows, name, engine, bound):
@@ -130,8 +138,8 @@ def print_verdict(rows, names):
             for engine in (f'{OURS}, one run', *engines):
                 best = cheapest(rows, name, engine, bound)
                 cells.append('not reached' if best is None or ours is None else
-                             f'{best["milliseconds"] / ours["milliseconds"]:.2g} x')
-            took = f'{ours["milliseconds"]:.3g}' if ours else 'not reached'
+                             f'{short(best["milliseconds"] / ours["milliseconds"])} x')
+            took = short(ours['milliseconds']) if ours else 'not reached'
             print(f'| {name} | {bound:.0e} | {took} | {" | ".join(cells)} |')
 
 

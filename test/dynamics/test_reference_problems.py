@@ -16,6 +16,7 @@ from support.dynamics_problems import (
     near_lock_up,
     one_window,
     one_window_exact,
+    P2_ENERGY,
     P2_POSITION,
     P2_RATE,
     P3_POSITION,
@@ -34,6 +35,17 @@ def test_the_slider_crank_of_sundials(tolerance):
     assert abs(run.position[-1] - float(P2_POSITION)) <= tolerance
     assert abs(run.rate[-1] - float(P2_RATE)) <= 10.0 * tolerance
     assert f'{run.position[-1]:.4f}' == '1.2757'        # printed by SUNDIALS
+
+
+def test_the_integral_of_the_kinetic_energy_of_sundials():
+    """G of the source: by Simpson's rule, 4000 intervals; printed with five right digits."""
+    system = sundials_slider_crank()
+    run = simulate(system, 10.0, 1e-10, times=np.linspace(0.0, 10.0, 4001).tolist())
+    kinetic = 0.5 * system.equation.terms(run.position).inertia * run.rate**2
+    total = (kinetic[0] + 4.0 * kinetic[1:-1:2].sum() + 2.0 * kinetic[2:-1:2].sum()
+             + kinetic[-1]) / 1200.0
+    assert abs(total - float(P2_ENERGY)) <= 1e-9
+    assert abs(float(P2_ENERGY) - 3.3366160662934146) < 1e-5
 
 
 @pytest.mark.parametrize('tolerance', [1e-5, 1e-9])
@@ -107,7 +119,7 @@ def test_a_motor_and_its_shaft_against_many_digits(stiffness):
 def test_the_page_has_the_digits_of_the_tests():
     page = (ROOT / 'docs' / 'reference_problems.md').read_text(encoding='utf-8')
     page = page.replace('\N{MINUS SIGN}', '-')
-    for text in (P2_POSITION, P2_RATE, P3_POSITION, P4_POSITION):
+    for text in (P2_POSITION, P2_RATE, P2_ENERGY, P3_POSITION, P4_POSITION):
         assert f'| {text} |' in page
 
 
@@ -184,21 +196,28 @@ def test_the_references_of_the_slider_crank_by_two_formulations():
         first, second = (e * d - b * f) / det, (a * f - b * e) / det
         rates = [(force - r0 * first - r1 * second) / m
                  for force, r0, r1, m in zip(forces, *rows, masses)]
-        return [u, w, v, *rates]
+        return [u, w, v, *rates, (u * u + 2 * w * w + v * v) / 2]
 
     def start():
         p = -arb(half).asin()
-        return [p.cos(), p, arb.pi() / 2, 0, 0, 0]
+        return [p.cos(), p, arb.pi() / 2, 0, 0, 0, 0]
     with mp.workdps(35):
-        state = taylor(with_multipliers, start, 10, 150)
+        state = taylor(lambda state: with_multipliers(state[:6]), start, 10, 150)
         assert abs(state[2] - mp.mpf(P2_POSITION)) < mp.mpf('1e-24')
         assert abs(state[5] - mp.mpf(P2_RATE)) < mp.mpf('1e-24')
-        state = taylor(one_coordinate, lambda: [arb.pi() / 2, 0], 10, 100, 36)
+        assert abs(state[6] - mp.mpf(P2_ENERGY)) < mp.mpf('1e-24')
+        state = taylor(lambda state: one_coordinate(state[:2]), lambda: [arb.pi() / 2, 0, 0], 10,
+                       100, 36)
         assert abs(state[0] - mp.mpf(P2_POSITION)) < mp.mpf('1e-24')
+        assert abs(state[2] - mp.mpf(P2_ENERGY)) < mp.mpf('1e-24')
 
 
 def one_coordinate(state):
-    """Return the derivative of (q, v) of P2 from J(q), with p, x and their derivatives by hand."""
+    """
+    Return the derivative of (q, v) of P2 from J(q), and the kinetic energy.
+
+    p, x and their derivatives by hand.
+    """
     q, v = state
     sin_q, cos_q = q.sin_cos()
     sin_p = -sin_q / 2
@@ -211,7 +230,8 @@ def one_coordinate(state):
     length = (x * x + y * y).sqrt()
     slope = (x * dx + y * dy) / length
     force = x1 - sin_p * p1 - (length - 1 + slope * v) * slope
-    return [v, (force - (2 * p1 * p2 + x1 * x2) * v * v) / (1 + 2 * p1 * p1 + x1 * x1)]
+    inertia = 1 + 2 * p1 * p1 + x1 * x1
+    return [v, (force - (2 * p1 * p2 + x1 * x2) * v * v) / inertia, inertia * v * v / 2]
 
 
 @pytest.mark.slow

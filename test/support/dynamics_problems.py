@@ -13,6 +13,8 @@ from support.machines import exact_links
 
 # P2, q(10) and its rate: two formulations by Taylor series agree in all of these digits.
 P2_POSITION, P2_RATE = '1.27567584865023941071419054572', '-0.23991499719600068392576030065'
+# P2, integral of the kinetic energy to 10 s: G of the source, by the same two series.
+P2_ENERGY = '3.33660679948278440821761539279'
 # P3, theta1 at 20 s: elliptic functions, and Taylor series of the pendulum.
 P3_POSITION = '-63.1188440959010938233638763416'
 # P4, crank angle at 4.99 s: quadrature of (F1) in 30 digits, and Taylor series.
