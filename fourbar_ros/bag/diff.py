@@ -153,7 +153,7 @@ def _apart(here, there):
     """
     Return the largest difference of one field in two arrays of messages.
 
-    Infinite if it is none of numbers.
+    Infinite if it does not compare numbers.
     """
     if here.shape != there.shape:
         return np.inf

@@ -31,10 +31,10 @@ def add(verbs):
                     DESCRIPTION, EPILOG)
     verb.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
     verb.add_argument('--minimize', nargs='+', metavar='LOAD',
-                      help='force, moment, torque or a joint reaction, as f21; of several, each '
-                           'counts relative to what it is unbalanced')
+                      help='force, moment, torque or a joint reaction, as f21; if several, each '
+                           'counts relative to its value before balancing')
     verb.add_argument('--mass', type=not_negative, metavar='KG',
-                      help='with --minimize: mass that is added at most')
+                      help='with --minimize: largest mass to be added')
     verb.add_argument('--peak', action='store_true',
                       help='with --minimize of one load: its largest magnitude instead of its '
                            'root mean square')

@@ -20,7 +20,7 @@ def add(verbs):
     record = add_verb(verbs, 'record', 'start or stop the bag of a running node',
                       'Start or stop the bag of a running node.', EPILOG)
     record.add_argument('what', metavar='start|stop', choices=('start', 'stop'),
-                        help='what the node shall do')
+                        help='what the node is to do')
     record.add_argument('name', metavar='NAME', nargs='?', default='',
                         help='name of the new bag; default: a new name from the clock')
     record.add_argument('--node', default='/fourbar', help='name of the node (default /fourbar)')

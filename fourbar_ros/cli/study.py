@@ -91,7 +91,7 @@ def _add_answers(actions):
         parser.add_argument('study', metavar='DIR', help='folder of a study, also while it runs')
     plot.add_argument('page', metavar='PAGE', help='HTML file to write')
     pick.add_argument('which', metavar='WHICH', help='best, worst, or the number of a row')
-    pick.add_argument('--by', metavar='OBJECTIVE', help='in which objective; default: the first')
+    pick.add_argument('--by', metavar='OBJECTIVE', help='objective to rank by; default: the first')
     pick.add_argument('-o', '--out', metavar='SCENE', help='file to write; default: print it')
     show.set_defaults(run=_show)
     plot.set_defaults(run=_plot)

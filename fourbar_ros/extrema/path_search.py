@@ -115,9 +115,10 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array,
     if not row.size:
         return []
     row, spacing = rows[row], xb - xa
+    is_positive = ((samples.values > 0.0).all(axis=1) & ~sampler.is_angle)[row]
 
     def at(x: Array, which: Array) -> tuple[Array, Array]:
-        return sampler.newton(x, row[which], spacing[which])
+        return sampler.newton(x, row[which], spacing[which], is_positive[which])
 
     root = newton_roots(at, np.arange(row.size), xa, xb, fa, guess)
     sense = np.where(fa >= 0.0, 1, -1)

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Proof on demand that a set of extrema is complete, and an honest word where there is none."""
+"""Proof on demand that a set of extrema is complete, and the reason where there is no proof."""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence

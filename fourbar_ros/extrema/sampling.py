@@ -171,7 +171,7 @@ class Sampler:
             return [np.stack(parts, axis=1)
                     for parts in zip(*(self.of(other).at(x, row) for other in others))]
         sampler, numbers = copy(self), columns_of(self._complex if self.IS_COMPLEX else ARRAY)
-        sampler.flats = {}          # of a change point: the others are none
+        sampler.flats = {}          # the others are not change points
         constants = others[0].constants._replace(lengths=tuple([np.array(column)[:, None]
                                                                 for column in zip(*lengths)]))
         motion = self.linkage.motion_formula(numbers, constants)
@@ -270,10 +270,17 @@ class Sampler:
         """Return the derivative of quantity ``row[i]`` at x[i]."""
         return self.at(x, row)[1]
 
-    def newton(self, x: Array, row: Array, spacing: Array) -> tuple[Array, Array]:
-        """Return the derivative of quantity ``row[i]`` at x[i], and a Newton step to its zero."""
+    def newton(self, x: Array, row: Array, spacing: Array,
+               is_squared: Array) -> tuple[Array, Array]:
+        """
+        Return the derivative of quantity ``row[i]`` at x[i], and a Newton step to its zero.
+
+        ``is_squared``: of half its square instead. Next to a zero of the force the derivative of a
+        magnitude |F| jumps, that of F^2/2 does not.
+        """
         turn = self.TURN * spacing
-        here, there = np.split(self.slope(np.concatenate((x, x + turn)), np.tile(row, 2)), 2)
+        value, slope = self.at(np.concatenate((x, x + turn)), np.tile(row, 2))
+        here, there = np.split(np.where(np.tile(is_squared, 2), value * slope, slope), 2)
         with np.errstate(divide='ignore', invalid='ignore'):
             return here, here * turn / (there - here)
 

@@ -84,7 +84,7 @@ class Page:
         self.timer = ui.timer(FRAME, self._tick, active=False)
         ui.timer(0.0, self._ask_dark, once=True)
         self.rebuild(keep_problem=True)
-        # the pictures are drawn over images of nothing, which readers of screens shall skip
+        # the pictures are drawn over images of nothing, which screen readers must skip
         ui.run_javascript("document.querySelectorAll('img:not([alt])').forEach(i => {i.alt = ''})")
 
     # --- what changes ---------------------------------------------------------------------------

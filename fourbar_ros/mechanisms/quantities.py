@@ -110,10 +110,16 @@ def _known(motion: Any, loads: Any, coordinate: Coordinate,
 
 def positions(mechanism: Any, driven: str = CRANK) -> dict[str, Quantity]:
     """Return {name: Quantity} of the positions of a mechanism, or a kind, that are not given."""
-    every = POSITIONS | {quantity.name: quantity for quantity in mechanism.QUANTITIES
-                         if is_position(quantity)}
+    return _positions(mechanism.MOTION._fields, mechanism.INPUTS[driven], mechanism.QUANTITIES)
+
+
+@cache
+def _positions(motion: Any, coordinate: Coordinate,
+               own: tuple[Quantity, ...]) -> dict[str, Quantity]:
+    """Return {name: Quantity} of these fields of a motion, without the one that is given."""
+    every = POSITIONS | {quantity.name: quantity for quantity in own if is_position(quantity)}
     return {name: quantity for name, quantity in every.items()
-            if name in mechanism.MOTION._fields and name != mechanism.INPUTS[driven].position}
+            if name in motion and name != coordinate.position}
 
 
 def is_published(quantity: Any) -> bool:

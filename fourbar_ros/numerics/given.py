@@ -39,6 +39,8 @@ def number(name: str, value: Any, allowed: str = 'must be a finite number', leas
     InvalidParameter
 
     """
+    if type(value) is float and isfinite(value) and value >= least and value > above:
+        return value                       # as most are; asking what else it may be takes longer
     is_masked: Any = np.ma.is_masked       # numpy gives it no types
     if isinstance(value, np.ndarray) and value.shape == () and not is_masked(value):
         value = value.item()

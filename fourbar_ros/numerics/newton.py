@@ -41,6 +41,7 @@ def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array
         Where f changes its sign, its value at the first of them, and a first guess.
 
     """
+    x = np.where(fa == 0.0, 0.5 * (xa + xb), x)      # a zero at xa lies before the change of sign
     root: Array = x.copy()
     todo: Array = np.arange(x.size)
     width, positive, last = xb - xa, fa >= 0.0, xb - xa
@@ -73,6 +74,8 @@ def newton_root(function: Function, xa: float, xb: float, fa: float,
     """
     width = last = xb - xa
     positive = fa >= 0.0
+    if fa == 0.0:       # it lies before the change of sign, where Newton's method would stay
+        x = 0.5 * (xa + xb)
     while True:
         f, step, state = function(x)
         if (f >= 0.0) is positive:

@@ -45,7 +45,7 @@ class Bound(NamedTuple):
 
 
 class Objective(NamedTuple):
-    """What shall be small, or large."""
+    """What is to be small, or large."""
 
     measure: Measure
     sense: str
@@ -165,7 +165,7 @@ def from_document(document: Any, folder: Path = Path()) -> Study:
                       *(objective.measure for objective in objectives)])
     if not columns and not curves:
         raise InvalidParameter('quantities', None, 'must be given (or constraints, objectives or '
-                                                   'curves): what shall be computed?')
+                                                   'curves): what is to be computed?')
     rows = _rows(document.get('rows'), method, vary)
     study = Study(scene.values, vary, method, rows,
                   integer_of('seed', document.get('seed', 0), 0, 2**63 - 1),

@@ -119,6 +119,17 @@ def test_newton_in_a_bracket_against_brentq(function, derivative, low, high):
     assert many.tolist() == pytest.approx([one, one], abs=4 * EPS * max(1.0, abs(one)))
 
 
+def test_a_zero_at_the_first_end_is_not_taken_for_the_change_of_sign():
+    """Zero counts as positive: x (2 - x) is positive from 0 on and changes its sign at 2."""
+    def step(x):
+        return x * (2.0 - x), x * (2.0 - x) / (2.0 - 2.0 * x)
+
+    one, _ = newton_method.newton_root(lambda x: (*step(x), None), 0.0, 3.0, 0.0, 0.0)
+    given = [np.array([v]) for v in (0.0, 3.0, 0.0, 0.0)]
+    many = newton_method.newton_roots(lambda x, row: step(x), np.arange(1), *given)
+    assert one == many[0] == pytest.approx(2.0, rel=2 * EPS)
+
+
 def test_slopes_from_samples_are_exact_for_polynomials():
     """Five samples: exact to the fourth power inside, at the ends by cubics to the third."""
     x = np.arange(9.0)

@@ -10,7 +10,7 @@ def add(actions):
     """Add the action."""
     scene = actions.add_parser(
         'scene', help='print the scene of a bag as a parameter file',
-        description='Print the scene of a bag as a parameter file, for a node that the bag shall '
+        description='Print the scene of a bag as a parameter file, for a node that the bag is to '
                     'drive (drive.source: motion): see fourbar replay --inputs-only.')
     scene.add_argument('bag', metavar='BAG', help=BAG_HELP)
     scene.add_argument('--drive', choices=('motion', 'timer'), default='motion',

@@ -9,7 +9,7 @@ import time
 
 from fourbar_ros.ros.messages import sec_nanosec
 
-SLEEP = 0.1            # [s] longest sleep: how soon a thread sees that it shall stop
+SLEEP = 0.1            # [s] longest sleep: how soon a thread sees that it must stop
 CATCH_UP = 1.0         # [s] a thread later than this skips the samples it missed
 CLOCK_STEP = 0.05      # [s] the wall clock was set if it is this far from the monotonic one
 CHECK_CLOCK = 1.0      # [s] how often that is looked at

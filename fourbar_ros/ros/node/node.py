@@ -28,7 +28,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 UnknownArguments = rclpy_implementation.UnknownROSArgsError
-# A file that rcl cannot parse, names that are none; another type for a parameter than rclpy has
+# A file that rcl cannot parse, names that are not valid; another type for a parameter than rclpy has
 # declared.
 ROS_ERRORS = (rclpy_implementation.RCLError, UnknownArguments, NameValidationException,
               ParameterException)

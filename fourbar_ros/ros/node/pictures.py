@@ -59,7 +59,7 @@ class Pictures:
             self._recording.write(name, data)
 
     def are_due(self, stamp):
-        """Return whether a step at this time, (seconds, nanoseconds), shall be seen."""
+        """Return whether a step at this time, (seconds, nanoseconds), is to be seen."""
         if not self._makers or not (self._recording.active or any(map(self._is_subscribed,
                                                                       self._makers))):
             return False
