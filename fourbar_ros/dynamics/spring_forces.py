@@ -93,7 +93,7 @@ def make_loaded(linkage: Any, elements: Sequence[Element]) -> Loaded:
 @cache
 def _on_links(links: tuple[str, ...]) -> Any:
     """Return the type of a record of what acts on each of these links."""
-    return namedtuple('OnLinks', links)       # type: ignore[misc]  # noqa: PYI024
+    return namedtuple('OnLinks', links)  # noqa: PYI024
 
 
 def _with(given: Applied, curve: Curve, acting: Sequence[Acting]) -> Applied:

@@ -3,8 +3,10 @@
 """Where a machine of dyads closes: limits of its input, toggles there, modes beyond them."""
 from __future__ import annotations
 
+from abc import abstractmethod
 from functools import cached_property
 from math import pi
+from typing import ClassVar
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, Toggle
 from fourbar_ros.mechanisms.checks import STROKE, two_numbers
@@ -20,10 +22,19 @@ class WithLimits(Mechanism):
     """What a machine, by its ``layout``, ``stages`` and their ``signs``, knows of its limits."""
 
     dyads: tuple[Dyad, ...]
-    layout: Layout
-    flats: tuple[float, ...]
-    stages: tuple[Dyad, ...]
-    signs: tuple[float, ...]
+    # set for each one when it is made; no fields
+    layout: ClassVar[Layout]
+    flats: ClassVar[tuple[float, ...]]
+
+    @property
+    @abstractmethod
+    def stages(self) -> tuple[Dyad, ...]:
+        """Return all dyads; a cylinder is one whose slide is driven, and the first."""
+
+    @property
+    @abstractmethod
+    def signs(self) -> tuple[float, ...]:
+        """Return the assembly modes of all dyads as +-1."""
 
     def require_closing(self) -> None:
         """Refuse a machine that cannot be assembled at any input."""

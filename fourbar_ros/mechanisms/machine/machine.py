@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from dataclasses import fields as fields_of
 from functools import cached_property
 from math import nan
-from typing import Any, ClassVar
+from typing import Any
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
@@ -32,7 +32,7 @@ from fourbar_ros.mechanisms.machine.given import (
     checked_dyads,
     with_lengths,
 )
-from fourbar_ros.mechanisms.machine.layout import Layout, layout_of
+from fourbar_ros.mechanisms.machine.layout import layout_of
 from fourbar_ros.mechanisms.machine.limits import WithLimits
 from fourbar_ros.mechanisms.machine.loads import make_loads
 from fourbar_ros.mechanisms.machine.loops import with_loops
@@ -101,10 +101,6 @@ class Machine(WithLimits):
     gravity: tuple[float, float] = (0.0, 0.0)
     external: Any = field(default_factory=dict)
     stroke: tuple[float, float] | None = None
-
-    # set for each one when it is made; no fields
-    layout: ClassVar[Layout]
-    flats: ClassVar[tuple[float, ...]]
 
     TITLE = 'machine of dyads'
     MARGIN_SIGNS, PICTURE = (), diagram

@@ -28,8 +28,8 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 UnknownArguments = rclpy_implementation.UnknownROSArgsError
-# A file that rcl cannot parse, names that are not valid; another type for a parameter than rclpy has
-# declared.
+# A file that rcl cannot parse, names that are not valid; another type for a parameter than rclpy
+# has declared.
 ROS_ERRORS = (rclpy_implementation.RCLError, UnknownArguments, NameValidationException,
               ParameterException)
 # [s] how long a busy service may keep the interpreter from the stream (default 0.005)
