@@ -70,6 +70,18 @@ def test_errors_fall_with_the_order_of_the_method_at_least(method, order):
     assert order <= -np.polyfit(evaluations, errors, 1)[0] <= 2.0 * order
 
 
+@pytest.mark.parametrize('method', ['LSODA', 'BDF'])
+def test_errors_of_methods_of_variable_order_follow_their_tolerance(method):
+    """Their order changes on the way: the error falls about as the tolerance does."""
+    system = free()
+    exact = float(FreeMotion(system).position(1.0))
+    tolerances = 10.0**-np.arange(4.0, 11.0)
+    errors = [abs(simulate(system, 1.0, tolerance, method, check=False).position[-1] - exact)
+              for tolerance in tolerances.tolist()]
+    slope = np.polyfit(np.log(tolerances), np.log(errors), 1)[0]
+    assert 0.6 <= slope <= 1.3, (slope, errors)
+
+
 def test_power_balances_at_every_sample():
     """Motor, flywheel, loads, springs and dampers: of the bodies alone, sum to 1e-12 of parts."""
     external = External(Applied(0.3, 0.1, 2.0, -3.0, 0.4), Applied(couple=-0.5))

@@ -104,7 +104,7 @@ def test_a_motor_through_an_elastic_shaft(stiffness):
     assert abs(runs[0].position[-1] - rigid.position[-1]) <= 500.0 / stiffness + 2e-6
 
 
-@pytest.mark.parametrize('stiffness', [1000, 100000])
+@pytest.mark.parametrize('stiffness', [10**3, 10**5, 10**7, 10**9])
 def test_a_motor_and_its_shaft_against_many_digits(stiffness):
     pytest.importorskip('flint')
     from support.motor_problem import ANSWERS
@@ -123,6 +123,14 @@ def test_the_page_has_the_digits_of_the_tests():
         assert f'| {text} |' in page
 
 
+def test_the_page_has_the_digits_of_the_shafts():
+    pytest.importorskip('flint')
+    from support.motor_problem import ANSWERS
+    page = (ROOT / 'docs' / 'reference_problems.md').read_text(encoding='utf-8')
+    for answers in ANSWERS.values():
+        assert f'| {" | ".join(answers)} |' in page
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize('stiffness', [1000, 100000])
 def test_the_references_of_the_motor_by_two_formulations(stiffness):
@@ -135,6 +143,20 @@ def test_the_references_of_the_motor_by_two_formulations(stiffness):
         other = taylor(*with_multipliers(stiffness), arb('0.5'), 1100, 28, 34)
         for text, a, b in zip(ANSWERS[stiffness], one, (other[i] for i in (0, 4, 3, 7))):
             assert abs(a - b) < mp.mpf('1e-21') and abs(a - mp.mpf(text)) < mp.mpf('1e-20')
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('stiffness, first', [(10**7, '1e-6'), (10**9, '1e-8')])
+def test_the_references_of_stiff_shafts_by_two_formulations(stiffness, first):
+    """Modes of 5e4 and 5e6 1/s: implicit, of order 27 and 23, with other steps in each."""
+    pytest.importorskip('flint')
+    from support.collocation import collocation
+    from support.motor_problem import ANSWERS, graded, one_equation, with_multipliers
+    with mp.workdps(50):
+        one = collocation(*one_equation(stiffness), graded(first, 120), 14)
+        other = collocation(*with_multipliers(stiffness), graded(first, 100), 12)
+        for text, a, b in zip(ANSWERS[stiffness], one, (other[i] for i in (0, 4, 3, 7))):
+            assert abs(a - b) < mp.mpf('1e-20') and abs(a - mp.mpf(text)) < mp.mpf('1e-20')
 
 
 @pytest.mark.slow

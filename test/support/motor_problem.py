@@ -4,9 +4,11 @@
 P6 to many digits by two routes: the paper's crank-rocker, a motor line and an elastic shaft.
 
 One equation in the crank angle with rates from sines; and crank, coupler and output angle with
-Lagrange multipliers for the loop. Both as Taylor series in time with python-flint.
+Lagrange multipliers for the loop. Both as Taylor series in time with python-flint, for stiff
+shafts by Radau IIA of high order (:mod:`support.collocation`).
 """
 from flint import arb
+import mpmath as mp
 
 STALL, FREE, ROTOR = 400, 26, '0.5'
 # stiffness: crank angle and rate, rotor angle and rate at 0.5 s; both routes agree in all digits
@@ -14,7 +16,11 @@ ANSWERS = {
     1000: ('11.053036712758026133077', '26.847146032521329859387',
            '11.182640094591427197152', '22.616586794746154384684'),
     100000: ('11.370083234362233117973', '23.18074685696328244752',
-             '11.371307489533053719505', '23.199975211721346343545')}
+             '11.371307489533053719505', '23.199975211721346343545'),
+    10**7: ('11.374256246971480389396951', '23.170163961325954539022420',
+            '11.374268516280366070581463', '23.170352832577040134510496'),
+    10**9: ('11.374296030790494060791513', '23.170068884951790983601438',
+            '11.374296153485998498505213', '23.170070773324093107434555')}
 
 
 def data():
@@ -111,3 +117,14 @@ def solved(rows):
         rest = sum((rows[i][j] * answer[j] for j in range(i + 1, count)), 0 * rows[i][i])
         answer[i] = (rows[i][-1] - rest) / rows[i][i]
     return answer
+
+
+def graded(first, count, until='0.5'):
+    """Return lengths of steps: doubled from the first one up, through the fast transient."""
+    longest, step, lengths = mp.mpf(until) / count, mp.mpf(first), []
+    while step < longest:
+        lengths.append(step)
+        step *= 2
+    left = mp.mpf(until) - sum(lengths)
+    equal = int(mp.ceil(left / longest))
+    return [mp.nstr(length, 45) for length in [*lengths, *[left / equal] * equal]]
