@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Any, ClassVar, NamedTuple
 
-from fourbar_ros.mechanics.bodies import Bodies, External
+from fourbar_ros.mechanics.bodies import External
 from fourbar_ros.mechanisms.parts import (
     Arrow,
     Connection,
@@ -77,8 +77,6 @@ class Contract(ABC):
     MOTION, LOADS : NamedTuple types
         Types of the results. A motion has ``transmission_angle`` and ``condition``, loads have
         ``shaking_force_x``, ``_y``, ``shaking_force``, ``shaking_moment``.
-    WATCHED : tuple of str
-        Two loads or more, of which one is not finite if any load is not.
     BODIES, EXTERNAL : NamedTuple types
         Types of ``bodies`` and ``external``: a field for each link, and for each link that can be
         loaded.
@@ -110,9 +108,8 @@ class Contract(ABC):
     OUTPUTS: Mapping[str, tuple[Output, ...]]
     MOTION: Any
     LOADS: Any
-    WATCHED: tuple[str, ...] = ('f41', 'shaking_moment')
-    BODIES: Any = Bodies
-    EXTERNAL: Any = External
+    BODIES: Any
+    EXTERNAL: Any
     QUANTITIES: tuple[Quantity, ...] = ()
     MARGIN_SIGNS: tuple[tuple[int, ...], ...]
     PICTURE: Any

@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The mechanisms by the names they have in scenes."""
 from __future__ import annotations
 

@@ -71,7 +71,7 @@ def _loads(scene: Scene) -> list[Any]:
     if 'loads' not in scene.topics:
         return []
     topic, known = scene.topics['loads'].topic, scene.layout.fields['loads']
-    forces = [name for name in known if name in ('f41', 'f21', 'f32', 'f43', 'shaking_force')]
+    forces = [name for name in known if name in (*scene.linkage.reactions, 'shaking_force')]
     drive = 'driving_force' if scene.linkage.is_driven_by_slide else 'driving_torque'
     others = [(f'{drive.replace("_", " ")} [{"N" if drive.endswith("force") else "N m"}]', drive),
               ('shaking moment [N m]', 'shaking_moment')]

@@ -116,6 +116,7 @@ class FourBar(Mechanism):
              BETA: 'coupler'}
     DRAWN = (THETA1, BETA, THETA4)
     MOTION, LOADS = Motion, Loads
+    BODIES, EXTERNAL = Bodies, External
     PICTURE = diagram
 
     def __post_init__(self) -> None:

@@ -119,6 +119,7 @@ class InvertedSlider(OffsetSlide):
     SLIDE_DIRECTION = ('cos_y', 'sin_y')
     DRAWN = (THETA1, THETA4, TRAVEL)
     MOTION = InvertedSliderMotion
+    BODIES, EXTERNAL = Bodies, External
     PICTURE = diagram
 
     @property

@@ -46,7 +46,7 @@ ROLES = {'RRR': ('rod', 'rod'), 'RRP': ('rod', 'block'), 'RPR': ('block', 'bar')
 @cache
 def names_of(layout: Layout) -> dict[str, Any]:
     """Return the attributes of the contract that follow from a layout, by name."""
-    joints, turning = layout.joints(), layout.turning()
+    turning = layout.turning()
     links = tuple(_links(layout))
     given = {'crank': coordinate(CRANK_LINK), 'slide': travel(SLIDER_LINK)}
     if layout.driver == CYLINDER:
@@ -60,7 +60,6 @@ def names_of(layout: Layout) -> dict[str, Any]:
         'INPUTS': {layout.driver: driven}, 'OUTPUTS': {layout.driver: _outputs(layout, driven)},
         'MOTION': record_type('MachineMotion', motion_fields(layout)),
         'LOADS': record_type('MachineLoads', load_fields(layout)),
-        'WATCHED': (*(name for name, _ in joints), 'shaking_moment'),
         'BODIES': record_type('MachineBodies', layout.moving),
         'EXTERNAL': record_type('MachineExternal', tuple(link.name for link in links
                                                          if link.is_loadable)),

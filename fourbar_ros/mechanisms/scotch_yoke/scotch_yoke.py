@@ -103,6 +103,7 @@ class ScotchYoke(Mechanism):
     PARTS = {THETA1: 'crank', THETA2: 'block to crank', SLOT: 'block in the slot', TRAVEL: 'yoke'}
     DRAWN = (THETA1, TRAVEL, SLOT)
     MOTION, LOADS = ScotchYokeMotion, ScotchYokeLoads
+    BODIES, EXTERNAL = Bodies, External
     PICTURE = diagram
     MARGIN_SIGNS = ((1, 0),)
     QUANTITIES = (Quantity('slot_velocity', 'm/s', 'velocity of the block in the slot', False),

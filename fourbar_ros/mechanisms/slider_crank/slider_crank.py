@@ -118,6 +118,7 @@ class SliderCrank(OffsetSlide):
              BETA: 'coupler', TRAVEL: 'slider'}
     DRAWN = (THETA1, BETA, TRAVEL)
     MOTION = SliderCrankMotion
+    BODIES, EXTERNAL = Bodies, External
     PICTURE = diagram
 
     @property

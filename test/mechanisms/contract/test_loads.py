@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Loads in balance with the motion of all links."""
 
-from fourbar_ros import Applied
+from math import isfinite
+
+from fourbar_ros import Applied, InvalidParameter
 from fourbar_ros.mechanisms.points import link_motion, point_of
 import numpy as np
 from support import contract
@@ -67,3 +69,19 @@ def test_power_and_momentum_balance(case):
         assert abs(sum(drives) * given[1] - power) <= 1e-13 * size_power
         assert drives[not mechanism.is_driven_by_slide] == 0.0
         assert drives[mechanism.is_driven_by_slide] != 0.0
+
+
+@every_mechanism
+def test_loads_that_overflow_are_refused(case):
+    """At rising speeds each load is a number, or all are refused."""
+    refused = given = 0
+    for mechanism, (position, rate, acceleration) in contract.ordinary(case, 216, 10):
+        for power in np.linspace(500.0, 512.0, 97).tolist():
+            try:
+                loads = mechanism.step(position, rate * 2.0**power, acceleration)[1]
+                given += 1
+                assert all(map(isfinite, loads)), (power, loads)
+            except InvalidParameter as error:
+                refused += 1
+                assert 'overflow' in str(error)
+    assert refused and given
