@@ -8,8 +8,12 @@ wrenches alone that the node received: then they act until the next one, or unti
 """
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from math import inf
 
+from fourbar_ros.bag.records import Columns
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.scene.topics import ON_LINK, WRENCH
 import numpy as np
@@ -30,20 +34,21 @@ class Acting:
 
     """
 
-    def __init__(self, topics, links):
-        self.wrenches = {}                               # by link, as a stepper keeps them
-        self._waiting = []                   # (place, link, Wrench)
+    def __init__(self, topics: Collection[str], links: Sequence[str]) -> None:
+        self.wrenches: dict[str, Wrench] = {}   # by link, as a stepper keeps them
+        self._waiting: list[tuple[int, str, Wrench]] = []        # with their places
         self._times = np.zeros(0)            # when one was logged that differs from before [ns]
-        self._newest = {}                    # the last wrench of each link
+        self._newest: dict[str, Wrench] = {}     # the last wrench of each link
         loaded = [name.removeprefix(ON_LINK) for name in topics if name.startswith(ON_LINK)]
         self._source = {link: ON_LINK + link for link in (*loaded, *links)}
-        self._received = {}                  # {link: log times [ns]} where only these are known
+        # {link: log times [ns]} where only these are known
+        self._received: dict[str, Array] = {}
         for link in links:
             if ON_LINK + link not in topics and WRENCH + link in topics:
                 self._source[link] = WRENCH + link
                 self._received[link] = np.zeros(0)
 
-    def take(self, by_name, frame_id):
+    def take(self, by_name: Mapping[str | None, Iterable[Columns]], frame_id: str) -> None:
         """Take the messages of a block that say what acts; ``by_name``: lists of Columns."""
         changes = self._times[-1:].tolist()
         for link, name in self._source.items():
@@ -60,13 +65,13 @@ class Acting:
         self._times = np.sort(np.array(changes))
         self._waiting.sort(key=lambda event: event[0])
 
-    def apply(self, stepper, until: float = inf) -> None:
+    def apply(self, stepper: Stepper, until: float = inf) -> None:
         """Apply to a stepper what acted before a place in the bag."""
         while self._waiting and self._waiting[0][0] < until:
             _, link, wrench = self._waiting.pop(0)
             stepper.act(link, wrench)
 
-    def is_settled(self, times: np.ndarray, timeout: float) -> np.ndarray:
+    def is_settled(self, times: Array, timeout: float) -> Array:
         """
         Return which motions, by the time they were logged, are not near a change.
 
@@ -82,7 +87,7 @@ class Acting:
         return good
 
 
-def _distance(changes, times):
+def _distance(changes: Array, times: Array) -> Array:
     """Return how far each time is from the nearest change."""
     if not len(changes):
         return np.full(len(times), inf)
@@ -92,11 +97,11 @@ def _distance(changes, times):
     return np.minimum(abs(times - before), abs(times - next_one))
 
 
-def _messages(columns, is_received, frame_id):
+def _messages(columns: Columns, is_received: bool, frame_id: str) -> list[tuple[int, int, Wrench]]:
     """Return [(place, log time, Wrench)] of messages; of received ones those that a node takes."""
     wrench = columns.tree.wrench
     is_ours = np.ones(len(columns.times), bool)
-    if is_received and 'header.frame_id' in columns.records.dtype.names:    # else it is empty
+    if is_received and 'header.frame_id' in columns.fields:    # else it is empty
         is_ours = columns.records['header.frame_id'] == frame_id.encode()
     # a couple is the same in all frames
     is_ours |= (wrench.force.x == 0.0) & (wrench.force.y == 0.0)

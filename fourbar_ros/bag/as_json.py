@@ -7,16 +7,24 @@ The keys are documented in docs/recording.md and stay.
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 import json
 from math import isfinite
+from pathlib import Path
+from typing import Any, TYPE_CHECKING
+
+if TYPE_CHECKING:      # what is printed comes from them
+    from fourbar_ros.bag.diff import TopicDiff
+    from fourbar_ros.bag.difference import Recomputed
+    from fourbar_ros.bag.info import Info
 
 
-def line(found):
+def line(found: dict[str, Any]) -> str:
     """Return a dict as one line of JSON; what is not finite is text: "inf", "nan"."""
     return json.dumps(_plain(found), allow_nan=False)
 
 
-def _plain(value):
+def _plain(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -24,12 +32,12 @@ def _plain(value):
     return str(value) if isinstance(value, float) and not isfinite(value) else value
 
 
-def of_error(bag, error):
+def of_error(bag: str | Path, error: BaseException) -> dict[str, Any]:
     """Return the dict of a bag that could not be read."""
     return {'bag': str(bag), 'error': str(error)}
 
 
-def of_info(bag, info):
+def of_info(bag: str | Path, info: Info) -> dict[str, Any]:
     """Return the dict of an Info."""
     return {'bag': str(bag), 'sound': info.is_sound, 'state': info.state, 'size': info.size,
             'parts': info.parts,
@@ -42,7 +50,8 @@ def of_info(bag, info):
                         'missing': topic.missing} for topic in info.topics]}
 
 
-def of_recomputed(bag, found, tolerance, accept_rounding=False):
+def of_recomputed(bag: str | Path, found: Recomputed, tolerance: float,
+                  accept_rounding: bool = False) -> dict[str, Any]:
     """Return the dict of a Recomputed."""
     problems = found.problems(tolerance, accept_rounding)
     return {'bag': str(bag), 'good': not problems, 'problems': problems,
@@ -55,7 +64,8 @@ def of_recomputed(bag, found, tolerance, accept_rounding=False):
             'differences': [difference._asdict() for difference in found.differences]}
 
 
-def of_diff(first, second, topics, tolerance):
+def of_diff(first: str | Path, second: str | Path, topics: Sequence[TopicDiff], tolerance: float
+            ) -> dict[str, Any]:
     """Return the dict of a list of TopicDiff."""
     return {'first': str(first), 'second': str(second), 'tolerance': tolerance,
             'same': all(topic.is_same(tolerance) for topic in topics),

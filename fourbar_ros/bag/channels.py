@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
+from fourbar_ros.bag.records import Message
 from fourbar_ros.errors import BagError
 from fourbar_ros.formats import rosbag2
 from fourbar_ros.formats.cdr import Decoder
@@ -26,12 +28,15 @@ class Channels:
 
     """
 
-    def __init__(self, path):
+    def __init__(self, path: Path) -> None:
         self.by_number: dict[int, Channel] = {}
         self.here: dict[tuple[type, int], Schema | Channel] = {}
-        self._path, self._schemas, self._decoders = path, {}, {}
-        self._numbers, self._is_first = {}, True       # {(kind, number there): number here}
-        self._plain, self._packed = set(), set()       # looked at; with compressed messages
+        self._path, self._is_first = path, True
+        self._schemas: dict[int, Schema] = {}
+        self._decoders: dict[int, Decoder] = {}
+        self._numbers: dict[tuple[type, int], int] = {}     # {(kind, number there): number here}
+        self._plain: set[int] = set()                  # looked at
+        self._packed: set[int] = set()                 # with compressed messages
 
     def begin_file(self, is_first: bool) -> None:
         """Forget the numbers of the file before."""
@@ -61,7 +66,7 @@ class Channels:
         """Return the numbers of the channels of these topics."""
         return {number for number, channel in self.by_number.items() if channel.topic in topics}
 
-    def renumbered(self, found: list[tuple]) -> list[tuple]:
+    def renumbered(self, found: list[Message]) -> list[Message]:
         """
         Return messages, (channel in the file, ...), under the numbers of the bag and unpacked.
 
@@ -76,7 +81,7 @@ class Channels:
             found = [(numbers[item[0]], *item[1:]) for item in found]
         return self._unpacked(found, set(numbers.values()) - self._plain) if numbers else found
 
-    def _unpacked(self, found, new):
+    def _unpacked(self, found: list[Message], new: set[int]) -> list[Message]:
         """
         Return messages as they were sent.
 
@@ -127,7 +132,7 @@ class Channels:
         return self._decoders[number]
 
 
-def _is_same(a, b):
+def _is_same(a: Schema | Channel, b: Schema | Channel) -> bool:
     """Return whether two definitions are the same but for number and QoS."""
     if isinstance(a, Channel):
         return (a.topic, a.message_encoding, a.schema_id) == (b.topic, b.message_encoding,

@@ -3,6 +3,7 @@
 """Recorded outputs of a bag beside those computed from the motions they belong to."""
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from math import inf
 from operator import attrgetter
 
@@ -10,12 +11,16 @@ from fourbar_ros.bag.acting import Acting, UNSETTLED
 from fourbar_ros.bag.difference import Difference, distance, Recomputed
 from fourbar_ros.bag.driven import Driven, inputs_of, moved_of
 from fourbar_ros.bag.matching import in_order, rows_of, says_silence, Tally, Window
+from fourbar_ros.bag.origin import Origin
+from fourbar_ros.bag.records import Columns
 from fourbar_ros.bag.rounding import Condition, needs_condition, units
 from fourbar_ros.formats import rosbag2
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline import rate_estimator
 from fourbar_ros.pipeline.message_fields import driven_of, mode_number
 from fourbar_ros.pipeline.status import LOADS_UNKNOWN, OK
 from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, INPUTS, TORQUE
 import numpy as np
 
@@ -37,9 +42,13 @@ class Comparison:
 
     """
 
-    def __init__(self, origin, about):
-        self.counts, self.largest, self.units = {}, {}, {}
-        self._condition = None               # of the scene, when it is needed
+    def __init__(self, origin: Origin, about: Mapping[str, str]) -> None:
+        self.counts: dict[str, int] = {}
+        self.largest: dict[tuple[str, str], float] = {}
+        self.units: dict[tuple[str, str], float] = {}
+        self._condition: Condition | None = None     # of the scene, when it is needed
+        self._window: Window | None = None
+        self._stepper: Stepper
         self.inputs = self.compared = self.unmatched = self.missing = self.doubled = 0
         self.silent = self.uncertain = 0
         self.topics, self._name_of = (origin.topics,
@@ -50,21 +59,22 @@ class Comparison:
                              if name in origin.topics), None)
         self._moved = moved_of(origin, about)
         is_same_estimator = about.get(rate_estimator.KEY) == str(rate_estimator.VERSION)
-        self._scene, self._driven = None, Driven(origin.scene, is_same_estimator)
-        self._tallies, self._early = {}, []
+        self._driven = Driven(origin.scene, is_same_estimator)
+        self._tallies: dict[str, Tally] = {}
+        self._early: list[Columns] = []
         self._acting = Acting(origin.topics, origin.scene.wrenches.links)
         self.change(origin.scene, None)
 
-    def is_new(self, scene):
+    def is_new(self, scene: Scene) -> bool:
         """Return whether a scene counts as a change: rosbag2 repeats the latched one."""
         return self._in_order or scene.as_json != self._scene.as_json
 
-    def change(self, scene, time):
+    def change(self, scene: Scene, time: int | None) -> None:
         """Take another scene; it holds from the next input on."""
         self._retire(0)
         # of the scene before, their motion after
         self.uncertain += sum(len(found.times) for found in self._early)
-        if self._scene:
+        if time is not None:                 # not the first
             self._acting.apply(self._stepper)
         self._scene, self._stepper, self._layout = (scene, Stepper(scene, self._acting.wrenches),
                                                     scene.layout)
@@ -86,13 +96,13 @@ class Comparison:
 
     # --- one block ------------------------------------------------------------------------------
 
-    def block(self, columns, until=inf):
+    def block(self, columns: Iterable[Columns], until: float = inf) -> None:
         """
         Compare all messages of a block.
 
         Those logged after ``until`` are near a change of the scene.
         """
-        by_name = {}
+        by_name: dict[str | None, list[Columns]] = {}
         for found in columns:
             by_name.setdefault(self._name_of.get(found.topic), []).append(found)
         self._acting.take(by_name, self._scene.frame_id)
@@ -105,7 +115,7 @@ class Comparison:
                 self._output(found, until)
         self._retire(WINDOW)
 
-    def _take_inputs(self, by_name, until):
+    def _take_inputs(self, by_name: Mapping[str | None, list[Columns]], until: float) -> None:
         raw = [inputs_of(found, self._scene) for found in by_name.get(self._source, ())]
         if raw and self._in_order:
             self._driven.take(*in_order(raw))
@@ -117,7 +127,7 @@ class Comparison:
         if DRIVEN.name not in by_name:
             return
         self._check_text(by_name[DRIVEN.name])
-        places, stamps, motions, times = in_order([(found.places, found.stamps,
+        places, stamps, motions, times = in_order([(found.places, found.headed,
                                                     np.stack(driven_of(found.tree), axis=1),
                                                    found.times) for found in by_name[DRIVEN.name]])
         if self._source and self._in_order:
@@ -131,29 +141,29 @@ class Comparison:
                      {name: np.zeros(len(places), np.int64) for name in self._outputs})
         self._window = new if self._window is None else self._window.followed_by(new)
 
-    def _evaluated(self, places, motions):
+    def _evaluated(self, places: Array, motions: Array) -> tuple[Array, Array]:
         """
         Return statuses and values of motions.
 
         One by one, as the node does: not one bit differs.
         """
         found = []
-        for place, motion in zip(places.tolist(), motions.tolist()):
+        for place, (position, rate, acceleration) in zip(places.tolist(), motions.tolist()):
             self._acting.apply(self._stepper, place)
-            found.append(self._stepper.step(*motion, *self._wanted))
+            found.append(self._stepper.step(position, rate, acceleration, *self._wanted))
         return np.array([status for status, _ in found],
                         float), np.array([values for _, values in found]).T
 
-    def _sources(self, status, motions):
+    def _sources(self, status: Array, motions: Array) -> Array:
         """Return the motions, shape (3, n), that the values are of: a held one is older."""
-        at = np.arange(len(status))
+        at: Array = np.arange(len(status))
         if self._scene.drive.out_of_range == 'hold':
             held = np.maximum.accumulate(np.where((status == OK) | (status == LOADS_UNKNOWN), at,
                                                   -1))
             at = np.where(held < 0, at, held)
         return motions[at].T
 
-    def _held(self, status):
+    def _held(self, status: Array) -> Array:
         """Return the inputs whose outputs may hold values from before this part of a bag."""
         if not (self._is_cold and self._holds):
             return np.zeros(len(status), bool)
@@ -161,29 +171,29 @@ class Comparison:
         self._is_cold = not len(good)
         return np.arange(len(status)) < (good[0] if len(good) else len(status))
 
-    def _output(self, columns, until, is_late=False):
+    def _output(self, columns: Columns, until: float, is_late: bool = False) -> None:
         """Compare the messages of one topic and layout with the motions they belong to."""
-        name, stamps = self._name_of[columns.topic], columns.stamps
-        source = (self._window.source_of(columns.places, stamps) if self._window
-                  else np.full(len(stamps), -1))
+        name, stamps, window = self._name_of[columns.topic], columns.headed, self._window
+        source = (np.full(len(stamps), -1) if window is None
+                  else window.source_of(columns.places, stamps))
         found = source >= 0
         if not found.all():
             self._without_motion(name, columns._replace(
                 times=columns.times[~found], places=columns.places[~found],
                 records=columns.records[~found]), until,
                 is_late)
-        if not found.any():
+        if window is None or not found.any():
             return
-        np.add.at(self._window.seen[name], source[found], 1)
-        known = self._window.known[source[found]]
-        self.uncertain += np.count_nonzero(~known)
+        np.add.at(window.seen[name], source[found], 1)
+        known = window.known[source[found]]
+        self.uncertain += int(np.count_nonzero(~known))
         if known.any():
             rows = np.flatnonzero(found)[known]
             self._compare(name, columns._replace(
                 times=columns.times[rows], places=columns.places[rows],
-                records=columns.records[rows]), source[rows])
+                records=columns.records[rows]), window, source[rows])
 
-    def _without_motion(self, name, columns, until, is_late):
+    def _without_motion(self, name: str, columns: Columns, until: float, is_late: bool) -> None:
         """Count outputs that no motion so far has the stamp of."""
         if not self._in_order and not is_late:
             self._early.append(columns)                  # it may come in the next block
@@ -194,12 +204,12 @@ class Comparison:
         self.uncertain += np.count_nonzero(unsettled)
         self.unmatched += np.count_nonzero(~silent & ~unsettled)
 
-    def _compare(self, name, columns, source):
-        window, count = self._window, len(source)
+    def _compare(self, name: str, columns: Columns, window: Window, source: Array) -> None:
+        count = len(source)
         self.counts[name] = self.counts.get(name, 0) + count
         self.compared += count
         # a bag of an older version may have less
-        there, tree = columns.records.dtype.names, columns.tree
+        there, tree = columns.fields, columns.tree
         expected = (self._layout.expected(name, window.values[:, source])
                     | {'status': window.status[source]} | self._constant)
         differing = {}
@@ -211,45 +221,46 @@ class Comparison:
             if same and largest:
                 differing[field] = want, have
         if differing:
-            self._note_units(name, differing, source)
+            self._note_units(name, differing, window, source)
         self._check_text([columns])
 
-    def _note_units(self, name, differing, source):
+    def _note_units(self, name: str, differing: Mapping[str, tuple[Array, Array]], window: Window,
+                    source: Array) -> None:
         """Note the differences {field: (want, have)} of messages in eps times condition."""
         rows = np.zeros(len(source), bool)
         for pair in differing.values():
             rows |= needs_condition(*pair)
-        conditions = np.zeros((len(self._window.values), len(source)))
+        conditions = np.zeros((len(window.values), len(source)))
         if rows.any():
             if self._condition is None:
                 self._condition = Condition(self._scene, self._stepper.acting)
-            conditions[:, rows] = self._condition.of(self._window.motions[:, source[rows]])
+            conditions[:, rows] = self._condition.of(window.motions[:, source[rows]])
         of_fields = self._layout.expected(name, conditions)
         for field, (want, have) in differing.items():
             known = rows_of(of_fields.get(field, 0.0), len(source))
             self.units[name, field] = max(self.units.get((name, field), 0.0),
                                           units(want, have, np.broadcast_to(known, want.shape)))
 
-    def _check_text(self, blocks):
+    def _check_text(self, blocks: Iterable[Columns]) -> None:
         """Compare the texts of messages: frame and names of joints."""
         for columns in blocks:
             for field, want in self._texts.items():
-                if field in columns.records.dtype.names:
-                    good = (columns.records[field] == want.encode()).all()
+                if field in columns.fields:
+                    good = bool((columns.records[field] == str(want).encode()).all())
                 elif field in columns.layout.texts:
                     good = columns.layout.texts[field] == want
                 else:
                     continue
                 self._note(self._name_of[columns.topic], field, 0.0 if good else inf)
 
-    def _note(self, name, field, value):
+    def _note(self, name: str, field: str, value: float) -> None:
         self.largest[name, field] = max(self.largest.get((name, field), 0.0), value)
 
     # --- what a motion should have --------------------------------------------------------------
 
-    def _retire(self, keep):
+    def _retire(self, keep: int) -> None:
         """Count what all but the newest inputs have too much or too little, and forget them."""
-        window = self._window if self._scene else None
+        window = self._window
         if window is None or len(window.places) <= keep:
             return
         old = slice(0, len(window.places) - keep)
@@ -260,7 +271,7 @@ class Comparison:
                 tally.add(seen[old], due)
         self._window = window.from_(len(window.places) - keep) if keep else None
 
-    def _is_due(self, name, values):
+    def _is_due(self, name: str, values: Array) -> Array:
         """
         Return of which inputs there must be an output.
 
@@ -270,9 +281,9 @@ class Comparison:
             return np.ones(values.shape[1], bool)
         places = [self._layout.place[position]
                   for position in self._layout.fields[name]['position']]
-        return ~np.isnan(values[places]).any(axis=0)
+        return np.asarray(~np.isnan(values[places]).any(axis=0))
 
-    def finished(self, cut):
+    def finished(self, cut: bool) -> Recomputed:
         """Return the Recomputed."""
         late, self._early = self._early, []
         for found in late:

@@ -3,13 +3,19 @@
 """Compare two bags message by message: the same stamp on the same topic is the same message."""
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 import json
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
 
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import Difference, distance
+from fourbar_ros.bag.records import Columns, Progress
 from fourbar_ros.errors import BagError
+from fourbar_ros.numerics.arrays import Array
 import numpy as np
+
+Block = tuple[Array, Array]              # keys of messages, their records
 
 
 class TopicDiff(NamedTuple):
@@ -24,21 +30,22 @@ class TopicDiff(NamedTuple):
     messages: int
     only_first: int
     only_second: int
-    largest: dict
+    largest: dict[str, float]
 
     @property
-    def differences(self):
+    def differences(self) -> list[Difference]:
         """Return a list of :class:`~fourbar_ros.bag.recompute.Difference`."""
         return [Difference(self.topic, field, self.messages, value)
                 for field, value in self.largest.items()]
 
-    def is_same(self, tolerance=0.0):
+    def is_same(self, tolerance: float = 0.0) -> bool:
         """Return whether all messages are in both bags and no field differs by more."""
         return (not self.only_first and not self.only_second
                 and max(self.largest.values(), default=0.0) <= tolerance)
 
 
-def diff(first, second, topics=None, progress=None):
+def diff(first: str | Path, second: str | Path, topics: Sequence[str] | None = None,
+         progress: Progress | None = None) -> list[TopicDiff]:
     """
     Return a list of :class:`TopicDiff`, one for every topic in either bag.
 
@@ -47,38 +54,43 @@ def diff(first, second, topics=None, progress=None):
     forward. ``progress`` is called with the bytes read of the first bag, once more for every
     topic.
     """
-    bags = [Bag(first), Bag(second)]
-    names = sorted(set.union(*map(_topics, bags)))
+    one, other = Bag(first), Bag(second)
+    names = sorted(_topics(one) | _topics(other))
     for topic in topics or ():
         if topic not in names:
             raise BagError(f'{topic}: in neither bag; they have {", ".join(names)}')
-    return [_Topic(topic).run(*bags, progress) for topic in topics or names]
+    return [_Topic(topic).run(one, other, progress) for topic in topics or names]
 
 
-def _topics(bag):
+def _topics(bag: Bag) -> set[str]:
     summaries = [part.summary() for part in bag.parts]
-    if None in summaries:
+    known = [summary for summary in summaries if summary is not None]
+    if len(known) < len(summaries):
         for _ in bag.chunks():
             pass
         return {channel.topic for channel in bag.channels.values()}
-    return {channel.topic for summary in summaries for channel in summary.channels.values()}
+    return {channel.topic for summary in known for channel in summary.channels.values()}
 
 
 class _Topic:
     """Goes through one topic of both bags side by side."""
 
-    def __init__(self, topic):
+    def __init__(self, topic: str) -> None:
         self.topic = topic
-        self.messages, self.only, self.largest = 0, [0, 0], {}
-        self._pending = ([], [])                 # (keys, records) not yet met in the other bag
+        self.messages, self.only = 0, [0, 0]
+        self.largest: dict[str, float] = {}
+        # (keys, records) not yet met in the other bag
+        self._pending: tuple[list[Block], list[Block]] = ([], [])
 
-    def run(self, first, second, progress):
+    def run(self, first: Bag, second: Bag, progress: Progress | None) -> TopicDiff:
         sources = [_keyed(first, self.topic, progress), _keyed(second, self.topic, None)]
-        newest, over = [None, None], [False, False]
+        newest: list[int | None] = [None, None]
+        over = [False, False]
         while not all(over):
             # the bag that is behind goes on
-            side = 0 if over[1] or (not over[0] and (newest[0] is None or (
-                newest[1] is not None and newest[0] <= newest[1]))) else 1
+            here, there = newest
+            side = 0 if over[1] or (not over[0] and (here is None or (
+                there is not None and here <= there))) else 1
             found = next(sources[side], None)
             if found is None:
                 over[side] = True
@@ -86,13 +98,14 @@ class _Topic:
             newest[side] = max(int(keys.max()) for keys, _ in found)
             for keys, records in found:
                 self._meet(side, keys, records)
-            if None not in newest:
-                self._forget(min(newest))
+            known = [key for key in newest if key is not None]
+            if len(known) == 2:
+                self._forget(min(known))
         for side in (0, 1):
             self.only[side] += sum(len(keys) for keys, _ in self._pending[side])
-        return TopicDiff(self.topic, self.messages, *self.only, self.largest)
+        return TopicDiff(self.topic, self.messages, self.only[0], self.only[1], self.largest)
 
-    def _meet(self, side, keys, records):
+    def _meet(self, side: int, keys: Array, records: Array) -> None:
         """Compare new messages with those of the other bag that wait for them."""
         others = self._pending[1 - side]
         for i, (other_keys, other) in enumerate(others):
@@ -105,7 +118,7 @@ class _Topic:
         if len(keys):
             self._pending[side].append((keys, records))
 
-    def _forget(self, until):
+    def _forget(self, until: int) -> None:
         """Count what both bags are past as being in one only."""
         for side, pending in enumerate(self._pending):
             for keys, _ in pending:
@@ -113,10 +126,11 @@ class _Topic:
                     self.only[side] += len(keys)
             pending[:] = [pair for pair in pending if pair[0].max() >= until]
 
-    def _compare(self, a, b):
+    def _compare(self, a: Array, b: Array) -> None:
         self.messages += len(a)
-        for field in dict.fromkeys((*a.dtype.names, *b.dtype.names)):
-            is_in_both = field in a.dtype.names and field in b.dtype.names
+        ours, theirs = a.dtype.names or (), b.dtype.names or ()
+        for field in dict.fromkeys((*ours, *theirs)):
+            is_in_both = field in ours and field in theirs
             apart = {field: _apart(a[field], b[field]) if is_in_both else np.inf}
             if is_in_both and a[field].dtype.kind == 'S' and apart[field]:
                 parameters = _by_parameter(a[field], b[field])
@@ -125,9 +139,9 @@ class _Topic:
                 self.largest[name] = max(self.largest.get(name, 0.0), found)
 
 
-def _by_parameter(here, there):
+def _by_parameter(here: Array, there: Array) -> dict[str, float] | None:
     """Return {parameter: difference} of scenes, texts that hold a JSON object; None of others."""
-    found = {}
+    found: dict[str, float] = {}
     for pair in zip(here.tolist(), there.tolist()):
         try:
             a, b = map(json.loads, pair)
@@ -138,7 +152,7 @@ def _by_parameter(here, there):
     return {name: value for name, value in sorted(found.items()) if value}
 
 
-def _between(a, b):
+def _between(a: Any, b: Any) -> float:
     """
     Return the difference of two parameters.
 
@@ -149,7 +163,7 @@ def _between(a, b):
             else np.inf)
 
 
-def _apart(here, there):
+def _apart(here: Array, there: Array) -> float:
     """
     Return the largest difference of one field in two arrays of messages.
 
@@ -163,7 +177,7 @@ def _apart(here, there):
     return distance(here.astype(float), there.astype(float)) if here.size else 0.0
 
 
-def _keyed(bag, topic, progress):
+def _keyed(bag: Bag, topic: str, progress: Progress | None) -> Iterator[list[tuple[Array, Array]]]:
     """
     Yield lists of (keys, records), one a layout in a block.
 
@@ -173,6 +187,6 @@ def _keyed(bag, topic, progress):
         yield [(_keys(found), found.records) for found in block]
 
 
-def _keys(columns):
+def _keys(columns: Columns) -> Array:
     stamps = columns.stamps                  # 0: nobody stamped it, as a simple source of inputs
     return columns.places if stamps is None else np.where(stamps == 0, columns.places, stamps)

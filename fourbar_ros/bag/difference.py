@@ -7,6 +7,7 @@ from math import inf, isnan
 from typing import NamedTuple
 
 from fourbar_ros.bag.rounding import LIMIT
+from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 
@@ -24,7 +25,7 @@ class Difference(NamedTuple):
     units: float = inf
 
     @property
-    def is_rounding(self):
+    def is_rounding(self) -> bool:
         """Return whether two versions of the software may differ so by rounding."""
         return self.largest == 0.0 or self.units <= LIMIT
 
@@ -53,7 +54,7 @@ class Recomputed(NamedTuple):
 
     """
 
-    differences: list
+    differences: list[Difference]
     inputs: int
     compared: int
     unmatched: int
@@ -65,22 +66,22 @@ class Recomputed(NamedTuple):
     cut: bool
 
     @property
-    def largest(self):
+    def largest(self) -> float:
         """Return the largest of all differences."""
         return max((difference.largest for difference in self.differences), default=0.0)
 
     @property
-    def units(self):
+    def units(self) -> float:
         """Return the largest of all differences in eps times condition."""
         return max((difference.units for difference in self.differences if difference.largest),
                    default=0.0)
 
     @property
-    def is_rounding(self):
+    def is_rounding(self) -> bool:
         """Return whether there are differences, and rounding explains all of them."""
         return self.largest > 0.0 and all(d.is_rounding for d in self.differences)
 
-    def verdict(self):
+    def verdict(self) -> str:
         """Return what the differences are, in one line; empty if there are none."""
         if not self.largest:
             return ''
@@ -93,7 +94,7 @@ class Recomputed(NamedTuple):
                 f'{LIMIT:g}' if worst.units < inf else 'which rounding does not explain')
         return f'real differences: {worst.topic} {worst.field} by {worst.largest:g}, {size}'
 
-    def problems(self, tolerance=0.0, accept_rounding=False):
+    def problems(self, tolerance: float = 0.0, accept_rounding: bool = False) -> list[str]:
         """
         Return the problems as a list of texts; empty for a good bag.
 
@@ -109,7 +110,7 @@ class Recomputed(NamedTuple):
         return found if self.compared else ['nothing could be compared', *found]
 
 
-def distance(a, b):
+def distance(a: Array, b: Array) -> float:
     """
     Return the largest difference of two arrays.
 
@@ -124,7 +125,7 @@ def distance(a, b):
     return float(distance.max())
 
 
-def apart(a, b):
+def apart(a: float, b: float) -> float:
     """Return the difference of two numbers, by the same rules."""
     if a == b or (isnan(a) and isnan(b)):
         return 0.0

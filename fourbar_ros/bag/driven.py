@@ -3,13 +3,22 @@
 """Check the driven motions that a node reports against the inputs that it received."""
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from math import inf, isnan, nan
+from typing import TYPE_CHECKING
 
 from fourbar_ros.bag.difference import apart
+from fourbar_ros.bag.records import Columns
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline import joints
 from fourbar_ros.pipeline.message_fields import driven_of, is_time
 from fourbar_ros.pipeline.rate_estimator import estimator_of
+from fourbar_ros.scene.scene import DriveSettings, Scene
 import numpy as np
+
+if TYPE_CHECKING:      # only where the motion follows from torque
+    from fourbar_ros.bag.moved import Moved
+    from fourbar_ros.bag.origin import Origin
 
 FIELDS = ('position', 'velocity', 'acceleration')
 
@@ -37,15 +46,17 @@ class Driven:
 
     """
 
-    def __init__(self, scene, has_our_estimator):
+    def __init__(self, scene: Scene, has_our_estimator: bool) -> None:
         self._has_our_estimator = has_our_estimator
         self.largest = dict.fromkeys((*FIELDS, 'header.stamp'), 0.0)
         self.compared = self.unknown = self.without = 0
-        self._inputs = []                              # (place, stamp [ns], motion) not yet taken
-        self._drive, self._newest = None, 0
+        # (place, stamp [ns], motion) not yet taken
+        self._inputs: list[tuple[int, int, list[float]]] = []
+        self._drive: DriveSettings | None = None
+        self._newest = 0
         self.change(scene)
 
-    def change(self, scene):
+    def change(self, scene: Scene) -> None:
         """Take over another scene; with other settings of the drive the estimate starts afresh."""
         drive = scene.drive
         if drive == self._drive:
@@ -56,7 +67,7 @@ class Driven:
         self._cold = 0 if self._drive else drive.window
         self._drive = drive
 
-    def take(self, places, stamps, motions):
+    def take(self, places: Array, stamps: Array, motions: Array) -> None:
         """
         Take messages of the input, in order.
 
@@ -64,7 +75,7 @@ class Driven:
         """
         self._inputs += zip(places.tolist(), stamps.tolist(), motions.tolist())
 
-    def compare(self, places, stamps, motions):
+    def compare(self, places: Array, stamps: Array, motions: Array) -> None:
         """Compare driven motions, in order, with the inputs taken before them."""
         waiting, at = self._inputs, 0
         for place, stamp, motion in zip(places.tolist(), stamps.tolist(), motions.tolist()):
@@ -77,7 +88,7 @@ class Driven:
                 self._one(stamp, motion, *source[1:])
         self._inputs = waiting[at:]
 
-    def summary(self, topic, in_order, moved=None):
+    def summary(self, topic: str | None, in_order: bool, moved: Moved | None = None) -> str:
         """
         Return in one line how the motions were checked.
 
@@ -85,7 +96,8 @@ class Driven:
         order of input and motion; ``moved`` has stepped a drive again, if the scene has one.
         """
         if topic is None:
-            return f'not recomputed: driven by the {self._drive.source}, no input in the bag'
+            source = self._drive.source if self._drive else ''
+            return f'not recomputed: driven by the {source}, no input in the bag'
         if not in_order:
             return 'not recomputed: the order of input and motion is not in the bag'
         text = f'{self.compared} recomputed from {topic}'
@@ -97,7 +109,7 @@ class Driven:
                      'version')
         return text + (f'; {self.without} without an input' if self.without else '')
 
-    def _one(self, stamp, driven, told, given):
+    def _one(self, stamp: int, driven: Sequence[float], told: int, given: Sequence[float]) -> None:
         self.compared += 1
         if told and told != stamp:
             self.largest['header.stamp'] = inf
@@ -111,7 +123,8 @@ class Driven:
                 self.largest[field] = max(self.largest[field], apart(there, expected))
         self.unknown += not is_known
 
-    def _estimated(self, stamp, given, driven):
+    def _estimated(self, stamp: int, given: Sequence[float], driven: Sequence[float]
+                   ) -> tuple[float, float, bool]:
         restarts = self._estimator.restarts
         velocity, acceleration = self._estimator.update(stamp, given[0], given[1])
         is_first = isnan(driven[2]) and (isnan(driven[1]) or not isnan(given[1]))
@@ -123,30 +136,30 @@ class Driven:
         return velocity, acceleration, is_known
 
 
-def inputs_of(columns, scene):
+def inputs_of(columns: Columns, scene: Scene) -> tuple[Array, Array, Array]:
     """
     Return (places, stamps, motions) of input messages; those without the joint are left out.
 
     Stamp 0: the message has none.
     """
     stamp = [columns.records[f'header.stamp.{field}'] for field in ('sec', 'nanosec')]
-    stamps = np.where(is_time(*stamp), columns.stamps, 0)
+    stamps = np.where(is_time(*stamp), columns.headed, 0)
     if scene.drive.source != 'joint_state':
         return columns.places, stamps, np.stack(driven_of(columns.tree), axis=1)
     names = columns.layout.texts.get('name', [])
     if scene.drive.joint not in names:
-        return columns.places[:0], columns.stamps[:0], np.zeros((0, 3))
+        return columns.places[:0], stamps[:0], np.zeros((0, 3))
     i, count = names.index(scene.drive.joint), len(columns.places)
     tree, unknown = columns.tree, np.full(count, nan)
     if i >= len(tree.position):
-        return columns.places[:0], columns.stamps[:0], np.zeros((0, 3))
+        return columns.places[:0], stamps[:0], np.zeros((0, 3))
     velocity = tree.velocity[i] if i < len(tree.velocity) else unknown
     scale = joints.Scale(scene.drive.joint_ratio, scene.drive.joint_offset)
     return columns.places, stamps, np.stack(scale.to_input(tree.position[i], velocity, unknown),
                                             axis=1)
 
 
-def moved_of(origin, about):
+def moved_of(origin: Origin, about: Mapping[str, str]) -> Moved | None:
     """Return what steps the drive again, None where there is none or no order to step in."""
     if origin.scene.dynamics is None or not origin.in_order:
         return None

@@ -3,13 +3,17 @@
 """Export the numbers of a bag as CSV, NPZ or Parquet, in blocks of bounded memory."""
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 import re
+from typing import Any
 
 from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.tables import Csv, Npz, Parquet
+from fourbar_ros.bag.records import Columns, Progress
+from fourbar_ros.bag.tables import Csv, Npz, Parquet, Rows, Table
 from fourbar_ros.bag.whole import workshop
 from fourbar_ros.errors import BagError
+from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 BYTES = ('u1', 'i1')        # formats of elements whose arrays are pictures, clouds and the like
@@ -17,7 +21,9 @@ FORMATS = ('csv', 'npz', 'parquet')
 ONE_FILE = ('.csv', '.parquet')         # endings of a path that is to be a file with one table
 
 
-def export(path, out, format_=None, topics=None, progress=None):
+def export(path: str | Path, out: str | Path, format_: str | None = None,
+           topics: Sequence[str] | None = None, progress: Progress | None = None
+           ) -> dict[str, int]:
     """
     Write every topic of a bag as a table.
 
@@ -52,8 +58,9 @@ def export(path, out, format_=None, topics=None, progress=None):
         raise BagError(f'format {format_!r}: must be one of {", ".join(FORMATS)}')
     if out.suffix in ONE_FILE and out.suffix != f'.{format_}':
         raise BagError(f'{out}: ends in {out.suffix}, but the format is {format_}')
-    make = {'csv': Csv, 'npz': Npz, 'parquet': Parquet}[format_]
-    tables, names = {}, _Names()
+    makers: dict[str, type[Table]] = {'csv': Csv, 'npz': Npz, 'parquet': Parquet}
+    make, names = makers[format_], _Names()
+    tables: dict[tuple[Any, ...], Table] = {}
     with workshop(out) as folder:
         for block in bag.blocks(topics, progress=progress):
             for key, columns in _by_table(block, make.fixed).items():
@@ -74,13 +81,13 @@ def export(path, out, format_=None, topics=None, progress=None):
     return {written.name: written.rows for written in tables.values()}
 
 
-def format_of(out):
+def format_of(out: str | Path) -> str:
     """Return the format that the ending of a path stands for, csv where it stands for none."""
     ending = Path(out).suffix.removeprefix('.')
     return ending if ending in FORMATS else 'csv'
 
 
-def _only_file(folder, out, known):
+def _only_file(folder: Path, out: Path, known: Iterable[str]) -> Path:
     """Return the only table in a folder; raises BagError if there are several."""
     files = sorted(folder.iterdir())
     if len(files) != 1:
@@ -92,10 +99,11 @@ def _only_file(folder, out, known):
 class _Names:
     """Names of tables that no other table has: topics differ in ways that file names cannot."""
 
-    def __init__(self):
-        self._taken, self._numbers = set(), {}
+    def __init__(self) -> None:
+        self._taken: set[str] = set()
+        self._numbers: dict[str, int] = {}
 
-    def of(self, topic):
+    def of(self, topic: str) -> str:
         """
         Return the name of the next table of a topic.
 
@@ -110,32 +118,34 @@ class _Names:
                 return name
 
 
-def _by_table(block, fixed):
+def _by_table(block: Iterable[Columns], fixed: Callable[[Array], str | None]
+              ) -> dict[tuple[Any, ...], Rows]:
     """Return {key: columns} of a block: the rows for each table, in the order of the bag."""
-    parts = {}
+    parts: dict[tuple[Any, ...], list[tuple[Array, Rows]]] = {}
     for found in block:
         columns = table(found)
         key = (found.topic, found.type, *columns, *(fixed(values) for values in columns.values()))
         parts.setdefault(key, []).append((found.places, columns))
-    return {key: _in_order(*zip(*found)) for key, found in parts.items()}
+    return {key: _in_order(found) for key, found in parts.items()}
 
 
-def _in_order(places, parts):
+def _in_order(found: Sequence[tuple[Array, Rows]]) -> Rows:
     """Return the rows of tables with equal columns as one, in the order of the bag."""
+    places, parts = [place for place, _ in found], [rows for _, rows in found]
     if len(parts) == 1:
         return parts[0]
     order = np.argsort(np.concatenate(places))
     return {name: np.concatenate([part[name] for part in parts])[order] for name in parts[0]}
 
 
-def _as_bytes(values):
+def _as_bytes(values: Array) -> Array:
     """Return an array of objects: the bytes of every row."""
     found = np.empty(len(values), object)
     found[:] = [row.tobytes() for row in values]
     return found
 
 
-def table(columns):
+def table(columns: Columns) -> Rows:
     """
     Return {column name: array of shape (n,)} of Columns.
 

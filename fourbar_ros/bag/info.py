@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import scene_of
+from fourbar_ros.bag.records import Progress
 from fourbar_ros.errors import BagError
 from fourbar_ros.formats import rosbag2
 from fourbar_ros.formats.mcap_records import in_short
@@ -27,6 +29,18 @@ class TopicInfo(NamedTuple):
     type: str
     messages: int
     missing: int | None
+
+
+class Counted(NamedTuple):
+    """A topic as counted: messages, the newest sequence number and the gaps, if they were read."""
+
+    topic: str
+    type: str
+    messages: int
+    numbers: tuple[int | None, int] | tuple[()]
+
+
+Told = tuple[list[Counted], 'int | None', 'int | None']         # topics, start and end [ns]
 
 
 class Info(NamedTuple):
@@ -65,8 +79,8 @@ class Info(NamedTuple):
     size: int
     start: int | None
     end: int | None
-    topics: list
-    about: dict
+    topics: list[TopicInfo]
+    about: dict[str, str]
     ended: str
     dropped: int
     lost: str
@@ -74,12 +88,12 @@ class Info(NamedTuple):
     parts: int = 1
 
     @property
-    def missing(self):
+    def missing(self) -> int:
         """Return how many messages are known to be missing."""
         return sum(topic.missing or 0 for topic in self.topics)
 
     @property
-    def is_sound(self):
+    def is_sound(self) -> bool:
         """Return whether the bag is finished, undamaged and has no gap that is known of."""
         has_numbers = (all(topic.missing is not None for topic in self.topics)
                        and rosbag2.NUMBERS in self.about)
@@ -87,7 +101,7 @@ class Info(NamedTuple):
                 and (has_numbers or not self.lost))
 
 
-def info(path, check=False, progress=None):
+def info(path: str | Path, check: bool = False, progress: Progress | None = None) -> Info:
     """
     Return the :class:`Info` of a bag.
 
@@ -99,10 +113,10 @@ def info(path, check=False, progress=None):
     numbers = rosbag2.mapping_in(about, rosbag2.NUMBERS)
     being_written = bag.is_being_written
     told = None if check else _joined([_told(part) for part in bag.parts])
-    topics, start, end, damage = (*told, '') if told else _count(bag, progress)
-    topics = [topic._replace(missing=missing_of(numbers.get(topic.topic), topic.messages,
-                                                *topic.missing))
-              for topic in topics]
+    counted, start, end, damage = (*told, '') if told else _count(bag, progress)
+    topics = [TopicInfo(topic.topic, topic.type, topic.messages,
+                        missing_of(numbers.get(topic.topic), topic.messages, *topic.numbers))
+              for topic in counted]
     state = 'being written' if being_written else 'cut' if bag.cut else 'finished'
     return Info(bag.file if len(bag.files) == 1 else bag.path, state, bag.size, start, end, topics,
                 about,
@@ -110,14 +124,15 @@ def info(path, check=False, progress=None):
                 len(bag.files))
 
 
-def _dropped(about):
+def _dropped(about: Mapping[str, str]) -> int:
     told = about.get(rosbag2.DROPPED, '')           # of version 0.1.0 one number
     return int(told) if told.isdecimal() else sum(
         count for count in rosbag2.mapping_in(about, rosbag2.DROPPED).values()
         if isinstance(count, int))
 
 
-def missing_of(numbers, count, last=None, gaps=None):
+def missing_of(numbers: Any, count: int, last: int | None = None, gaps: int | None = None
+               ) -> int | None:
     """
     Return how many messages of a topic are missing, None if that is not known.
 
@@ -136,14 +151,16 @@ def missing_of(numbers, count, last=None, gaps=None):
     """
     try:
         first, end = numbers
-        if end is None:
-            end = first if last is None and not count else last + 1
+        if end is None and (last is not None or count):
+            end = last + 1             # type: ignore[operator] # None: not known
+        elif end is None:
+            end = first
         return max(end - first - count, 0)
     except (TypeError, ValueError):
         return gaps
 
 
-def _told(bag):
+def _told(bag: Bag) -> Told | None:
     """Return (topics, start, end) from the summary of one file, None if it lacks them."""
     summary = bag.summary()
     if not summary or not summary.statistics:
@@ -151,40 +168,45 @@ def _told(bag):
     statistics, names = summary.statistics, {number: schema.name
                                              for number, schema in summary.schemas.items()}
     repeated = rosbag2.repeated(bag.about())
-    topics = [TopicInfo(channel.topic, names.get(channel.schema_id, ''),
-                        statistics.channel_message_counts.get(channel.id, 0)
-                        - (channel.topic in repeated), ())
+    topics = [Counted(channel.topic, names.get(channel.schema_id, ''),
+                      statistics.channel_message_counts.get(channel.id, 0)
+                      - (channel.topic in repeated), ())
               for channel in summary.channels.values()]
     begun = statistics.message_count > 0
     return (topics, statistics.message_start_time if begun else None, statistics.message_end_time
             if begun else None)
 
 
-def _joined(parts):
+def _joined(parts: Sequence[Told | None]) -> Told | None:
     """Return (topics, start, end) of all parts of a bag, None if one does not tell them."""
-    if None in parts:
+    known = [part for part in parts if part is not None]
+    if len(known) < len(parts):
         return None
-    topics = {}
-    for topic in (topic for part in parts for topic in part[0]):
+    topics: dict[tuple[str, str], Counted] = {}
+    for topic in (topic for part in known for topic in part[0]):
         key = topic.topic, topic.type
         topics[key] = topic._replace(messages=topic.messages
                                      + (topics[key].messages if key in topics else 0))
-    return (list(topics.values()), min((start for _, start, _ in parts if start is not None),
+    return (list(topics.values()), min((start for _, start, _ in known if start is not None),
                                        default=None),
-            max((end for _, _, end in parts if end is not None), default=None))
+            max((end for _, _, end in known if end is not None), default=None))
 
 
-def _type_of(bag, number):
+def _type_of(bag: Bag, number: int) -> str:
     try:
         return bag.type_of_channel(number)
     except BagError:            # a bag without schemas, or the schema is what is damaged
         return ''
 
 
-def _count(bag, progress):
+def _count(bag: Bag, progress: Progress | None
+           ) -> tuple[list[Counted], int | None, int | None, str]:
     """Read everything; return (topics, start, end, damage)."""
-    counts, last, gaps = Counter(), {}, Counter()
-    start = end = None
+    counts: Counter[int] = Counter()
+    gaps: Counter[int] = Counter()
+    last: dict[int, int] = {}
+    start: int | None = None
+    end: int | None = None
     damage = ''
     try:
         for chunk in bag.chunks(progress=progress):
@@ -200,14 +222,14 @@ def _count(bag, progress):
         damage = str(error)
     damage = in_short(bag.damage) or damage
     repeated = rosbag2.repeated(bag.about())
-    topics = [TopicInfo(channel.topic, _type_of(bag, number),
-                        max(counts[number] - (channel.topic in repeated), 0),
-                        (last.get(number), gaps[number]))
+    topics = [Counted(channel.topic, _type_of(bag, number),
+                      max(counts[number] - (channel.topic in repeated), 0),
+                      (last.get(number), gaps[number]))
               for number, channel in bag.channels.items()]
     return topics, start, end, damage
 
 
-def parameter_file(path, source, node=None):
+def parameter_file(path: str | Path, source: str, node: str | None = None) -> str:
     """Return the scene of a bag as the text of a ROS 2 parameter file, driven by ``source``."""
     scene, _ = scene_of(path, node)
     values = {name: value for name, value in scene.values.items() if value == value
@@ -216,7 +238,7 @@ def parameter_file(path, source, node=None):
     return as_text(values)
 
 
-def software_of(about):
+def software_of(about: Mapping[str, str]) -> str:
     """Return what made a bag as one line."""
     return ', '.join(f'{name} {version}'
                      for name, version in rosbag2.mapping_in(about, 'software').items())

@@ -116,6 +116,10 @@ class Intake:
             was_open, self._is_closed = not self._is_closed, True
         return was_open
 
+    def add(self, text: str) -> None:
+        """Say more of the error."""
+        self.error = (self.error or '') + text
+
     def refuse(self, error: str) -> None:
         """Take no more because of an error, and forget what waits."""
         with self._lock:                 # a call under way still counts; later ones see the error

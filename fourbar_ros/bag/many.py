@@ -3,16 +3,20 @@
 """Several bags at once: found below folders, worked on by processes of their own."""
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 import os
 from pathlib import Path
+from typing import TypeVar
 
 from fourbar_ros.errors import BagError, FourBarError
 from fourbar_ros.formats import rosbag2_folder
 
+Result = TypeVar('Result')
 
-def bags_below(paths):
+
+def bags_below(paths: Iterable[str | Path]) -> list[Path]:
     """
     Return the bags that are meant by paths.
 
@@ -20,7 +24,7 @@ def bags_below(paths):
 
     A bag that is in several of them is named once. Raises BagError where there is none.
     """
-    found = {}
+    found: dict[Path, Path] = {}
     for path in map(Path, paths):
         bags = _bags_in(path)
         if not bags:
@@ -29,7 +33,7 @@ def bags_below(paths):
     return sorted(found.values())
 
 
-def _bags_in(path):
+def _bags_in(path: Path) -> list[Path]:
     if not path.is_dir():
         rosbag2_folder.files_of(path)                           # says that there is no such bag
         return [path]
@@ -42,7 +46,8 @@ def _bags_in(path):
     return [bag for below in sorted(path.iterdir()) if below.is_dir() for bag in _bags_in(below)]
 
 
-def each(work, bags, jobs=0, done=None):
+def each(work: Callable[[Path], Result], bags: Sequence[Path], jobs: int = 0,
+         done: Callable[[int], object] | None = None) -> list[Result | BagError]:
     """
     Return ``work(bag)`` for every bag in order, from ``jobs`` processes.
 
@@ -71,13 +76,13 @@ def each(work, bags, jobs=0, done=None):
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-def _tell(result, number, done):
+def _tell(result: Result, number: int, done: Callable[[int], object] | None) -> Result:
     if done:
         done(number)
     return result
 
 
-def _attempted(work, bag):
+def _attempted(work: Callable[[Path], Result], bag: Path) -> Result | BagError:
     """Return the result of the work, or its error as text that any process can read."""
     try:
         return work(bag)

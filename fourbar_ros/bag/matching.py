@@ -3,9 +3,13 @@
 """Match each output with its motion of the driven joint, and count missing ones."""
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from operator import attrgetter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from fourbar_ros.bag.records import Columns
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.pipeline.message_fields import FieldMap
 from fourbar_ros.pipeline.status import INPUT_TIMEOUT
 import numpy as np
 
@@ -17,26 +21,30 @@ class Window(NamedTuple):
     ``motions``: those that the values are of, shape (3, n); ``seen``: outputs by name.
     """
 
-    places: np.ndarray
-    stamps: np.ndarray
-    status: np.ndarray
-    known: np.ndarray
-    values: np.ndarray
-    motions: np.ndarray
-    seen: dict
+    places: Array
+    stamps: Array
+    status: Array
+    known: Array
+    values: Array
+    motions: Array
+    seen: dict[str, Array]
 
-    def followed_by(self, new):
+    def followed_by(self, new: Window) -> Window:
         """Return both."""
-        return Window(*(np.concatenate(pair, axis=-1) for pair in zip(self[:-1], new[:-1])),
+        # the last field is no array
+        places, stamps, status, known, values, motions = (
+            np.concatenate(pair, axis=-1) for pair in zip(self[:-1], new[:-1]))
+        return Window(places, stamps, status, known, values, motions,
                       {name: np.concatenate((seen, new.seen[name]))
                        for name, seen in self.seen.items()})
 
-    def from_(self, begin):
+    def from_(self, begin: int) -> Window:
         """Return it without the oldest."""
-        return Window(*(part[..., begin:] for part in self[:-1]),
+        places, stamps, status, known, values, motions = (part[..., begin:] for part in self[:-1])
+        return Window(places, stamps, status, known, values, motions,
                       {name: seen[begin:] for name, seen in self.seen.items()})
 
-    def source_of(self, places, stamps):
+    def source_of(self, places: Array, stamps: Array) -> Array:
         """
         Return the input that each output belongs to, -1 for none.
 
@@ -56,11 +64,11 @@ class Window(NamedTuple):
 class Tally:
     """Counts the missing and doubled outputs of one name, between its first and last message."""
 
-    def __init__(self, from_the_start):
+    def __init__(self, from_the_start: bool) -> None:
         self.missing = self.doubled = self.open = 0
         self._has_begun = from_the_start
 
-    def add(self, seen, due):
+    def add(self, seen: Array, due: Array) -> None:
         """
         Count the outputs of the next inputs.
 
@@ -76,20 +84,20 @@ class Tally:
             self.open += int(np.count_nonzero(gone))
 
 
-def in_order(parts):
+def in_order(parts: Iterable[Sequence[Array]]) -> list[Array]:
     """Return the arrays of several Columns joined and sorted by their places, which come first."""
     joined = [np.concatenate(part) for part in zip(*parts)]
     order = np.argsort(joined[0], kind='stable')
     return [part[order] for part in joined]
 
 
-def says_silence(columns, name, layout):
+def says_silence(columns: Columns, name: str, layout: FieldMap) -> Array:
     """
     Return which messages of an output say that the input has stopped.
 
     joint_states may hold positions meanwhile.
     """
-    if 'status' in columns.records.dtype.names:
+    if 'status' in columns.fields:
         return columns.records['status'] == INPUT_TIMEOUT
     fields = ('velocity',) if name == 'joint_states' else layout.fields[name]
     silent = np.ones(len(columns.times), bool)
@@ -99,7 +107,7 @@ def says_silence(columns, name, layout):
     return silent
 
 
-def rows_of(value, count):
+def rows_of(value: Any, count: int) -> Array:
     """Return a value of ``count`` messages, or a tuple of them, as an array (..., count)."""
     parts = [np.broadcast_to(part, count)
              for part in (value if isinstance(value, tuple) else (value,))]

@@ -67,7 +67,7 @@ class Moved:
         """Compare DriveStates, in order."""
         statuses = columns.records['status'].tolist()
         rows = np.stack([columns.records[name] for name in DriveValues._fields], axis=1)
-        for place, stamp, status, row in zip(columns.places.tolist(), columns.stamps.tolist(),
+        for place, stamp, status, row in zip(columns.places.tolist(), columns.headed.tolist(),
                                              statuses, rows.tolist()):
             self._one(place, stamp, status, DriveValues(*row))
 
@@ -77,17 +77,18 @@ class Moved:
         (before, at), self._before = self._before, (values, stamp)
         self._note('command', self._command_apart(status, values.command))
         follows = before is not None and 0.5 < (stamp - at) * 1e-9 / (values.step or inf) < 1.5
-        if not (follows and self._steps):
+        if before is None or not (follows and self._steps):
             state = self._mover.state(values)
-            again = self._mover.values(state, values.step, values.command, values.evaluations)
+            again = self._mover.values(state, values.step, values.command,
+                                       int(values.evaluations))
             self.alone += 1
         else:
             expected, again = self._mover.next(before, values.step, values.command,
                                                status == SILENT)
             self._note('status', 0.0 if expected == status else inf)
             self.compared += 1
-        for name, there, expected in zip(values._fields, values, again):
-            self._note(name, apart(there, expected))
+        for name, there, computed in zip(values._fields, values, again):
+            self._note(name, apart(there, computed))
 
     def _command_apart(self, status: int, command: float) -> float:
         """Return how far a torque in effect is from what the topic and its policy say."""

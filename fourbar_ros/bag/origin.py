@@ -7,7 +7,9 @@ Bags of our recorder name it in their metadata; in bags of rosbag2 the topics ar
 """
 from __future__ import annotations
 
+from collections.abc import Mapping
 import json
+from pathlib import Path
 from typing import NamedTuple
 
 from fourbar_ros.bag.reader import Bag
@@ -38,12 +40,12 @@ class Origin(NamedTuple):
     """
 
     scene: Scene
-    topics: dict
+    topics: dict[str, str]
     node: str
     in_order: bool
 
 
-def origin_of(path, node=None):
+def origin_of(path: str | Path | Bag, node: str | None = None) -> Origin:
     """
     Return the Origin of a bag: from its metadata, or, of a bag of ``ros2 bag``, from its topics.
 
@@ -76,13 +78,13 @@ def origin_of(path, node=None):
     return _from_topics(bag, node)
 
 
-def scene_of(path, node=None):
+def scene_of(path: str | Path | Bag, node: str | None = None) -> tuple[Scene, dict[str, str]]:
     """Return (Scene, topics) of a bag: what was run at its start, and {output name: topic}."""
     origin = origin_of(path, node)
     return origin.scene, origin.topics
 
 
-def _from_topics(bag, wanted):
+def _from_topics(bag: Bag, wanted: str | None) -> Origin:
     types = topic_types(bag)
     nodes = sorted(topic.removesuffix('/scene') for topic, type_name in types.items()
                    if type_name == SCENE_TYPE
@@ -103,9 +105,9 @@ def _from_topics(bag, wanted):
     return Origin(scene, _resolved(scene, node, types), node, False)
 
 
-def topic_types(bag):
+def topic_types(bag: Bag) -> dict[str, str]:
     """Return {topic: type} of all topics of a bag."""
-    found = {}
+    found: dict[str, str] = {}
     for part in bag.parts:
         summary = part.summary()
         if summary and summary.channels:
@@ -120,7 +122,7 @@ def topic_types(bag):
     return found
 
 
-def _resolved(scene, node, types):
+def _resolved(scene: Scene, node: str, types: Mapping[str, str]) -> dict[str, str]:
     """
     Return {name: topic} by the rules of ROS.
 
@@ -142,7 +144,7 @@ def _resolved(scene, node, types):
     return topics
 
 
-def _scene(bag, text):
+def _scene(bag: Bag, text: str) -> Scene:
     try:
         values = json.loads(text)
         return from_values(values)

@@ -3,10 +3,12 @@
 """The messages of one file of a bag, chunk by chunk."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import Any, BinaryIO
 
 from fourbar_ros.bag.channels import Channels
+from fourbar_ros.bag.records import Message, Progress
 from fourbar_ros.errors import BagError
 from fourbar_ros.formats.file_metadata import repeats_in
 from fourbar_ros.formats.mcap_ending import chunk_index
@@ -20,7 +22,7 @@ from fourbar_ros.formats.mcap_records import (
     split,
     unpacked,
 )
-from fourbar_ros.formats.mcap_scan import Scan
+from fourbar_ros.formats.mcap_scan import Found, Scan
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 
@@ -59,7 +61,7 @@ class PartReader:
         self.is_complete, self.size = False, 0
 
     def chunks(self, wanted: set[str] | None, start: int | None,
-               progress: Callable[[int], object] | None) -> Iterator[list[tuple]]:
+               progress: Progress | None) -> Iterator[Sequence[Message]]:
         """Yield lists of (channel, sequence, log time, bytes); arguments as in ``Bag.chunks``."""
         with open(self._path, 'rb') as file:
             begin = file.read(len(MAGIC))
@@ -70,9 +72,10 @@ class PartReader:
             self._channels.begin_file(self._is_first)
             # The checksum at the end covers these; a topic that was hit is seen before its
             # messages are read.
-            for record in scan.ending.of((Schema, Channel)) if scan.ending else ():
-                self._channels.learn(record)
-            repeats = {} if self._is_first else None
+            for known in scan.ending.records if scan.ending else ():
+                if isinstance(known, (Schema, Channel)):
+                    self._channels.learn(known)
+            repeats: dict[str, int] | None = {} if self._is_first else None
             for record in self._walk(file, scan, wanted, start):
                 found = self._messages_of(scan, record)
                 if found is None:
@@ -86,9 +89,10 @@ class PartReader:
                     progress(scan.end)
             self.is_complete, self.size = scan.complete, scan.end
 
-    def _walk(self, file, scan, wanted, start):
+    def _walk(self, file: BinaryIO, scan: Scan, wanted: set[str] | None, start: int | None
+              ) -> Iterable[Found]:
         """Return an iterator over the records of a file; an index selects those that matter."""
-        index = None if wanted is start is None else chunk_index(file, scan.ending)
+        index = None if wanted is None and start is None else chunk_index(file, scan.ending)
         here = self._channels.here
         if not index or not here:
             return scan
@@ -98,7 +102,7 @@ class PartReader:
                           if (start is None or last >= start)
                           and (not channels or channels & numbers)])
 
-    def _messages_of(self, scan, record):
+    def _messages_of(self, scan: Scan, record: Found) -> Sequence[Message] | None:
         """Return the messages of a record, None where zeros follow as a power cut leaves them."""
         offset, opcode, body = record
         try:
@@ -107,11 +111,11 @@ class PartReader:
             if scan.is_followed_by_zeros():
                 return None
             if opcode:
-                scan.spoil(offset, error)
+                scan.spoil(offset, str(error))
             raise BagError(f'{self._name}: at byte {offset}: {error}; fourbar bag recover keeps '
                            'the rest') from None
 
-    def _item(self, scan, offset, opcode, body):
+    def _item(self, scan: Scan, offset: int, opcode: int | None, body: Any) -> Sequence[Message]:
         if opcode is None:
             raise Damaged(body)
         if opcode == Opcode.CHUNK:
@@ -125,7 +129,7 @@ class PartReader:
             self._channels.learn(parse(opcode, body))
         return ()
 
-    def _messages(self, content):
+    def _messages(self, content: bytes) -> list[Message]:
         """Return [(channel, sequence, log time, bytes)] of the content of a chunk."""
         found, unpack = [], MESSAGE.unpack_from
         for _, opcode, begin, end in split(content):
@@ -136,7 +140,7 @@ class PartReader:
                 self._channels.learn(parse(opcode, content[begin:end]))
         return self._channels.renumbered(found)
 
-    def _without(self, found, repeats):
+    def _without(self, found: Sequence[Message], repeats: dict[str, int]) -> list[Message]:
         """
         Return messages without those that a part repeats at its beginning.
 

@@ -54,8 +54,12 @@ class Parts:
         self._splitter = Splitter(split, latched) if split.is_wanted else None
         # This part: its first numbers, messages that it repeats. Those before: metadata,
         # files to sync, recorded messages, dropped ones by topic.
-        self._firsts, self._repeats = [0] * len(channels), []
-        self._done, self._unsynced, self._recorded, self._lost = [], deque(), 0, {}
+        self._firsts = [0] * len(channels)
+        self._repeats: list[tuple[int, int, int, bytes]] = []
+        self._done: list[dict[str, Any]] = []
+        self._unsynced: deque[BinaryIO] = deque()
+        self._recorded = 0
+        self._lost: dict[str, int] = {}
         self.container = self._new_container(file)
         self._describe()
         self.write_metadata_file()
@@ -73,7 +77,7 @@ class Parts:
         for message in messages:
             number, sequence, data = message
             if self._splitter.is_due(number - 1, stamp, self.container.size):
-                self._next_part(stamp)
+                self._next_part(stamp, self._splitter)
             self._splitter.note(number - 1, sequence, stamp, data)
             self.container.add_messages(stamp, (message,))
 
@@ -125,10 +129,10 @@ class Parts:
 
     # --- the next part --------------------------------------------------------------------------
 
-    def _next_part(self, stamp: int) -> None:
+    def _next_part(self, stamp: int, splitter: Splitter) -> None:
         """End this file and open the next, which begins with what is needed to read it alone."""
         self.container.flush()
-        path, file = rosbag2_folder.create_part(self.folder, self._splitter.number + 1)
+        path, file = rosbag2_folder.create_part(self.folder, splitter.number + 1)
         try:
             container = self._new_container(file)
             self.ended = SPLIT
@@ -146,19 +150,19 @@ class Parts:
         self._unsynced.append(self.file)
         self._done.append(told)
         self.container, self.file, self._path, self._firsts = container, file, path, nexts
-        self._splitter.begin(stamp)
-        self._repeats = self._splitter.repeats()
+        splitter.begin(stamp)
+        self._repeats = splitter.repeats()
         self._describe()
         for channel, sequence, first_time, data in self._repeats:
             container.add_message(channel + 1, sequence, stamp, data, first_time)
         if not self._is_synced:
             self.sync_finished()
-        self._forget_outdated(stamp)
+        self._forget_outdated(stamp, splitter)
 
-    def _forget_outdated(self, stamp: int) -> None:
+    def _forget_outdated(self, stamp: int, splitter: Splitter) -> None:
         """Write metadata.yaml; remove the parts that are not needed any more."""
         starts = [told['starting_time']['nanoseconds_since_epoch'] for told in self._done]
-        old = self._splitter.outdated([*starts, stamp])
+        old = splitter.outdated([*starts, stamp])
         gone, self._done = self._done[:old], self._done[old:]
         self.write_metadata_file()
         for told in gone:
@@ -190,11 +194,12 @@ class Parts:
         if self._done:
             repeated = [self._topics[channel] for channel, *_ in self._repeats]
             told[rosbag2.REPEATS] = json.dumps(repeated)
-        ends = self._nexts() if self.ended else [None] * len(self._topics)
+        nexts = self._nexts() if self.ended else []
+        ends: Sequence[int | None] = nexts or [None] * len(self._topics)
         told[rosbag2.NUMBERS] = json.dumps(dict(zip(self._topics, zip(self._firsts, ends))))
         if self.ended:
             told[rosbag2.ENDED] = self.ended
-            if dropped := self._dropped(ends):
+            if dropped := self._dropped(nexts):
                 told[rosbag2.DROPPED] = json.dumps(dropped)
         return told
 

@@ -8,14 +8,20 @@ The messages of a bag at their original pace, without ROS: for notebooks, and fo
 """
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from math import inf
+from pathlib import Path
 import time
 
 from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.records import Raw
 from fourbar_ros.errors import BagError
 
 TICK = 0.05         # [s] longest sleep
 FASTER = 1.1        # one press of a key, as of ros2 bag play
+
+
+Tick = Callable[[int], object]           # with the time of the bag [ns]; False ends playing
 
 
 class Pace:
@@ -33,42 +39,42 @@ class Pace:
 
     """
 
-    def __init__(self, rate=1.0, clock=time.monotonic):
+    def __init__(self, rate: float = 1.0, clock: Callable[[], float] = time.monotonic) -> None:
         if not rate > 0.0:
             raise BagError(f'rate = {rate!r}: must be positive')
         self.rate, self._clock = rate, clock
         self.is_paused, self._steps = False, 0
         self.begin()
 
-    def begin(self):
+    def begin(self) -> None:
         """Start again at 0."""
         self._passed, self._since = 0.0, self._clock()
 
-    def passed(self):
+    def passed(self) -> float:
         """Return the time of the bag since its beginning [s]."""
         return (self._passed if self.is_paused else self._passed + (self._clock() - self._since)
                 * self.rate)
 
-    def _hold(self):
+    def _hold(self) -> None:
         self._passed, self._since = self.passed(), self._clock()
 
-    def pause(self, paused=True):
+    def pause(self, paused: bool = True) -> None:
         """Stop the time, or let it go on."""
         if self.rate != inf:
             self._hold()
         self.is_paused = paused
         self._since = self._clock()
 
-    def change(self, factor):
+    def change(self, factor: float) -> None:
         """Change the rate by a factor from now on."""
         self._hold()
         self.rate *= factor
 
-    def step(self):
+    def step(self) -> None:
         """Let the next message out, if the time stands still."""
         self._steps += self.is_paused
 
-    def is_due(self, due):
+    def is_due(self, due: float) -> bool:
         """Return whether a message that is due after so many seconds goes out now."""
         if self.is_paused:
             if self._steps:
@@ -78,7 +84,7 @@ class Pace:
         return self.rate == inf or self.passed() >= due
 
 
-def span(path):
+def span(path: str | Path | Bag) -> tuple[int | None, int | None]:
     """Return (first, last) log time of a finished bag [ns], None where it is not known."""
     bag = path if isinstance(path, Bag) else Bag(path)
     told = [summary and summary.statistics for summary in (part.summary() for part in bag.parts)]
@@ -89,8 +95,9 @@ def span(path):
                                                                for part in begun)
 
 
-def play(path, topics=None, rate=1.0, start=0.0, loop=False, follow=False, tick=None, period=TICK,
-         pace=None):
+def play(path: str | Path | Bag, topics: Sequence[str] | None = None, rate: float = 1.0,
+         start: float = 0.0, loop: bool = False, follow: bool = False, tick: Tick | None = None,
+         period: float = TICK, pace: Pace | None = None) -> Iterator[Raw]:
     """
     Yield every :class:`~fourbar_ros.bag.reader.Raw` message of a bag when it is due.
 
@@ -140,7 +147,7 @@ def play(path, topics=None, rate=1.0, start=0.0, loop=False, follow=False, tick=
             return
 
 
-def _wait(pace, due, origin, tick, period):
+def _wait(pace: Pace, due: int, origin: int, tick: Tick, period: float) -> bool:
     """
     Wait until a message is due, ``due`` nanoseconds of the bag after its beginning.
 

@@ -3,22 +3,32 @@
 """Fields of a bag over time or over a field, as a picture; requires matplotlib when used."""
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
+from pathlib import Path
 import re
+from typing import TYPE_CHECKING
 
 from fourbar_ros.bag.export import table
 from fourbar_ros.bag.origin import topic_types
 from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.records import Columns, Progress
 from fourbar_ros.errors import BagError
+from fourbar_ros.numerics.arrays import Array
 import numpy as np
+
+if TYPE_CHECKING:      # drawings alone need it
+    from matplotlib.axes import Axes
 
 WIDTH, HEIGHT, DPI = 9.0, 2.4, 100      # [in] a picture, and each of its axes; pixels an inch
 # stretches of a curve that are drawn by their extrema: two a pixel
 POINTS = int(2 * WIDTH * DPI)
+Curves = dict[str, tuple[Array, Array, str]]    # {name: (times or x, values, unit)}
 _ELEMENT = re.compile(r'(.+)\[(.+)\]')
 
 
-def series(path, names, progress=None, stretches=None):
+def series(path: str | Path, names: Iterable[str], progress: Progress | None = None,
+           stretches: int | None = None) -> Curves:
     """
     Return {name: (times [s] since the start, values, unit)} for fields of a bag.
 
@@ -60,40 +70,45 @@ def series(path, names, progress=None, stretches=None):
     for name, curve in curves.items():
         if not curve.parts:
             raise BagError(f'{name}: no such field; {_advice(name, _fields_of(bag))}')
-    return {name: (*curve.joined()[1:], curve.unit) for name, curve in curves.items()}
+    found = {}
+    for name, curve in curves.items():
+        _, times, values = curve.joined()
+        found[name] = times, values, curve.unit
+    return found
 
 
 class _Curve:
     """One field over time, thinned as it grows if it is to be."""
 
-    def __init__(self, stretches):
-        self.unit, self.parts = '', []                   # of (places, times, values)
+    def __init__(self, stretches: int | None) -> None:
+        self.unit = ''
+        self.parts: list[Sequence[Array]] = []           # of (places, times, values)
         self._stretches, self._size = stretches, 0
 
-    def add(self, *part):
+    def add(self, *part: Array) -> None:
         self.parts.append(part)
         self._size += len(part[0])
         if self._stretches and self._size > 8 * self._stretches:
             self.parts = [self._thin()]
             self._size = len(self.parts[0][0])
 
-    def _thin(self):
+    def _thin(self) -> Sequence[Array]:
         places, times, values = self._sorted()
-        keep = thinned(places, values, self._stretches)
+        keep = thinned(places, values, self._stretches or len(values))
         return places[keep], times[keep], values[keep]
 
-    def _sorted(self):
+    def _sorted(self) -> Sequence[Array]:
         """Return all parts as one in order: messages of several layouts lie between each other."""
         joined = [np.concatenate(column) for column in zip(*self.parts)]
         order = np.argsort(joined[0], kind='stable')
         return [column[order] for column in joined]
 
-    def joined(self):
+    def joined(self) -> Sequence[Array]:
         """Return (places, times, values)."""
         return self._thin() if self._stretches else self._sorted()
 
 
-def thinned(places, values, stretches):
+def thinned(places: Array, values: Array, stretches: int) -> Array:
     """
     Return which points of a curve to keep.
 
@@ -114,15 +129,15 @@ def thinned(places, values, stretches):
     return np.unique(np.concatenate((low, high, gaps[unknown[gaps]], [0, count - 1])))
 
 
-def _starts(bag):
+def _starts(bag: Bag) -> tuple[int, int | None]:
     """Return the first log time and the first stamp of a bag [ns], None without one."""
-    found = next(bag.blocks(), [])
+    found: list[Columns] = next(bag.blocks(), [])
     begin = min((columns.times.min() for columns in found), default=0)
-    headed = [columns for columns in found if columns.stamps is not None]
-    if not any((columns.stamps > 0).any() for columns in headed):
+    headed = [(columns.places, stamps, columns.times) for columns in found
+              if (stamps := columns.stamps) is not None]
+    if not any((stamps > 0).any() for _, stamps, _ in headed):
         return begin, None
-    places, stamps, logged = (np.concatenate(parts)
-                              for parts in zip(*((c.places, c.stamps, c.times) for c in headed)))
+    places, stamps, logged = (np.concatenate(parts) for parts in zip(*headed))
     first = np.flatnonzero(stamps > 0)[places[stamps > 0].argmin()]
     # the first are unstamped: log times show how much later this is
     if (places[stamps == 0] < places[first]).any():
@@ -130,7 +145,7 @@ def _starts(bag):
     return begin, stamps[stamps > 0].min()
 
 
-def _seconds(columns, log_start, stamp_start):
+def _seconds(columns: Columns, log_start: int, stamp_start: int | None) -> Array:
     """
     Return the times of messages since the start [s].
 
@@ -142,7 +157,7 @@ def _seconds(columns, log_start, stamp_start):
     return np.where(stamps == 0, logged, stamps - stamp_start) * 1e-9
 
 
-def _topic(name, known, bag):
+def _topic(name: str, known: Sequence[str], bag: Bag) -> str:
     """Return the topic of TOPIC.FIELD, given in full or by its last part."""
     wanted = name.partition('.')[0]
     found = [topic for topic in known if wanted in (topic, topic.rsplit('/', 1)[-1])]
@@ -155,13 +170,13 @@ def _topic(name, known, bag):
     return found[0]
 
 
-def _fields_of(bag):
+def _fields_of(bag: Bag) -> dict[str, list[str]]:
     """Return {last part of the topic: its fields} of the beginning of a bag."""
     return {columns.topic.rsplit('/', 1)[-1]: list(table(columns))
             for columns in next(bag.blocks(), [])}
 
 
-def _column(columns, field):
+def _column(columns: Columns, field: str) -> Array | None:
     """
     Return the numbers of a field, an element by its joint or its index.
 
@@ -171,10 +186,10 @@ def _column(columns, field):
     if field == 'log_time':
         return columns.times
     element = _ELEMENT.fullmatch(field)
-    if field in records.dtype.names:
+    if field in columns.fields:
         return (records[field] if records[field].ndim == 1 and records[field].dtype.kind in 'iufb'
                 else None)
-    if not element or element[1] not in records.dtype.names or records[element[1]].ndim != 2:
+    if not element or element[1] not in columns.fields or records[element[1]].ndim != 2:
         return None
     elements, joints = records[element[1]].T, columns.layout.texts.get('name', [])
     if len(joints) == len(elements) and element[2] in joints:
@@ -183,7 +198,7 @@ def _column(columns, field):
     return elements[index] if index < len(elements) else None
 
 
-def _advice(name, known):
+def _advice(name: str, known: Mapping[str, Sequence[str]]) -> str:
     """Return what there is instead of a field that is not there."""
     topic, dot, field = name.partition('.')
     topic = topic.rsplit('/', 1)[-1]
@@ -198,7 +213,8 @@ def _advice(name, known):
     return f'{guess}{hint}topics are {", ".join(known)}'
 
 
-def over(path, names, x, progress=None):
+def over(path: str | Path, names: Sequence[str], x: str, progress: Progress | None = None
+         ) -> tuple[Curves, str]:
     """
     Return {name: (x, values, unit)} and the unit of x, for fields over another field of the bag.
 
@@ -228,7 +244,7 @@ def over(path, names, x, progress=None):
     return curves, unit
 
 
-def _turns(x, values, unit):
+def _turns(x: Array, values: Array, unit: str) -> tuple[Array, Array]:
     """Return a curve over an angle x of more than a turn, turn by turn; others as they are."""
     if unit != 'rad' or not np.nanmax(x) - np.nanmin(x) > 2.0 * np.pi:
         return x, values
@@ -237,7 +253,8 @@ def _turns(x, values, unit):
     return np.insert(x, jumps, np.nan), np.insert(values.astype(float), jumps, np.nan)
 
 
-def plot(path, names, out, progress=None, x=None):
+def plot(path: str | Path, names: Sequence[str], out: str | Path, progress: Progress | None = None,
+         x: str | None = None) -> None:
     """
     Draw fields into a file (.png, .svg, .pdf); those of one unit share an axis.
 
@@ -267,7 +284,7 @@ def plot(path, names, out, progress=None, x=None):
         raise BagError(f'{out}: {error}') from None
 
 
-def _draw(axis, curves):
+def _draw(axis: Axes, curves: Curves) -> None:
     """Draw curves of one unit."""
     for name, (x, values, unit) in curves.items():
         axis.plot(x, values, label=name, linewidth=1.0)

@@ -8,19 +8,24 @@ Read a bag without ROS: a directory or a single .mcap file; finished, cut, or st
 """
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 import contextlib
+from functools import partial
 from pathlib import Path
 import time
+from types import SimpleNamespace
+from typing import Any
 
 from fourbar_ros.bag.channels import Channels
 from fourbar_ros.bag.part_reader import PartReader
-from fourbar_ros.bag.records import Columns, Raw, Record
+from fourbar_ros.bag.records import behind, Columns, Message, Progress, Raw, Record
 from fourbar_ros.errors import BagError
 from fourbar_ros.formats import rosbag2, rosbag2_folder
+from fourbar_ros.formats.cdr import Decoder
 from fourbar_ros.formats.file_lock import is_being_written
 from fourbar_ros.formats.file_metadata import metadata_in
 from fourbar_ros.formats.mcap_ending import ending
-from mcap.reader import make_reader
+from mcap.reader import make_reader, Summary
 import numpy as np
 
 BLOCK = 20_000          # messages that are decoded together: large for numpy, small for the memory
@@ -50,35 +55,36 @@ class Bag:
 
     """
 
-    def __init__(self, path):
+    def __init__(self, path: str | Path) -> None:
         self.path, self.files = Path(path), rosbag2_folder.files_of(path)
         self._channels = Channels(self.path)
         self.channels = self._channels.by_number
-        self.cut, self.damage = None, []
+        self.cut: bool | None = None
+        self.damage: list[str] = []
 
     # --- about it -------------------------------------------------------------------------------
 
     @property
-    def is_being_written(self):
+    def is_being_written(self) -> bool:
         """Return whether a recorder is at work on it."""
         return any(is_being_written(file) for file in rosbag2_folder.files_of(self.path))
 
     @property
-    def file(self):
+    def file(self) -> Path:
         """Return the first .mcap file."""
         return self.files[0]
 
     @property
-    def parts(self):
+    def parts(self) -> list[Bag]:
         """Return a Bag for every file."""
         return [Bag(file) for file in self.files]
 
     @property
-    def size(self):
+    def size(self) -> int:
         """Return the size of all files [bytes]."""
         return sum(file.stat().st_size for file in self.files)
 
-    def summary(self):
+    def summary(self) -> Summary | None:
         """Return the mcap library's Summary of a finished bag of one file, None for any other."""
         if len(self.files) > 1:
             return None
@@ -89,7 +95,7 @@ class Bag:
             return None if end is None or end.damage else make_reader(file).get_summary()
         return None
 
-    def metadata(self):
+    def metadata(self) -> dict[str, Any]:
         """
         Return the rosbag2 metadata kept in the file itself; the last undamaged record wins.
 
@@ -103,7 +109,7 @@ class Bag:
             told[0]['custom_data'] = rosbag2.joined(*map(rosbag2.about_of, told))
         return told[0]
 
-    def about(self):
+    def about(self) -> dict[str, str]:
         """Return the custom_data of a bag as {str: str}; empty if it has none."""
         try:
             found = rosbag2.about_of(self.metadata())
@@ -115,16 +121,18 @@ class Bag:
 
     # --- messages -------------------------------------------------------------------------------
 
-    def records(self, topics=None, start=None, follow=False):
+    def records(self, topics: Iterable[str] | None = None, start: int | None = None,
+                follow: bool = False) -> Iterator[Record]:
         """Yield every :class:`Record` in the order of writing; arguments as in :meth:`raw`."""
         for raw in self.raw(topics, start, follow):
             yield Record(raw.topic, raw.time, self.decode(raw))
 
-    def decode(self, raw):
+    def decode(self, raw: Raw) -> SimpleNamespace:
         """Return the message of a :class:`Raw` as nested namespaces."""
         return self.decoder_of(raw.channel).message(raw.data)
 
-    def raw(self, topics=None, start=None, follow=False):
+    def raw(self, topics: Iterable[str] | None = None, start: int | None = None,
+            follow: bool = False) -> Iterator[Raw]:
         """
         Yield every :class:`Raw` message in the order of writing.
 
@@ -143,12 +151,14 @@ class Bag:
                 yield Raw(self.channels[number].topic, self.type_of_channel(number), stamp,
                           sequence, data, number)
 
-    def columns(self, topics=None, progress=None):
+    def columns(self, topics: Iterable[str] | None = None, progress: Progress | None = None
+                ) -> Iterator[Columns]:
         """Yield all :class:`Columns`, block by block; arguments as in :meth:`blocks`."""
         for block in self.blocks(topics, progress=progress):
             yield from block
 
-    def blocks(self, topics=None, apart=None, progress=None):
+    def blocks(self, topics: Iterable[str] | None = None, apart: str | None = None,
+               progress: Progress | None = None) -> Iterator[Any]:
         """
         Yield lists of :class:`Columns`.
 
@@ -168,7 +178,8 @@ class Bag:
             Called with the number of bytes read so far.
 
         """
-        block, place, size = [], 0, 0
+        block: list[Message] = []
+        place = size = 0
         for item in self.chunks(topics, progress=progress):
             for alone, part in self._parted(item, apart):
                 block += part
@@ -176,12 +187,13 @@ class Bag:
                 if block and (alone or len(block) >= BLOCK or size >= BLOCK_BYTES):
                     yield self._block(block, place)
                     place, block, size = place + len(block), [], 0
-                if alone:
+                if alone and apart:
                     yield Record(apart, alone[2], self.decoder_of(alone[0]).message(alone[3]))
         if block:
             yield self._block(block, place)
 
-    def _parted(self, messages, apart):
+    def _parted(self, messages: Sequence[Message], apart: str | None
+                ) -> Iterator[tuple[Message | None, Sequence[Message]]]:
         """Yield (message apart, messages before it), last (None, messages after it)."""
         numbers = {number for number, channel in self.channels.items() if channel.topic == apart}
         begin = 0
@@ -191,51 +203,54 @@ class Bag:
                 begin = i + 1
         yield None, messages[begin:] if begin else messages
 
-    def _block(self, block, place):
-        by_channel = {}
+    def _block(self, block: Sequence[Message], place: int) -> list[Columns]:
+        by_channel: dict[int, list[tuple[int, int, bytes]]] = {}
         for i, (number, _, stamp, data) in enumerate(block, place):
             by_channel.setdefault(number, []).append((i, stamp, data))
         made = []
         for number, found in by_channel.items():
-            places, times, data = zip(*found)
-            if max(times) >= 1 << 63:
-                raise BagError(f'{self.path}: a log time of {max(times)} ns is after the year '
-                               '2262')
-            places, times = np.array(places), np.array(times, np.int64)
+            latest = max(time for _, time, _ in found)
+            if latest >= 1 << 63:
+                raise BagError(f'{self.path}: a log time of {latest} ns is after the year 2262')
+            places = np.array([place for place, _, _ in found])
+            times = np.array([time for _, time, _ in found], np.int64)
             topic = self.channels[number].topic
+            parts = self.decoder_of(number).arrays([data for _, _, data in found])
             made += [Columns(topic, times[rows], places[rows], records, layout)
-                     for layout, rows, records in self.decoder_of(number).arrays(data)]
+                     for layout, rows, records in parts]
         return sorted(made, key=lambda columns: columns.places[0])
 
     # --- topics met so far ----------------------------------------------------------------------
 
-    def type_of(self, topic):
+    def type_of(self, topic: str) -> str:
         """Return the type of a topic."""
         return self.type_of_channel(self._channels.of(topic).id)
 
-    def type_of_channel(self, number):
+    def type_of_channel(self, number: int) -> str:
         """Return the type of a channel."""
         return self._channels.schema(number).name
 
-    def qos_of(self, topic):
+    def qos_of(self, topic: str) -> list[dict[str, Any]]:
         """Return the QoS profiles, as dicts, under which a topic was offered."""
         return self._channels.qos(topic)
 
-    def hash_of(self, topic):
+    def hash_of(self, topic: str) -> str:
         """Return the type hash of a topic, empty if the bag does not say."""
         return self._channels.of(topic).metadata.get(rosbag2.HASH, '')
 
-    def decoder(self, topic):
+    def decoder(self, topic: str) -> Decoder:
         """Return the Decoder of a topic, of its first channel if it has several."""
         return self.decoder_of(self._channels.of(topic).id)
 
-    def decoder_of(self, number):
+    def decoder_of(self, number: int) -> Decoder:
         """Return the Decoder of a channel."""
         return self._channels.decoder(number)
 
     # --- the files ------------------------------------------------------------------------------
 
-    def chunks(self, topics=None, start=None, follow=False, progress=None):
+    def chunks(self, topics: Iterable[str] | None = None, start: int | None = None,
+               follow: bool = False, progress: Progress | None = None
+               ) -> Iterator[Sequence[Message]]:
         """
         Yield lists of (channel, sequence, log time, bytes), one a chunk.
 
@@ -250,7 +265,7 @@ class Bag:
             was_cut, self.cut = self.cut, True
             # its recorder keeps only the newest parts
             with contextlib.suppress(FileNotFoundError):
-                done = progress and (lambda there, before=read: progress(before + there))
+                done = partial(behind, progress, read) if progress else None
                 for found in part.chunks(wanted, start, done):
                     chosen = self._chosen(found, wanted, start)
                     if chosen:
@@ -258,7 +273,7 @@ class Bag:
                 self.cut = was_cut or not part.is_complete
                 read += part.size
 
-    def _each_file(self, follow):
+    def _each_file(self, follow: bool) -> Iterator[Path]:
         """Yield the files of the bag, of one being written also those to come."""
         done = set()
         while True:
@@ -269,25 +284,27 @@ class Bag:
             elif not follow or not self._wait():
                 return
 
-    def _wait(self):
+    def _wait(self) -> bool:
         """Wait a moment if the bag is being written; return whether it is."""
         if not self.is_being_written:
             return False
         time.sleep(POLL)
         return True
 
-    def _chosen(self, found, wanted, start):
+    def _chosen(self, found: Sequence[Message], wanted: set[str] | None, start: int | None
+                ) -> Sequence[Message]:
         if wanted is not None:
             numbers = self._channels.of_topics(wanted)
             found = [item for item in found if item[0] in numbers]
         return found if start is None else [item for item in found if item[2] >= start]
 
 
-def records(path, topics=None, start=None, follow=False):
+def records(path: str | Path, topics: Iterable[str] | None = None, start: int | None = None,
+            follow: bool = False) -> Iterator[Record]:
     """Yield every :class:`Record` of a bag; see :meth:`Bag.raw`."""
     return Bag(path).records(topics, start, follow)
 
 
-def metadata(path):
+def metadata(path: str | Path) -> dict[str, Any]:
     """Return the rosbag2 metadata of a bag."""
     return Bag(path).metadata()

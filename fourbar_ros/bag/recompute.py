@@ -10,23 +10,26 @@ from __future__ import annotations
 
 import json
 from math import inf
+from pathlib import Path
 
 from fourbar_ros.bag.acting import UNSETTLED
 from fourbar_ros.bag.comparison import Comparison
 from fourbar_ros.bag.difference import Difference, distance, Recomputed
 from fourbar_ros.bag.origin import origin_of, scene_of
-from fourbar_ros.bag.reader import Bag, Record
+from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.records import Progress, Record
 from fourbar_ros.scene.scene import from_values
 
 __all__ = ['Difference', 'Recomputed', 'compare', 'distance', 'recompute', 'scene_of']
 
 
-def recompute(path):
+def recompute(path: str | Path) -> list[Difference]:
     """Return the list of :class:`Difference` of a bag, by topic and field; see :func:`compare`."""
     return compare(path).differences
 
 
-def compare(path, progress=None, node=None):
+def compare(path: str | Path, progress: Progress | None = None, node: str | None = None
+            ) -> Recomputed:
     """
     Return the :class:`Recomputed` of a bag.
 
@@ -63,4 +66,4 @@ def compare(path, progress=None, node=None):
             work.change(scene, block.time)
     if waiting:
         work.block(waiting)
-    return work.finished(bag.cut)
+    return work.finished(bool(bag.cut))

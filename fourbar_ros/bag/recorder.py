@@ -10,7 +10,7 @@ process the file holds everything older than that, after a power cut everything 
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 import contextlib
 import os
 from pathlib import Path
@@ -73,7 +73,7 @@ class BagWriter:
     """
 
     def __init__(self, directory: str | os.PathLike[str], name: str, channels: list[Channel],
-                 about: dict[str, object], flush_period: float = FLUSH_PERIOD,
+                 about: Mapping[str, object], flush_period: float = FLUSH_PERIOD,
                  sync_period: float = SYNC_PERIOD, tell: Callable[[str], object] | None = None,
                  split: Split = NO_SPLIT):
         rosbag2.check_channels(channels)
@@ -83,8 +83,9 @@ class BagWriter:
         self.flush_period, self.sync_period = flush_period, sync_period
         self._tell = tell or (lambda text: None)
         self._intake = Intake(len(channels), self._say_that_it_drops)
-        self._stop, self._sync_error = threading.Event(), None
-        self.path, file = rosbag2_folder.create(directory, name)
+        self._stop = threading.Event()
+        self._sync_error: OSError | None = None
+        self.path, file = rosbag2_folder.create(Path(directory), name)
         try:
             if shutil.disk_usage(self.path).free < SPACE_LEFT:
                 raise BagError(f'less than {SPACE_LEFT >> 20} MiB free')
@@ -235,11 +236,11 @@ class BagWriter:
             intake.count(parts.recorded)
             parts.end(why)
             if parts.has_a_name:
-                intake.error += f'; the bag is whole, {intake.accepted} messages'
+                intake.add(f'; the bag is whole, {intake.accepted} messages')
         except Exception:               # the disk takes nothing more
             intake.count(parts.recorded)
             if parts.has_a_name:
-                intake.error += '; what was flushed is in the file: fourbar bag recover'
+                intake.add('; what was flushed is in the file: fourbar bag recover')
             with contextlib.suppress(OSError):         # there may be room for the reason
                 parts.write_metadata_file()
         self._tell(f'{self.path}: {self.error}')

@@ -3,9 +3,25 @@
 """Recorded messages: one as it was sent, one decoded, or many as columns."""
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any, NamedTuple, TYPE_CHECKING
 
+from fourbar_ros.errors import BagError
+from fourbar_ros.numerics.arrays import Array
 import numpy as np
+
+if TYPE_CHECKING:
+    from fourbar_ros.formats.cdr import Layout
+
+
+Progress = Callable[[int], object]      # called with the number of bytes read
+Message = tuple[int, int, int, bytes]   # channel, sequence number, log time [ns], data
+
+
+def behind(progress: Progress, before: int, there: int) -> None:
+    """Tell the progress of a file that lies behind so many bytes."""
+    progress(before + there)
 
 
 class Record(NamedTuple):
@@ -35,25 +51,37 @@ class Columns(NamedTuple):
     """
 
     topic: str
-    times: np.ndarray
-    places: np.ndarray
-    records: np.ndarray      # one row a message; field names are paths
-    layout: Any
+    times: Array
+    places: Array
+    records: Array      # one row a message; field names are paths
+    layout: Layout
 
     @property
-    def type(self):
+    def type(self) -> str:
         """Return the type of the messages."""
         return self.layout.type
 
     @property
-    def tree(self):
+    def tree(self) -> SimpleNamespace:
         """Return the fields as nested namespaces of arrays: ``tree.header.stamp.sec``."""
         return self.layout.tree(self.records)
 
     @property
-    def stamps(self):
+    def fields(self) -> tuple[str, ...]:
+        """Return the names of the fields."""
+        return self.records.dtype.names or ()
+
+    @property
+    def headed(self) -> Array:
+        """Return the stamps of messages that must have some [ns]; raises BagError."""
+        if (stamps := self.stamps) is None:
+            raise BagError(f'{self.topic}: {self.type} without a header')
+        return stamps
+
+    @property
+    def stamps(self) -> Array | None:
         """Return the stamps of the headers [ns], None if the messages have none."""
-        if 'header.stamp.sec' not in self.records.dtype.names:
+        if 'header.stamp.sec' not in self.fields:
             return None
         return (self.records['header.stamp.sec'].astype(np.int64) * 10**9
                 + self.records['header.stamp.nanosec'])

@@ -7,9 +7,11 @@ from functools import partial
 import json
 from math import inf
 from pathlib import Path
+from typing import Any, BinaryIO
 
 from fourbar_ros import __version__
 from fourbar_ros.bag.info import missing_of
+from fourbar_ros.bag.records import Progress
 from fourbar_ros.bag.recover_parts import recover_parts
 from fourbar_ros.bag.recovered import Recovered
 from fourbar_ros.bag.whole import workshop
@@ -28,7 +30,8 @@ PROFILE = 'ros2'        # of a file whose header is damaged
 NO_END = 'without an end: a crash, a kill, a power cut or a full disk'
 
 
-def recover(path, out=None, progress=None):
+def recover(path: str | Path, out: str | Path | None = None, progress: Progress | None = None
+            ) -> Recovered:
     """
     Copy every whole record of a bag into a new bag with index, statistics and metadata.
 
@@ -50,7 +53,7 @@ def recover(path, out=None, progress=None):
 
     """
     if len(rosbag2_folder.files_of(path)) > 1:
-        return recover_parts(recover, path, Path(out) if out else beside(path), progress)
+        return recover_parts(recover, Path(path), Path(out) if out else beside(path), progress)
     source = rosbag2_folder.file_of(path)
     if is_being_written(source):
         raise BagError(f'{path}: is being written; stop the recording first')
@@ -60,7 +63,7 @@ def recover(path, out=None, progress=None):
         with open(source, 'rb') as old, file:
             scan = Scan(old)
             copy = _Copy(scan, file, progress)
-            if copy.container is None:
+            if not copy.has_begun:
                 raise BagError(f'{path}: nothing to recover: it ends before its first record')
             copy.finish(folder, source)
             lost = scan.lost + (0 if scan.complete else source.stat().st_size - scan.end)
@@ -69,14 +72,14 @@ def recover(path, out=None, progress=None):
                      scan.complete and not scan.damage)
 
 
-def beside(path):
+def beside(path: str | Path) -> Path:
     """Return the default place of the new bag: NAME_recovered beside NAME or NAME_0.mcap."""
     path = Path(path).absolute()
     return path.with_name((path.name if path.is_dir() else path.stem.removesuffix('_0'))
                           + '_recovered')
 
 
-def first_of(numbers):
+def first_of(numbers: Any) -> int:
     """Return the first of a recorder's sequence numbers [first, next], 0 if unknown."""
     told = isinstance(numbers, list) and numbers and isinstance(numbers[0], int)
     return numbers[0] if told else 0
@@ -85,32 +88,33 @@ def first_of(numbers):
 class _Copy:
     """The records of a Scan in a new Container."""
 
-    def __init__(self, scan, file, progress):
-        self.container, self.missing = None, {}
-        self._scan, self._metadata = scan, None
+    def __init__(self, scan: Scan, file: BinaryIO, progress: Progress | None) -> None:
+        self.missing: dict[str, int] = {}
+        self._scan, self._metadata = scan, ''
+        self.has_begun = False
         for offset, opcode, body in scan:
             try:
-                if self.container is None:
+                if not self.has_begun:
                     self._begin(file, opcode, body)
                 if opcode is not None:
                     self._record(offset, opcode, body)
             except Damaged as error:
-                scan.spoil(offset, error)
+                scan.spoil(offset, str(error))
             if progress:
                 progress(scan.end)
 
-    def _begin(self, file, opcode, body):
+    def _begin(self, file: BinaryIO, opcode: int | None, body: Any) -> None:
         """Start the new file with what the header and the end of the old one tell."""
-        header = parse(opcode, body) if opcode == Opcode.HEADER else None
+        header = parse(Opcode.HEADER, body) if opcode == Opcode.HEADER else None
         by = f'recovered by {OURS}{__version__}, mcap {mcap_version}'
         self.container = Container(file, header.profile if header else PROFILE,
                                    f'{header.library}; {by}' if header else by)
-        ending = self._scan.ending
+        self.has_begun, ending = True, self._scan.ending
         for kind in (Schema, Channel) if ending else ():
-            for record in ending.of(kind):
+            for record in ending.of(kind) if ending else ():
                 self.container.copy(record)            # the chunk that has it may be damaged
 
-    def _record(self, offset, opcode, body):
+    def _record(self, offset: int, opcode: int, body: bytes) -> None:
         container = self.container
         if opcode == Opcode.CHUNK:
             container.flush()
@@ -129,18 +133,18 @@ class _Copy:
         elif opcode == Opcode.METADATA:
             record = parse(opcode, body)
             if record.name == rosbag2.RECORD:
-                self._metadata = record.metadata.get(rosbag2.KEY)
+                self._metadata = record.metadata.get(rosbag2.KEY) or ''
             else:
                 container.add_metadata(record.name,
                                        {k: v for k, v in record.metadata.items() if k != SEAL})
         elif opcode == Opcode.ATTACHMENT:
             raise Damaged('an attachment; these are not copied')
 
-    def finish(self, folder, source):
+    def finish(self, folder: Path, source: Path) -> None:
         """Write metadata of what is there now, and the end."""
         self.container.flush()
         try:
-            old = loaded(self._metadata or '')
+            old = loaded(self._metadata)
         except BagError:
             old = None
         old = old if isinstance(old, dict) else {}
@@ -156,7 +160,7 @@ class _Copy:
         self.container.finish()
         rosbag2_folder.write_metadata_file(folder, metadata)
 
-    def _told(self, about):
+    def _told(self, about: dict[str, str]) -> dict[str, str]:
         """Return the entries of custom_data about numbers, end and losses."""
         container, numbers = self.container, rosbag2.mapping_in(about, rosbag2.NUMBERS)
         statistics = self._scan.ending.of(Statistics) if self._scan.ending else []

@@ -4,9 +4,14 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
 import shutil
+from typing import Any
 
-from fourbar_ros.bag.info import info
+from fourbar_ros.bag.info import info, TopicInfo
+from fourbar_ros.bag.records import behind, Progress
 from fourbar_ros.bag.recovered import Recovered
 from fourbar_ros.bag.whole import workshop
 from fourbar_ros.errors import BagError
@@ -14,7 +19,8 @@ from fourbar_ros.formats import rosbag2, rosbag2_folder
 import yaml
 
 
-def recover_parts(recover, path, out, progress=None):
+def recover_parts(recover: Callable[[Path, Path, Progress | None], Recovered], path: Path,
+                  out: Path, progress: Progress | None = None) -> Recovered:
     """
     Recover every file of a split bag into the folder ``out``.
 
@@ -28,7 +34,7 @@ def recover_parts(recover, path, out, progress=None):
         for source in rosbag2_folder.files_of(path):
             try:
                 made = recover(source, work / out.name,
-                               progress and (lambda there, before=read: progress(before + there)))
+                               partial(behind, progress, read) if progress else None)
             except BagError as error:
                 if 'is being written' in str(error):
                     raise
@@ -50,14 +56,14 @@ def recover_parts(recover, path, out, progress=None):
                      all(made.was_whole for made in found) and not damaged)
 
 
-def _missing(found, topics):
+def _missing(found: Sequence[Recovered], topics: Sequence[TopicInfo]) -> dict[str, int]:
     """
     Return {topic: missing messages} of a recovered bag.
 
     The numbers of the whole bag show what a lost part held; its parts show losses where nobody
     numbered the messages.
     """
-    missing = Counter()
+    missing: Counter[str] = Counter()
     for made in found:
         missing.update(made.missing)
     for topic in topics:
@@ -65,7 +71,7 @@ def _missing(found, topics):
     return {topic: count for topic, count in missing.items() if count}
 
 
-def _moved(folder, whole, name):
+def _moved(folder: Path, whole: Path, name: str) -> dict[str, Any]:
     """Move the file of a recovered part under its name into the whole bag; return its metadata."""
     file, = folder.glob('*.mcap')
     file.rename(whole / name)

@@ -32,6 +32,6 @@ class Recovered(NamedTuple):
     path: Path
     messages: int
     lost: int
-    damaged: list
-    missing: dict
+    damaged: list[str]
+    missing: dict[str, int]
     was_whole: bool

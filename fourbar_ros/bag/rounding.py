@@ -67,7 +67,8 @@ class Condition:
             yield [*motion[:i], motion[i] + step * STEP, *motion[i + 1:]]
 
     def _values(self, stepper: Stepper, motion: list[float]) -> Array:
-        return np.array(stepper.step(*motion, *self._wanted)[1], float)
+        position, rate, acceleration = motion
+        return np.array(stepper.step(position, rate, acceleration, *self._wanted)[1], np.float64)
 
 
 def _perturbed(scene: Scene) -> Iterator[Scene]:
@@ -99,4 +100,4 @@ def needs_condition(want: Array, have: Array) -> NDArray[np.bool_]:
     """Return of which messages (last axis) a value differs by more than PLAIN eps of itself."""
     with np.errstate(invalid='ignore'):
         wide = abs(want - have) > PLAIN * EPS * abs(want)
-    return wide if wide.ndim == 1 else wide.any(axis=tuple(range(wide.ndim - 1)))
+    return np.asarray(wide if wide.ndim == 1 else wide.any(axis=tuple(range(wide.ndim - 1))))

@@ -3,6 +3,7 @@
 """When a bag continues in a new file, what that file repeats, which old files may be removed."""
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 # a bag that keeps the newest seconds has so many parts, unless split otherwise
@@ -24,12 +25,12 @@ class Split(NamedTuple):
     head: int | None = None
 
     @property
-    def seconds(self):
+    def seconds(self) -> float:
         """Return the longest duration of a part [s], 0 for endless."""
         return self.duration or (0.0 if self.size else self.keep / SHARE)
 
     @property
-    def is_wanted(self):
+    def is_wanted(self) -> bool:
         """Return whether the bag is split at all."""
         return self.size > 0 or self.seconds > 0.0
 
@@ -46,14 +47,14 @@ class Splitter:
 
     """
 
-    def __init__(self, split, latched):
+    def __init__(self, split: Split, latched: Collection[int]) -> None:
         self._split, self._latched = split, latched
         # {channel: (sequence, time, data)}, the newest of each, oldest first
-        self._last = {}
-        self._begun = None               # [ns] when the part began
+        self._last: dict[int, tuple[int, int, bytes]] = {}
+        self._begun: int | None = None   # [ns] when the part began
         self.number = 0                  # of the part
 
-    def is_due(self, channel, time, size):
+    def is_due(self, channel: int, time: int, size: int) -> bool:
         """
         Return whether a new part begins with this message.
 
@@ -64,14 +65,14 @@ class Splitter:
         split = self._split
         is_full = (split.size and size >= split.size or split.seconds and time - self._begun
                    >= split.seconds * 1e9)
-        return is_full and split.head in (None, channel)
+        return bool(is_full) and split.head in (None, channel)
 
-    def note(self, channel, sequence, time, data):
+    def note(self, channel: int, sequence: int, time: int, data: bytes) -> None:
         """Remember a message."""
         self._last.pop(channel, None)
         self._last[channel] = sequence, time, data
 
-    def repeats(self):
+    def repeats(self) -> list[tuple[int, int, int, bytes]]:
         """
         Return [(channel, sequence, time, data)] that a new part begins with.
 
@@ -82,11 +83,11 @@ class Splitter:
         newest = max((i for i, item in enumerate(items) if item[0] in self._latched), default=-1)
         return [item for item in items if item[0] in self._latched] + items[newest + 1:]
 
-    def begin(self, time):
+    def begin(self, time: int) -> None:
         """Begin the next part."""
         self._begun, self.number = time, self.number + 1
 
-    def outdated(self, starts):
+    def outdated(self, starts: Sequence[int]) -> int:
         """
         Return how many of the oldest parts may be removed.
 

@@ -7,30 +7,57 @@ CSV and NPZ keep no file open between blocks.
 """
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
 import csv
+from pathlib import Path
+from typing import Any, IO
 import zipfile
 
 from fourbar_ros.errors import BagError
+from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 ROWS = 1 << 16          # of a column are in memory at once when it goes into the .npz
 
 
-class Csv:
-    """One file a table; numbers with all their digits, bytes in hexadecimal."""
+Rows = dict[str, Array]         # {column: its values, shape (n,)}
+
+
+class Table(ABC):
+    """A table being written: rows are appended, block by block."""
+
+    def __init__(self, folder: Path, name: str, columns: Rows) -> None:
+        self.name, self.rows = name, 0
 
     @staticmethod
-    def fixed(values):
-        """Return the property that is constant within a column; CSV has none."""
-        return
+    def fixed(values: Array) -> str | None:
+        """Return the property that is constant within a column; None: there is none."""
+        return None
 
-    def __init__(self, folder, name, columns):
-        self.name, self.rows = name, 0
+    @abstractmethod
+    def add(self, columns: Rows) -> None:
+        """Append the rows of {column: values}."""
+
+    def close(self) -> None:        # noqa: B027 # of most there is nothing to finish
+        """Finish the file."""
+
+    @staticmethod
+    def finish(folder: Path, tables: Iterable[Any]) -> Path:
+        """Return the file or folder to be moved to the requested name."""
+        return _in_folder(folder)
+
+
+class Csv(Table):
+    """One file a table; numbers with all their digits, bytes in hexadecimal."""
+
+    def __init__(self, folder: Path, name: str, columns: Rows) -> None:
+        super().__init__(folder, name, columns)
         self._path = _in_folder(folder) / f'{name}.csv'
         with open(self._path, 'x', newline='', encoding='utf-8') as file:
             csv.writer(file).writerow(columns)
 
-    def add(self, columns):
+    def add(self, columns: Rows) -> None:
         """Append the rows of {column: values}."""
         texts = ([value.hex() for value in values] if values.dtype.kind == 'O' else values.tolist()
                  for values in columns.values())
@@ -38,49 +65,40 @@ class Csv:
             csv.writer(file).writerows(zip(*texts))
         self.rows += len(columns['log_time'])
 
-    def close(self):
-        """Finish the file."""
 
-    @staticmethod
-    def finish(folder, _):
-        """Return the file or folder to be moved to the requested name."""
-        return _in_folder(folder)
-
-
-def _in_folder(folder):
+def _in_folder(folder: Path) -> Path:
     """Return the folder of the tables, created with the usual permissions."""
     made = folder / 'tables'
     made.mkdir(exist_ok=True)
     return made
 
 
-class Parquet:
+class Parquet(Table):
     """One file a table; bytes as binary."""
 
-    fixed, finish = staticmethod(Csv.fixed), staticmethod(Csv.finish)
-
-    def __init__(self, folder, name, columns):
+    def __init__(self, folder: Path, name: str, columns: Rows) -> None:
         try:
             import pyarrow
             import pyarrow.parquet
         except ImportError:
             raise BagError('parquet requires pyarrow: pip install pyarrow') from None
-        self.name, self.rows, self._arrow = name, 0, pyarrow
+        super().__init__(folder, name, columns)
+        self._arrow = pyarrow
         schema = pyarrow.table(columns).schema
         self._writer = pyarrow.parquet.ParquetWriter(_in_folder(folder) / f'{name}.parquet',
                                                      schema)
 
-    def add(self, columns):
+    def add(self, columns: Rows) -> None:
         """Append the rows of {column: values}."""
         self._writer.write_table(self._arrow.table(columns))
         self.rows += len(columns['log_time'])
 
-    def close(self):
+    def close(self) -> None:
         """Finish the file."""
         self._writer.close()
 
 
-class Npz:
+class Npz(Table):
     """
     Each column grows in its own file; the files are moved into the .npz at the end.
 
@@ -89,15 +107,17 @@ class Npz:
     """
 
     @staticmethod
-    def fixed(values):
+    def fixed(values: Array) -> str | None:
         """Return the property that is constant within a column."""
         return values.dtype.kind if values.dtype.kind in 'UO' else values.dtype.str
 
-    def __init__(self, folder, name, columns):
-        self.name, self.rows = name, 0
-        self._folder, self._arrays, self._ends = folder, {}, {}
+    def __init__(self, folder: Path, name: str, columns: Rows) -> None:
+        super().__init__(folder, name, columns)
+        self._folder = folder
+        self._arrays: dict[str, _Array] = {}
+        self._ends: dict[str, int] = {}
 
-    def add(self, columns):
+    def add(self, columns: Rows) -> None:
         """Append the rows of {column: values}."""
         for column, values in columns.items():
             if values.dtype.kind == 'O':
@@ -108,16 +128,13 @@ class Npz:
             self._append(column, values)
         self.rows += len(columns['log_time'])
 
-    def _append(self, column, values):
+    def _append(self, column: str, values: Array) -> None:
         if column not in self._arrays:
             self._arrays[column] = _Array(self._folder / f'{self.name}.{len(self._arrays)}')
         self._arrays[column].append(values)
 
-    def close(self):
-        """Finish the files."""
-
     @staticmethod
-    def finish(folder, tables):
+    def finish(folder: Path, tables: Iterable[Any]) -> Path:
         """Return the file or folder to be moved to the requested name."""
         part = folder / 'all.npz'
         with zipfile.ZipFile(part, 'w', zipfile.ZIP_STORED, allowZip64=True) as archive:
@@ -132,22 +149,24 @@ class Npz:
 class _Array:
     """One array in a file; texts in it may grow wider."""
 
-    def __init__(self, path):
-        self._path, self._parts = path, []          # [rows, dtype] of what follows each other
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._parts: list[tuple[int, np.dtype[Any]]] = []     # rows of what follows each other
 
-    def append(self, values):
+    def append(self, values: Array) -> None:
         with open(self._path, 'ab') as file:
             file.write(values.tobytes())
         if self._parts and self._parts[-1][1] == values.dtype:
-            self._parts[-1][0] += len(values)
+            self._parts[-1] = self._parts[-1][0] + len(values), values.dtype
         else:
-            self._parts.append([len(values), values.dtype])
+            self._parts.append((len(values), values.dtype))
 
-    def move_to(self, entry):
+    def move_to(self, entry: IO[bytes]) -> None:
         """Write it as .npy and remove its file."""
         dtype = max((dtype for _, dtype in self._parts), key=lambda dtype: dtype.itemsize)
-        np.lib.format.write_array_header_1_0(entry, {
-            'descr': np.lib.format.dtype_to_descr(dtype), 'fortran_order': False,
+        npy: Any = np.lib.format                    # numpy gives it no types
+        npy.write_array_header_1_0(entry, {
+            'descr': npy.dtype_to_descr(dtype), 'fortran_order': False,
             'shape': (sum(rows for rows, _ in self._parts),)})
         with open(self._path, 'rb') as file:
             for rows, own in self._parts:

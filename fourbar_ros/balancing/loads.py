@@ -153,7 +153,7 @@ class Loads:
         while True:
             x, weights = self.nodes(points)
             blocks = [self._block(name, x, weights, len(names) > 1) for name in names]
-            root = np.linalg.qr(np.concatenate(blocks), mode='r')
+            root: Any = np.linalg.qr(np.concatenate(blocks), mode='r')
             size = float(np.linalg.norm(root))
             if abs(size - before) <= AGREE * size or points >= MOST_POINTS:
                 return root

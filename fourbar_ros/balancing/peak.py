@@ -87,7 +87,8 @@ class _Peak:
     def solve(self, spots: list[Spot]) -> tuple[Array, list[Spot], float]:
         """Return masses, their places, and the bound."""
         rows = self.largest(self.given)[1]
-        weights, bound = np.zeros(len(spots)), 0.0
+        weights: Array = np.zeros(len(spots))
+        bound = 0.0
         rows = np.concatenate((rows, -rows))
         best = np.inf
         for _ in range(STEPS):

@@ -15,7 +15,7 @@ corner also proves how good the result is: for no design is
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Union
 
 from fourbar_ros.balancing.loads import Loads, NUMBERS
 from fourbar_ros.errors import InvalidParameter
@@ -23,6 +23,9 @@ from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 STEPS, ENOUGH, NOTHING = 500, 1e-9, 1e-13
+
+
+Name = Union[tuple[str, float, float], None]     # of a corner: link, along, across; None: nothing
 
 
 class Counterweight(NamedTuple):
@@ -134,7 +137,8 @@ def least_rms(places: Places, names: Iterable[str], mass: float,
 
 def front(places: Places, names: Iterable[str], masses: Iterable[float]) -> list[Balance]:
     """Return the best for each added mass, as :func:`least_rms`."""
-    root, found = places.loads.root(names), []
+    root = places.loads.root(names)
+    found: list[Balance] = []
     for mass in masses:
         start = found[-1].counterweights if found else ()
         found.append(nearest_to_zero(places, root, mass, start))
@@ -149,7 +153,7 @@ def nearest_to_zero(places: Places, root: Array, mass: float,
     spots = [(one.link, one.along, one.across) for one in start]
     corners = [given] + [given + mass * (root @ places.column(*spot)) for spot in spots]
     weights = np.array([1.0] + [0.0] * len(spots))
-    kept: list[tuple[str, float, float] | None] = [None, *spots]
+    kept: list[Name] = [None, *spots]
     corners, weights, kept = _nearest(corners, weights, kept)
     for _ in range(STEPS):
         x = weights @ np.array(corners)
@@ -169,7 +173,8 @@ def nearest_to_zero(places: Places, root: Array, mass: float,
     return Balance(tuple(weighted), float(np.linalg.norm(root @ numbers)), bound, numbers)
 
 
-def _nearest(corners: list[Array], weights: Array, kept: list) -> tuple[list[Array], Array, list]:
+def _nearest(corners: list[Array], weights: Array, kept: list[Name]
+             ) -> tuple[list[Array], Array, list[Name]]:
     """Return the corners, weights and names that span the point of a hull nearest to zero."""
     while True:
         better = _affine(np.array(corners))

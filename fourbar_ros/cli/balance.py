@@ -4,9 +4,17 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from fourbar_ros.cli.common import add_verb, PICTURE_HELP, SCENE_HELP
+from fourbar_ros.cli.common import add_verb, PICTURE_HELP, SCENE_HELP, Verbs
 from fourbar_ros.scene.arguments import not_negative, positive_integer
+
+if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_ros.balancing.loads import Loads
+    from fourbar_ros.balancing.rms import Balance, Places
+    from fourbar_ros.mechanisms.mechanism import Mechanism
+    from fourbar_ros.report.terminal import PlainTable
 
 DESCRIPTION = """\
 Find counterweights that take shaking force, shaking moment, driving torque or joint reactions of
@@ -25,7 +33,7 @@ examples:
 """
 
 
-def add(verbs):
+def add(verbs: Verbs) -> None:
     """Add the verb."""
     verb = add_verb(verbs, 'balance', 'find counterweights for a scene, with a proof of how good',
                     DESCRIPTION, EPILOG)
@@ -52,7 +60,7 @@ def add(verbs):
     verb.set_defaults(run=_run)
 
 
-def _radius(text):
+def _radius(text: str) -> tuple[str, float]:
     link, _, number = text.rpartition('=')
     try:
         return link, float(number)
@@ -60,7 +68,7 @@ def _radius(text):
         raise argparse.ArgumentTypeError(f'{text!r}: must be LINK=METRES or METRES') from None
 
 
-def _run(arguments):
+def _run(arguments: argparse.Namespace) -> None:
     from fourbar_ros.balancing.loads import Loads
     from fourbar_ros.balancing.result import draw_changes, scene_text
     from fourbar_ros.balancing.rms import Places
@@ -82,7 +90,7 @@ def _run(arguments):
         draw_changes(loads, found.numbers, arguments.plot)
 
 
-def _radii(linkage, given):
+def _radii(linkage: Mechanism, given: Sequence[tuple[str, float]]) -> dict[str, float]:
     """Return {link: radius} for all links that turn, or those that are named."""
     turning = [link.name for link in linkage.LINKS if link.turns]
     usual = next((radius for link, radius in given if not link),
@@ -91,7 +99,7 @@ def _radii(linkage, given):
     return named or dict.fromkeys(turning, usual)
 
 
-def _balanced(arguments, places):
+def _balanced(arguments: argparse.Namespace, places: Places) -> tuple[Balance, str]:
     """Return the balance that is asked for, and what it is as text."""
     from fourbar_ros.balancing import BalanceError
     from fourbar_ros.balancing.full import full_force_balance
@@ -120,7 +128,7 @@ def _balanced(arguments, places):
                    f'below {found.bound:.9g} is possible')
 
 
-def _tables(loads, found):
+def _tables(loads: Loads, found: Balance) -> tuple[PlainTable, PlainTable]:
     from fourbar_ros.balancing.result import changes
     from fourbar_ros.report.terminal import plain_table
     weights = plain_table('counterweights, from the first joint of their link',

@@ -6,8 +6,18 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Protocol
 
 from fourbar_ros.scene.arguments import finite, not_negative
+
+
+class Verbs(Protocol):
+    """What argparse gives to add verbs to, whose class it keeps to itself."""
+
+    def add_parser(self, *args: Any, **kwargs: Any) -> argparse.ArgumentParser:
+        """Return the parser of a new verb."""
+
 
 BAD = 3         # exit code: the verb has done its work, but the result is not good
 SCENE_HELP = 'parameter file (YAML) or name of a shipped scene, e.g. paper'
@@ -15,8 +25,8 @@ BAG_HELP = 'folder of a bag, or .mcap file'
 PICTURE_HELP = 'picture to write: .png, .svg or .pdf'
 
 
-def add_verb(verbs, name: str, text: str, description: str,
-             epilog: str = '') -> argparse.ArgumentParser:
+def add_verb(verbs: Verbs, name: str, text: str, description: str, epilog: str = ''
+             ) -> argparse.ArgumentParser:
     """Add a verb whose description and epilog keep their line breaks; return its parser."""
     return verbs.add_parser(name, help=text, description=description, epilog=epilog,
                             formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -69,7 +79,7 @@ def bar(text: str, total: int) -> Iterator[Callable[[int], None]]:
 
 
 @contextmanager
-def reading(path, text: str) -> Iterator[Callable[[int], None]]:
+def reading(path: str | Path, text: str) -> Iterator[Callable[[int], None]]:
     """Show how much of a bag is read; gives the function to call with the bytes read."""
     from fourbar_ros.formats.rosbag2_folder import files_of
     with bar(text, sum(file.stat().st_size for file in files_of(path))) as step:

@@ -3,10 +3,11 @@
 """``fourbar describe``: a scene as URDF, SDF or MJCF."""
 from __future__ import annotations
 
+from argparse import Namespace
 from pathlib import Path
 import sys
 
-from fourbar_ros.cli.common import add_verb, SCENE_HELP
+from fourbar_ros.cli.common import add_verb, SCENE_HELP, Verbs
 
 SUFFIXES = {'.urdf': 'urdf', '.sdf': 'sdf', '.mjcf': 'mjcf', '.xml': 'mjcf'}
 EPILOG = """\
@@ -22,7 +23,7 @@ docs/descriptions.md has the rest.
 """
 
 
-def add(verbs):
+def add(verbs: Verbs) -> None:
     """Add the verb."""
     verb = add_verb(verbs, 'describe', 'write a scene as URDF, SDF or MJCF',
                     'Write a scene as a robot description: URDF (ROS, RViz, MoveIt, Foxglove), '
@@ -36,7 +37,7 @@ def add(verbs):
     verb.set_defaults(run=_describe)
 
 
-def _describe(arguments):
+def _describe(arguments: Namespace) -> None:
     from fourbar_ros.description.describe import describe
     from fourbar_ros.scene.scene import load
     suffix = arguments.out.suffix if arguments.out else ''

@@ -3,7 +3,14 @@
 """``fourbar draw``: a scene in one pose, with forces and polygons."""
 from __future__ import annotations
 
-from fourbar_ros.cli.common import add_pose, add_verb, PICTURE_HELP, SCENE_HELP
+from argparse import Namespace
+from typing import TYPE_CHECKING
+
+from fourbar_ros.cli.common import add_pose, add_verb, PICTURE_HELP, SCENE_HELP, Verbs
+
+if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_ros.mechanisms.mechanism import Mechanism
+    from fourbar_ros.report.mechanism_panel import Points
 
 EPILOG = """\
 examples:
@@ -16,7 +23,7 @@ examples:
 """
 
 
-def add(verbs):
+def add(verbs: Verbs) -> None:
     """Add the verb."""
     draw = add_verb(verbs, 'draw', 'draw a scene in one pose: linkage with forces, velocity and '
                                    'acceleration polygons',
@@ -33,13 +40,14 @@ def add(verbs):
     draw.set_defaults(run=_draw)
 
 
-def _draw(arguments):
+def _draw(arguments: Namespace) -> None:
     from fourbar_ros.errors import InvalidParameter
     from fourbar_ros.scene.scene import load
     scene = load(arguments.scene)
     linkage = scene.in_mode(arguments.mode)
     speed = scene.drive.speed if arguments.speed is None else arguments.speed
-    points = {name: tuple(point) for name, point in scene.points.items()}
+    points = {name: (point.link, point.along, point.across)
+              for name, point in scene.points.items()}
     if arguments.animate:
         from fourbar_ros.report.animation import animate
         print(animate(linkage, speed, points, arguments.out))
@@ -54,7 +62,7 @@ def _draw(arguments):
         _draw_pose(arguments, linkage, speed, points)
 
 
-def _draw_pose(arguments, linkage, speed, points):
+def _draw_pose(arguments: Namespace, linkage: Mechanism, speed: float, points: Points) -> None:
     """Draw one pose with its forces and polygons."""
     from fourbar_ros.report.drawing import make_figure, save
     from fourbar_ros.report.poses import step_at

@@ -3,10 +3,11 @@
 """``fourbar layout``: what RViz, Foxglove or Lichtblick, and PlotJuggler show of a scene."""
 from __future__ import annotations
 
+from argparse import Namespace
 from pathlib import Path
 import sys
 
-from fourbar_ros.cli.common import add_verb, SCENE_HELP
+from fourbar_ros.cli.common import add_verb, SCENE_HELP, Verbs
 
 TOOLS = ('rviz', 'foxglove', 'plotjuggler')
 EPILOG = """\
@@ -20,7 +21,7 @@ machine itself with robot_description, tf, markers or traces.
 """
 
 
-def add(verbs):
+def add(verbs: Verbs) -> None:
     """Add the verb."""
     verb = add_verb(verbs, 'layout', 'write a layout for RViz, Foxglove, Lichtblick or '
                                      'PlotJuggler',
@@ -36,7 +37,7 @@ def add(verbs):
     verb.set_defaults(run=_layout)
 
 
-def _layout(arguments):
+def _layout(arguments: Namespace) -> None:
     from importlib import import_module
 
     from fourbar_ros.errors import InvalidParameter

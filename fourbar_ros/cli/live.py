@@ -3,10 +3,11 @@
 """``fourbar live``: a page in the browser that shows a mechanism moving."""
 from __future__ import annotations
 
+from argparse import Namespace
 import gc
 from pathlib import Path
 
-from fourbar_ros.cli.common import add_verb, SCENE_HELP
+from fourbar_ros.cli.common import add_verb, SCENE_HELP, Verbs
 
 EPILOG = """\
 examples:
@@ -21,7 +22,7 @@ started the same scene. The page is served to browsers of this machine only.
 """
 
 
-def add(verbs):
+def add(verbs: Verbs) -> None:
     """Add the verb."""
     live = add_verb(verbs, 'live', 'a page in the browser: the mechanism moving, curves, forces, '
                                    'extrema',
@@ -44,7 +45,7 @@ def _is_bag(name: str) -> bool:
     return path.suffix == '.mcap' or path.is_dir()
 
 
-def _live(arguments):
+def _live(arguments: Namespace) -> None:
     from fourbar_ros.errors import InvalidParameter
     from fourbar_ros.scene.files import find
     from fourbar_ros.scene.scene import load

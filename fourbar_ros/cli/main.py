@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator, Sequence
 import contextlib
 import signal
 import sys
 import threading
+from typing import NoReturn
 
 from fourbar_ros import __version__
 from fourbar_ros.cli import (
@@ -60,7 +62,7 @@ is not good (see the help of the verb)
 """
 
 
-def parser():
+def parser() -> argparse.ArgumentParser:
     """Return the argument parser; every verb sets ``run``, which returns an exit code or None."""
     top = Parser(prog='fourbar', description=DESCRIPTION, epilog=EPILOG,
                  formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -71,7 +73,7 @@ def parser():
     return top
 
 
-def main(args=None):
+def main(args: Sequence[str] | None = None) -> int:
     """Run one verb and return the exit code; an error is one line on stderr."""
     arguments = parser().parse_args(args)
     try:
@@ -97,13 +99,13 @@ def main(args=None):
 
 
 @contextlib.contextmanager
-def _terminable():
+def _terminable() -> Iterator[None]:
     """
     Let SIGTERM and SIGHUP end a verb like Ctrl-C, with no partial output left.
 
     Exit code 128 + number.
     """
-    def end(number, _):
+    def end(number: int, _: object) -> NoReturn:
         raise SystemExit(128 + number)
 
     old = {}

@@ -7,12 +7,16 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 import sys
 import time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_ros.studies.engine import Progress as Done
 
 EVERY = 30.0        # [s] between two lines about progress where there is no terminal
 
 
 @contextmanager
-def shown() -> Iterator[Callable]:
+def shown() -> Iterator[Callable[[Done], None]]:
     """Give a function that shows the progress of a run: a bar, or a line now and then."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn
@@ -23,7 +27,7 @@ def shown() -> Iterator[Callable]:
         task = bar.add_task('designs', text='', total=None)
         last = time.monotonic()
 
-        def report(progress):
+        def report(progress: Done) -> None:
             nonlocal last
             line = in_words(progress)
             bar.update(task, total=progress.total, completed=progress.done, text=line)
@@ -33,7 +37,7 @@ def shown() -> Iterator[Callable]:
         yield report
 
 
-def in_words(progress):
+def in_words(progress: Done) -> str:
     """Return done, rate and remaining time as text."""
     text = f'{progress.done} of {progress.total} designs'
     if not progress.in_this_run:

@@ -3,7 +3,9 @@
 """``fourbar record``: start and stop the bag of a running node."""
 from __future__ import annotations
 
-from fourbar_ros.cli.common import add_verb
+from argparse import Namespace
+
+from fourbar_ros.cli.common import add_verb, Verbs
 
 EPILOG = """\
 examples:
@@ -15,7 +17,7 @@ The node writes the bag into its recording.directory. Requires ROS 2.
 """
 
 
-def add(verbs):
+def add(verbs: Verbs) -> None:
     """Add the verb."""
     record = add_verb(verbs, 'record', 'start or stop the bag of a running node',
                       'Start or stop the bag of a running node.', EPILOG)
@@ -27,6 +29,6 @@ def add(verbs):
     record.set_defaults(run=_record)
 
 
-def _record(arguments):
+def _record(arguments: Namespace) -> None:
     from fourbar_ros.ros.clients.client import record
     print(record(arguments.what, arguments.name, arguments.node))

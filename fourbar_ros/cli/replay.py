@@ -4,11 +4,16 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 import time
+from typing import TYPE_CHECKING
 
-from fourbar_ros.cli.common import add_tolerance, add_topics, add_verb, BAD, BAG_HELP
+from fourbar_ros.cli.common import add_tolerance, add_topics, add_verb, BAD, BAG_HELP, Verbs
 from fourbar_ros.scene.arguments import not_negative, positive
+
+if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_ros.bag.playback import Pace
 
 REFRESH = 0.1       # [s] between two looks at the clock of the bag
 DESCRIPTION = """\
@@ -34,7 +39,7 @@ is missing
 """
 
 
-def add(verbs):
+def add(verbs: Verbs) -> None:
     """Add the verb."""
     replay = add_verb(verbs, 'replay', 'publish a recorded run again, or drive a live node with '
                                        'it', DESCRIPTION, EPILOG)
@@ -66,7 +71,7 @@ def add(verbs):
     replay.set_defaults(run=_replay)
 
 
-def _replay(arguments):
+def _replay(arguments: argparse.Namespace) -> int:
     ros_args = ['--ros-args', *arguments.ros_args] if arguments.ros_args else []
     if arguments.inputs_only:
         return _inputs_only(arguments, ros_args)
@@ -75,10 +80,11 @@ def _replay(arguments):
     from fourbar_ros.ros.clients.replay import replay
     pace = Pace(arguments.rate)
     first, last = span(arguments.bag)
-    actions = {'space': lambda: pace.pause(not pace.is_paused), 'right': pace.step,
-               'up': lambda: pace.change(FASTER), 'down': lambda: pace.change(1.0 / FASTER)}
+    actions: dict[str, Callable[[], None]] = {
+        'space': lambda: pace.pause(not pace.is_paused), 'right': pace.step,
+        'up': lambda: pace.change(FASTER), 'down': lambda: pace.change(1.0 / FASTER)}
     with Keyboard() as keyboard, _status(first, last, pace, keyboard.is_there) as show:
-        def on_tick(now):
+        def on_tick(now: int) -> None:
             for key in keyboard.pressed():
                 actions.get(key, lambda: None)()
             show(now)
@@ -91,7 +97,8 @@ def _replay(arguments):
 
 
 @contextmanager
-def _status(first, last, pace, has_keys):
+def _status(first: int | None, last: int | None, pace: Pace, has_keys: bool
+            ) -> Iterator[Callable[[int], None]]:
     """
     Print the extent of the bag; gives the function that shows progress on a terminal.
 
@@ -102,9 +109,9 @@ def _status(first, last, pace, has_keys):
     from rich.console import Console
     from rich.live import Live
 
-    def date(moment):
+    def date(moment: int) -> str:
         return datetime.fromtimestamp(moment * 1e-9).astimezone().isoformat(' ', 'milliseconds')
-    if last is not None:
+    if first is not None and last is not None:
         print(f'{(last - first) * 1e-9:.3f} s, from {date(first)} to {date(last)}', flush=True)
     console = Console(stderr=True, highlight=False)
     shown = 0.0
@@ -112,7 +119,7 @@ def _status(first, last, pace, has_keys):
         print('space: pause, right: next message, up and down: faster and slower', flush=True)
     with Live(console=console, auto_refresh=False,
               transient=True) if console.is_terminal else nullcontext() as live:
-        def show(now):
+        def show(now: int) -> None:
             nonlocal shown, first
             if live and time.monotonic() - shown > REFRESH:
                 shown, first = time.monotonic(), now if first is None else first
@@ -120,7 +127,7 @@ def _status(first, last, pace, has_keys):
         yield show
 
 
-def status_line(now, first, last, pace):
+def status_line(now: int, first: int, last: int | None, pace: Pace) -> str:
     """Return the progress of a replay: time of the bag, of how much, time left, rate."""
     text = f'{(now - first) * 1e-9:.1f} s'
     if last is not None:
@@ -129,7 +136,7 @@ def status_line(now, first, last, pace):
     return f'{text}, rate {pace.rate:.3g}' + (', paused' if pace.is_paused else '')
 
 
-def _inputs_only(arguments, ros_args):
+def _inputs_only(arguments: argparse.Namespace, ros_args: Sequence[str]) -> int:
     from fourbar_ros.report.terminal import make_console, plain_table
     from fourbar_ros.ros.clients.rerun import drive_live
     found = drive_live(arguments.bag, arguments.node, arguments.rate, arguments.start, ros_args)

@@ -3,7 +3,9 @@
 """``fourbar reproduce``: recompute the two source documents, number by number."""
 from __future__ import annotations
 
-from fourbar_ros.cli.common import add_verb, BAD
+from argparse import Namespace
+
+from fourbar_ros.cli.common import add_verb, BAD, Verbs
 
 EPILOG = """\
 verdicts:
@@ -18,7 +20,7 @@ known reason
 """
 
 
-def add(verbs):
+def add(verbs: Verbs) -> None:
     """Add the verb."""
     from fourbar_ros.reproduction.verdicts import VERDICTS
     verdicts = '\n'.join(f'  {name:<21}{meaning}' for name, meaning in VERDICTS.items())
@@ -33,7 +35,7 @@ def add(verbs):
     verb.set_defaults(run=_reproduce)
 
 
-def _reproduce(arguments):
+def _reproduce(arguments: Namespace) -> int:
     from fourbar_ros.reproduction.reproduce import count, print_tables, reproduce
     from fourbar_ros.reproduction.verdicts import DIFFERS
     sections = reproduce()

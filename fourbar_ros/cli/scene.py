@@ -3,14 +3,22 @@
 """``fourbar scene check``: whether a scene is valid, what its node does, what a step costs."""
 from __future__ import annotations
 
+from argparse import Namespace
 from timeit import repeat
+from typing import TYPE_CHECKING
 
-from fourbar_ros.cli.common import SCENE_HELP
+from fourbar_ros.cli.common import SCENE_HELP, Verbs
+
+if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_ros.mechanisms.mechanism import Mechanism
+    from fourbar_ros.report.terminal import PlainTable
+    from fourbar_ros.scene.parameter import Parameter
+    from fourbar_ros.scene.scene import DriveSettings, Scene
 
 STEPS, ROUNDS = 2000, 5        # of the measurement: some 50 ms
 
 
-def add(verbs):
+def add(verbs: Verbs) -> None:
     """Add the verb to the parser."""
     verb = verbs.add_parser('scene', help='check a scene file; explain what its node does and '
                                           'costs',
@@ -34,14 +42,14 @@ def add(verbs):
     policy.set_defaults(run=_policy)
 
 
-def _policy(arguments):
+def _policy(arguments: Namespace) -> None:
     from fourbar_ros.scene.policy import policy
     from fourbar_ros.scene.scene import load
     print(policy(load(arguments.scene), '/' + arguments.node.strip('/'), arguments.use_sim_time),
           end='')
 
 
-def _check(arguments):
+def _check(arguments: Namespace) -> None:
     from fourbar_ros.report.tables import class_name
     from fourbar_ros.report.terminal import make_console
     from fourbar_ros.scene.scene import load
@@ -59,7 +67,7 @@ def _check(arguments):
         console.print(part)
 
 
-def _leaves_the_range(linkage, drive):
+def _leaves_the_range(linkage: Mechanism, drive: DriveSettings) -> str:
     from fourbar_ros.errors import in_words
     from fourbar_ros.pipeline.status import evaluate, OUT_OF_RANGE
     unit = linkage.input_coordinate.unit
@@ -70,7 +78,7 @@ def _leaves_the_range(linkage, drive):
     return f'note: the input cannot turn fully: the timer will drive it out of {allowed} {policy}'
 
 
-def _drive_in_words(scene):
+def _drive_in_words(scene: Scene) -> str:
     from fourbar_ros.report.tables import rate_unit
     from fourbar_ros.scene.topics import INPUTS
     drive = scene.drive
@@ -86,20 +94,20 @@ def _drive_in_words(scene):
             f'estimated from {drive.window} samples.')
 
 
-def _torque_in_words(scene):
+def _torque_in_words(scene: Scene) -> str:
     from fourbar_ros.report.tables import rate_unit
     from fourbar_ros.scene.topics import TORQUE
     drive, values, unit = scene.drive, scene.values, rate_unit(scene.linkage)
     source = (f'{TORQUE.type} on {TORQUE.topic}' if drive.source == 'torque'
               else f'a motor ({values["motor.kind"]})')
-    shaft = scene.dynamics.drive.shaft
+    shaft = scene.dynamics.drive.shaft if scene.dynamics else None
     coupled = f'through a shaft of {shaft.stiffness:g} N m/rad' if shaft else 'rigidly'
     return (f'The motion follows from torque: {source}, coupled {coupled}, starts at '
             f'{drive.start:g} {unit[:-2]} with {drive.start_speed:g} {unit}; {drive.rate:g} '
             'samples per second.')
 
 
-def _outputs_table(scene):
+def _outputs_table(scene: Scene) -> PlainTable:
     from fourbar_ros.report.terminal import plain_table
     from fourbar_ros.scene.topics import OUTPUTS, PICTURES
     table = plain_table('outputs', ('name', 'topic', 'type', ''))
@@ -111,24 +119,24 @@ def _outputs_table(scene):
     return table
 
 
-def _changed_table(scene):
+def _changed_table(scene: Scene) -> PlainTable:
     from fourbar_ros.report.terminal import plain_table
-    from fourbar_ros.scene.parameters import find
+    from fourbar_ros.scene.parameters import of_name
     table = plain_table('parameters that differ from their default',
                         ('parameter', 'value', 'unit'))
     for name, value in scene.values.items():
-        parameter = find(name)
+        parameter = of_name(name)
         if value != parameter.default and value == value:
             table.add_row(name, str(value), _unit(parameter, scene.linkage))
     return table
 
 
-def _unit(parameter, linkage):
+def _unit(parameter: Parameter, linkage: Mechanism) -> str:
     """Return the unit of a parameter; for "rad or m" that of the driven joint."""
     return parameter.unit.split(' or ')[-1 if linkage.is_driven_by_slide else 0]
 
 
-def step_cost(scene):
+def step_cost(scene: Scene) -> float:
     """
     Return the computing time of one step of a scene on this machine [s].
 
@@ -141,7 +149,7 @@ def step_cost(scene):
                       number=STEPS, repeat=ROUNDS)) / STEPS
 
 
-def _cost_in_words(scene):
+def _cost_in_words(scene: Scene) -> str:
     cost = step_cost(scene)
     computed = 'motion and loads' if scene.needs_loads else 'motion only, no loads'
     rate = (f', {100.0 * cost * scene.drive.rate:.2g} % of a core at {scene.drive.rate:g} Hz'

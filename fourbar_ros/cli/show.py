@@ -3,7 +3,15 @@
 """``fourbar show``: class, limits, extrema and loads of a scene, as tables."""
 from __future__ import annotations
 
-from fourbar_ros.cli.common import add_pose, add_verb, SCENE_HELP
+from argparse import Namespace
+from typing import TYPE_CHECKING
+
+from fourbar_ros.cli.common import add_pose, add_verb, SCENE_HELP, Verbs
+
+if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_ros.mechanisms.mechanism import Mechanism
+    from fourbar_ros.report.terminal import PlainTable
+    from fourbar_ros.scene.scene import Scene
 
 EPILOG = """\
 examples:
@@ -13,7 +21,7 @@ examples:
 """
 
 
-def add(verbs):
+def add(verbs: Verbs) -> None:
     """Add the verb."""
     show = add_verb(verbs, 'show', 'class, modes, limits, extrema and loads of a scene, as tables',
                     'Show Grashof class, input range, transmission angle, all extrema of motion '
@@ -24,7 +32,7 @@ def add(verbs):
     show.set_defaults(run=_show)
 
 
-def _show(arguments):
+def _show(arguments: Namespace) -> None:
     from fourbar_ros.report.poses import evaluate_at, loads_table, motion_table, points_table
     from fourbar_ros.report.tables import what_it_is
     from fourbar_ros.report.terminal import make_console
@@ -36,8 +44,9 @@ def _show(arguments):
     speed = scene.drive.speed if arguments.speed is None else arguments.speed
     pose = (None if arguments.at is None else evaluate_at(linkage, arguments.at, speed,
                                                           arguments.acceleration))
-    tables = [what_it_is(linkage, path),
-              _extrema_table(scene, linkage, speed, arguments.acceleration)]
+    tables: list[PlainTable | str | None] = [
+        what_it_is(linkage, path),
+        _extrema_table(scene, linkage, speed, arguments.acceleration)]
     if scene.known_linkage is not scene.linkage:
         tables.append('springs or dampers act on the links, so no loads from the motion alone')
     elif linkage.bodies is None:
@@ -52,7 +61,8 @@ def _show(arguments):
         console.print(table)
 
 
-def _extrema_table(scene, linkage, speed, acceleration):
+def _extrema_table(scene: Scene, linkage: Mechanism, speed: float, acceleration: float
+                   ) -> PlainTable:
     from fourbar_ros.extrema.find import find_extrema
     from fourbar_ros.mechanisms.quantities import select
     from fourbar_ros.report.tables import extrema_table, mode_name, rate_unit

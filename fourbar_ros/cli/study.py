@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 import sys
+from typing import Any
 
 from fourbar_ros.cli import tolerances
-from fourbar_ros.cli.common import add_verb, BAD
+from fourbar_ros.cli.common import add_verb, BAD, Verbs
 from fourbar_ros.cli.progress import shown
 from fourbar_ros.scene.arguments import positive_integer
 
@@ -40,25 +42,26 @@ examples:
 """
 
 
-def add(verbs):
+def add(verbs: Verbs) -> None:
     """Add the verb and its actions."""
     verb = add_verb(verbs, 'study', 'compute many designs of a scene; show, plot, pick the best',
                     DESCRIPTION, EPILOG)
     parse = verb.parse_known_args
 
-    def with_run_implied(args=None, namespace=None):
+    def with_run_implied(args: Any = None, namespace: Any = None) -> Any:
         if args and args[0] not in (*ACTIONS, '-h', '--help'):
             args = ['run', *args]
         return parse(args, namespace)
 
-    verb.parse_known_args = with_run_implied
+    patched: Any = verb
+    patched.parse_known_args = with_run_implied
     actions = verb.add_subparsers(dest='action', required=True, metavar='ACTION')
     _add_run(actions)
     _add_answers(actions)
     tolerances.add(actions)
 
 
-def _add_run(actions):
+def _add_run(actions: Verbs) -> None:
     run = actions.add_parser('run', help='compute the designs of a study; "run" may be left out',
                              description=DESCRIPTION, epilog=EPILOG,
                              formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -76,7 +79,7 @@ def _add_run(actions):
     run.set_defaults(run=_run)
 
 
-def _add_answers(actions):
+def _add_answers(actions: Verbs) -> None:
     show = actions.add_parser('show', help='show counts, ranges and the best designs of a study',
                               description='Show how many designs were left out by what, the '
                                           'range of each column, and the best designs.')
@@ -98,41 +101,42 @@ def _add_answers(actions):
     pick.set_defaults(run=_pick)
 
 
-def _show(arguments):
+def _show(arguments: argparse.Namespace) -> None:
     from fourbar_ros.report.terminal import make_console, plain_table
     from fourbar_ros.studies.answers import Answers
     from fourbar_ros.studies.page import about, best_rows, RANGE_HEADS, range_rows
     answers, console = Answers(arguments.study), make_console()
     console.print(about(answers))
-    parts = [('designs', ('', '>'), [(reason, str(number))
-                                     for reason, number in answers.counts.items()])]
+    parts: list[tuple[str, Sequence[str], Sequence[Sequence[str]]]] = [
+        ('designs', ('', '>'), [(reason, str(number))
+                                for reason, number in answers.counts.items()])]
     if answers.kept:
         parts.append(('ranges', _right(RANGE_HEADS, 2), range_rows(answers)))
         if answers.objectives:
-            heads, rows = best_rows(answers)
-            parts.append(('best designs', _right(heads, 1), rows))
-    for title, heads, rows in parts:
+            columns, best = best_rows(answers)
+            parts.append(('best designs', _right(columns, 1), best))
+    for title, heads, lines in parts:
         table = plain_table(title, heads)
-        for row in rows:
-            table.add_row(*row)
+        for line in lines:
+            table.add_row(*line)
         console.print()
         console.print(table)
     for row, text in answers.failures[:5]:
         console.print(f'row {row} failed: {text}')
 
 
-def _right(heads, first):
+def _right(heads: Sequence[str], first: int) -> list[str]:
     """Return the heads of a table whose columns are right-aligned from one on."""
     return [head + '>' * (place >= first) for place, head in enumerate(heads)]
 
 
-def _plot(arguments):
+def _plot(arguments: argparse.Namespace) -> None:
     from fourbar_ros.studies.answers import Answers
     from fourbar_ros.studies.page import write_page
     write_page(Answers(arguments.study), arguments.page)
 
 
-def _pick(arguments):
+def _pick(arguments: argparse.Namespace) -> None:
     from fourbar_ros.scene.scene import from_values
     from fourbar_ros.studies import StudyError
     from fourbar_ros.studies.answers import Answers
@@ -156,7 +160,7 @@ def _pick(arguments):
         print(f'row {row}: {arguments.out}')
 
 
-def _run(arguments):
+def _run(arguments: argparse.Namespace) -> int:
     from fourbar_ros.studies.engine import run
     from fourbar_ros.studies.executors import Cluster, Local
     from fourbar_ros.studies.parts import Folder

@@ -9,13 +9,15 @@ one by one.
 """
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from struct import Struct
 from types import SimpleNamespace
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias, Union
 
 from fourbar_ros.errors import BagError
-from fourbar_ros.formats.definitions import Definition, PRIMITIVES
+from fourbar_ros.formats.definitions import Definition, Field, PRIMITIVES
+from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 DEPTH = 64                  # of definitions within each other
@@ -25,18 +27,22 @@ _CODES = {'?': '?', 'u1': 'B', 'i1': 'b', 'f4': 'f', 'f8': 'd', 'i2': 'h', 'u2':
           'u4': 'I',
           'i8': 'q', 'u8': 'Q'}
 
+Steps = tuple[Union[str, int], ...]      # names and indices that lead to a field
+# What stands for a field: the number of its leaf, the name of its texts, or those of its parts.
+Tree: TypeAlias = 'int | str | dict[str, Tree] | list[Tree]'
+
 
 class Leaf(NamedTuple):
     """A run of numbers or a string in a message: path of names and indices, dtype, place, unit."""
 
-    path: tuple
+    path: Steps
     format: str
-    shape: tuple
+    shape: tuple[int, ...]
     offset: int
     unit: str = ''
 
     @property
-    def name(self):
+    def name(self) -> str:
         """Return the path as written in Python."""
         return ''.join(f'[{step}]' if isinstance(step, int) else f'.{step}'
                        for step in self.path)[1:]
@@ -57,7 +63,7 @@ class Layout:
 
     """
 
-    def __init__(self, definition, data):
+    def __init__(self, definition: Definition, data: bytes) -> None:
         self._data, self._at, self._definition = data, HEADER, definition
         self.type, self.size = definition.name, len(data)
         self._steps = self._depth = 0
@@ -65,7 +71,9 @@ class Layout:
             raise BagError(f'{definition.name}: not a CDR message')
         self._order = '<' if data[1] else '>'
         # of one order of bytes
-        self.leaves, self.texts, self._fixed = [], {}, [(0, 2, data[:2])]
+        self._fixed: list[tuple[int, int, bytes]] = [(0, 2, data[:2])]
+        self.leaves: list[Leaf] = []
+        self.texts: dict[str, str | list[str]] = {}
         try:
             self._tree = self._walk(definition.name, ())
         except (IndexError, ValueError):
@@ -81,7 +89,7 @@ class Layout:
         except ValueError as error:
             raise BagError(f'{definition.name}: {error}') from None
 
-    def matches(self, data):
+    def matches(self, data: bytes) -> bool:
         """Return whether a message has this layout."""
         if len(data) != self.size:
             return False
@@ -91,14 +99,14 @@ class Layout:
                 return False
         return True
 
-    def matching(self, block):
+    def matching(self, block: Array) -> Array:
         """Return which rows of a block of messages, uint8 of shape (n, size), have this layout."""
         good = np.ones(len(block), bool)
         for a, b, value in self._fixed:
             good &= (block[:, a:b] == np.frombuffer(value, np.uint8)).all(axis=1)
         return good
 
-    def tree(self, records):
+    def tree(self, records: Array) -> SimpleNamespace:
         """
         Return the fields of an array of ``dtype`` as nested namespaces.
 
@@ -108,7 +116,7 @@ class Layout:
         return self._build(self._tree, [records[leaf.name].T if leaf.shape else records[leaf.name]
                                         for leaf in self.leaves])
 
-    def message(self, data):
+    def message(self, data: bytes) -> SimpleNamespace:
         """Return one message as nested namespaces of numbers, lists and str."""
         values = self._struct.unpack(data)
         return self._build(self._tree, [
@@ -116,7 +124,7 @@ class Layout:
             values[a].decode(errors='replace') if leaf.format[0] == 'S' else values[a]
             for leaf, (a, b) in zip(self.leaves, self._places)])
 
-    def _build(self, node, values):
+    def _build(self, node: Any, values: Sequence[Any]) -> Any:
         kind = type(node)
         if kind is int:
             return values[node]
@@ -129,7 +137,7 @@ class Layout:
         return self.texts[node] if kind is str else [self._build(child, values) for child in node]
 
     @cached_property
-    def _struct(self):
+    def _struct(self) -> Struct:
         """Return the same layout for struct, quicker than numpy for a single message."""
         parts, at, self._places, number = [self._order], 0, [], 0
         for leaf in self.leaves:
@@ -147,7 +155,7 @@ class Layout:
 
     # --------------------------------------------------------------------------------------------
 
-    def _walk(self, type_name, path):
+    def _walk(self, type_name: str, path: Steps) -> dict[str, Tree]:
         """Return the tree of a struct: {name: subtree}, a leaf being its number."""
         self._depth += 1
         if self._depth > DEPTH:
@@ -158,7 +166,7 @@ class Layout:
         self._depth -= 1
         return tree
 
-    def _field(self, field, path):
+    def _field(self, field: Field, path: Steps) -> Tree:
         self._steps += 1
         if self._steps > 4 * self.size + FIELDS:
             raise BagError(f'{self.type}: more fields than a message of {self.size} bytes can '
@@ -176,7 +184,7 @@ class Layout:
             return self._strings(path, count)
         return [self._walk(field.type, (*path, i)) for i in range(count)]
 
-    def _leaf(self, path, format_, shape, unit=''):
+    def _leaf(self, path: Steps, format_: str, shape: tuple[int, ...], unit: str = '') -> int:
         size = 1 if format_[0] in 'S?' else int(format_[-1])
         if size > 1 and shape != (0,):
             self._at += -(self._at - HEADER) % size
@@ -187,7 +195,7 @@ class Layout:
             raise IndexError
         return len(self.leaves) - 1
 
-    def _length(self):
+    def _length(self) -> int:
         """Read the length of a string or sequence; it becomes part of the layout."""
         self._at += -(self._at - HEADER) % 4
         end = self._at + 4
@@ -201,7 +209,7 @@ class Layout:
             raise IndexError
         return length
 
-    def _string(self, path):
+    def _string(self, path: Steps) -> int | str:
         length = self._length()
         if length > 1:
             leaf = self._leaf(path, f'S{length - 1}', ())
@@ -213,7 +221,7 @@ class Layout:
         self._at += length
         return self._text(path, '')
 
-    def _strings(self, path, count):
+    def _strings(self, path: Steps, count: int) -> str:
         found = []
         for _ in range(count):
             length = self._length()
@@ -225,7 +233,7 @@ class Layout:
             raise IndexError
         return self._text(path, found)
 
-    def _pin_text(self, length):
+    def _pin_text(self, length: int) -> None:
         """
         Make the text before here, with its length, part of the layout.
 
@@ -234,7 +242,7 @@ class Layout:
         begin = self._at - length - 4
         self._fixed[-1] = begin, self._at, self._data[begin:self._at]
 
-    def _text(self, path, value):
+    def _text(self, path: Steps, value: str | list[str]) -> str:
         name = Leaf(path, '', (), 0).name
         self.texts[name] = value
         return name
@@ -243,11 +251,11 @@ class Layout:
 class Decoder:
     """The messages of one channel: keeps the layouts it has met."""
 
-    def __init__(self, type_name, schema_text):
+    def __init__(self, type_name: str, schema_text: str) -> None:
         self.definition = Definition(type_name, schema_text)
-        self._layouts = {}
+        self._layouts: dict[int, list[Layout]] = {}
 
-    def layout(self, data):
+    def layout(self, data: bytes) -> Layout:
         """Return the Layout of a message."""
         known = self._layouts.setdefault(len(data), [])
         for layout in known:
@@ -256,11 +264,11 @@ class Decoder:
         known.append(Layout(self.definition, data))
         return known[-1]
 
-    def message(self, data):
+    def message(self, data: bytes) -> SimpleNamespace:
         """Return one message as nested namespaces."""
         return self.layout(data).message(data)
 
-    def arrays(self, messages):
+    def arrays(self, messages: Sequence[bytes]) -> Iterator[tuple[Layout, Array, Array]]:
         """
         Yield (layout, rows, records) for a list of serialised messages, layout by layout.
 
@@ -270,8 +278,8 @@ class Decoder:
         for size in np.unique(sizes):
             rows = np.flatnonzero(sizes == size)
             every = len(rows) == len(messages)
-            block = b''.join(messages if every else [messages[i] for i in rows])
-            block = np.frombuffer(block, np.uint8).reshape(len(rows), size)
+            joined = b''.join(messages if every else [messages[i] for i in rows])
+            block: Array = np.frombuffer(joined, np.uint8).reshape(len(rows), size)
             while len(rows):
                 layout = self.layout(block[0].tobytes())
                 good = layout.matching(block)

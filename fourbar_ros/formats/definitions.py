@@ -27,14 +27,14 @@ class Field(NamedTuple):
 
     name: str
     type: str
-    count: int | None
+    count: int | None         # type: ignore[assignment] # no one counts fields
     unit: str = ''
 
 
 class Definition:
     """The fields of a message type and of all types within it, from the text of a schema."""
 
-    def __init__(self, name, text):
+    def __init__(self, name: str, text: str) -> None:
         self.name = name
         parts = re.split(r'^=+[ \t]*\n', text.replace('\r', ''), flags=re.M)
         self._types = {short(name): fields_in(name, parts[0])}
@@ -43,7 +43,7 @@ class Definition:
             other = head.removeprefix('MSG:').strip()
             self._types[short(other)] = fields_in(other, body)
 
-    def fields(self, type_name):
+    def fields(self, type_name: str) -> list[Field]:
         """Return the fields of a type; an empty message has one byte on the wire."""
         try:
             return (self._types[short(type_name)]
@@ -52,13 +52,13 @@ class Definition:
             raise BagError(f'{self.name}: the schema does not define {type_name}') from None
 
 
-def short(name):
+def short(name: str) -> str:
     """Return 'package/Name' of 'package/msg/Name'."""
     package, *_, last = name.rpartition('/') if '/' not in name else name.split('/')
     return f'{package}/{last}'
 
 
-def fields_in(owner, text):
+def fields_in(owner: str, text: str) -> list[Field]:
     """
     Return the fields that the text of one definition declares.
 
@@ -78,7 +78,7 @@ def fields_in(owner, text):
     return found
 
 
-def types_in(owner, text):
+def types_in(owner: str, text: str) -> list[str]:
     """Return the message types, ``package/msg/Name``, that the text of a definition uses."""
     packages = (field.type.split('/') for field in fields_in(owner, text)
                 if field.type not in PRIMITIVES and field.type not in STRINGS)

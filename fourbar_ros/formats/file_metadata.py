@@ -1,8 +1,13 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """The rosbag2 metadata kept in an .mcap file."""
 from __future__ import annotations
 
+from collections.abc import Iterator
 import contextlib
 import json
+from pathlib import Path
+from typing import Any, BinaryIO
 
 from fourbar_ros.errors import BagError
 from fourbar_ros.formats import rosbag2
@@ -11,10 +16,10 @@ from fourbar_ros.formats.mcap_records import Damaged, HEAD, parse
 from fourbar_ros.formats.mcap_scan import Scan
 from fourbar_ros.formats.yaml_text import loaded
 from mcap.opcode import Opcode
-from mcap.records import MetadataIndex, Statistics
+from mcap.records import Metadata, MetadataIndex, Statistics
 
 
-def metadata_in(path):
+def metadata_in(path: str | Path) -> dict[str, Any] | None:
     """Return the rosbag2 metadata of a file, None if it has none."""
     found = None
     with open(path, 'rb') as file:
@@ -25,7 +30,7 @@ def metadata_in(path):
     return found if isinstance(found, dict) else None
 
 
-def metadata_records(file):
+def metadata_records(file: BinaryIO) -> Iterator[Metadata]:
     """Yield every undamaged metadata record, by the index if there is one."""
     end = ending(file)
     places = end.of(MetadataIndex) if end else ()
@@ -39,7 +44,7 @@ def metadata_records(file):
             yield parse(opcode, body)
 
 
-def repeats_in(path):
+def repeats_in(path: str | Path) -> dict[str, int]:
     """Return {topic: number of its first new message} of a later part of a split bag of ours."""
     try:
         about = (metadata_in(path) or {})['custom_data']

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 from struct import Struct
-from typing import NamedTuple
+from typing import Any, BinaryIO, NamedTuple, TypeVar
 import zlib
 
 from fourbar_ros.formats.mcap_records import Damaged, MAGIC, parse, split, TYPES
@@ -14,6 +14,9 @@ from mcap.records import MetadataIndex, Statistics
 
 _END = Struct('<BQQQI8s')           # the footer and the magic behind it
 _CHUNK_INDEX, _ENTRY = Struct('<QQQQI'), Struct('<HQ')  # head of a chunk's index; a channel in it
+
+Record = TypeVar('Record')
+ChunkPlace = tuple[int, int, int, set[int]]     # offset, first and last log time, channels
 
 
 class Ending(NamedTuple):
@@ -24,20 +27,20 @@ class Ending(NamedTuple):
     """
 
     start: int
-    records: tuple
+    records: tuple[Any, ...]
     damage: str = ''
 
-    def of(self, kind):
+    def of(self, kind: type[Record]) -> list[Record]:
         """Return the records of a type."""
         return [record for record in self.records if isinstance(record, kind)]
 
     @property
-    def is_chunked(self):
+    def is_chunked(self) -> bool:
         """Return whether no message is outside of a chunk; False if that is not known."""
         return any(told.chunk_count or not told.message_count for told in self.of(Statistics))
 
 
-def ending(file):
+def ending(file: BinaryIO) -> Ending | None:
     """Return the Ending of an open file, None if it was not finished."""
     at = os.fstat(file.fileno()).st_size - _END.size
     if at < len(MAGIC):
@@ -67,14 +70,14 @@ def ending(file):
         return Ending(0, (), f'at byte {start}: {error}')
 
 
-def chunk_index(file, end):
+def chunk_index(file: BinaryIO, end: Ending | None) -> list[ChunkPlace] | None:
     """
     Return [(offset, first log time, last log time, channels)] of the chunks of a sound file.
 
     None if not all chunks are indexed, or messages lie outside of them.
     """
     told = end.of(Statistics) if end and not end.damage else []
-    if not told or not told[0].chunk_count:
+    if end is None or not told or not told[0].chunk_count:
         return None
     file.seek(end.start)
     summary = file.read(os.fstat(file.fileno()).st_size - _END.size - end.start)
@@ -84,7 +87,7 @@ def chunk_index(file, end):
     return sorted(found, key=lambda place: place[0]) if good else None
 
 
-def _place(summary, begin):
+def _place(summary: bytes, begin: int) -> ChunkPlace:
     first, last, offset, _, size = _CHUNK_INDEX.unpack_from(summary, begin)
     begin += _CHUNK_INDEX.size
     return (offset, first, last,

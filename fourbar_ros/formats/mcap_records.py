@@ -3,8 +3,10 @@
 """The records of an MCAP file one by one: checked and parsed."""
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from io import BytesIO
 from struct import Struct
+from typing import Any
 import zlib
 
 from fourbar_ros.errors import BagError
@@ -16,6 +18,7 @@ from mcap.records import (
     Chunk,
     DataEnd,
     Header,
+    McapRecord,
     Metadata,
     MetadataIndex,
     Schema,
@@ -52,7 +55,7 @@ class Damaged(BagError):
     """A record is whole but its content is not what it should be."""
 
 
-def filled(opcode, size, read):
+def filled(opcode: int, size: int, read: Callable[[Struct, int], int]) -> int:
     """
     Return the size of a body according to the lengths inside it; -1 if it ends before them.
 
@@ -68,13 +71,13 @@ def filled(opcode, size, read):
     return begin + end
 
 
-def in_short(damage, most=10):
+def in_short(damage: Sequence[str], most: int = 10) -> str:
     """Return what is wrong with a file as one line."""
     rest = len(damage) - most
     return '; '.join(damage[:most]) + (f'; and at {rest} more places' if rest > 0 else '')
 
 
-def parse(opcode, body):
+def parse(opcode: int, body: bytes) -> Any:
     """Return the record of the mcap library for a body."""
     try:
         record = TYPES[opcode].read(ReadDataStream(BytesIO(body)))
@@ -89,7 +92,7 @@ def parse(opcode, body):
     return record
 
 
-def encoded(*records):
+def encoded(*records: McapRecord) -> bytes:
     """Return the bytes of records of the mcap library."""
     builder = RecordBuilder()
     for record in records:
@@ -97,14 +100,14 @@ def encoded(*records):
     return builder.end()
 
 
-def seal(record):
+def seal(record: Metadata) -> str:
     """Return the checksum of a Metadata record: an unfinished file has no other for it."""
     items = (text for key, value in sorted(record.metadata.items()) if key != SEAL
              for text in (key, value))
     return f'{zlib.crc32(chr(0).join((record.name, *items)).encode()):08x}'
 
 
-def unpacked(chunk):
+def unpacked(chunk: Chunk) -> bytes:
     """Return the content of a Chunk, checked against its CRC."""
     try:
         data = _decompressed(chunk)
@@ -117,7 +120,7 @@ def unpacked(chunk):
     return data
 
 
-def _decompressed(chunk):
+def _decompressed(chunk: Chunk) -> bytes:
     """
     Return the content of a Chunk.
 
@@ -137,13 +140,13 @@ def _decompressed(chunk):
     raise Damaged(f'unknown compression {chunk.compression!r}')
 
 
-def unzstd(data, size):
+def unzstd(data: bytes, size: int) -> bytes:
     """Return what was compressed, at most one byte more than ``size``."""
     with zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True) as stream:
         return stream.read(size + 1)
 
 
-def unlz4(data, size):
+def unlz4(data: bytes, size: int) -> bytes:
     """Return what was compressed, at most one byte more than ``size``."""
     return lz4.frame.LZ4FrameDecompressor().decompress(data, max_length=size + 1)
 
@@ -153,7 +156,7 @@ def unlz4(data, size):
 PACKED = {zstandard.FRAME_HEADER: unzstd, (0x184D2204).to_bytes(4, 'little'): unlz4}
 
 
-def message_of(data):
+def message_of(data: bytes) -> bytes:
     """Return the uncompressed message; data that were not compressed are returned as they are."""
     unpack = PACKED.get(data[:4])
     if unpack is None:
@@ -169,7 +172,7 @@ def message_of(data):
     return found
 
 
-def tells_its_times(chunk, times):
+def tells_its_times(chunk: Chunk, times: Sequence[int]) -> bool:
     """
     Return whether a Chunk states the first and last of these log times.
 
@@ -179,7 +182,7 @@ def tells_its_times(chunk, times):
                          chunk.message_end_time) == (min(times), max(times))
 
 
-def split(data):
+def split(data: bytes) -> Iterator[tuple[int, int, int, int]]:
     """Yield (offset, opcode, start, end) of the records of a chunk; the body is start:end."""
     at, size, unpack = 0, len(data), HEAD.unpack_from
     while at < size:

@@ -10,8 +10,11 @@ record.
 """
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator, Sequence
 import os
 import re
+from struct import Struct
+from typing import Any, BinaryIO
 import zlib
 
 from fourbar_ros.errors import BagError
@@ -29,11 +32,15 @@ from fourbar_ros.formats.mcap_records import (
     WRONG_TIMES,
 )
 from mcap.opcode import Opcode
+from mcap.records import Chunk
 
 # what can be in a chunk as well
 _LOOSE = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})
 # [bytes] what is searched at once, at first and at most
 _FIRST_WINDOW, _WINDOW = 1 << 12, 1 << 22
+
+# offset, opcode and body of a record; where there is none, None and what is wrong
+Found = tuple[int, Any, Any]
 
 
 class Scan:
@@ -64,7 +71,8 @@ class Scan:
 
     """
 
-    def __init__(self, file, wait=None, damage=None):
+    def __init__(self, file: BinaryIO, wait: Callable[[], bool] | None = None,
+                 damage: list[str] | None = None) -> None:
         self._file, self._wait = file, wait
         self.end, self.complete, self.lost = 0, False, 0
         self.damage = [] if damage is None else damage
@@ -74,10 +82,11 @@ class Scan:
             self.damage.append(self.ending.damage)
         # of the data section; 0: not known
         self._limit = self.ending.start if self.ending else 0
-        self._chunked = bool(self._limit) and self.ending.is_chunked
-        self._chunks, self._until, self._is_ours = {}, 0, False
+        self._chunked = bool(self.ending and self._limit and self.ending.is_chunked)
+        self._chunks: dict[tuple[int, int, int, int], int] = {}
+        self._until, self._is_ours = 0, False
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[Found]:
         if not self._there(len(MAGIC), wait=True):
             return
         self._file.seek(0)
@@ -107,7 +116,7 @@ class Scan:
         # without the mark for the end of the data, which is damage
         self.complete = True
 
-    def only(self, offsets):
+    def only(self, offsets: Iterable[int]) -> Iterator[Found]:
         """Yield the records at these offsets, taken from the index, and skip all others."""
         for offset in offsets:
             found = self._record_at(offset)
@@ -118,13 +127,13 @@ class Scan:
                 yield offset, *found[1:]
         self.complete = True
 
-    def spoil(self, offset, why):
+    def spoil(self, offset: int, why: str) -> str:
         """Note that the bytes from an offset up to ``end`` are damaged; return the reason."""
         self.damage.append(f'at byte {offset}: {why}')
         self.lost += self.end - offset
         return why
 
-    def admit(self, offset, chunk, times):
+    def admit(self, offset: int, chunk: Chunk, times: Sequence[int]) -> None:
         """
         Note what is wrong with the place of a sound Chunk and the times it states.
 
@@ -144,23 +153,23 @@ class Scan:
                                'than those before it')
         self._until = max(self._until, last)
 
-    def is_followed_by_zeros(self):
+    def is_followed_by_zeros(self) -> bool:
         """Return whether an unfinished file ends in zeros, as a power cut leaves them."""
         self._file.seek(self.end)
         rest = self._file.read(_WINDOW) if not self.ending else b''
         return bool(rest) and not rest.strip(b'\0')
 
-    def _is_sound(self, offset, opcode, body):
+    def _is_sound(self, offset: int, opcode: int, body: bytes) -> bool:
         """Return whether a header can be read, or metadata match their own checksum."""
         try:
             if opcode == Opcode.HEADER:
                 self._is_ours = parse(opcode, body).library.startswith(OURS)
             return opcode != Opcode.METADATA or bool(parse(opcode, body))
         except Damaged as error:
-            self.spoil(offset, error)
+            self.spoil(offset, str(error))
             return False
 
-    def _finish(self, offset, told, crc):
+    def _finish(self, offset: int, told: int, crc: int) -> None:
         """
         Compare the checksum of the data.
 
@@ -173,9 +182,9 @@ class Scan:
                                'chunk has: a message index, the header or the checksum itself has '
                                'changed, or a chunk is missing')
 
-    def _there(self, end, wait=False):
+    def _there(self, end: int, wait: bool = False) -> bool:
         """Return whether the file reaches up to this offset."""
-        def there():
+        def there() -> bool:
             return os.fstat(self._file.fileno()).st_size >= end
 
         while not there():
@@ -184,7 +193,7 @@ class Scan:
                 return False
         return True
 
-    def _record_at(self, offset, wait=False):
+    def _record_at(self, offset: int, wait: bool = False) -> tuple[bytes, int, bytes] | None:
         """Return (head, opcode, body) of the record at an offset, None if it is not whole."""
         if not self._there(offset + HEAD.size, wait):
             return None
@@ -200,7 +209,7 @@ class Scan:
                        lambda number, at: number.unpack_from(body, at)[0]) == length
         return (head, opcode, body) if whole else None
 
-    def _may_start(self, offset, size, opcode, length):
+    def _may_start(self, offset: int, size: int, opcode: int, length: int) -> bool:
         """Return whether a whole record can be here, judging by its lengths alone."""
         begin = offset + HEAD.size
         if begin + length > size or not self._may_be(offset, opcode, begin + length):
@@ -208,11 +217,11 @@ class Scan:
         return filled(opcode, length,
                       lambda number, at: self._number(number, begin + at)) == length
 
-    def _number(self, number, at):
+    def _number(self, number: Struct, at: int) -> int:
         found = os.pread(self._file.fileno(), number.size, at)
         return number.unpack(found)[0] if len(found) == number.size else 0
 
-    def _may_be(self, offset, opcode, end):
+    def _may_be(self, offset: int, opcode: int, end: int) -> bool:
         """Return whether a record of this kind can be here."""
         if self._limit and (end > self._limit or (opcode == Opcode.DATA_END)
                             != (end == self._limit)):
@@ -222,7 +231,7 @@ class Scan:
         # A message index that lost one bit looks like a message.
         return opcode in SHAPES or opcode == IS_MESSAGE and not self._chunked
 
-    def _next(self, offset):
+    def _next(self, offset: int) -> int:
         """Return where the first whole record after a damaged one is, else the offset itself."""
         size = self._limit or os.fstat(self._file.fileno()).st_size
         # its writer has just completed it
@@ -242,7 +251,7 @@ class Scan:
         loose = not self._chunked and opcode != Opcode.CHUNK
         return self._search(offset + 1, size, loose) or self._limit or offset
 
-    def _search(self, begin, size, loose):
+    def _search(self, begin: int, size: int, loose: bool) -> int:
         """
         Return where the next whole record is, 0 for nowhere.
 

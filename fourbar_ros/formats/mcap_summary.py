@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Mapping
 import struct
 import zlib
 
@@ -52,7 +53,7 @@ class Summary:
         self._metadata_indices.append(MetadataIndex(offset, length, name))
 
     def add_chunk(self, chunk: Chunk, offset: int, length: int, places: dict[int, int],
-                  index: dict[int, list[int]], index_length: int) -> None:
+                  index: Mapping[int, list[int]], index_length: int) -> None:
         """
         Note a chunk and the message index behind it.
 
@@ -83,7 +84,7 @@ class Summary:
                          zlib.crc32(summary))
         return b''.join((end, summary, encoded(Footer(start, offset_start, crc)), MAGIC))
 
-    def _sections(self) -> tuple[tuple[Opcode, bytes], ...]:
+    def _sections(self) -> tuple[tuple[Opcode, bytes | bytearray], ...]:
         """Return (kind of records, encoded records) in the order of the specification."""
         statistics = Statistics(
             attachment_count=0, schema_count=len(self.schemas), channel_count=len(self.channels),

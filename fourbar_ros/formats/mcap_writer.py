@@ -11,7 +11,9 @@ message.)
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Callable, Collection, Iterable, Mapping
 import struct
+from typing import Any, BinaryIO, Union
 import zlib
 
 from fourbar_ros.formats.mcap_records import (
@@ -39,6 +41,9 @@ TOLD = 2
 _MESSAGE = struct.Struct('<BQHIQQ')
 _INDEX = struct.Struct('<BQHI')
 
+Definition = Union[Schema, Channel]
+Index = Mapping[int, list[int]]          # {channel: [time, offset, time, offset, ...]}
+
 
 class Container:
     """
@@ -47,7 +52,7 @@ class Container:
     Every method leaves a file of whole records, also when it raises OSError.
     """
 
-    def __init__(self, file, profile, library):
+    def __init__(self, file: BinaryIO, profile: str, library: str) -> None:
         self._file = file
         self.size = 0                                  # [bytes] what is in the file for good
         self._crc = 0
@@ -56,37 +61,39 @@ class Container:
         self.counts = self._summary.counts             # messages in the file, by channel
         self._compressor = zstandard.ZstdCompressor(level=LEVEL)
         # oldest and newest sequence number, by channel
-        self.first, self.last = {}, {}
+        self.first: dict[int, int] = {}
+        self.last: dict[int, int] = {}
         # {encoded definition: chunks that hold it}, up to TOLD
-        self._pending = {}
+        self._pending: dict[bytes, int] = {}
         # encoded definitions that no checksum covered
-        self._unchecked = set()
+        self._unchecked: set[bytes] = set()
+        self._length = 0                               # [bytes] what waits for the next chunk
         self._clear()
         self._append(MAGIC + encoded(Header(profile, library)))
 
     @property
-    def start(self):
+    def start(self) -> int | None:
         """Return the log time of the first message in the file [ns], None if there is none."""
         return self._summary.start
 
     @property
-    def end(self):
+    def end(self) -> int:
         """Return the log time of the last message in the file [ns]."""
         return self._summary.end
 
-    def add_schema(self, name, text, encoding='ros2msg'):
+    def add_schema(self, name: str, text: str, encoding: str = 'ros2msg') -> int:
         """Return the number of a new schema; it is written with the next messages."""
         schema = Schema(len(self.schemas) + 1, text.encode(), encoding, name)
         self._define(self.schemas, schema)
         return schema.id
 
-    def add_channel(self, topic, schema, metadata):
+    def add_channel(self, topic: str, schema: int, metadata: dict[str, str]) -> int:
         """Return the number of a new channel of CDR messages, written with the next ones."""
         channel = Channel(len(self.channels) + 1, topic, 'cdr', metadata, schema)
         self._define(self.channels, channel)
         return channel.id
 
-    def copy(self, record, checked=True):
+    def copy(self, record: Definition, checked: bool = True) -> bool:
         """
         Take a Schema or Channel of another file under the number it has; again is no error.
 
@@ -111,7 +118,7 @@ class Container:
         self._define(known, record)
         return replaces
 
-    def _forget(self, data):
+    def _forget(self, data: bytes) -> bool:
         """
         Forget an encoded definition that no checksum covered and no chunk holds.
 
@@ -122,7 +129,7 @@ class Container:
             del self._pending[data]
         return is_free
 
-    def add_metadata(self, name, values):
+    def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
         """Write a metadata record behind all messages so far."""
         self.flush()
         sealed = Metadata(name=name, metadata={**values, SEAL: ''})
@@ -131,11 +138,13 @@ class Container:
         self._append(record)
         self._summary.add_metadata(offset, len(record), name)
 
-    def add_message(self, channel, sequence, time, data, published=None):
+    def add_message(self, channel: int, sequence: int, time: int, data: bytes,
+                    published: int | None = None) -> None:
         """Take a message; arguments are trusted. The next :meth:`flush` has it in the file."""
         self.add_messages(time, ((channel, sequence, data),), published)
 
-    def add_messages(self, time, messages, published=None):
+    def add_messages(self, time: int, messages: Iterable[tuple[int, int, bytes]],
+                     published: int | None = None) -> None:
         """Take messages, (channel, sequence, data), of one time."""
         index, parts, last, length = self._index, self._parts, self.last, self._length
         published = time if published is None else published
@@ -152,7 +161,7 @@ class Container:
         if length > CHUNK_SIZE:
             self.flush()
 
-    def flush(self):
+    def flush(self) -> None:
         """
         Write what was taken as one chunk.
 
@@ -166,7 +175,8 @@ class Container:
         finally:
             self._clear()
 
-    def copy_chunk(self, body, admit):
+    def copy_chunk(self, body: bytes, admit: Callable[[Chunk, list[int]], None]
+                   ) -> list[Definition]:
         """
         Write a chunk of another file, its index and times made anew.
 
@@ -174,8 +184,10 @@ class Container:
         in it that took the place of damaged ones; raises Damaged before anything is written.
         """
         chunk = parse(Opcode.CHUNK, body)
-        content, index = unpacked(chunk), defaultdict(list)
-        records, first, last = [], {}, {}
+        content, records = unpacked(chunk), []
+        index: defaultdict[int, list[int]] = defaultdict(list)
+        first: dict[int, int] = {}
+        last: dict[int, int] = {}
         for offset, opcode, start, end in split(content):
             if opcode == IS_MESSAGE:
                 channel, sequence, time, _ = MESSAGE.unpack_from(content, start)
@@ -201,7 +213,7 @@ class Container:
             self._clear()
         return replaced
 
-    def finish(self):
+    def finish(self) -> None:
         """Write the end: statistics and indices; on OSError the file stays as it was."""
         self.flush()
         if not self._summary.chunks:
@@ -211,11 +223,12 @@ class Container:
 
     # --------------------------------------------------------------------------------------------
 
-    def _clear(self):
+    def _clear(self) -> None:
         front = self._front()
-        self._parts, self._length, self._index = [front], len(front), defaultdict(list)
+        self._parts, self._length = [front], len(front)
+        self._index: defaultdict[int, list[int]] = defaultdict(list)
 
-    def _front(self, without=()):
+    def _front(self, without: Collection[bytes] = ()) -> bytes:
         """
         Return the definitions that the next chunk has to hold.
 
@@ -223,11 +236,11 @@ class Container:
         """
         return b''.join(data for data in self._pending if data not in without)
 
-    def _chunk(self, content):
+    def _chunk(self, content: bytes) -> Chunk:
         return Chunk('zstd', self._compressor.compress(content),
                      0, 0, zlib.crc32(content), len(content))
 
-    def _define(self, known, record):
+    def _define(self, known: dict[int, Any], record: Definition) -> None:
         self.flush()
         known[record.id] = record
         if isinstance(record, Channel) and record.schema_id:
@@ -236,7 +249,7 @@ class Container:
         self._pending[encoded(record)] = 0
         self._clear()
 
-    def _append_chunk(self, chunk, index):
+    def _append_chunk(self, chunk: Chunk, index: Index) -> None:
         """
         Write a Chunk, its times and its message index.
 
@@ -258,7 +271,7 @@ class Container:
                                 at - offset - len(record))
         self._pending = {data: told + 1 for data, told in self._pending.items() if told + 1 < TOLD}
 
-    def _append(self, data):
+    def _append(self, data: bytes) -> None:
         """Write all of it or, on OSError, nothing."""
         view = memoryview(data)
         try:
@@ -272,6 +285,6 @@ class Container:
         self.size += len(data)
 
 
-def times_of(index):
+def times_of(index: Index) -> list[int]:
     """Return all log times of a message index {channel: [time, offset, time, offset, ...]}."""
     return [time for entries in index.values() for time in entries[::2]]

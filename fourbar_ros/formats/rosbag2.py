@@ -3,13 +3,17 @@
 """What rosbag2 of Jazzy stores besides the messages: channels, and metadata of version 9."""
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping, Sequence
 import json
 import os
 import re
-from typing import NamedTuple
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import BagError
 from fourbar_ros.formats.yaml_text import dumped, loaded
+
+if TYPE_CHECKING:      # who only describes a channel does without
+    from fourbar_ros.formats.mcap_writer import Container
 
 VERSION = 9
 NOT_STARTED = 2**63 - 1     # rosbag2's starting time of a bag without messages
@@ -35,7 +39,7 @@ class Channel(NamedTuple):
     latched: bool = False
 
     @property
-    def qos(self):
+    def qos(self) -> dict[str, Any]:
         """Return the QoS profile as rosbag2 writes it."""
         return {'history': 'keep_last', 'depth': self.depth,
                 'reliability': 'reliable', 'durability': 'transient_local' if self.latched
@@ -44,12 +48,13 @@ class Channel(NamedTuple):
                 'liveliness_lease_duration': _ENDLESS, 'avoid_ros_namespace_conventions': False}
 
     @property
-    def metadata(self):
+    def metadata(self) -> dict[str, str]:
         """Return the metadata of the channel in the file."""
         return {QOS: dumped([self.qos]), HASH: self.hash}
 
 
-def describe(file_name, container, about, distro=None, packing=('', '')):
+def describe(file_name: str, container: Container, about: Mapping[str, str],
+             distro: str | None = None, packing: tuple[str, str] = ('', '')) -> dict[str, Any]:
     """
     Return the metadata of a bag as rosbag2 of Jazzy writes it.
 
@@ -58,9 +63,9 @@ def describe(file_name, container, about, distro=None, packing=('', '')):
     Counts, times and topics are those of the container; QoS and hash come from the channels, so
     that file and metadata.yaml cannot differ (rosbags then silently yields no messages).
     """
-    begun = container.start is not None
-    begin = {'nanoseconds_since_epoch': container.start if begun else NOT_STARTED}
-    duration = {'nanoseconds': container.end - container.start if begun else 0}
+    start = container.start
+    begin = {'nanoseconds_since_epoch': NOT_STARTED if start is None else start}
+    duration = {'nanoseconds': 0 if start is None else container.end - start}
     total = sum(container.counts.values())
     names = {number: schema.name for number, schema in container.schemas.items()}
     profiles = {text: profiles_of(text)
@@ -84,7 +89,7 @@ def describe(file_name, container, about, distro=None, packing=('', '')):
     }
 
 
-def profiles_of(text):
+def profiles_of(text: str) -> list[dict[str, Any]]:
     """
     Return the QoS profiles in the metadata of a channel, as dicts.
 
@@ -98,14 +103,14 @@ def profiles_of(text):
             else [])
 
 
-def about_of(metadata):
+def about_of(metadata: Any) -> dict[str, str]:
     """Return the custom_data of rosbag2 metadata as {str: str}, whatever they are."""
     found = metadata.get('custom_data') if isinstance(metadata, dict) else None
     return ({str(key): str(value) for key, value in found.items()} if isinstance(found, dict)
             else {})
 
 
-def mapping_in(about, key):
+def mapping_in(about: Mapping[str, str], key: str) -> dict[str, Any]:
     """Return the dict stored as JSON under a key of custom_data, empty if there is none."""
     try:
         found = json.loads(about.get(key, '{}'))
@@ -114,7 +119,7 @@ def mapping_in(about, key):
     return found if isinstance(found, dict) else {}
 
 
-def repeated(about):
+def repeated(about: Mapping[str, str]) -> set[str]:
     """Return the topics whose newest message a later part of a split bag repeats."""
     try:
         return set(json.loads(about[REPEATS]))
@@ -122,7 +127,7 @@ def repeated(about):
         return set()
 
 
-def joined(first, last):
+def joined(first: Mapping[str, str], last: Mapping[str, str]) -> dict[str, str]:
     """Return the custom_data of a split bag from those of its first and its last part."""
     ends, numbers = mapping_in(last, NUMBERS), mapping_in(first, NUMBERS)
     pairs = {topic: (numbers[topic][0], ends[topic][1]) for topic in numbers.keys() & ends.keys()
@@ -134,7 +139,7 @@ def joined(first, last):
     return {**late, **first, **told, **({NUMBERS: json.dumps(pairs)} if pairs else {})}
 
 
-def merged(parts):
+def merged(parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Return the metadata of a split bag from those of its parts, in order."""
     if len(parts) == 1:
         return parts[0]
@@ -142,7 +147,7 @@ def merged(parts):
     begun = [file for file in files if file['message_count']]
     start = min((_start(file) for file in begun), default=NOT_STARTED)
     end = max((_start(file) + file['duration']['nanoseconds'] for file in begun), default=start)
-    topics = {}
+    topics: dict[tuple[str, str], dict[str, Any]] = {}
     for told in (told for part in parts for told in part['topics_with_message_count']):
         name = told['topic_metadata']['name'], told['topic_metadata']['type']
         count = topics[name]['message_count'] if name in topics else 0
@@ -155,11 +160,11 @@ def merged(parts):
             'custom_data': joined(parts[0]['custom_data'], parts[-1]['custom_data'])}
 
 
-def _start(file):
+def _start(file: Mapping[str, Any]) -> int:
     return file['starting_time']['nanoseconds_since_epoch']
 
 
-def check_channels(channels):
+def check_channels(channels: Collection[Channel]) -> None:
     """Raise BagError for a channel that no reader would take."""
     for channel in channels:
         if not isinstance(channel, Channel):

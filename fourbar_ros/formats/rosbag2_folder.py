@@ -3,23 +3,25 @@
 """The folder of a bag as rosbag2 lays it out: NAME/NAME_0.mcap, NAME_1.mcap, metadata.yaml."""
 from __future__ import annotations
 
+from collections.abc import Mapping
 import os
 from pathlib import Path
 import time
+from typing import Any, BinaryIO
 
 from fourbar_ros.errors import BagError
 from fourbar_ros.formats.rosbag2 import about_of, ENDED
 from fourbar_ros.formats.yaml_text import dumped, loaded
 
 
-def write_metadata_file(folder, metadata):
+def write_metadata_file(folder: Path, metadata: Mapping[str, Any]) -> None:
     """Write metadata.yaml, at once or not at all."""
     part = folder / 'metadata.yaml.part'
     part.write_text(dumped({'rosbag2_bagfile_information': metadata}))
     part.replace(folder / 'metadata.yaml')
 
 
-def create(directory, name):
+def create(directory: str | Path, name: str) -> tuple[Path, BinaryIO]:
     """
     Make the folder and the file of a bag, both new; return (path of the folder, open file).
 
@@ -45,13 +47,13 @@ def create(directory, name):
         raise BagError(f'{path}: {error.strerror}') from None
 
 
-def create_part(folder, number):
+def create_part(folder: Path, number: int) -> tuple[Path, BinaryIO]:
     """Make the next file of a bag that is split; return (path, open file)."""
     path = folder / f'{folder.name}_{number}.mcap'
     return path, open(path, 'x+b', buffering=0)
 
 
-def free_name(directory, name):
+def free_name(directory: str | Path, name: str) -> str:
     """
     Return a name or, if it is taken, NAME_2, NAME_3, ...
 
@@ -64,14 +66,14 @@ def free_name(directory, name):
     return found
 
 
-def fresh_name():
+def fresh_name() -> str:
     """Return a name from the clock."""
     nanoseconds = time.time_ns()
     return time.strftime('fourbar_%Y_%m_%d-%H_%M_%S', time.localtime(nanoseconds // 10**9)) \
         + f'_{nanoseconds % 10**9 // 10**6:03d}'
 
 
-def check_name(name):
+def check_name(name: Any) -> str:
     """
     Return the name of a bag.
 
@@ -83,7 +85,7 @@ def check_name(name):
     return name
 
 
-def file_of(path):
+def file_of(path: str | Path) -> Path:
     """
     Return the .mcap file of a bag given as directory or file.
 
@@ -95,7 +97,7 @@ def file_of(path):
     return files[0]
 
 
-def files_of(path):
+def files_of(path: str | Path) -> list[Path]:
     """
     Return the .mcap files of a bag in order; of a split bag NAME_0.mcap, NAME_1.mcap, ...
 
@@ -117,7 +119,7 @@ def files_of(path):
     return files
 
 
-def hint_of(path):
+def hint_of(path: Path) -> str:
     """Return advice on how to convert a bag of another kind, empty if there is none."""
     if packed := sorted(path.glob('*.mcap.*')):
         tool = {'.zst': 'zstd -d', '.zstd': 'zstd -d', '.lz4': 'lz4 -d'}.get(packed[0].suffix,
@@ -132,13 +134,13 @@ def hint_of(path):
     return ''
 
 
-def part_of(file):
+def part_of(file: Path) -> tuple[str, int]:
     """Return (name of the bag, number of the part) of a file NAME_N.mcap."""
     stem, _, number = file.stem.rpartition('_')
     return (stem, int(number)) if number.isdecimal() else (file.stem, 0)
 
 
-def about_beside(file):
+def about_beside(file: Path) -> dict[str, str]:
     """
     Return the custom_data in the metadata.yaml of a file if they say why recording ended.
 
@@ -149,7 +151,7 @@ def about_beside(file):
     return about if ENDED in about else {}
 
 
-def packing_of(metadata, file):
+def packing_of(metadata: Mapping[str, Any], file: Path) -> tuple[str, str]:
     """Return rosbag2's (compression_format, compression_mode) if messages are compressed."""
     for told in (metadata, _metadata_file(file.parent)):
         if str(told.get('compression_mode')).lower() == 'message':
@@ -157,17 +159,17 @@ def packing_of(metadata, file):
     return '', ''
 
 
-def _told_files(path):
+def _told_files(path: Path) -> dict[str, int]:
     """Return {name: place} of the files that metadata.yaml names."""
     return {name: place for place, name in enumerate(_names(_metadata_file(path)))}
 
 
-def _names(metadata):
+def _names(metadata: Mapping[str, Any]) -> list[str]:
     told = metadata.get('relative_file_paths')
     return [Path(str(name)).name for name in told] if isinstance(told, list) else []
 
 
-def _metadata_file(folder):
+def _metadata_file(folder: Path) -> dict[str, Any]:
     """Return the content of metadata.yaml, an empty dict if there is none."""
     try:
         found = loaded((folder / 'metadata.yaml').read_text())['rosbag2_bagfile_information']

@@ -3,15 +3,18 @@
 """Read YAML of others within bounds and without objects; write plain YAML."""
 from __future__ import annotations
 
+from typing import Any
+
 from fourbar_ros.errors import BagError
 import yaml
 
 DEEPEST = 100               # levels in a YAML text
 LARGEST = 1 << 19           # values in a YAML text, those that aliases stand for counted each time
 _LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
+_DUMPER: Any = getattr(yaml, 'CSafeDumper', yaml.SafeDumper)
 
 
-def loaded(text):
+def loaded(text: str) -> Any:
     """
     Return the content of a YAML text: lists, dicts, texts and numbers.
 
@@ -35,7 +38,7 @@ def loaded(text):
     return found
 
 
-def _check_depth(text):
+def _check_depth(text: str) -> None:
     """Raise BagError for lists so deeply nested that the recursive loader would fail."""
     depth = 0
     for event in yaml.parse(text, Loader=_LOADER):
@@ -45,12 +48,12 @@ def _check_depth(text):
             raise BagError(f'YAML of more than {DEEPEST} levels')
 
 
-def dumped(value):
+def dumped(value: Any) -> str:
     """Return a value as YAML."""
     return yaml.dump(value, Dumper=_NoAliases, sort_keys=False, width=2**30)
 
 
-class _NoAliases(getattr(yaml, 'CSafeDumper', yaml.SafeDumper)):
+class _NoAliases(_DUMPER):      # type: ignore[misc] # C's where there is one
 
-    def ignore_aliases(self, data):
+    def ignore_aliases(self, data: Any) -> bool:
         return True

@@ -9,6 +9,7 @@ from typing import Any
 
 from fourbar_ros.extrema.find import CONSTANT, Extremum, MAXIMUM
 from fourbar_ros.live.model import LIMIT, Shown
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.report.cycles import ground_forces
 from fourbar_ros.report.mechanism_panel import significant
 import numpy as np
@@ -47,7 +48,7 @@ def over_input(shown: Shown, names: Sequence[str], extrema: Sequence[Extremum],
     return _panels(shown, names, (series, [columns]), (*ends, label), is_dark)
 
 
-def over_time(shown: Shown, runs: Sequence[tuple[str, np.ndarray, dict[str, np.ndarray]]],
+def over_time(shown: Shown, runs: Sequence[tuple[str, Array, dict[str, Array]]],
               names: Sequence[str], end: float, is_dark: bool) -> dict[str, Any]:
     """
     Return the options of one panel for each quantity over time.
@@ -71,7 +72,7 @@ def _line(place: int, which: int, name: str) -> dict[str, Any]:
             'datasetIndex': which, 'encode': {'x': 'x', 'y': name}}
 
 
-def _finite(values: np.ndarray) -> list[float | None]:
+def _finite(values: Array) -> list[float | None]:
     return [value if isfinite(value) else None for value in np.asarray(values, float).tolist()]
 
 
@@ -154,7 +155,8 @@ def polar(shown: Shown, is_dark: bool) -> dict[str, Any]:
     The shaking force, and the reaction of the ground at each of its joints.
     """
     names = {'shaking_force': 'shaking force'} | ground_forces(shown.linkage)
-    series, largest = [], 0.0
+    series: list[dict[str, Any]] = []
+    largest = 0.0
     for name, text in names.items():
         data: list[Any] = []
         for cycle in shown.cycles:

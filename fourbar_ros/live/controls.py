@@ -9,7 +9,7 @@ from typing import Any
 
 from fourbar_ros.live.model import Shown
 from fourbar_ros.scene import parameters
-from fourbar_ros.scene.parameters import Parameter
+from fourbar_ros.scene.parameter import Parameter
 from nicegui import ui
 
 GROUPS = {'linkage': 'Linkage', 'dyads': 'Dyads', 'drive': 'Input', 'gravity': 'Gravity',
@@ -26,7 +26,7 @@ def shown_parameters(shown: Shown) -> dict[str, list[Parameter]]:
     found: dict[str, list[Parameter]] = {}
     for name, value in shown.scene.values.items():
         group, *rest = name.split('.')
-        parameter = parameters.find(name)
+        parameter = parameters.of_name(name)
         if (group not in GROUPS or name in HIDDEN or parameter.type not in ('double', 'integer')
                 or (group == 'drive' and name not in OF_DRIVE)
                 or (group in ('bodies', 'external') and rest[0] not in links)

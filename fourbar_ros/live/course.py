@@ -48,6 +48,7 @@ class Course(ABC):
     can_drag = True
     has_extrema = True          # its curves are over the input, with the extrema marked
     pace: Pace | None = None    # what its user may set; None: nothing
+    is_difference = False       # of runs beside it, their difference is drawn
     beside: tuple[str, ...] = ()        # titles of other runs to compare with
 
     @property
@@ -126,6 +127,7 @@ class OverInput(Course):
 
     def advance(self, seconds: float) -> None:
         """Move on by a time."""
+        assert self.pace is not None            # a node has none, and moves by itself
         low, high = range_of(self.shown, self.position)
         way = seconds / self.pace.value * (high - low)
         if self.shown.linkage.turns_fully:
@@ -161,7 +163,8 @@ class OfNode(OverInput):
         super().__init__(shown, shown.scene.drive.start)
         self.pace = None
         self.latest = latest
-        self._heard, self._last = monotonic(), None
+        self._last: tuple[float, float, float] | None = None
+        self._heard = monotonic()
         self._state = super().state()        # until the first motion comes
 
     def go(self, at: float) -> None:

@@ -72,8 +72,9 @@ async def _send(page: Any, suffix: str, make: Callable[[], str | bytes]) -> None
 
 def picture(page: Any) -> str:
     """Return the present picture as an SVG file."""
+    motion, loads = page.pose
     return document(traces_svg(page.shown, page.view)
-                    + mechanism_svg(page.shown, *page.pose, page.view, page.per_newton,
+                    + mechanism_svg(page.shown, motion, loads, page.view, page.per_newton,
                                     page.layers))
 
 

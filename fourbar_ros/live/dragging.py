@@ -9,6 +9,7 @@ from typing import Any
 
 from fourbar_ros.live.model import Shown
 from fourbar_ros.live.strokes import View
+from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 DRAG_SAMPLES = 181          # of the cycles are places to drag a joint to
@@ -45,7 +46,7 @@ class Handle:
             self.joint = ''
 
     @cached_property
-    def _path(self) -> tuple[np.ndarray, np.ndarray]:
+    def _path(self) -> tuple[Array, Array]:
         """Return the inputs and the pixels of the joint at them."""
         found = [(position, self.view.at(self.shown.linkage.diagram(motion).joints[self.joint]))
                  for position, motion, _ in self.shown.samples(DRAG_SAMPLES)]
@@ -62,7 +63,7 @@ class Handle:
         return float(inputs[best]) + self._between(inputs, pixels, best, pixel)
 
     @staticmethod
-    def _between(inputs: np.ndarray, pixels: np.ndarray, best: int,
+    def _between(inputs: Array, pixels: Array, best: int,
                  pixel: tuple[float, float]) -> float:
         """Return how far beyond the best sample the foot of the pixel on its path lies."""
         one, other = max(best - 1, 0), min(best + 1, len(inputs) - 1)

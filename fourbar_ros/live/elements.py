@@ -63,6 +63,7 @@ class Elements:
 
     def _header(self) -> None:
         page = self.page
+        drawer: ui.left_drawer          # made below
         with ui.header(elevated=False).classes('fb-middle q-py-xs'):
             ui.button(icon='menu', on_click=lambda: drawer.toggle()).props(
                 'flat dense color=white aria-label="parameters"')

@@ -13,6 +13,7 @@ from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.points import point_motion, PointMotion
 from fourbar_ros.mechanisms.quantities import is_published, positions, select
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.status import evaluate
 from fourbar_ros.report.cycles import cycles, usual_points
 from fourbar_ros.scene.scene import from_values, Scene
@@ -36,7 +37,7 @@ class Cycle:
 
     """
 
-    inputs: np.ndarray
+    inputs: Array
     motion: Any
     loads: Any
 
@@ -94,7 +95,7 @@ class Shown:
                   'shaking_force')
         return [name for name in wanted if name in self.quantities]
 
-    def curves(self, name: str) -> list[tuple[np.ndarray, np.ndarray]]:
+    def curves(self, name: str) -> list[tuple[Array, Array]]:
         """Return (inputs, values) of a quantity for each range of the input."""
         quantity = self.quantities[name]
         return [(cycle.inputs, np.broadcast_to(quantity.of(cycle.motion, cycle.loads),
@@ -136,8 +137,9 @@ class Shown:
 
         Those of the scene, or the middle of the first link that no pivot of the ground holds.
         """
-        return dict(usual_points(self.linkage, {name: tuple(point) for name, point
-                                                in self.scene.points.items()}))
+        return dict(usual_points(self.linkage, {
+            name: (point.link, point.along, point.across)
+            for name, point in self.scene.points.items()}))
 
     @cached_property
     def traces(self) -> dict[str, list[PointMotion]]:

@@ -10,6 +10,7 @@ from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.live import charts
 from fourbar_ros.live.course import Course, Pace, State
 from fourbar_ros.live.model import Shown
+from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 MOST_POINTS = 1500          # of a curve over a long run
@@ -28,13 +29,14 @@ class Run(NamedTuple):
 
     """
 
-    times: np.ndarray
-    states: np.ndarray
+    times: Array
+    states: Array
 
 
 class OverTime(Course):
     """A recorded run, at its own pace or to scrub along; a second one beside it to compare."""
 
+    pace: Pace
     can_drag = has_extrema = False
 
     def __init__(self, shown: Shown, run: Run, others: Sequence[tuple[str, Shown, Run]] = ()):
@@ -97,14 +99,14 @@ def state_at(run: Run, time: float) -> State:
 
 
 def _thinned(shown: Shown, run: Run,
-             names: Sequence[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+             names: Sequence[str]) -> tuple[Array, dict[str, Array]]:
     """Return times and values of quantities over a run, of a long one some of its samples."""
     picked = np.linspace(0, len(run.times) - 1, min(len(run.times), MOST_POINTS)).astype(int)
     return run.times[picked], _values(shown, run, names, picked)
 
 
 def _differences(one: tuple[Shown, Run], other: tuple[Shown, Run],
-                 names: Sequence[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+                 names: Sequence[str]) -> tuple[Array, dict[str, Array]]:
     """Return times of one run, and by how much the other's quantities are larger at them."""
     (shown, run), (its, second) = one, other
     times, values = _thinned(shown, run, names)
@@ -116,7 +118,7 @@ def _differences(one: tuple[Shown, Run], other: tuple[Shown, Run],
 
 
 def _values(shown: Shown, run: Run, names: Sequence[str],
-            picked: np.ndarray) -> dict[str, np.ndarray]:
+            picked: Array) -> dict[str, Array]:
     """Return the quantities that a mechanism has, at samples of a run."""
     motion, loads = shown.linkage.motion_and_loads(*[row[picked] for row in run.states])
     return {name: np.broadcast_to(shown.quantities[name].of(motion, loads), picked.shape)

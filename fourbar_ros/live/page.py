@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 import contextlib
 from math import isfinite
 import time
@@ -72,7 +72,9 @@ class Page:
         if at is not None:
             self.course.go(at)
         self.names = self.shown.usual_quantities
-        self.layers, self.handle, self.pose = Layers(), None, None
+        self.layers = Layers()
+        self.handle: Handle | None = None
+        self.pose: tuple[Any, Any] | None = None            # motion and loads
         self.refusal = self.no_pose = ''         # why there is no mechanism, why it has no pose
         self.last, self.frames, self.is_behind = time.monotonic(), 0, False
 
@@ -89,11 +91,11 @@ class Page:
 
     # --- what changes ---------------------------------------------------------------------------
 
-    def change(self, name: str, value: Any) -> None:
+    def change(self, name: str, value: Any) -> Awaitable[None] | None:
         """Take a new value of a parameter, and show the mechanism that has it."""
         if value is None:
-            return self._refuse(f'{name} must be given')
-        if value != self.values.get(name):
+            self._refuse(f'{name} must be given')
+        elif value != self.values.get(name):
             self.values = self.values | {name: value}
             self.rebuild()
         return None

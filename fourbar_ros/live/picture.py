@@ -11,7 +11,8 @@ from fourbar_ros.live import strokes
 from fourbar_ros.live.model import Shown
 from fourbar_ros.live.strokes import HEIGHT, STYLE, View, view_of, WIDTH
 from fourbar_ros.mechanisms.parts import Arrow, Diagram, without_repeats
-from fourbar_ros.mechanisms.points import instant_centre, link_motion, point_motion
+from fourbar_ros.mechanisms.points import instant_centre, link_motion, LinkMotion, point_motion
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.report.mechanism_panel import significant
 import numpy as np
 
@@ -36,7 +37,7 @@ def mechanism_view(*several: Shown) -> View:
                    if places else np.zeros((0, 2)))
 
 
-def _places(diagram: Diagram) -> list[np.ndarray]:
+def _places(diagram: Diagram) -> list[Array]:
     return [*diagram.joints.values(), *(end for bar in diagram.bars for end in bar[:2]),
             *(block.place for block in diagram.blocks)]
 
@@ -124,6 +125,7 @@ def _centres(linkage: Any, motion: Any, view: View,
     """Return crosses at the instant centres that are no joints, as far as they are in view."""
     links = [(i + 2, link_motion(linkage, motion, link.name))
              for i, link in enumerate(linkage.LINKS)]
+    pairs: list[tuple[int, int, LinkMotion | None, LinkMotion]]
     pairs = [(1, j, None, link) for j, link in links]
     pairs += [(i, j, one, other) for n, (i, one) in enumerate(links)
               for j, other in links[n + 1:]]

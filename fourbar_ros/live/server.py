@@ -3,7 +3,7 @@
 """Serves the page to browsers of this machine, and to no other page or machine."""
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 import os
 from pathlib import Path
 import socket
@@ -24,6 +24,9 @@ class PortTaken(FourBarError, OSError):
     """The port of the page is in use."""
 
 
+Asgi = Callable[..., Awaitable[None]]
+
+
 class OnlyHere:
     """
     ASGI middleware that refuses requests of other hosts' names and of other pages.
@@ -32,12 +35,12 @@ class OnlyHere:
     this address (the Host header shows it), or by a script of its own (the Origin header does).
     """
 
-    def __init__(self, served: Callable, port: int):
+    def __init__(self, served: Asgi, port: int):
         self.served = served
         self.hosts = {f'{name}:{port}' for name in NAMES}
         self.origins = {f'http://{host}' for host in self.hosts}
 
-    async def __call__(self, scope: dict, receive: Callable, send: Callable) -> None:
+    async def __call__(self, scope: dict[str, Any], receive: Asgi, send: Asgi) -> None:
         if scope['type'] in ('http', 'websocket') and not self._is_allowed(scope):
             if scope['type'] == 'websocket':
                 await send({'type': 'websocket.close', 'code': 1008})
@@ -48,7 +51,7 @@ class OnlyHere:
             return
         await self.served(scope, receive, send)
 
-    def _is_allowed(self, scope: dict) -> bool:
+    def _is_allowed(self, scope: dict[str, Any]) -> bool:
         headers = {name.decode('latin-1').lower(): value.decode('latin-1')
                    for name, value in scope['headers']}
         return (headers.get('host', '') in self.hosts
@@ -112,10 +115,10 @@ def serve_node(node: str, port: int, is_opened: bool) -> None:
 
 def _serve(title: str, make: Callable[[dict[str, str]], Page], port: int,
            is_opened: bool) -> None:
-    @ui.page('/', title=f'{title} - fourbar live')
     def page() -> None:
         make(dict(ui.context.client.request.query_params)).build()
 
+    ui.page('/', title=f'{title} - fourbar live')(page)
     app.add_middleware(OnlyHere, port=port)
     app.on_startup(lambda: print(f'http://{HOST}:{port}  (Ctrl-C ends it)', flush=True))
     ui.run(host=HOST, port=port, title='fourbar live', dark=None, language='en-US', reload=False,

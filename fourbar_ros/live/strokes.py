@@ -14,6 +14,7 @@ from math import hypot
 import re
 from typing import NamedTuple
 
+from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 WIDTH, HEIGHT = 600.0, 420.0       # [px] of a picture
@@ -60,7 +61,7 @@ class View(NamedTuple):
         return self.left + x / self.scale, self.top - y / self.scale
 
 
-def view_of(places: np.ndarray) -> View:
+def view_of(places: Array) -> View:
     """Return the :class:`View` that holds places of shape (n, 2) [m], centred."""
     places = places[np.isfinite(places).all(axis=1)]
     low, high = (places.min(axis=0), places.max(axis=0)) if len(places) else np.zeros((2, 2))
@@ -87,11 +88,11 @@ def text(kind: str, at: tuple[float, float], words: str) -> str:
     return f'<text class="{kind}" x="{at[0]:.1f}" y="{at[1]:.1f}">{escape(words)}</text>'
 
 
-def polyline(kind: str, places: np.ndarray, view: View) -> str:
+def polyline(kind: str, places: Array, view: View) -> str:
     """Return a line through places [m], finite ones."""
     finite = places[np.isfinite(places).all(axis=1)]
-    pixels = ' '.join(f'{x:.1f},{y:.1f}' for x, y in zip(*map(np.ndarray.tolist,
-                                                              view.at(finite.T))))
+    across, down = (np.asarray(part).tolist() for part in view.at(finite.T))
+    pixels = ' '.join(f'{x:.1f},{y:.1f}' for x, y in zip(across, down))
     return f'<polyline class="{kind}" points="{pixels}"/>'
 
 
@@ -101,7 +102,7 @@ def ground(at: tuple[float, float]) -> str:
     return (f'<path class="ground" d="M{x:.1f},{y:.1f} l-11,20 h22 z m-19,20 h38"/>')
 
 
-def block(at: tuple[float, float], direction: np.ndarray, is_guided: bool) -> str:
+def block(at: tuple[float, float], direction: Array, is_guided: bool) -> str:
     """Return a slider, with its guide if that is fixed."""
     (x, y), (u, v) = at, (float(direction[0]), -float(direction[1]))
     corners = [(x + 17.0 * a * u - 10.0 * b * v, y + 17.0 * a * v + 10.0 * b * u)

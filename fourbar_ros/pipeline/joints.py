@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """
 The joints of a JointState: joint = ratio * coordinate + offset, in and out.
 
@@ -7,7 +9,11 @@ sides, so the effort of the joint is that of the coordinate divided by the ratio
 from __future__ import annotations
 
 from math import isnan, nan
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
+
+from fourbar_ros.numerics.arrays import Array
+
+Number = TypeVar('Number', float, Array)
 
 FIELDS = ('position', 'velocity', 'effort')
 
@@ -23,8 +29,8 @@ class Scale(NamedTuple):
     ratio: float
     offset: float
 
-    def to_input(self, position: float, velocity: float,
-                 acceleration: float) -> tuple[float, float, float]:
+    def to_input(self, position: Number, velocity: Number,
+                 acceleration: Number) -> tuple[Number, Number, Number]:
         """Return the coordinate's motion from that of the joint; NaN stays NaN."""
         return ((position - self.offset) / self.ratio, velocity / self.ratio,
                 acceleration / self.ratio)

@@ -27,7 +27,8 @@ from fourbar_ros.mechanisms.parts import (
 from fourbar_ros.mechanisms.points import LinkFields, PointMotion
 from fourbar_ros.pipeline import joints, wrenches
 
-# Fields of LinkageState and LinkageLoads; what a mechanism does not have is NaN there.
+# Fields of the messages LinkageState and LinkageLoads, which are made for four joints: what a
+# mechanism does not have is NaN there, what it has more goes out as links/NAME, reactions/NAME.
 STATE_FIELDS = (*THETA1, *THETA2, *THETA3, *THETA4, *BETA, 'transmission_angle', 'velocity_ratio',
                 'condition', *TRAVEL)
 LOADS_FIELDS = ('f41_x', 'f41_y', 'f21_x', 'f21_y', 'f32_x', 'f32_y', 'f43_x', 'f43_y', 'f41',

@@ -13,6 +13,7 @@ from typing import Any
 
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.report.drawing import CannotDraw, need_matplotlib, STYLE
 import numpy as np
 
@@ -22,7 +23,7 @@ OUTLIER = 30.0       # vectors so many times the median one are beyond the pictu
 Points = Mapping[str, tuple[str, float, float]]
 
 
-def cycles(mechanism: Mechanism, count: int = SAMPLES) -> list[np.ndarray]:
+def cycles(mechanism: Mechanism, count: int = SAMPLES) -> list[Array]:
     """Return inputs over each range of a mechanism, arrays of shape (count,) [rad] or [m]."""
     found = []
     for low, high in mechanism.input_ranges:
@@ -93,7 +94,7 @@ def make_cycle_figure(what: str, mechanism: Mechanism, rate: float, acceleration
 
 
 def _curves(what: str, mechanism: Mechanism, rates: tuple[float, float],
-            points: Points) -> tuple[dict[str, list[np.ndarray]], str]:
+            points: Points) -> tuple[dict[str, list[Array]], str]:
     """Return ({name: curves of shape (n, 2)}, unit)."""
     if what == 'forces':
         if mechanism.bodies is None:
@@ -111,7 +112,7 @@ def _curves(what: str, mechanism: Mechanism, rates: tuple[float, float],
                    for motion in motions] for name, point in points.items()}, unit
 
 
-def _bounded(vectors: np.ndarray) -> np.ndarray:
+def _bounded(vectors: Array) -> Array:
     """Return vectors of shape (n, 2) with those beyond the picture as NaN."""
     size = np.hypot(*vectors.T)
     bound = OUTLIER * float(np.nanmedian(size)) or np.inf

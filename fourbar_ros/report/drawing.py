@@ -7,15 +7,21 @@ What a teacher draws on the board. Only the functions that draw import matplotli
 """
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from math import hypot
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.mechanisms.parts import ORIGIN, without_repeats
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Arrow, ORIGIN, without_repeats
 from fourbar_ros.report.joint_labels import labels_of
-from fourbar_ros.report.mechanism_panel import draw_mechanism, renamed, significant
+from fourbar_ros.report.mechanism_panel import draw_mechanism, Points, renamed, significant
 from fourbar_ros.report.sheet import Sheet
+
+if TYPE_CHECKING:      # drawings alone need it
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 11,
          'svg.hashsalt': 'fourbar_ros',
@@ -36,7 +42,7 @@ class CannotDraw(FourBarError, ValueError):
     """The picture cannot be made or written; the message says why."""
 
 
-def need_matplotlib(what):
+def need_matplotlib(what: str) -> None:
     """Raise CannotDraw if matplotlib is missing."""
     try:
         import matplotlib  # noqa: F401
@@ -44,13 +50,14 @@ def need_matplotlib(what):
         raise CannotDraw(f'{what} requires matplotlib: pip install matplotlib') from None
 
 
-def draw_polygon(axes, arrows, title, unit, names=None):
+def draw_polygon(axes: Axes, arrows: Sequence[Arrow], title: str, unit: tuple[str, float],
+                 names: Mapping[str, str] | None = None) -> None:
     """
     Draw a polygon to scale.
 
     Sums from the pole, parts in a chain, every magnitude below it in a unit (text, size in SI).
     """
-    unit, size = unit
+    text, size = unit
     arrows = [arrow._replace(start=arrow.start / size, vector=arrow.vector / size,
                              label=renamed(arrow.label, names or {}))
               for arrow in arrows]
@@ -62,7 +69,7 @@ def draw_polygon(axes, arrows, title, unit, names=None):
              if hypot(*arrow.vector) > LEAST * longest]
     sheet = Sheet(axes, [ORIGIN] + [point for arrow in shown
                                     for point in (arrow.start, arrow.start + arrow.vector)],
-                  f'{title} [{unit}]')
+                  f'{title} [{text}]')
     for arrow in shown:
         sheet.arrow(arrow.start, arrow.vector, *((SUM, 2.0) if arrow.is_sum else (PART, 1.4)))
         sheet.occupy(arrow.start, arrow.start + arrow.vector)
@@ -74,11 +81,13 @@ def draw_polygon(axes, arrows, title, unit, names=None):
     for arrow in shown:
         sheet.label(arrow.label, sheet.beside(arrow.start, arrow.vector), SUM if arrow.is_sum
                     else PART)
-    sheet.scale(unit)
+    sheet.scale(text)
     sheet.write([f'${arrow.label}$ = {significant(hypot(*arrow.vector))}' for arrow in shown])
 
 
-def make_figure(mechanism, motion, loads=None, title='', points=None, names=None, units=Units()):
+def make_figure(mechanism: Mechanism, motion: Any, loads: Any = None, title: str = '',
+                points: Points | None = None, names: Mapping[str, str] | None = None,
+                units: Units = Units()) -> Figure:
     """
     Return a matplotlib Figure of three panels: mechanism, velocity and acceleration polygon.
 
@@ -95,7 +104,7 @@ def make_figure(mechanism, motion, loads=None, title='', points=None, names=None
                                wspace=0.06)
         figure.suptitle(title, x=0.012, y=0.98, ha='left', fontsize=13, fontweight='bold')
         labels = labels_of(mechanism.diagram(motion))
-        names = (names or {}) | labels.letters
+        names = {**(names or {}), **labels.letters}
         of_whom = ('on the link that hangs at the joint' if labels.letters
                    else 'of link $i$ on link $j$')
         symbol = 'F' if labels.letters else 'F_{ij}'
@@ -108,7 +117,7 @@ def make_figure(mechanism, motion, loads=None, title='', points=None, names=None
     return figure
 
 
-def save(figure, path):
+def save(figure: Figure, path: str | Path) -> Path:
     """
     Write a figure as .svg, .pdf, .png, ... and return the path.
 

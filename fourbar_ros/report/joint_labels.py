@@ -54,7 +54,9 @@ def labels_of(diagram: Any) -> Labels:
         else:
             places.append([name])
     letters = _letters()
-    joints, symbols, of_joints = {}, {}, {}
+    joints: dict[str, Any] = {}
+    symbols: dict[str, str] = {}
+    of_joints: dict[str, str] = {}
     for names in places:
         at = diagram.joints[names[0]]
         letter = 'O_1' if not joints and not at.any() else next(letters)

@@ -7,14 +7,24 @@ To scale.
 """
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator, Mapping
 from math import degrees, pi, remainder
 import re
+from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.mechanics.moving_frames import turned
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Diagram
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.report.joint_labels import labels_of
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.report.joint_labels import Labels, labels_of
 from fourbar_ros.report.sheet import Sheet
 import numpy as np
+
+if TYPE_CHECKING:      # drawings alone need it
+    from matplotlib.axes import Axes
+
+Points = Mapping[str, tuple[str, float, float]]      # {name: (link, along, across)}
 
 LEAST_FORCE = 0.1      # forces shorter than this share of the longest have no arrow
 ARROW = 0.4            # length of the longest force over the size of the mechanism
@@ -23,13 +33,13 @@ BODY, FORCE, POINT, ANGLE = '0.35', '#1e6b37', '#7a4b00', '0.45'
 SYMBOLS = {'theta': r'\theta_', 'omega': r'\omega_', 'alpha': r'\alpha_'}
 
 
-def renamed(label, names):
+def renamed(label: str, names: Mapping[str, str]) -> str:
     """
     Return a label with the letters of points as another document has them.
 
     ``names`` maps ours to its.
     """
-    def replace(match):
+    def replace(match: re.Match[str]) -> str:
         return '_' + '{' + '/'.join(names.get(part, part)
                                     for part in match[1].strip('{}').split('/')) + '}'
     if label in names:
@@ -37,14 +47,15 @@ def renamed(label, names):
     return re.sub(r'_(\{[^}]*\}|\w)', replace, label) if names else label
 
 
-def significant(value):
+def significant(value: float) -> str:
     """Return a value as text with four digits, without an exponent where that is readable."""
     rounded = float(f'{value:.4g}') + 0.0
     return f'{rounded:.10g}' if 1e-3 <= abs(rounded) < 1e7 or rounded == 0.0 else f'{rounded:.4g}'
 
 
-def draw_mechanism(axes, mechanism, motion, loads=None, points=None, names=None, unit=('m', 1.0),
-                   title='mechanism'):
+def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: Any, loads: Any = None,
+                   points: Points | None = None, names: Mapping[str, str] | None = None,
+                   unit: tuple[str, float] = ('m', 1.0), title: str = 'mechanism') -> None:
     """
     Draw links and joints, centres of gravity, points.
 
@@ -92,8 +103,8 @@ def draw_mechanism(axes, mechanism, motion, loads=None, points=None, names=None,
         sheet.occupy(places[at], places[at] + force)
     if torque:
         _draw_torque(sheet, torque, getattr(motion, mechanism.input_coordinate.position))
-    for text, at in angles:
-        sheet.label(text, at, ANGLE)
+    for text, free in angles:
+        sheet.label(text, free, ANGLE)
     for name, at in labels.joints.items():
         sheet.label(renamed(name, names), sheet.around(at), 'k')
     for name, arm in arms.items():
@@ -110,7 +121,7 @@ def draw_mechanism(axes, mechanism, motion, loads=None, points=None, names=None,
 
 # --- what is drawn -------------------------------------------------------------------------------
 
-def _forces(diagram, loads, length):
+def _forces(diagram: Diagram, loads: Any, length: float) -> dict[str, tuple[str, Array]]:
     """Return {name: (joint, arrow)} of the forces that can be seen, the longest of this length."""
     longest = max(getattr(loads, name) for name in diagram.forces)
     return {name: (at, length / longest * np.array([getattr(loads, f'{name}_x'),
@@ -118,21 +129,22 @@ def _forces(diagram, loads, length):
             for name, at in diagram.forces.items() if getattr(loads, name) > LEAST_FORCE * longest}
 
 
-def _centres(mechanism, motion):
+def _centres(mechanism: Mechanism, motion: Any) -> dict[str, Array]:
     """Return {link: centre of gravity} of the bodies that have a mass."""
     bodies = mechanism.bodies._asdict().items() if mechanism.bodies else ()
     return {link: point_motion(mechanism, motion, link, body.cg_along, body.cg_across).place
             for link, body in bodies if body.mass}
 
 
-def _arms(mechanism, motion, points):
+def _arms(mechanism: Mechanism, motion: Any, points: Points) -> dict[str, list[Array]]:
     """Return {name: line from the link to a point}."""
     return {name: [point_motion(mechanism, motion, link, along).place,
                    point_motion(mechanism, motion, link, along, across).place]
             for name, (link, along, across) in points.items()}
 
 
-def _extensions(mechanism, motion, points, centres, drawn_whole):
+def _extensions(mechanism: Mechanism, motion: Any, points: Points, centres: Collection[str],
+                drawn_whole: Collection[str]) -> Iterator[tuple[Array, Array]]:
     """Return lines of links that extend beyond their joints, to points and CGs."""
     reach = {link.name: [0.0] for link in mechanism.LINKS}
     for link, along, _ in points.values():
@@ -153,14 +165,14 @@ def _extensions(mechanism, motion, points, centres, drawn_whole):
 
 # --- strokes -------------------------------------------------------------------------------------
 
-def _link(sheet, start, end, width):
+def _link(sheet: Sheet, start: Array, end: Array, width: float) -> None:
     sheet.axes.plot(*zip(start, end), color=BODY, lw=4.5 * width, solid_capstyle='round', zorder=2)
     sheet.axes.plot(*zip(start, end), color='0.88', lw=4.5 * width - 1.9, solid_capstyle='round',
                     zorder=3)
     sheet.occupy(start, end)
 
 
-def _draw_block(sheet, at, direction, is_guided):
+def _draw_block(sheet: Sheet, at: Array, direction: Array, is_guided: bool) -> None:
     half = 0.2 * sheet.inch
     corners = [at + half * (a * direction + 0.55 * b * turned(1.0, direction))
                for a, b in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
@@ -174,7 +186,7 @@ def _draw_block(sheet, at, direction, is_guided):
         sheet.occupy(*sides)
 
 
-def _draw_joints(sheet, places, ground):
+def _draw_joints(sheet: Sheet, places: Mapping[str, Array], ground: Collection[str]) -> None:
     for name, at in places.items():
         if name in ground:
             half = 0.12 * sheet.inch
@@ -188,14 +200,14 @@ def _draw_joints(sheet, places, ground):
         sheet.axes.plot(*at, 'o', ms=5, mfc='w', mec='k', zorder=7)
 
 
-def _draw_points(sheet, arms):
+def _draw_points(sheet: Sheet, arms: Mapping[str, list[Array]]) -> None:
     """Mark the points at the ends of the lines that hold them."""
     for arm in arms.values():
         sheet.axes.plot(*arm[-1], 's', ms=4.5, color=POINT, zorder=7)
         sheet.occupy(arm[-1], arm[-1])
 
 
-def _draw_centre(sheet, at):
+def _draw_centre(sheet: Sheet, at: Array) -> None:
     """Draw the quartered circle of a centre of gravity."""
     from matplotlib.patches import Wedge
     radius = 0.06 * sheet.inch
@@ -207,7 +219,7 @@ def _draw_centre(sheet, at):
     sheet.occupy(at, at)
 
 
-def _draw_angles(sheet, motion, diagram):
+def _draw_angles(sheet: Sheet, motion: Any, diagram: Diagram) -> list[tuple[str, list[Array]]]:
     """Draw the arcs of the absolute angles from x; return [(label, places for it)]."""
     found, radius = [], 0.3 * sheet.inch
     for name, joint in diagram.angles.items():
@@ -225,7 +237,7 @@ def _draw_angles(sheet, motion, diagram):
     return found
 
 
-def _draw_torque(sheet, torque, theta1):
+def _draw_torque(sheet: Sheet, torque: float, theta1: float) -> None:
     """Draw the torque on the crank as a turning arrow about O1, opposite of the crank."""
     radius, sense = 0.45 * sheet.inch, 1.0 if torque > 0.0 else -1.0
     middle = theta1 + pi
@@ -237,14 +249,14 @@ def _draw_torque(sheet, torque, theta1):
     sheet.label('T_{41}', [1.4 * arc[i] for i in (12, 6, 18, 24, 0, 30)], FORCE)
 
 
-def _directions(angles):
+def _directions(angles: Array) -> Array:
     """Return unit vectors of shape (n, 2)."""
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
 
 # --- text ----------------------------------------------------------------------------------------
 
-def _symbol(name):
+def _symbol(name: str) -> str:
     """Return a position or a rate as mathtext: theta1, beta, omega_beta, slide, theta_crank."""
     for word, symbol in SYMBOLS.items():
         if name.startswith(word):
@@ -258,7 +270,7 @@ def _symbol(name):
         else rf'\mathrm{{{words}}}')
 
 
-def _motion_lines(mechanism, motion, unit):
+def _motion_lines(mechanism: Mechanism, motion: Any, unit: tuple[str, float]) -> list[str]:
     """
     Return lines about the motion.
 
@@ -283,7 +295,7 @@ def _motion_lines(mechanism, motion, unit):
     return lines
 
 
-def _about(loads, labels, drawn):
+def _about(loads: Any, labels: Labels, drawn: Collection[str]) -> list[str]:
     """Return the lines of text about loads; ``drawn``: the forces that have an arrow."""
     lines = [' '.join(filter(None, (f'${symbol}$', labels.words.get(name),
                                     f'= {significant(getattr(loads, name))} N',

@@ -7,6 +7,7 @@ Angles in degrees.
 """
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import degrees, hypot, radians
 from typing import Any, NamedTuple
 
@@ -161,7 +162,8 @@ def loads_table(linkage: Mechanism, pose: Pose) -> PlainTable:
     return table
 
 
-def points_table(linkage: Mechanism, motion, points: dict) -> PlainTable:
+def points_table(linkage: Mechanism, motion: Any, points: Mapping[str, tuple[str, float, float]]
+                 ) -> PlainTable:
     """Return the table of the points of a scene: place, velocity, acceleration."""
     table = plain_table('points', ('', '', 'x>', 'y>', 'magnitude>', 'unit'))
     for name, point in points.items():

@@ -7,14 +7,20 @@ Arrows, labels that keep off what is there, scale bars.
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import floor, hypot, log10
+from typing import Any, TYPE_CHECKING
 
+from fourbar_ros.numerics.arrays import Array
 import numpy as np
+
+if TYPE_CHECKING:      # drawings alone need it
+    from matplotlib.axes import Axes
 
 HEAD = 6.5          # heads of arrows of 0.5 in an inch (matplotlib: of the font's 11 points)
 
 
-def nice(value):
+def nice(value: float) -> float:
     """Return the largest of 1, 2, 5 times a power of ten that is not above a positive value."""
     power = 10.0**floor(log10(value))
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-12))
@@ -27,9 +33,9 @@ class Sheet:
     Labels keep off it.
     """
 
-    def __init__(self, axes, points, title):
-        points = np.asarray(points)
-        low, high = points.min(axis=0), points.max(axis=0)
+    def __init__(self, axes: Axes, points: Sequence[Any], title: str) -> None:
+        every = np.asarray(points)
+        low, high = every.min(axis=0), every.max(axis=0)
         box = axes.get_position()
         width, height = (box.width * axes.figure.get_figwidth(),
                          box.height * axes.figure.get_figheight())
@@ -43,13 +49,13 @@ class Sheet:
         axes.axis('off')
         axes.set_title(title, loc='left', fontsize=12, fontweight='bold')
         self.width = 2.0 * half[0]
-        self.taken = []
+        self.taken: list[Array] = []
 
-    def occupy(self, start, end):
+    def occupy(self, start: Array, end: Array) -> None:
         """Keep labels off a line."""
         self.taken.extend(start + t * (end - start) for t in np.linspace(0.0, 1.0, 25))
 
-    def arrow(self, start, vector, color, width):
+    def arrow(self, start: Array, vector: Array, color: str, width: float) -> None:
         """Draw an arrow."""
         # of a short arrow, half of it
         head = min(0.5, 0.5 * HEAD * hypot(*vector) / self.inch)
@@ -58,7 +64,7 @@ class Sheet:
             'shrinkB': 0,
             'lw': width, 'color': color})
 
-    def label(self, text, places, color):
+    def label(self, text: str, places: Sequence[Array], color: str) -> None:
         """Write a label at the first of several places that is free, or else the freest."""
         letters = len(text.replace('\\', '').translate(str.maketrans('', '', '_^{}')))
         reach = np.array([[x * 0.045 * letters * self.inch, 0.0]
@@ -70,21 +76,21 @@ class Sheet:
                        fontsize=12)
         self.taken.extend(best + reach)
 
-    def around(self, at, towards=(0.0, 1.0)):
+    def around(self, at: Array, towards: Sequence[float] | Array = (0.0, 1.0)) -> list[Array]:
         """Return places for the label of a point, the first in this direction."""
         first = np.arctan2(towards[1], towards[0])
         turns = [first + side * step * np.pi / 12.0 for step in range(13) for side in (1.0, -1.0)]
         return [at + distance * self.inch * np.array([np.cos(turn), np.sin(turn)])
                 for distance in (0.2, 0.27, 0.35) for turn in turns]
 
-    def beside(self, start, vector):
+    def beside(self, start: Array, vector: Array) -> list[Array]:
         """Return places for the label of an arrow."""
         normal = np.array([-vector[1], vector[0]]) / hypot(*vector) * self.inch
         return [start + share * vector + distance * normal
                 for share in (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)
                 for distance in (0.18, -0.18, 0.26, -0.26, 0.36, -0.36)]
 
-    def scale(self, unit, factor=1.0, place=0.0):
+    def scale(self, unit: str, factor: float = 1.0, place: float = 0.0) -> None:
         """Draw a bar of a round number of units, each ``factor`` long, at ``place`` in width."""
         length = nice(1.3 * self.inch / factor)
         start, y = self.left + 0.1 * self.inch + place * self.width, self.bottom + 0.05 * self.inch
@@ -94,7 +100,7 @@ class Sheet:
                            textcoords='offset points',
                            va='center', fontsize=10)
 
-    def write(self, lines, wide=()):
+    def write(self, lines: Sequence[str], wide: Sequence[str] = ()) -> None:
         """
         Write lines below the drawing.
 

@@ -3,12 +3,15 @@
 """Tables of a linkage's properties and of extrema; words for class, mode and units."""
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import degrees, pi, tau
 
-from fourbar_ros.extrema.find import CONSTANT, find_extrema
+from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.quantities import positions
 from fourbar_ros.report.poses import in_degrees, number, shown
-from fourbar_ros.report.terminal import plain_table
+from fourbar_ros.report.terminal import plain_table, PlainTable
 import numpy as np
 
 SAMPLES, END, FULL_TURN = 721, 1e-14, tau * (1.0 - 1e-9)
@@ -16,22 +19,22 @@ ANGLE = 'transmission_angle'
 SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the range is approached
 
 
-def class_name(linkage):
+def class_name(linkage: Mechanism) -> str:
     """Return the class of a linkage as text; of sliders also the kind and what is driven."""
     return linkage.description
 
 
-def mode_name(linkage):
+def mode_name(linkage: Mechanism) -> str:
     """Return the assembly mode as text."""
     return linkage.modes[linkage.mode]
 
 
-def rate_unit(linkage):
+def rate_unit(linkage: Mechanism) -> str:
     """Return the unit of the input's rate."""
     return f'{linkage.input_coordinate.unit}/s'
 
 
-def _ranges(coordinate, ranges):
+def _ranges(coordinate: Coordinate, ranges: Sequence[tuple[float, float]]) -> str:
     name, unit = coordinate.position, 'm' if coordinate.unit == 'm' else 'deg'
     if unit == 'deg' and any(high - low >= FULL_TURN for low, high in ranges):
         return f'{name}: full turns'
@@ -39,7 +42,8 @@ def _ranges(coordinate, ranges):
     return f'{name}: {", ".join(map(" to ".join, ends))} {unit}'
 
 
-def output_ranges(linkage, coordinate=None):
+def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None
+                  ) -> list[tuple[float, float]]:
     """
     Return the ranges of an output coordinate in the mode of a linkage.
 
@@ -65,7 +69,7 @@ def output_ranges(linkage, coordinate=None):
     return sorted(found)
 
 
-def what_it_is(linkage, title):
+def what_it_is(linkage: Mechanism, title: object) -> PlainTable:
     """Return the table of a linkage's own properties."""
     table = plain_table(str(title), ('', ''))
     table.show_header = False
@@ -74,7 +78,7 @@ def what_it_is(linkage, title):
     return table
 
 
-def facts(linkage):
+def facts(linkage: Mechanism) -> list[tuple[str, str]]:
     """Return a linkage's own properties as a list of (name, text)."""
     rows = [('lengths', '  '.join(f'{name} {length:g}'
                                   for name, length in zip(linkage.length_names, linkage.lengths))
@@ -106,7 +110,7 @@ def facts(linkage):
     return rows
 
 
-def _toggles(linkage):
+def _toggles(linkage: Mechanism) -> list[tuple[str, str]]:
     """Return the row of where the links of a dyad come in line: at ends of the input."""
     ends = {end for bounds in linkage.closing_ranges for end in bounds}
     found = [] if linkage.turns_fully else [
@@ -116,7 +120,7 @@ def _toggles(linkage):
              else 'none within the range of the input')]
 
 
-def transmission_angles(linkage):
+def transmission_angles(linkage: Mechanism) -> list[tuple[str, str]]:
     """Return rows of the band of each transmission angle over the input: ends, and worst."""
     names = [name for name in positions(linkage, linkage.input) if name.startswith(ANGLE)]
     own = [name for name in names if name != ANGLE] or names     # of a machine, each dyad's own
@@ -137,7 +141,7 @@ def transmission_angles(linkage):
     return rows
 
 
-def extrema_table(extrema, title):
+def extrema_table(extrema: Sequence[Extremum], title: str) -> PlainTable:
     """Return the table of a list of Extremum."""
     slides = any(extremum.slide == extremum.slide for extremum in extrema)
     table = plain_table(title, ('quantity', 'kind', '', 'value>', 'unit',

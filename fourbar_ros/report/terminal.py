@@ -7,8 +7,9 @@ They wrap text, or stack rows.
 """
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from textwrap import wrap
+from typing import Any
 
 from rich.cells import cell_len
 from rich.console import Console, ConsoleOptions
@@ -19,7 +20,7 @@ from rich.text import Text
 
 PIPE_WIDTH = 10_000     # of what is no terminal: nothing is wrapped there
 GAP = 2                 # blanks between two columns
-WHOLE_WORDS = {'break_long_words': False, 'break_on_hyphens': False}
+WHOLE_WORDS: dict[str, Any] = {'break_long_words': False, 'break_on_hyphens': False}
 
 
 def make_console() -> Console:
@@ -47,7 +48,7 @@ class PlainTable:
 
     """
 
-    def __init__(self, title, columns):
+    def __init__(self, title: str, columns: Sequence[str]) -> None:
         self.title = title
         self.heads = [column.rstrip('>') for column in columns]
         self.is_right = [column.endswith('>') for column in columns]
@@ -66,7 +67,8 @@ class PlainTable:
     def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
         return Measurement(1, options.max_width)
 
-    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator:
+    def __rich_console__(self, console: Console,
+                         options: ConsoleOptions) -> Iterator[Text | Segment]:
         if self.title:
             yield from (Text(line, style='bold') for line in wrap(self.title, options.max_width,
                                                                   **WHOLE_WORDS))
@@ -83,8 +85,8 @@ class PlainTable:
     def _drop_empty_columns(self) -> None:
         kept = [i for i, head in enumerate(self.heads) if head
                 or any(cells[i] for cells, _ in self._rows)]
-        self.heads, self.is_right = ([part[i] for i in kept]
-                                     for part in (self.heads, self.is_right))
+        self.heads = [self.heads[i] for i in kept]
+        self.is_right = [self.is_right[i] for i in kept]
         self._rows = [([cells[i] for i in kept], ends) for cells, ends in self._rows]
 
     def _cells(self, column: int) -> Iterator[str]:
@@ -149,6 +151,6 @@ def _without_blanks_at_end(line: list[Segment]) -> list[Segment]:
     return line
 
 
-def plain_table(title: str, columns) -> PlainTable:
+def plain_table(title: str, columns: Sequence[str]) -> PlainTable:
     """Return an empty :class:`PlainTable`."""
     return PlainTable(title, columns)

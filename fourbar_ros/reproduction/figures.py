@@ -3,19 +3,22 @@
 """Draw the figures of the documents from computed values, for ``fourbar reproduce --html``."""
 from __future__ import annotations
 
+from collections.abc import Sequence
 from datetime import date
 import html
 from io import StringIO
 from math import tau
 from pathlib import Path
 import re
+from typing import TYPE_CHECKING
 
 from fourbar_ros import __version__
 from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.mechanisms.mechanism import CROSSED, OPEN
+from fourbar_ros.mechanisms.contract import CROSSED, OPEN
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.report.drawing import CannotDraw, make_figure, need_matplotlib, STYLE, Units
 from fourbar_ros.reproduction import published
-from fourbar_ros.reproduction.reproduce import cells, COLUMNS, footnotes, summary
+from fourbar_ros.reproduction.reproduce import cells, COLUMNS, footnotes, Section, summary
 from fourbar_ros.reproduction.verdicts import (
     ASSUMED,
     DIFFERS,
@@ -26,6 +29,12 @@ from fourbar_ros.reproduction.verdicts import (
     WRONG,
 )
 import numpy as np
+
+if TYPE_CHECKING:      # drawings alone need it
+    from matplotlib.figure import Figure
+
+Captioned = tuple['Figure', str]                 # with its caption
+Curve = tuple[Array, Array, str, str, str]      # x, y, label, line style, colour
 
 CSS = """\
 body { font: 15px/1.45 system-ui, sans-serif; max-width: 64em; margin: 2em auto; padding: 0 1em;
@@ -48,7 +57,7 @@ STYLES = {MISPRINT: 'wrong', WRONG: 'wrong', GARBLED: 'copy', ASSUMED: 'assumed'
 FEET = Units(('in', published.INCH), ('ft/s', published.FOOT), ('ft/s$^2$', published.FOOT))
 
 
-def example_7_2():
+def example_7_2() -> Captioned:
     motion = published.EXAMPLE_7_2.motion(*published.GIVEN_7_2)
     return (make_figure(published.EXAMPLE_7_2, motion, None, 'slider-crank at 30 deg, points and '
                                                              'units of the slides',
@@ -56,7 +65,7 @@ def example_7_2():
             'Velocity and acceleration polygons.')
 
 
-def example_7_3():
+def example_7_3() -> Captioned:
     motion = published.EXAMPLE_7_3.motion(*published.GIVEN_7_3)
     return (make_figure(published.EXAMPLE_7_3, motion, None, '4R at 120 deg, points and units of '
                                                              'the slides',
@@ -65,7 +74,7 @@ def example_7_3():
             'Velocity and acceleration polygons.')
 
 
-def example_7_5():
+def example_7_5() -> Captioned:
     motion = published.EXAMPLE_7_5.motion(*published.GIVEN_7_5)
     return (make_figure(published.EXAMPLE_7_5, motion, None, 'inverted slider-crank at 30 deg, '
                                                              'points and units of the slides',
@@ -74,7 +83,7 @@ def example_7_5():
             'of the bar.')
 
 
-def example_7_6():
+def example_7_6() -> Captioned:
     motion = published.EXAMPLE_7_6.motion(*published.GIVEN_7_6)
     return (make_figure(published.EXAMPLE_7_6, motion, None, '4R at 60 deg, 10 rad/s, 100 rad/s², '
                                                              'assembly mode 2'),
@@ -82,7 +91,7 @@ def example_7_6():
             'length.')
 
 
-def example_7_7():
+def example_7_7() -> Captioned:
     theta1 = np.linspace(-tau, tau, 1441)
     curves, marks = [], []
     for mode, style in ((CROSSED, '-'), (OPEN, '--')):
@@ -101,7 +110,7 @@ def example_7_7():
             'extrema found.')
 
 
-def paper_figure_3():
+def paper_figure_3() -> Captioned:
     theta1 = np.linspace(0.0, tau, 1441)
     motion = published.PAPER.motion(theta1, published.PAPER_SPEED)
     marks = [[(e.theta1, e.value) for e in find_extrema(published.PAPER, (name,),
@@ -113,7 +122,7 @@ def paper_figure_3():
             "The paper's Figure 3: assembly mode 2 at 25 rad/s. Circles: the extrema of Table 2.")
 
 
-def paper_figure_4():
+def paper_figure_4() -> Captioned:
     theta1, force, moment, _ = published.wrong_curves()
     loads = published.THIN.loads(theta1, published.PAPER_SPEED)
     curves = [[(theta1, loads.shaking_force, 'm a', '-', 'k'),
@@ -128,7 +137,9 @@ def paper_figure_4():
             'Circles: the largest values.')
 
 
-def _curves(panels, titles, marks=(), with_logarithmic=False):
+def _curves(panels: Sequence[Sequence[Curve]], titles: Sequence[str],
+            marks: Sequence[Sequence[tuple[float, float]]] = (), with_logarithmic: bool = False
+            ) -> Figure:
     """
     Return a Figure with one panel for each list of curves over theta1 [rad].
 
@@ -159,7 +170,7 @@ def _curves(panels, titles, marks=(), with_logarithmic=False):
     return figure
 
 
-def svg(name):
+def svg(name: str) -> tuple[str, str]:
     """Return (SVG text, caption) of a figure by name; the text is the same every time."""
     import matplotlib
     figure, caption = globals()[name]()
@@ -169,7 +180,7 @@ def svg(name):
     return text.getvalue().partition('<svg')[1] + text.getvalue().partition('<svg')[2], caption
 
 
-def page(sections, when=None):
+def page(sections: Sequence[Section], when: str | None = None) -> str:
     """
     Return the whole report as one self-contained HTML page.
 
@@ -194,7 +205,7 @@ SYMBOL = re.compile(r'\b(theta|omega|alpha)(\d)')
 GREEK = {'theta': 'θ', 'omega': 'ω', 'alpha': 'α'}
 
 
-def typeset(text):
+def typeset(text: str) -> str:
     """
     Return a text as HTML.
 
@@ -205,7 +216,7 @@ def typeset(text):
     return re.sub(r'\b(m|s|ft|v\d)\^(\d)', r'\1<sup>\2</sup>', text)
 
 
-def _section(section, number):
+def _section(section: Section, number: int) -> str:
     notes = footnotes(section)
     heads = ''.join(f'<th{_kind(head)}>{html.escape(head.rstrip(">"))}</th>' for head in COLUMNS)
     rows = []
@@ -228,11 +239,11 @@ def _section(section, number):
     return text + '</section>'
 
 
-def _kind(head):
+def _kind(head: str) -> str:
     return ' class="number"' if head.endswith('>') else ''
 
 
-def write_page(sections, path):
+def write_page(sections: Sequence[Section], path: str | Path) -> None:
     """Write the page to a file."""
     try:
         Path(path).write_text(page(sections))

@@ -10,17 +10,19 @@ in SI units and converted back at the end.
 from __future__ import annotations
 
 from math import degrees, hypot, pi, radians
+from typing import Any
 
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanics.bodies import Bodies, Body, round_rod
 from fourbar_ros.mechanics.moving_frames import acceleration_terms
+from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.mechanisms.four_bar.io_equations import io_equation, to_half_angle
 from fourbar_ros.mechanisms.half_angle import bilinear_factors
 from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
-from fourbar_ros.mechanisms.mechanism import CROSSED, OPEN
 from fourbar_ros.mechanisms.points import acceleration_image, link_motion, point_motion
 from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 INCH, FOOT = 0.0254, 0.3048
@@ -40,12 +42,12 @@ EXAMPLE_7_7 = FourBar(2.0, 6.0, 7.0, 5.0)
 PAPER_LENGTHS, PAPER_SPEED = (0.4, 1.2, 0.8, 1.0), 25.0
 RODS = [round_rod(length, 7750.0, 0.01) for length in PAPER_LENGTHS[:3]]
 PAPER = FourBar(*PAPER_LENGTHS, bodies=Bodies(*RODS))
-THIN = FourBar(*PAPER_LENGTHS,
-               bodies=Bodies(*(Body(rod.mass, rod.cg_along, 0.0, rod.mass * length**2 / 12.0)
-                               for rod, length in zip(RODS, PAPER_LENGTHS))))
+THIN_RODS = Bodies(*(Body(rod.mass, rod.cg_along, 0.0, rod.mass * length**2 / 12.0)
+                     for rod, length in zip(RODS, PAPER_LENGTHS)))
+THIN = FourBar(*PAPER_LENGTHS, bodies=THIN_RODS)
 
 
-def example_7_2():
+def example_7_2() -> dict[str, float]:
     m, a2 = EXAMPLE_7_2.motion(*GIVEN_7_2), EXAMPLE_7_2.a2
     b = point_motion(EXAMPLE_7_2, m, 'coupler', 0.0)
     return {'angle': degrees(m.theta1), 'omega2': -m.omega1, 'v_b': float(b.speed) / FOOT,
@@ -57,7 +59,7 @@ def example_7_2():
             'delta': degrees(acceleration_image(m.omega_beta, m.alpha_beta)[1])}
 
 
-def example_7_3():
+def example_7_3() -> dict[str, float]:
     m = EXAMPLE_7_3.motion(*GIVEN_7_3)
     points = {f'a_{name.lower()}': hypot(*point_motion(EXAMPLE_7_3, m, *point).acceleration) / FOOT
               for name, point in POINTS_7_3.items()}
@@ -74,17 +76,17 @@ def example_7_3():
             'alpha3': m.alpha_beta, 'alpha4': -m.alpha4, **points}
 
 
-def example_7_4():
+def example_7_4() -> dict[str, float]:
     """Take the rod at 45 deg, 50 rad/s ccw, the slider 0.5 m out and moving outwards at 30 m/s."""
     out = np.array([np.cos(pi / 4.0), np.sin(pi / 4.0)])
     terms = acceleration_terms((0.0, 0.0), 50.0, 0.0, 0.5 * out, 30.0 * out)
-    total = sum(terms)
+    total = np.sum(terms, axis=0)
     return {'normal': hypot(*terms.normal), 'coriolis': hypot(*terms.coriolis),
             'total': hypot(*total),
             'direction': degrees(pi - np.arctan2(total[1], total[0]))}
 
 
-def example_7_5():
+def example_7_5() -> dict[str, float]:
     m, a1 = EXAMPLE_7_5.motion(*GIVEN_7_5), EXAMPLE_7_5.a1
     return {'angle': degrees(m.theta1), 'offset': EXAMPLE_7_5.offset / INCH, 'v_a': -m.omega1 * a1
             / FOOT, 'v_q': m.omega4 * m.slide / FOOT, 'v_rel': -m.slide_velocity / FOOT,
@@ -94,8 +96,8 @@ def example_7_5():
             'tangential': m.alpha4 * m.slide / FOOT, 'alpha4': m.alpha4}
 
 
-def example_7_6():
-    values = {}
+def example_7_6() -> dict[str, float]:
+    values: dict[str, float] = {}
     for name, mode in (('', OPEN), ('other_', CROSSED)):
         m = EXAMPLE_7_6.in_mode(mode).motion(*GIVEN_7_6)
         for n, triple in ((2, m[3:6]), (4, m[9:12])):
@@ -111,14 +113,14 @@ def example_7_6():
     return values
 
 
-def example_7_7():
+def example_7_7() -> dict[str, float]:
     equation = io_equation(EXAMPLE_7_7.lengths, 1, 4)
     values = {'eq38_v1v4': equation.both, 'eq38_v1': equation.first, 'eq38_mixed': -equation.mixed,
               'eq38_v4': -equation.second, 'eq38': equation.constant}
     return values | _extrema(EXAMPLE_7_7, 10.0, 'deg')
 
 
-def _extrema(linkage, speed, unit):
+def _extrema(linkage: FourBar, speed: float, unit: str) -> dict[str, float]:
     """Return the values and places of the global extrema of omega4 and alpha4 in both modes."""
     values = {}
     for mode in (CROSSED, OPEN):
@@ -132,18 +134,18 @@ def _extrema(linkage, speed, unit):
     return values
 
 
-def paper_table_1():
+def paper_table_1() -> dict[str, float]:
     return {f'm{i}': rod.mass for i, rod in enumerate(RODS, 1)}
 
 
-def paper_table_2():
+def paper_table_2() -> dict[str, float]:
     values = _extrema(PAPER, PAPER_SPEED, 'rad')
     return values | {f'{name}_deg': degrees(value) for name, value in values.items()
                      if '_at' in name}
 
 
-def paper_table_3():
-    values = {}
+def paper_table_3() -> dict[str, float]:
+    values: dict[str, float] = {}
     for name, linkage, quantity in (('force', THIN, 'shaking_force'),
                                     ('moment', THIN, 'shaking_moment'),
                                     ('solid_moment', PAPER, 'shaking_moment'),
@@ -159,17 +161,17 @@ def paper_table_3():
                      'rate_at': table_2['mode2_omega4_min_at']}
 
 
-def literal_moment(motion, loads):
+def literal_moment(motion: Any, loads: Any) -> Any:
     """
     Return T14 + r34 x F34 [N m] with the arm r34 of the paper's Fig. 2.
 
     That arm runs from the centre of gravity of link 3 to joint 4.
     """
-    along = THIN.bodies.output.cg_along
+    along = THIN_RODS.output.cg_along
     return along * (motion.cos_y * loads.f43_y - motion.sin_y * loads.f43_x) - loads.driving_torque
 
 
-def wrong_curves():
+def wrong_curves() -> tuple[Array, Array, Array, Array]:
     """
     Return theta1 [rad] and three magnitudes from a wrong form of the paper's Eq. (9).
 
@@ -181,18 +183,19 @@ def wrong_curves():
     motion = THIN.motion(theta1, PAPER_SPEED)
     unknowns = solve_eq_9(THIN, motion, with_velocities=True)
     f41, f43, torque = unknowns[:, 0:2], unknowns[:, 6:8], unknowns[:, 8]
-    along = THIN.bodies.output.cg_along
+    along = THIN_RODS.output.cg_along
     literal = along * (motion.cos_y * f43[:, 1] - motion.sin_y * f43[:, 0]) - torque
     return theta1, np.hypot(*(f41 + f43).T), np.abs(-torque - 0.01 * f43[:, 1]), np.abs(literal)
 
 
-def solve_eq_9(linkage, motion, with_velocities=False):
+def solve_eq_9(linkage: FourBar, motion: Any, with_velocities: bool = False) -> Array:
     """
     Return the nine unknowns of the paper's Eq. (9), shape (n, 9).
 
     F41, F21, F32, F43 (x, y each), T41. ``with_velocities``: the force rows hold m v in place of m
     a.
     """
+    assert linkage.bodies is not None
     size = np.size(motion.theta1)
     a, right = np.zeros((size, 9, 9)), np.zeros((size, 9))
     for i, (link, body, length) in enumerate(zip(('crank', 'coupler', 'output'), linkage.bodies,
@@ -212,7 +215,7 @@ def solve_eq_9(linkage, motion, with_velocities=False):
     return np.linalg.solve(a, right[..., None])[..., 0]
 
 
-def eq_9():
+def eq_9() -> dict[str, float]:
     """
     Return the largest difference between the paper's Eq. (10) and our closed forms.
 
@@ -225,7 +228,7 @@ def eq_9():
     return {'difference': np.abs(solve_eq_9(PAPER, motion) - ours).max() / np.abs(ours).max()}
 
 
-def vectors():
+def vectors() -> dict[str, float]:
     """
     Return the symbols of the slides' vector equations.
 
@@ -255,12 +258,12 @@ def vectors():
                                rel=m.slide_acceleration * bar.direction)
 
 
-def _components(**vectors):
+def _components(**vectors: Array) -> dict[str, float]:
     return {f'{name}_{axis}': float(part) for name, vector in vectors.items()
             for axis, part in zip('xy', vector)}
 
 
-def symbols():
+def symbols() -> dict[str, float]:
     """
     Return the symbols of the slides' Eqs. (16)-(37) by name, at the pose of Example 7.6.
 
@@ -268,15 +271,15 @@ def symbols():
     theta.
     """
     m = EXAMPLE_7_6.motion(*GIVEN_7_6)
-    found = dict(zip(('a1', 'a2', 'a3', 'a4'),
-                     EXAMPLE_7_6.lengths)) | bilinear_factors(*EXAMPLE_7_6.lengths)._asdict()
+    a1, a2, a3, a4 = EXAMPLE_7_6.lengths
+    found = {'a1': a1, 'a2': a2, 'a3': a3, 'a4': a4} | bilinear_factors(a1, a2, a3, a4)._asdict()
     for n, triple in enumerate((m[0:3], m[3:6], m[6:9], m[9:12]), 1):
         found |= dict(zip((f'v{n}', f'dv{n}', f'ddv{n}'), map(float, to_half_angle(*triple))))
         found |= {f'w{n}': triple[1], f'al{n}': triple[2]}
     return found | {letter: found[f'{letter}1'] * found[f'{letter}2'] for letter in 'ABCD'}
 
 
-def paper_symbols():
+def paper_symbols() -> dict[str, float]:
     """
     Return the symbols of the paper's Eqs. (1)-(8), in its own chain.
 

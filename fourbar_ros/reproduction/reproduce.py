@@ -3,9 +3,10 @@
 """``fourbar reproduce``: compute everything that the slides and the paper print, and judge it."""
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from math import isnan, nan
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.report.terminal import make_console, plain_table
 from fourbar_ros.reproduction import published
@@ -22,6 +23,9 @@ from fourbar_ros.reproduction.verdicts import (
     WRONG,
 )
 import yaml
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 DOCUMENTS = Path(__file__).with_name('published.yaml')
 EXACT = 1e-12      # of the sum of the terms: more than rounding, less than any slip
@@ -47,16 +51,16 @@ class Section(NamedTuple):
     """
 
     title: str
-    rows: list
+    rows: list[Row]
     figure: str
 
 
-def reproduce(path=DOCUMENTS):
+def reproduce(path: str | Path = DOCUMENTS) -> list[Section]:
     """Return every :class:`Section`, computed now."""
     return [_section(entry) for entry in yaml.safe_load(Path(path).read_text())]
 
 
-def _section(entry):
+def _section(entry: Mapping[str, Any]) -> Section:
     values = getattr(published, entry.get('values', 'symbols'))() if 'values' in entry else {}
     symbols = getattr(published, entry['symbols'])() if 'symbols' in entry else {}
     rows = [_equation(row, symbols) if 'key' not in row and symbols else _number(row, values)
@@ -64,7 +68,7 @@ def _section(entry):
     return Section(entry['title'], rows, entry.get('figure', ''))
 
 
-def _number(row, values):
+def _number(row: Mapping[str, Any], values: Mapping[str, float]) -> Row:
     """Return the Row of a printed number, with its difference and the verdict on it."""
     printed = row.get('printed', '')
     own = _evaluate(row['own'], {}) if 'own' in row else nan
@@ -77,7 +81,7 @@ def _number(row, values):
                verdict, reason)
 
 
-def _verdict(row, ours):
+def _verdict(row: Mapping[str, Any], ours: float) -> str:
     """
     Return the verdict on a number.
 
@@ -102,7 +106,7 @@ def _verdict(row, ours):
     return verdict
 
 
-def _reason(row):
+def _reason(row: Mapping[str, Any]) -> str:
     """Return the footnote that a row refers to."""
     if 'copies' in row:
         return f'the copy has {" and ".join(repr(text.strip()) for text in row["copies"])}'
@@ -110,30 +114,30 @@ def _reason(row):
                                         'why') if name in row), '')
 
 
-def is_reading(text, copies):
+def is_reading(text: str, copies: Sequence[str]) -> bool:
     """Return whether each character of a text stands at its place in a garbled copy."""
     return all(len(copy) == len(text) for copy in copies) and all(
         any(copy[i] == character for copy in copies) for i, character in enumerate(text))
 
 
-def agrees(value, text):
+def agrees(value: float, text: str) -> bool:
     """Return whether a decimal number is the value, rounded or truncated after its last digit."""
     printed, unit = float(text), 10.0**-len(text.partition('.')[2])
     beyond = (value - printed) / unit if printed >= 0.0 else (printed - value) / unit
     return -0.5 <= beyond < 1.0
 
 
-def _equation(row, symbols):
+def _equation(row: Mapping[str, Any], symbols: Mapping[str, float]) -> Row:
     """
     Return the Row of an equation: its printed form against what it must give.
 
     A sum of terms must be zero, relative to their magnitudes; a formula must give ``ours``.
     """
-    def left(terms):
+    def left(terms: Sequence[Any]) -> float:
         numbers = [_evaluate(term, symbols) for term in terms]
         return sum(numbers) / sum(map(abs, numbers))
 
-    def of(form):
+    def of(form: Any) -> float:
         return left(form) if isinstance(form, list) else _evaluate(form, symbols)
 
     form = row.get('terms', row.get('value'))
@@ -147,7 +151,7 @@ def _equation(row, symbols):
                must - printed, verdict, _reason(row))
 
 
-def _evaluate(expression, symbols):
+def _evaluate(expression: Any, symbols: Mapping[str, float]) -> float:
     """Return the value of an expression in published.yaml; it knows these symbols only."""
     return float(eval(str(expression), {'__builtins__': {}}, symbols))
 
@@ -157,30 +161,30 @@ def _evaluate(expression, symbols):
 COLUMNS = ('', 'printed>', 'ours>', 'difference>', 'unit', 'verdict', '')
 
 
-def cells(row):
+def cells(row: Row) -> tuple[str, ...]:
     """Return the texts of a Row, without its reason."""
     return (row.what, row.printed, '' if isnan(row.ours) else f'{row.ours:.10g}',
             '' if isnan(row.difference) else f'{row.difference:.3g}', row.unit, row.verdict)
 
 
-def footnotes(section):
+def footnotes(section: Section) -> dict[str, int]:
     """Return {reason: its number} of a Section, in order."""
     return {reason: i for i, reason in enumerate(dict.fromkeys(row.reason for row in section.rows
                                                                if row.reason), 1)}
 
 
-def count(sections):
+def count(sections: Sequence[Section]) -> dict[str, int]:
     """Return the number of rows of each verdict, as a dict in the order of VERDICTS."""
     found = [row.verdict for section in sections for row in section.rows]
     return {verdict: found.count(verdict) for verdict in VERDICTS if verdict in found}
 
 
-def summary(sections):
+def summary(sections: Sequence[Section]) -> str:
     """Return the verdicts in one line."""
     return ', '.join(f'{number} {verdict}' for verdict, number in count(sections).items())
 
 
-def print_tables(sections, console=None):
+def print_tables(sections: Sequence[Section], console: Console | None = None) -> None:
     """Print a table for each section, the reasons below it."""
     console = console or make_console()
     for section in sections:

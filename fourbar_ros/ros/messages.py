@@ -3,12 +3,16 @@
 """From numbers to messages: each message is made once, filled many times, serialised once."""
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from math import nan
+from typing import Any
 
 from builtin_interfaces.msg import Time
-from fourbar_ros.pipeline.message_fields import PASSIVE_EFFORT
+from fourbar_ros.pipeline.message_fields import FieldMap, PASSIVE_EFFORT
+from fourbar_ros.scene.scene import Scene
 
+Message = Any                   # a ROS message of whatever type
 Stamp = tuple[int, int]         # as in a message, without making one: seconds, nanoseconds
 
 
@@ -23,7 +27,7 @@ def to_stamp(nanoseconds: int) -> Time:
     return Time(sec=sec, nanosec=nanosec)
 
 
-def resolve(type_name):
+def resolve(type_name: str) -> Any:
     """Return the class of 'package/msg/Name' (or srv)."""
     package, kind, name = type_name.split('/')
     try:
@@ -35,7 +39,7 @@ def resolve(type_name):
                                   'colcon build --base-paths . msg_defs') from None
 
 
-def set_constants(output, message, scene):
+def set_constants(output: str, message: Message, scene: Scene) -> None:
     """Fill what is the same in all messages of a scene."""
     message.header.frame_id = scene.frame_id
     for field in scene.layout.absent.get(output, ()):
@@ -47,7 +51,8 @@ def set_constants(output, message, scene):
         message.name, message.effort = scene.names_shown, []
 
 
-def filler(output, message, layout):
+def filler(output: str, message: Message, layout: FieldMap
+           ) -> Callable[[Stamp, int, int, Sequence[float]], None]:
     """
     Return the function (stamp, status, mode, values) that fills ``message``.
 
@@ -66,7 +71,7 @@ def filler(output, message, layout):
             plan.append((target, attribute, layout.place[source]))
     has_status = hasattr(message, 'status')
 
-    def fill(stamp, status, mode, values):
+    def fill(stamp: Stamp, status: int, mode: int, values: Sequence[float]) -> None:
         message.header.stamp.sec, message.header.stamp.nanosec = stamp
         if has_status:
             message.status, message.mode = status, mode

@@ -9,10 +9,10 @@ from pathlib import Path
 from ament_index_python.packages import get_package_share_directory
 from fourbar_ros.formats.definitions import types_in
 from fourbar_ros.formats.rosbag2 import Channel
-from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, QUEUE_DEPTH, TORQUE, WRENCH
+from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, QUEUE_DEPTH, Topic, TORQUE, WRENCH
 
 
-def channel(topic, name):
+def channel(topic: Topic, name: str) -> Channel:
     """Return the bag's Channel of a :class:`.Topic` under its resolved name."""
     is_input = topic in (*INPUTS.values(), TORQUE) or topic.name.startswith(WRENCH)
     depth = 1 if topic.latched else INPUT_DEPTH if is_input else QUEUE_DEPTH
@@ -20,13 +20,13 @@ def channel(topic, name):
                    topic.latched)
 
 
-def type_hash(type_name):
+def type_hash(type_name: str) -> str:
     """Return the RIHS01 hash of 'package/msg/Name'."""
     hashes = json.loads(_share(type_name, 'json').read_text())['type_hashes']
     return next(item['hash_string'] for item in hashes if item['type_name'] == type_name)
 
 
-def definition(type_name):
+def definition(type_name: str) -> str:
     """Return the definition followed by those of all messages in it, as bags hold them."""
     text = _share(type_name, 'msg').read_text()
     parts, done, todo = [text], {type_name}, types_in(type_name, text)
@@ -42,6 +42,6 @@ def definition(type_name):
     return '\n'.join(parts)
 
 
-def _share(type_name, suffix):
+def _share(type_name: str, suffix: str) -> Path:
     package, kind, name = type_name.split('/')
     return Path(get_package_share_directory(package)) / kind / f'{name}.{suffix}'

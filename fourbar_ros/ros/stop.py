@@ -7,10 +7,12 @@ Imports little, so that they are caught before the long imports.
 """
 from __future__ import annotations
 
+from collections.abc import Iterator
 import contextlib
 import signal
 import sys
 import time
+from typing import Any
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -23,25 +25,26 @@ class Stop:
     of a ``threading.Event`` would wait for itself.
     """
 
-    def __init__(self):
-        self.requested, self.name, self._before = False, '', {}
+    def __init__(self) -> None:
+        self.requested, self.name = False, ''
+        self._before: dict[signal.Signals, Any] = {}
 
-    def catch(self):
+    def catch(self) -> Stop:
         """Catch signals from now on; return self."""
         for number in SIGNALS:
             self._before[number] = signal.signal(number, self._note)
         return self
 
-    def restore(self):
+    def restore(self) -> None:
         """Restore the former handlers."""
         for number, handler in self._before.items():
             signal.signal(number, handler)
 
-    def _note(self, number, _):
+    def _note(self, number: int, _: object) -> None:
         self.requested, self.name = True, self.name or signal.Signals(number).name
 
     @staticmethod
-    def ignore():
+    def ignore() -> None:
         """
         Ignore signals until the end.
 
@@ -53,7 +56,7 @@ class Stop:
 
 
 @contextlib.contextmanager
-def _silent_race():
+def _silent_race() -> Iterator[None]:
     """Suppress the traceback of a signal that arrives while its handler changes."""
     before = sys.unraisablehook
     sys.unraisablehook = lambda found: None if isinstance(found.exc_value,

@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable, Sequence
 from math import isfinite
 import re
+from typing import Any, NoReturn
 
 from fourbar_ros.errors import FourBarError, nearest
 from fourbar_ros.scene.files import NODE, NotForNode, read_values
@@ -29,11 +31,11 @@ is invalid.
 class Parser(argparse.ArgumentParser):
     """An argument parser that suggests the nearest word in its errors, also within verbs."""
 
-    def __init__(self, *args, **kwargs):
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
         self._negative_number_matcher = NEGATIVE      # argparse would take -1e-9 as an option
 
-    def error(self, message):
+    def error(self, message: str) -> NoReturn:
         """Print the error in one line below the usage; exit with code 2."""
         if match := INVALID_CHOICE.search(message):
             known = re.findall(r"[^\s,']+", match[2])
@@ -41,7 +43,7 @@ class Parser(argparse.ArgumentParser):
                                                  f'unknown{nearest(match[1], known)}')
         super().error(message)
 
-    def parse_known_args(self, args=None, namespace=None):
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse as the base class does, but refuse options that a verb does not know."""
         namespace, rest = super().parse_known_args(args, namespace)
         if rest and ' ' in self.prog:
@@ -74,7 +76,7 @@ def finite(text: str) -> float:
     return _number(text, lambda value: True, 'must be a finite number')
 
 
-def _number(text, is_good, must):
+def _number(text: str, is_good: Callable[[float], bool], must: str) -> float:
     try:
         value = float(text)
     except ValueError:
@@ -132,9 +134,11 @@ def node_names(arguments: list[str]) -> list[str]:
     return outside or [NODE[1:]]
 
 
-def _parts(arguments):
+def _parts(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
     """Return the arguments outside and inside of ``--ros-args``."""
-    outside, inside, is_inside = [], [], False
+    outside: list[str] = []
+    inside: list[str] = []
+    is_inside = False
     for argument in arguments:
         if argument in ('--ros-args', '--'):
             is_inside = argument == '--ros-args'
@@ -143,7 +147,7 @@ def _parts(arguments):
     return outside, inside
 
 
-def _check_files(files, node):
+def _check_files(files: Sequence[str], node: str) -> None:
     """Raise SceneError unless a node finds its parameters in the files, if there are any."""
     strangers = []
     for file in files:
@@ -155,7 +159,7 @@ def _check_files(files, node):
         raise strangers[0]
 
 
-def _name_of(inside, name):
+def _name_of(inside: Sequence[str], name: str) -> str:
     """Return the full name of a node after remapping."""
     namespace, name = ('/' + name).rsplit('/', 1)
     namespace = namespace and '/' + namespace.strip('/')

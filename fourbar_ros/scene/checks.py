@@ -3,21 +3,24 @@
 """What no parameter of a scene shows alone: checks of the scene as a whole."""
 from __future__ import annotations
 
+from typing import Any, NoReturn
+
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanisms.contract import Contract
 
 IN_WORDS = {1: 'one', 2: 'two', 3: 'three', 4: 'four', 5: 'five', 6: 'six', 7: 'seven', 8: 'eight'}
 
 
-def check_link(name, link, linkage):
+def check_link(name: str, link: str, linkage: Contract) -> None:
     """Refuse a link that the linkage does not have."""
     known = [its.name for its in linkage.LINKS]
     if link not in known:
         raise InvalidParameter(name, link, f'must be one of {", ".join(known)}')
 
 
-def check_together(scene):
+def check_together(scene: Any) -> None:
     """Check what no parameter shows alone."""
-    def refuse(name, why):
+    def refuse(name: str, why: str) -> NoReturn:
         value = scene.values[name]
         # NaN: not given
         raise InvalidParameter(name, value if value == value else None, why)

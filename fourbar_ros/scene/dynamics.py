@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.scene import parameters
+from fourbar_ros.scene.families import names_in
 from fourbar_ros.scene.of_dynamics import SOURCES
 
 if TYPE_CHECKING:      # other scenes do without
@@ -47,7 +48,7 @@ def of_values(values: Values, linkage: Any) -> Dynamics | None:
 
     """
     springs = [f'{group}.{name}' for group in ('springs', 'torsion_springs')
-               for name in parameters.names_in(group, values)]
+               for name in names_in(group, values)]
     if values['drive.source'] not in SOURCES:
         if springs:
             raise InvalidParameter(springs[0], None, 'a spring acts only where the motion follows '

@@ -7,9 +7,10 @@ In the tables NAME is free: points.NAME.link and so on.
 """
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import nan
 import re
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.mechanisms.machine.description import DIMENSIONS
 from fourbar_ros.scene import of_dynamics
@@ -20,7 +21,7 @@ NAME = 'NAME'
 GROUND_TOO = 'of the ground x and y'
 
 
-def body(link, first_joint):
+def body(link: str, first_joint: str) -> tuple[Parameter, ...]:
     """Return the parameters of the body of a link."""
     name = f'bodies.{link}.'
     return (
@@ -37,7 +38,7 @@ def body(link, first_joint):
     )
 
 
-def external(link, first_joint):
+def external(link: str, first_joint: str) -> tuple[Parameter, ...]:
     """Return the parameters of what acts on a link from outside."""
     name = f'external.{link}.'
     return (
@@ -60,16 +61,16 @@ def external(link, first_joint):
     )
 
 
-def _table(*parameters):
+def _table(*parameters: Parameter) -> dict[str, Parameter]:
     return {parameter.name: parameter for parameter in parameters}
 
 
-def _having(dimension):
+def _having(dimension: str) -> str:
     """Return the kinds of dyads that have a dimension, as text."""
     return ', '.join(kind for kind, names in DIMENSIONS.items() if dimension in names)
 
 
-def _place(name, which):
+def _place(name: str, which: str) -> tuple[Parameter, ...]:
     return (
         Parameter(f'{name}.link', 'string', REQUIRED, '',
                   f'link on which dyad NAME hangs with its {which} link: ground, the driven link '
@@ -124,7 +125,7 @@ OF_MACHINES = 'dyads', 'bodies', 'external'      # families whose names only mac
 _MEMBER = re.compile(rf'({"|".join(NAMED)})\.([A-Za-z]\w*)\.([\w.]+)')
 
 
-def is_name(value):
+def is_name(value: Any) -> bool:
     """Return whether a value can be the name of a member."""
     return isinstance(value, str) and re.fullmatch(r'[A-Za-z]\w*', value) is not None
 
@@ -137,25 +138,28 @@ class Member(NamedTuple):
     field: str
 
 
-def member_of(name):
+def member_of(name: str) -> Member | None:
     """Return the :class:`Member` that a parameter belongs to by its name, or None."""
     match = _MEMBER.fullmatch(name)
     return Member(*match.groups()) if match else None
 
 
-def find(name):
+def find(name: str) -> Parameter | None:
     """Return the Parameter of this name, of a member of a family, or None."""
     member = member_of(name)
-    general = member and NAMED[member.family].get(f'{member.family}.{NAME}.{member.field}')
+    if member is None:
+        return None
+    general = NAMED[member.family].get(f'{member.family}.{NAME}.{member.field}')
     return general and general._replace(name=name, text=general.text.replace(NAME, member.name))
 
 
-def names_in(family, values):
+def names_in(family: str, values: Iterable[str]) -> list[str]:
     """Return the names of the members of a family that have a parameter, in order."""
     members = filter(None, map(member_of, values))
     return list(dict.fromkeys(member.name for member in members if member.family == family))
 
 
-def parameters_of(family, member):
+def parameters_of(family: str, member: str) -> list[Parameter]:
     """Return all parameters of one member of a family."""
-    return [find(name.replace(f'.{NAME}.', f'.{member}.')) for name in NAMED[family]]
+    named = (find(name.replace(f'.{NAME}.', f'.{member}.')) for name in NAMED[family])
+    return list(filter(None, named))

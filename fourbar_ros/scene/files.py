@@ -7,6 +7,7 @@ They are ROS 2 parameter files, read here without ROS.
 """
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import inf, isinf, nan
 from pathlib import Path
 import re
@@ -86,7 +87,7 @@ def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
                          f'{", ".join(there)}; write "/**:" there'
                          + (f', or name one: {path}:{next(iter(there)).lstrip("/*")}'
                             if node is None else ''))
-    values = {}
+    values: dict[str, Any] = {}
     for tree in found:
         values |= flatten(tree, path)
     return values
@@ -100,7 +101,7 @@ def _file_and_node(path: str | Path, node: str | None) -> tuple[Path, str | None
     return find(path), node
 
 
-def sections(path: str | Path) -> dict[str, dict]:
+def sections(path: str | Path) -> dict[str, dict[str, Any]]:
     """
     Return {key for nodes: tree of parameters} of a ROS 2 parameter file.
 
@@ -142,7 +143,7 @@ def is_for(key: str, node: str | None) -> bool:
     return re.fullmatch(pattern, node) is not None
 
 
-def _sections(tree, prefix=''):
+def _sections(tree: dict[Any, Any], prefix: str = '') -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield (name of the node, its parameters) of a document; namespaces may be nested."""
     for key, below in tree.items():
         if isinstance(below, dict):
@@ -152,7 +153,7 @@ def _sections(tree, prefix=''):
             yield from _sections({k: v for k, v in below.items() if k != 'ros__parameters'}, name)
 
 
-def flatten(tree: dict, path: str | Path = '', prefix: str = '') -> dict[str, Any]:
+def flatten(tree: dict[Any, Any], path: str | Path = '', prefix: str = '') -> dict[str, Any]:
     """
     Return a nested dict with its keys joined by dots, as ROS does.
 
@@ -179,9 +180,9 @@ def scalar(text: str) -> bool | int | float | str:
         return BOOLS[text]
     if INTEGER.fullmatch(text):
         sign, digits = -1 if text[0] == '-' else 1, text.lstrip('+-')
-        value = sign * int(digits, 16 if digits[:2] in ('0x', '0X') else 8 if digits[0] == '0'
+        whole = sign * int(digits, 16 if digits[:2] in ('0x', '0X') else 8 if digits[0] == '0'
                            else 10)
-        return value if -2**63 <= value < 2**63 else float(value)
+        return whole if -2**63 <= whole < 2**63 else float(whole)
     if DOUBLE.fullmatch(text):
         value = float(text)
         overflows = (isinf(value) or (value == 0.0 and any(c in '123456789'
@@ -213,14 +214,15 @@ class _Loader(yaml.SafeLoader):
 
     yaml_implicit_resolvers = {}
 
-    def compose_node(self, parent, index):
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
         if self.check_event(yaml.AliasEvent):
+            event: Any = self.peek_event()      # type: ignore[no-untyped-call]
             raise yaml.MarkedYAMLError(problem='ROS reads no aliases',
-                                       problem_mark=self.peek_event().start_mark)
+                                       problem_mark=event.start_mark)
         return super().compose_node(parent, index)
 
 
-def _plain_or_quoted(loader, node):
+def _plain_or_quoted(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> bool | int | float | str:
     if node.style is not None:
         return node.value
     if not node.value:
@@ -228,7 +230,7 @@ def _plain_or_quoted(loader, node):
     return scalar(node.value)
 
 
-def _mapping(loader, node):
+def _mapping(loader: yaml.SafeLoader, node: yaml.MappingNode) -> dict[str, Any]:
     found = {}
     for key_node, value_node in node.value:
         key = key_node.value if isinstance(key_node, yaml.ScalarNode) else None

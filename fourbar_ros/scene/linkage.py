@@ -3,14 +3,18 @@
 """The mechanism of a scene: its kind or its dyads, its bodies, what acts on them."""
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from math import isnan
+from typing import Any
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Applied, Body, round_rod
+from fourbar_ros.mechanisms.contract import SLIDE
 from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.mechanisms.mechanism import SLIDE
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Link
 from fourbar_ros.scene import families, of_kinds
-from fourbar_ros.scene.parameters import find, MACHINE, PARAMETERS
+from fourbar_ros.scene.parameters import MACHINE, of_name, PARAMETERS
 
 OWN_NAMES = 'dyads.', 'cylinder', 'bodies.', 'external.'      # of parameters, as errors have them
 ALWAYS = 'bodies.rods.density', 'bodies.rods.radius'
@@ -18,7 +22,7 @@ RENAMED = {'stroke': 'linkage.range', 'dyads': 'linkage.dyads',
            'name of a dyad': 'linkage.dyads'}
 
 
-def linkage_of(values):
+def linkage_of(values: dict[str, Any]) -> Mechanism:
     """
     Return the mechanism of a scene, by all its parameters.
 
@@ -45,7 +49,7 @@ def linkage_of(values):
                                'far apart to be computed with') from None
 
 
-def _check_lengths(values):
+def _check_lengths(values: dict[str, Any]) -> None:
     """Refuse lengths that are missing, and those of other kinds."""
     name = values['linkage.kind']
     lengths = ([] if name == MACHINE else [length.name for length in KINDS[name].LENGTHS])
@@ -59,10 +63,10 @@ def _check_lengths(values):
                                    + (f'{", ".join(lengths)} only' if lengths else 'dyads.*'))
 
 
-def _of_kind(values):
+def _of_kind(values: dict[str, Any]) -> Mechanism:
     """Return the mechanism of a kind."""
     name = values['linkage.kind']
-    kind = KINDS[name]
+    kind: Any = KINDS[name]            # its lengths are its arguments
     for only in ('linkage.dyads', 'linkage.output'):
         if values[only]:
             raise InvalidParameter(only, values[only], f'linkage.kind {MACHINE} alone has it')
@@ -84,7 +88,7 @@ def _of_kind(values):
                 gravity=_gravity(values), external=kind.EXTERNAL(**external_of(values, kind)))
 
 
-def _machine(values):
+def _machine(values: dict[str, Any]) -> Mechanism:
     """Return the machine of dyads of a scene; links without a mass have none."""
     from fourbar_ros.scene import machines  # only these scenes need its formulas
 
@@ -95,23 +99,24 @@ def _machine(values):
                            _gravity(values), external_of(values, machine))
 
 
-def _check_links(values, machine):
+def _check_links(values: dict[str, Any], machine: Mechanism) -> None:
     """Refuse bodies of links that a machine does not have, and forces on links that bear none."""
     known = {'bodies': [link.name for link in machine.LINKS], 'external': machine.EXTERNAL._fields}
     for name, value in values.items():
         member = families.member_of(name)
         if not member or name in ALWAYS or member.name in known.get(member.family, member.name):
             continue
-        if value == value and value != find(name).default:
+        if value == value and value != of_name(name).default:
             raise InvalidParameter(f'{member.family}.{member.name}', None, 'there is no such link '
                                    f'here{nearest(member.name, known[member.family])}')
 
 
-def _gravity(values):
+def _gravity(values: dict[str, Any]) -> tuple[float, float]:
     return values['gravity.x'], values['gravity.y']
 
 
-def external_of(values, mechanism, applied=Applied):
+def external_of(values: Mapping[str, Any], mechanism: Any, applied: Callable[..., Any] = Applied
+                ) -> dict[str, Any]:
     """Return {link: Applied}; ``applied`` makes one of its numbers."""
     return {link: applied(*(values[f'external.{link}.{field}']
                             for field in Applied.__dataclass_fields__))
@@ -135,43 +140,44 @@ class Bodies:
     # What is made of its numbers; subclasses may take arrays.
     body, rod = staticmethod(Body), staticmethod(round_rod)
 
-    def __init__(self, values, links, lengths):
+    def __init__(self, values: Mapping[str, Any], links: Sequence[Link], lengths: Mapping[str, Any]
+                 ) -> None:
         self._values, self._links, self._lengths = values, links, lengths
         self._has_rods = self._has('bodies.rods.density') or self._has('bodies.rods.radius')
         for name in ('bodies.rods.density', 'bodies.rods.radius'):
             if self._has_rods and not self._has(name):
                 raise InvalidParameter(name, None, 'must be given: rods have density and radius')
 
-    def _has(self, name):
+    def _has(self, name: str) -> bool:
         value = self._values[name]
         return not isinstance(value, float) or not isnan(value)
 
-    def _has_mass(self, link):
+    def _has_mass(self, link: Link) -> bool:
         return self._has(f'bodies.{link.name}.mass')
 
     @property
-    def are_given(self):
+    def are_given(self) -> bool:
         """Return whether the scene gives any mass at all."""
         return self._has_rods or any(map(self._has_mass, self._links))
 
-    def every(self):
+    def every(self) -> dict[str, Body]:
         """Return {link: Body}; each must be given."""
         return {link.name: self._rod(link) if self._has_rods and link.length else self._one(link)
                 for link in self._links}
 
-    def those_given(self):
+    def those_given(self) -> dict[str, Body]:
         """Return {link: Body} of the links that have one."""
         return {link.name: self._rod(link) if self._is_rod(link) else self._one(link)
                 for link in self._links if self._is_rod(link) or self._is_mentioned(link)}
 
-    def _is_rod(self, link):
-        return self._has_rods and link.length and not self._has_mass(link)
+    def _is_rod(self, link: Link) -> bool:
+        return self._has_rods and bool(link.length) and not self._has_mass(link)
 
-    def _is_mentioned(self, link):
+    def _is_mentioned(self, link: Link) -> bool:
         return any(self._has(f'bodies.{link.name}.{field}')
                    for field in ('mass', 'inertia', 'cg_along'))
 
-    def _rod(self, link):
+    def _rod(self, link: Link) -> Body:
         for field in ('mass', 'inertia', 'cg_along'):
             name = f'bodies.{link.name}.{field}'
             if self._has(name):
@@ -180,7 +186,7 @@ class Bodies:
         return self.rod(self._lengths[link.length], self._values['bodies.rods.density'],
                         self._values['bodies.rods.radius'])
 
-    def _one(self, link):
+    def _one(self, link: Link) -> Body:
         name, values = f'bodies.{link.name}.', self._values
         for field in ('mass', 'inertia') if link.turns else ('mass',):
             if not self._has(name + field):

@@ -5,8 +5,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import isnan
+from typing import Any
 
 from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.mechanics.bodies import Applied, Body
 from fourbar_ros.mechanisms.machine.description import (
     CYLINDER,
     Cylinder,
@@ -21,7 +23,7 @@ DIMENSIONS = 'length_1', 'length_2', 'offset', 'direction_1', 'direction_2', 'sl
 CRANK, ROD_MODEL = 'crank', 'rods'
 
 
-def machine_of(values):
+def machine_of(values: dict[str, Any]) -> Machine:
     """Return the machine, without bodies; InvalidParameter names a dyad and what is wrong."""
     names = values['linkage.dyads']
     if not names:
@@ -44,12 +46,13 @@ def machine_of(values):
                    stroke=tuple(given) if given else None)
 
 
-def loaded(machine, bodies, gravity, external):
+def loaded(machine: Machine, bodies: dict[str, Body] | None, gravity: tuple[float, float],
+           external: dict[str, Applied]) -> Machine:
     """Return a machine with bodies, gravity and forces; those of links that it has."""
     return replace(machine, bodies=bodies, gravity=gravity, external=external)
 
 
-def _dyad(name, values):
+def _dyad(name: str, values: dict[str, Any]) -> Dyad:
     where = f'dyads.{name}.'
     dimensions = {field: None if isnan(values[where + field]) else values[where + field]
                   for field in DIMENSIONS}
@@ -58,11 +61,11 @@ def _dyad(name, values):
                 mode=values[where + 'mode'], **dimensions)
 
 
-def _point(values, name):
+def _point(values: dict[str, Any], name: str) -> Point:
     return Point(values[f'{name}.link'], values[f'{name}.along'], values[f'{name}.across'])
 
 
-def _cylinder(values):
+def _cylinder(values: dict[str, Any]) -> Cylinder | None:
     """Return the cylinder of a machine that is driven by one."""
     if values['linkage.input'] != CYLINDER:
         return None

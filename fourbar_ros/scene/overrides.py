@@ -9,6 +9,7 @@ and that to a text, whatever came last: ``-p drive.speed:=3.5`` is ignored where
 """
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from fourbar_ros.scene.files import flatten, is_for, parse, sections
@@ -61,13 +62,13 @@ def is_ignored(wanted: Any, kept: Any) -> bool:
     return None not in (wanted, kept) and _kind(wanted) != _kind(kept)
 
 
-def _kind(value):
+def _kind(value: Any) -> Any:
     if isinstance(value, bool | int | float | str):
         return type(value)
     return 'list', *(type(item) for item in list(value)[:1])
 
 
-def _of_ros(arguments):
+def _of_ros(arguments: list[str]) -> Iterator[tuple[str, str]]:
     """Yield (option, argument) of all that is meant for ROS."""
     is_inside = False
     for option, argument in zip(arguments, [*arguments[1:], '']):

@@ -33,9 +33,9 @@ class Parameter(NamedTuple):
     choices: tuple[str, ...] = ()
     live: bool = True          # can be changed while the node runs
 
-    def check(self, value):
+    def check(self, value: Any) -> Any:
         """Return the value in its own type, or raise InvalidParameter saying what is allowed."""
-        kind = TYPES[self.type]
+        kind: Any = TYPES[self.type]
         if kind is float:
             value = _as_float(value)
         # an array of doubles comes so from rclpy
@@ -61,10 +61,10 @@ class Parameter(NamedTuple):
         return value
 
     @property
-    def _article(self):
+    def _article(self) -> str:
         return 'an' if self.type == 'integer' else 'some' if TYPES[self.type] is list else 'a'
 
-    def _check_number(self, value):
+    def _check_number(self, value: float) -> None:
         if isnan(value) and isinstance(self.default, float) and isnan(self.default):
             return                                             # not given
         if not isfinite(value):
@@ -75,7 +75,7 @@ class Parameter(NamedTuple):
             raise InvalidParameter(self.name, value, f'must lie in {self.allowed}')
 
     @property
-    def allowed(self):
+    def allowed(self) -> str:
         """Return the allowed values as text."""
         if self.choices:
             return ', '.join(self.choices)
@@ -86,6 +86,6 @@ class Parameter(NamedTuple):
         return ''
 
 
-def _as_float(value):
+def _as_float(value: Any) -> Any:
     """Return an integer as a float, anything else as it is."""
     return float(value) if isinstance(value, int) and not isinstance(value, bool) else value

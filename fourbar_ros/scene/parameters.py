@@ -7,7 +7,9 @@ It feeds the declaration in the node, the check of scene files, the manual and t
 """
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import nan
+from typing import Any
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanisms.kinds import KINDS
@@ -19,7 +21,7 @@ from fourbar_ros.scene.topics import INPUTS, OUTPUTS, PICTURES
 MACHINE = 'machine'
 
 
-def _length(name, length):
+def _length(name: str, length: of_kinds.KnownLength) -> Parameter:
     name = f'linkage.{name}'
     if length.signed:
         return Parameter(name, 'double', 0.0, 'm', length.text)
@@ -161,19 +163,26 @@ PARAMETERS = {parameter.name: parameter for parameter in (
 )}
 
 
-def find(name):
+def find(name: str) -> Parameter | None:
     """Return the Parameter of this name, one of the table or of a member of a family, or None."""
     return PARAMETERS.get(name) or families.find(name)
 
 
-def _is_known(name, is_machine):
+def of_name(name: str) -> Parameter:
+    """Return the Parameter of a name that a checked scene has."""
+    found = find(name)
+    assert found is not None, name
+    return found
+
+
+def _is_known(name: str, is_machine: bool) -> bool:
     """Return whether a scene may have this parameter; links of their own only machines have."""
     member = families.member_of(name)
-    return name in PARAMETERS or (families.find(name) is not None
+    return name in PARAMETERS or (member is not None and families.find(name) is not None
                                   and (is_machine or member.family not in OF_MACHINES))
 
 
-def _why_unknown(name, is_machine):
+def _why_unknown(name: str, is_machine: bool) -> str:
     parts = name.split('.')
     if parts[0] in NAMED and len(parts) > 2 and not families.member_of(name):
         of_what = {'bodies': 'link', 'external': 'link'}.get(parts[0], parts[0][:-1])
@@ -188,7 +197,7 @@ def _why_unknown(name, is_machine):
     return f'unknown parameter{nearest(name, known, 0.75)}'
 
 
-def _members(values, is_machine):
+def _members(values: Mapping[str, Any], is_machine: bool) -> list[tuple[str, str]]:
     """Return (family, name) of all members of a scene; every link of a machine has a body."""
     found = [(group, name) for group in NAMED if group not in OF_MACHINES
              for name in names_in(group, values)]
@@ -204,20 +213,20 @@ def _members(values, is_machine):
     return found
 
 
-def _driven_links(values):
+def _driven_links(values: Mapping[str, Any]) -> list[str]:
     """Return the links of a machine that need not be named, those of its cylinder included."""
     driver = values.get('linkage.input')
     rods = as_names(values.get('cylinder.links', PARAMETERS['cylinder.links'].default))
-    return {'slide': ['slider'], 'cylinder': ['crank', *rods]}.get(driver, [])
+    return {'slide': ['slider'], 'cylinder': ['crank', *rods]}.get(str(driver), [])
 
 
-def as_names(value):
+def as_names(value: Any) -> list[str]:
     """Return the texts in a value, whatever it is."""
     return ([item for item in value if families.is_name(item)]
             if isinstance(value, (list, tuple)) else [])
 
 
-def check(values):
+def check(values: Mapping[str, Any]) -> dict[str, Any]:
     """
     Return all parameters with defaults filled in, each in its own type.
 

@@ -7,14 +7,16 @@ Read from a ROS 2 parameter file, without ROS.
 """
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 import json
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, cast, NamedTuple, TYPE_CHECKING, TypeVar
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
-from fourbar_ros.pipeline.message_fields import layout, Names
+from fourbar_ros.mechanisms.quantities import Function, point_acceleration, point_speed
+from fourbar_ros.pipeline.message_fields import FieldMap, layout, Names
 from fourbar_ros.scene import parameters
 from fourbar_ros.scene.checks import check_link, check_together
 from fourbar_ros.scene.dynamics import Dynamics, of_values
@@ -25,10 +27,17 @@ from fourbar_ros.scene.topics import (
     applied_topic,
     DRIVE_STATE,
     PICTURES,
+    Topic,
     topics_of,
     TORQUE,
     wrench_topic,
 )
+
+if TYPE_CHECKING:      # other scenes do without
+    from fourbar_ros.dynamics.mover import Mover
+
+
+Settings = TypeVar('Settings')
 
 
 class DriveSettings(NamedTuple):
@@ -89,7 +98,7 @@ class JointStates(NamedTuple):
     only_passive: bool
 
     @property
-    def are_plain(self):
+    def are_plain(self) -> bool:
         """Return whether positions, rates and efforts go out as they are."""
         return (set(self.ratios) == {1.0} and set(self.offsets) == {0.0} and self.when_unknown
                 != 'hold')
@@ -108,14 +117,14 @@ class Scene(NamedTuple):
     joint_states: JointStates
     recording: RecordingSettings
     dynamics: Dynamics | None         # where the motion follows from torque
-    values: dict       # every parameter by name
+    values: dict[str, Any]       # every parameter by name
 
     @property
-    def as_json(self):
+    def as_json(self) -> str:
         """Return the given parameters as JSON (NaN stands for "not given", and is no JSON)."""
         return json.dumps({name: value for name, value in self.values.items() if value == value})
 
-    def in_mode(self, mode):
+    def in_mode(self, mode: int | None) -> Mechanism:
         """Return the linkage in an assembly mode; None or 0: that of the scene."""
         known = self.linkage.modes
         if mode and mode not in known:
@@ -124,18 +133,18 @@ class Scene(NamedTuple):
         return self.linkage.in_mode(mode or self.linkage.mode)
 
     @property
-    def as_text(self):
+    def as_text(self) -> str:
         """Return the text of its scene file: what is given and no default."""
         return as_text({name: value for name, value in self.values.items()
-                        if value != parameters.find(name).default})
+                        if value != parameters.of_name(name).default})
 
     @property
-    def topics(self):
+    def topics(self) -> dict[str, Topic]:
         """Return {name: Topic} of all outputs; each point has one, named points/NAME."""
         return topics_of(self.outputs, self.members)
 
     @property
-    def members(self):
+    def members(self) -> dict[str, dict[str, str]]:
         """Return {family of outputs: {name: what it is}}: points, links, reactions."""
         return {'points': {name: f'point of the {point.link}'
                            for name, point in self.points.items()},
@@ -144,12 +153,12 @@ class Scene(NamedTuple):
                               for reaction in self.linkage.REACTIONS}}
 
     @property
-    def pictures(self):
+    def pictures(self) -> dict[str, Topic]:
         """Return {name: Topic} of the outputs for people to look at."""
         return {name: PICTURES[name] for name in self.outputs if name in PICTURES}
 
     @property
-    def wrench_topics(self):
+    def wrench_topics(self) -> list[Topic]:
         """
         Return the topics of forces from outside.
 
@@ -159,14 +168,14 @@ class Scene(NamedTuple):
                 for topic in (wrench_topic, applied_topic)]
 
     @property
-    def drive_topics(self):
+    def drive_topics(self) -> list[Topic]:
         """Return the topics of a drive that works by torque: what comes, and its state."""
         if self.dynamics is None:
             return []
         return [TORQUE, DRIVE_STATE] if self.drive.source == TORQUE.name else [DRIVE_STATE]
 
     @property
-    def loaded(self):
+    def loaded(self) -> Callable[[float, float], Any] | None:
         """Return (position, rate) -> linkage with the forces of springs; None without springs."""
         if self.dynamics is None or not self.dynamics.elements:
             return None
@@ -174,7 +183,7 @@ class Scene(NamedTuple):
         return make_loaded(self.linkage, self.dynamics.elements)
 
     @property
-    def known_linkage(self):
+    def known_linkage(self) -> Mechanism:
         """
         Return the linkage as far as its loads are known from its motion alone.
 
@@ -184,14 +193,15 @@ class Scene(NamedTuple):
         return replace(self.linkage, bodies=None) if has_elements else self.linkage
 
     @property
-    def mover(self):
+    def mover(self) -> Mover:
         """Return the :class:`~fourbar_ros.dynamics.mover.Mover`, which makes the motion."""
         from fourbar_ros.dynamics.mover import Mover
+        assert self.dynamics is not None        # only scenes that have it are driven so
         return Mover(self.dynamics.system(self.linkage), self.drive.tolerance, self.drive.budget,
                      self.drive.source == TORQUE.name)
 
     @property
-    def layout(self):
+    def layout(self) -> FieldMap:
         """Return the :class:`~fourbar_ros.pipeline.message_fields.FieldMap` of its values."""
         found = layout(Names.of(self.linkage, 'links' in self.outputs), tuple(self.points),
                        self.needs_loads, not self.joint_states.are_plain,
@@ -199,31 +209,31 @@ class Scene(NamedTuple):
         return found.showing(self.joints_shown) if self.joint_states.only_passive else found
 
     @property
-    def joints_shown(self):
+    def joints_shown(self) -> tuple[int, ...]:
         """Return the places of the joints in joint_states: all, or all but the driven one."""
         driven = self.linkage.input_coordinate
         return tuple(place for place, joint in enumerate(self.linkage.JOINTS)
                      if not (self.joint_states.only_passive and joint.coordinate == driven))
 
     @property
-    def names_shown(self):
+    def names_shown(self) -> list[str]:
         """Return the names of the joints in joint_states."""
         return [self.joint_names[place] for place in self.joints_shown]
 
     @property
-    def needs_loads(self):
+    def needs_loads(self) -> bool:
         """Return whether any output is a load; the effort in joint_states alone is not."""
         return any(topic.needs_loads for topic in self.topics.values())
 
     @property
-    def point_quantities(self):
+    def point_quantities(self) -> list[Function]:
         """Return the quantities of its points: NAME.speed and NAME.acceleration."""
         return [make(self.linkage, *point, name=name)
                 for name, point in self.points.items()
                 for make in (point_speed, point_acceleration)]
 
 
-def from_values(values):
+def from_values(values: Mapping[str, Any]) -> Scene:
     """
     Return the Scene of a flat dict of parameters, ``{'linkage.a1': 0.4, ...}``.
 
@@ -255,11 +265,12 @@ def from_values(values):
     return scene
 
 
-def _group(kind, name, values):
-    return kind(*(values[f'{name}.{field}'] for field in kind._fields))
+def _group(kind: type[Settings], name: str, values: Mapping[str, Any]) -> Settings:
+    made: Any = kind                    # a NamedTuple
+    return cast(Settings, made(*(values[f'{name}.{field}'] for field in made._fields)))
 
 
-def load(path):
+def load(path: str | Path) -> Scene:
     """
     Return the Scene of a ROS 2 parameter file (``/**: ros__parameters: ...``).
 

@@ -110,9 +110,9 @@ class SimulatedScene(NamedTuple):
         from fourbar_ros.dynamics.spring_forces import make_loaded
         loaded, unknown = make_loaded(linkage, elements), (nan,) * len(linkage.LOADS._fields)
         rows = []
-        for sample in zip(*(part.tolist() for part in motion)):
-            now = loaded(*sample[:2])
-            rows.append(evaluate(now, *sample, True)[2] if now else unknown)
+        for position, rate, acceleration in zip(*(part.tolist() for part in motion)):
+            now = loaded(position, rate)
+            rows.append(evaluate(now, position, rate, acceleration, True)[2] if now else unknown)
         return linkage.LOADS(*np.array(rows).T)
 
     def ripple(self) -> Ripple | None:

@@ -9,6 +9,7 @@ Names starting with ``~/`` are below the node's name; the others are relative to
 """
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 from fourbar_ros.scene.of_kinds import LOADED_LINKS
@@ -65,14 +66,14 @@ DRIVE_STATE = Topic('drive_state', '~/drive_state', 'fourbar_msgs/msg/DriveState
 WRENCH, ON_LINK = 'external_', 'applied_'      # and the name of a link: names of these topics
 
 
-def wrench_topic(link):
+def wrench_topic(link: str) -> Topic:
     """Return the topic of the wrench that acts on a link from outside."""
     return Topic(f'{WRENCH}{link}', f'~/external/{link}', 'geometry_msgs/msg/WrenchStamped',
                  f'external force on the {link} at the point external.{link}.along, .across, and '
                  'couple')
 
 
-def applied_topic(link):
+def applied_topic(link: str) -> Topic:
     """Return the topic that says what acts on a link."""
     return Topic(f'{ON_LINK}{link}', f'~/applied/{link}', 'geometry_msgs/msg/WrenchStamped',
                  f'external wrench in effect on the {link}; NaN: unknown; latched, sent on every '
@@ -150,14 +151,15 @@ TRAJECTORIES = {topic.name: topic for topic in (
 RECEIVED_TRAJECTORIES = ('output_trajectory', 'input_trajectory')
 
 
-def topics_of(outputs, members):
+def topics_of(outputs: Iterable[str], members: Mapping[str, Mapping[str, str]]
+              ) -> dict[str, Topic]:
     """
     Return {name: Topic} of the outputs of a scene.
 
     Members of a family have a topic each, named points/NAME; ``members``: {family: {name: text}}.
     Pictures are not among them.
     """
-    topics = {}
+    topics: dict[str, Topic] = {}
     for output in outputs:
         if output in PICTURES:
             continue

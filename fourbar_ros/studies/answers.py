@@ -133,7 +133,8 @@ class Answers:
         """Return ``row`` and the objectives of the designs that no other beats in all of them."""
         names = [name for name, _ in self.objectives]
         signs = np.array([1.0 if sense == 'minimize' else -1.0 for _, sense in self.objectives])
-        rows, points = np.zeros(0, np.int64), np.zeros((0, len(names)))
+        rows: Array = np.zeros(0, np.int64)
+        points: Array = np.zeros((0, len(names)))
         for block in self.blocks(['row', *names]):
             new = np.stack([block[name] for name in names], axis=1) * signs
             fine = np.isfinite(new).all(axis=1)

@@ -8,7 +8,7 @@ The formulas of motion and loads are those of every other computation, with
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 from functools import partial
@@ -25,6 +25,7 @@ from fourbar_ros.numerics.number_types import (
     columns_of,
     COMPLEX,
     COMPLEX_WITH_ANGLES,
+    Function,
 )
 from fourbar_ros.scene.linkage import Bodies, external_of
 from fourbar_ros.scene.parameters import find
@@ -86,8 +87,9 @@ def point_quantities_of(scene: Scene, values: dict[str, Any], many: Any) -> dict
         place = values[f'points.{name}.along'], values[f'points.{name}.across']
         for make in (point_speed, point_acceleration):
             one = make(scene.linkage, *point, name=name)
-            _, link, _, _, first = one.of.args
-            found[one.name] = one._replace(of=partial(one.of.func, many, link, *place, first))
+            known: Any = one.of              # a partial
+            _, link, _, _, first = known.args
+            found[one.name] = one._replace(of=partial(known.func, many, link, *place, first))
     return found
 
 
@@ -122,7 +124,7 @@ class Designs:
         self.lengths = self._constants.lengths
         self.many = with_lengths(scene.linkage, lengths)
         self.rate = self.values['drive.speed']
-        self._made: dict[bool, tuple[Callable, Callable | None]] = {}
+        self._made: dict[bool, tuple[Function, Function | None]] = {}
 
     def are_allowed(self) -> Array:
         """Return which designs have values that the table of parameters allows, shape (n,)."""

@@ -99,8 +99,9 @@ def compute(study: Study, number: int) -> Chunk:
     if study.keeps_all:
         head[FEASIBLE] = is_feasible[rows]
     head |= {name: column[rows] for name, column in drawn.items()}
-    columns = {name: column[rows].astype(kinds_of(study)[name])
-               for name, column in found.columns.items()}
+    columns: dict[str, Array] = {
+        name: column[rows].astype(kinds_of(study)[name])
+        for name, column in found.columns.items()}
     return Chunk(head | columns, dict(Counter(found.reasons)),
                  [(start + i, text) for i, text in found.failures])
 

@@ -12,6 +12,7 @@ from math import inf, pi
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, OutOfRange
+from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 SAMPLES = 4097         # over a range of the input, to see where the output turns back
@@ -44,8 +45,8 @@ class Branch(NamedTuple):
 
     """
 
-    inputs: np.ndarray
-    outputs: np.ndarray
+    inputs: Array
+    outputs: Array
     ends: tuple[End, End] | None
 
     @property
@@ -116,7 +117,7 @@ def _range(mechanism: Any, start: float) -> tuple[Any, Any]:
     return None, None
 
 
-def _changes(inputs: np.ndarray, ratios: np.ndarray) -> list[tuple[float, float]]:
+def _changes(inputs: Array, ratios: Array) -> list[tuple[float, float]]:
     """Return the intervals in which the ratio changes its sign, where it exists."""
     known = np.flatnonzero(~np.isnan(ratios) & np.isfinite(ratios))
     one, other = known[:-1], known[1:]
@@ -138,7 +139,7 @@ def _turn(mechanism: Any, low: float, high: float) -> float:
     return 0.5 * (low + high)
 
 
-def _continuous(mechanism: Any, inputs: np.ndarray) -> np.ndarray:
+def _continuous(mechanism: Any, inputs: Array) -> Array:
     """Return the output along rising inputs, an angle without jumps of a turn."""
     outputs = np.array(output_of(mechanism, inputs))
     if mechanism.outputs[0].coordinate.unit == 'rad':

@@ -20,6 +20,7 @@ from math import pi
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.transmission.branches import branch_of, output_of, ratio_of
 import numpy as np
 
@@ -124,7 +125,7 @@ class Transmission:
 
     # --- positions ------------------------------------------------------------------------------
 
-    def _on_branch(self, positions: np.ndarray) -> np.ndarray:
+    def _on_branch(self, positions: Array) -> Array:
         """Return targets on the branch: angles by whole turns; CannotFollow beyond its ends."""
         outputs = self.branch.outputs
         low, high = min(outputs[0], outputs[-1]), max(outputs[0], outputs[-1])
@@ -154,7 +155,7 @@ class Transmission:
                 f'the toggle {end.output:.8g} {unit}, where {end.why}, at {coordinate.position} = '
                 f'{end.input:.8g} {its}')
 
-    def _solve(self, targets: np.ndarray) -> np.ndarray:
+    def _solve(self, targets: Array) -> Array:
         """Return the inputs of targets on the branch, (T1)."""
         branch, turns = self.branch, np.zeros(len(targets))
         sense = branch.sense
@@ -178,7 +179,7 @@ class Transmission:
             x = new
         return new + 2.0 * pi * turns
 
-    def _continuous(self, inputs: np.ndarray) -> np.ndarray:
+    def _continuous(self, inputs: Array) -> Array:
         """Return the output at inputs of the branch, an angle by the turns of its samples."""
         outputs = output_of(self.mechanism, inputs)
         if self._output.unit != 'rad':
@@ -186,11 +187,11 @@ class Transmission:
         near = np.interp(inputs, self.branch.inputs, self.branch.outputs)
         return outputs + 2.0 * pi * np.round((near - outputs) / (2.0 * pi))
 
-    def _unwrapped(self, inputs: np.ndarray, outputs: np.ndarray) -> np.ndarray:
+    def _unwrapped(self, inputs: Array, outputs: Array) -> Array:
         """Return outputs of inputs that may be turns away, without jumps."""
         return np.unwrap(outputs) if self._output.unit == 'rad' else outputs
 
-    def _check_inputs(self, inputs: np.ndarray) -> None:
+    def _check_inputs(self, inputs: Array) -> None:
         """Raise CannotFollow for an input outside of the branch."""
         if self.branch.ends is None:
             return
@@ -207,7 +208,7 @@ class Transmission:
 
     # --- rates and efforts ----------------------------------------------------------------------
 
-    def _ratio(self, inputs: np.ndarray) -> tuple[Any, Any]:
+    def _ratio(self, inputs: Array) -> tuple[Any, Any]:
         """Return r and r'."""
         return self.mechanism.motion(inputs, 1.0, 0.0, fields=(self._output.rate,
                                                                self._output.acceleration))

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from fourbar_ros.cli.bag import diff, export, info, plot, recompute, recover, scene
-from fourbar_ros.cli.common import add_verb
+from fourbar_ros.cli.common import add_verb, Verbs
 
 ACTIONS = (info, recover, recompute, export, plot, diff, scene)
 DESCRIPTION = """\
@@ -33,7 +33,7 @@ Ctrl-C or SIGTERM, with no partial output left; 3 done, but
 """
 
 
-def add(verbs):
+def add(verbs: Verbs) -> None:
     """Add the verb and its actions."""
     bag = add_verb(verbs, 'bag', 'info, recover, recompute, export, plot, diff, scene: work with '
                                  'recorded runs',

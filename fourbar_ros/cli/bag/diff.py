@@ -3,10 +3,26 @@
 """``fourbar bag diff``: compare two bags message by message."""
 from __future__ import annotations
 
-from fourbar_ros.cli.common import add_json, add_tolerance, add_topics, BAD, BAG_HELP, reading
+from argparse import Namespace
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from fourbar_ros.cli.common import (
+    add_json,
+    add_tolerance,
+    add_topics,
+    BAD,
+    BAG_HELP,
+    reading,
+    Verbs,
+)
+
+if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_ros.bag.diff import TopicDiff
+    from fourbar_ros.report.terminal import PlainTable
 
 
-def add(actions):
+def add(actions: Verbs) -> None:
     """Add the action."""
     diff = actions.add_parser('diff', help='compare two bags message by message',
                               description='Compare two bags: messages with the same stamp, field '
@@ -19,7 +35,7 @@ def add(actions):
     diff.set_defaults(run=_diff)
 
 
-def _diff(arguments):
+def _diff(arguments: Namespace) -> int:
     from fourbar_ros.bag.diff import diff
     with reading(arguments.first, 'comparing topic by topic') as step:
         found = diff(arguments.first, arguments.second, arguments.topics, step)
@@ -33,7 +49,7 @@ def _diff(arguments):
     return 0 if all(topic.is_same(arguments.tolerance) for topic in found) else BAD
 
 
-def _table(found, tolerance):
+def _table(found: Sequence[TopicDiff], tolerance: float) -> PlainTable:
     from fourbar_ros.report.terminal import plain_table
     table = plain_table('', ('topic', 'in both>', 'only first>', 'only second>', 'field',
                              'largest difference>'))

@@ -3,10 +3,12 @@
 """``fourbar bag export``: write the numbers in a bag as tables."""
 from __future__ import annotations
 
-from fourbar_ros.cli.common import add_topics, BAG_HELP, reading
+from argparse import Namespace
+
+from fourbar_ros.cli.common import add_topics, BAG_HELP, reading, Verbs
 
 
-def add(actions):
+def add(actions: Verbs) -> None:
     """Add the action."""
     export = actions.add_parser('export', help='write the numbers in a bag as tables',
                                 description='Write the numbers in a bag as tables: CSV, NumPy '
@@ -22,7 +24,7 @@ def add(actions):
     export.set_defaults(run=_export)
 
 
-def _export(arguments):
+def _export(arguments: Namespace) -> None:
     from fourbar_ros.bag.export import export
     with reading(arguments.bag, 'exporting') as step:
         written = export(arguments.bag, arguments.out, arguments.format, arguments.topics, step)

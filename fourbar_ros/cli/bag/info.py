@@ -3,15 +3,21 @@
 """``fourbar bag info``: what a bag contains and whether it is sound."""
 from __future__ import annotations
 
+from argparse import Namespace
 from functools import partial
+from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.bag.many import add_bags, Report, run
-from fourbar_ros.cli.common import add_json
+from fourbar_ros.cli.common import add_json, Verbs
+
+if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_ros.bag.info import Info
+    from fourbar_ros.report.terminal import PlainTable
 
 COLUMNS = ('state', 's>', 'MB>', 'parts>', 'messages>', 'missing>', 'damage, end')
 
 
-def add(actions):
+def add(actions: Verbs) -> None:
     """Add the action."""
     info = actions.add_parser('info', help='show what a bag contains and whether it is sound',
                               description='Show what a bag contains and whether it is sound.')
@@ -23,7 +29,7 @@ def add(actions):
     info.set_defaults(run=_info)
 
 
-def _info(arguments):
+def _info(arguments: Namespace) -> int:
     from fourbar_ros.bag import as_json
     from fourbar_ros.bag.info import info
     return run(arguments, partial(info, check=arguments.check), 'reading', Report(
@@ -32,17 +38,17 @@ def _info(arguments):
         to_row=_row, is_good=lambda found: found.is_sound))
 
 
-def _seconds(found):
-    return (found.end - found.start) * 1e-9 if found.start is not None else 0.0
+def _seconds(found: Info) -> float:
+    return 0.0 if found.start is None or found.end is None else (found.end - found.start) * 1e-9
 
 
-def _row(found):
+def _row(found: Info) -> tuple[str, ...]:
     return (found.state, f'{_seconds(found):.3f}', f'{found.size / 1e6:.3f}', str(found.parts),
             str(sum(topic.messages for topic in found.topics)), str(found.missing),
             found.damage or found.ended)
 
 
-def print_info(found, was_checked):
+def print_info(found: Info, was_checked: bool) -> None:
     """Print the Info of one bag."""
     from fourbar_ros.report.terminal import make_console
     console = make_console()
@@ -55,7 +61,7 @@ def print_info(found, was_checked):
         console.print('fourbar bag recover makes a whole bag of the undamaged messages')
 
 
-def _about(found, was_checked):
+def _about(found: Info, was_checked: bool) -> PlainTable:
     from datetime import datetime
 
     from fourbar_ros.bag.info import software_of
@@ -79,7 +85,7 @@ def _about(found, was_checked):
     return table
 
 
-def _topics(found):
+def _topics(found: Info) -> PlainTable:
     from fourbar_ros.report.terminal import plain_table
     table, seconds = plain_table('', ('topic', 'type', 'messages>', 'Hz>',
                                       'missing>')), _seconds(found)

@@ -3,7 +3,9 @@
 """An action on one bag, reported in full, or on several, as a table or JSON lines."""
 from __future__ import annotations
 
+from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from fourbar_ros.cli.common import BAD, bar, reading
@@ -12,14 +14,14 @@ from fourbar_ros.cli.common import BAD, bar, reading
 class Report(NamedTuple):
     """How the result of an action is reported."""
 
-    to_json: Callable[[Any, Any], dict]      # of a bag and its result
+    to_json: Callable[[Any, Any], dict[str, Any]]      # of a bag and its result
     to_text: Callable[[Any, Any], None]      # prints it in full
     columns: Sequence[str]                   # of the table, behind the bag
     to_row: Callable[[Any], Sequence[str]]
     is_good: Callable[[Any], bool]
 
 
-def add_bags(parser):
+def add_bags(parser: ArgumentParser) -> None:
     """Add the arguments for several bags."""
     parser.add_argument('bags', metavar='BAG', nargs='+',
                         help='folder of a bag, .mcap file, or folder of bags')
@@ -27,7 +29,7 @@ def add_bags(parser):
                         help='number of bags to process in parallel; default: one per processor')
 
 
-def run(arguments, work, text, report):
+def run(arguments: Namespace, work: Callable[..., Any], text: str, report: Report) -> int:
     """Run ``work(bag, progress=...)`` on all bags, report, return the exit code."""
     from fourbar_ros.bag.many import bags_below, each
     bags = bags_below(arguments.bags)
@@ -48,7 +50,7 @@ def run(arguments, work, text, report):
     return 0 if all(map(report.is_good, results)) else BAD
 
 
-def _print_json(bags, results, report):
+def _print_json(bags: Sequence[Path], results: Sequence[Any], report: Report) -> None:
     from fourbar_ros.bag import as_json
     for bag, result in zip(bags, results):
         is_error = isinstance(result, Exception)
@@ -56,7 +58,7 @@ def _print_json(bags, results, report):
                            else report.to_json(bag, result)))
 
 
-def _print_table(bags, results, report):
+def _print_table(bags: Sequence[Path], results: Sequence[Any], report: Report) -> None:
     from fourbar_ros.report.terminal import make_console, plain_table
     table = plain_table('', ('bag', *report.columns))
     for bag, result in zip(bags, results):

@@ -3,10 +3,12 @@
 """``fourbar bag plot``: plot fields over time or over another field."""
 from __future__ import annotations
 
-from fourbar_ros.cli.common import BAG_HELP, PICTURE_HELP, reading
+from argparse import Namespace
+
+from fourbar_ros.cli.common import BAG_HELP, PICTURE_HELP, reading, Verbs
 
 
-def add(actions):
+def add(actions: Verbs) -> None:
     """Add the action."""
     plot = actions.add_parser('plot', help='plot fields over time or over another field',
                               description='Plot fields over time, or over the field --x; fields '
@@ -22,7 +24,7 @@ def add(actions):
     plot.set_defaults(run=_plot)
 
 
-def _plot(arguments):
+def _plot(arguments: Namespace) -> None:
     from fourbar_ros.bag.plot import plot
     with reading(arguments.bag, 'reading') as step:
         plot(arguments.bag, arguments.fields, arguments.out, step, arguments.x)

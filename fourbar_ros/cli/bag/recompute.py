@@ -3,15 +3,22 @@
 """``fourbar bag recompute``: recompute every recorded output and compare."""
 from __future__ import annotations
 
+from argparse import Namespace
+from collections.abc import Sequence
 from functools import partial
+from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.bag.many import add_bags, Report, run
-from fourbar_ros.cli.common import add_json, add_node, add_tolerance
+from fourbar_ros.cli.common import add_json, add_node, add_tolerance, Verbs
+
+if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_ros.bag.difference import Recomputed
+    from fourbar_ros.report.terminal import PlainTable
 
 COLUMNS = ('inputs>', 'outputs compared>', 'largest difference>', 'verdict')
 
 
-def add(actions):
+def add(actions: Verbs) -> None:
     """Add the action."""
     recompute = actions.add_parser(
         'recompute', help='recompute every recorded output and compare',
@@ -31,15 +38,15 @@ def add(actions):
     recompute.set_defaults(run=_recompute)
 
 
-def _recompute(arguments):
+def _recompute(arguments: Namespace) -> int:
     from fourbar_ros.bag import as_json
     from fourbar_ros.bag.recompute import compare
     tolerance = arguments.tolerance
 
-    def problems(found):
+    def problems(found: Recomputed) -> list[str]:
         return found.problems(tolerance, arguments.rounding)
 
-    def row(found):
+    def row(found: Recomputed) -> tuple[str, ...]:
         verdict = '; '.join(problems(found)) or ('good, cut' if found.cut else 'good')
         return (str(found.inputs), str(found.compared), f'{found.largest:g}',
                 verdict + (', by rounding only' if found.is_rounding else ''))
@@ -51,7 +58,7 @@ def _recompute(arguments):
         is_good=lambda found: not problems(found)))
 
 
-def print_recomputed(found, tolerance, problems):
+def print_recomputed(found: Recomputed, tolerance: float, problems: Sequence[str]) -> None:
     """Print the Recomputed of one bag."""
     from fourbar_ros.report.terminal import make_console
     if found.differences:
@@ -70,7 +77,7 @@ def print_recomputed(found, tolerance, problems):
         print(f'bad: {problem}')
 
 
-def _differences(found, tolerance):
+def _differences(found: Recomputed, tolerance: float) -> PlainTable:
     from fourbar_ros.report.terminal import plain_table
     table = plain_table('', ('topic', 'field', 'messages>', 'largest difference>'))
     for topic in dict.fromkeys(difference.topic for difference in found.differences):

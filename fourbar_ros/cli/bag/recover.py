@@ -3,12 +3,14 @@
 """``fourbar bag recover``: make a whole bag of a cut or damaged one."""
 from __future__ import annotations
 
-from fourbar_ros.cli.common import BAD, BAG_HELP, reading
+from argparse import Namespace
+
+from fourbar_ros.cli.common import BAD, BAG_HELP, reading, Verbs
 
 PLACES = 50     # damaged places that are printed one by one
 
 
-def add(actions):
+def add(actions: Verbs) -> None:
     """Add the action."""
     recover = actions.add_parser('recover', help='make a whole bag of a cut or damaged one',
                                  description='Make a whole bag of a cut or damaged one. Every '
@@ -20,7 +22,7 @@ def add(actions):
     recover.set_defaults(run=_recover)
 
 
-def _recover(arguments):
+def _recover(arguments: Namespace) -> int:
     from fourbar_ros.bag.recover import recover
     with reading(arguments.bag, 'recovering') as step:
         found = recover(arguments.bag, arguments.out, step)

@@ -3,10 +3,12 @@
 """``fourbar bag scene``: print the scene of a bag as a parameter file."""
 from __future__ import annotations
 
-from fourbar_ros.cli.common import add_node, BAG_HELP
+from argparse import Namespace
+
+from fourbar_ros.cli.common import add_node, BAG_HELP, Verbs
 
 
-def add(actions):
+def add(actions: Verbs) -> None:
     """Add the action."""
     scene = actions.add_parser(
         'scene', help='print the scene of a bag as a parameter file',
@@ -19,6 +21,6 @@ def add(actions):
     scene.set_defaults(run=_scene)
 
 
-def _scene(arguments):
+def _scene(arguments: Namespace) -> None:
     from fourbar_ros.bag.info import parameter_file
     print(parameter_file(arguments.bag, arguments.drive, arguments.node), end='')

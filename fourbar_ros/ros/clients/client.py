@@ -10,15 +10,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 import time
+from typing import Any, TypeVar
 
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.ros.messages import resolve
+from fourbar_ros.ros.messages import Message, resolve
 from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, Service, SERVICES, Topic
 import rclpy
 import rclpy.client
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
+from rclpy.task import Future
 
 NODE = '/fourbar'           # default name of the node
 # [s] to find the node and to get an answer; discovery alone takes up to 4 s
@@ -32,7 +36,7 @@ class NoAnswer(FourBarError):
 
 def name_on(node: str, entity: Topic | Service) -> str:
     """Return the absolute name of a topic or service of a node, with or without a slash."""
-    name = getattr(entity, 'service', None) or entity.topic
+    name = entity.service if isinstance(entity, Service) else entity.topic
     return name.replace('~', f'/{node.strip("/")}')
 
 
@@ -49,7 +53,7 @@ class Client:
 
     """
 
-    def __init__(self, node: Node, patience: float = PATIENCE):
+    def __init__(self, node: Node, patience: float = PATIENCE) -> None:
         self.node, self.patience = node, patience
         self.executor = EventsExecutor()
         self.executor.add_node(node)
@@ -75,17 +79,18 @@ class Client:
                 raise NoAnswer(f'{what} (waited {patience:g} s)')
             self.executor.spin_once(timeout_sec=POLL)
 
-    def subscribe(self, topic: Topic, take: Callable, node: str = NODE, depth: int = INPUT_DEPTH):
+    def subscribe(self, topic: Topic, take: Callable[[Message], None], node: str = NODE,
+                  depth: int = INPUT_DEPTH) -> Subscription:
         """Return a subscription that calls ``take(message)``."""
         return self.node.create_subscription(resolve(topic.type), name_on(node, topic), take,
                                              QoSProfile(depth=depth))
 
-    def publisher(self, source: str, node: str = NODE):
+    def publisher(self, source: str, node: str = NODE) -> Publisher:
         """Return a publisher on an input topic of a node: ``motion`` or ``joint_state``."""
         topic = INPUTS[source]
         return self.node.create_publisher(resolve(topic.type), name_on(node, topic), INPUT_DEPTH)
 
-    def call(self, service_name: str, /, node: str = NODE, **request):
+    def call(self, service_name: str, /, node: str = NODE, **request: Any) -> Message:
         """Return the response of a service of a node."""
         service = self.service(service_name, node)
         return self.result_of(service.call_async(service.srv_type.Request(**request)),
@@ -104,7 +109,7 @@ class Client:
     def introduce(self, service: rclpy.client.Client, service_name: str) -> None:
         """Do what is needed before the first request to a service; nothing here."""
 
-    def result_of(self, future, name: str):
+    def result_of(self, future: Future, name: str) -> Any:
         """Return the result of a future, once it is there."""
         self.until(future.done, f'{name}: no answer')
         return future.result()
@@ -114,8 +119,11 @@ class Client:
         self.executor.shutdown()
 
 
+AnyClient = TypeVar('AnyClient', bound=Client)
+
+
 @contextmanager
-def opened(make: Callable[[Node], Client], name: str) -> Iterator[Client]:
+def opened(make: Callable[[Node], AnyClient], name: str) -> Iterator[AnyClient]:
     """
     Initialise ROS, give the client that ``make`` returns for a new node of this name.
 

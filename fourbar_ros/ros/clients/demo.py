@@ -3,25 +3,30 @@
 """Run a scene on a real node: live table, extrema by service, a bag, and its recomputation."""
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import partial
 from math import cos, degrees, isnan, remainder, sin
 from pathlib import Path
 import signal
 import subprocess
 import sys
 import time
+from typing import Any
 
 from fourbar_msgs.msg import Extremum
 from fourbar_ros.bag.recompute import recompute
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.pipeline.status import STATUS_NAMES
 from fourbar_ros.report.tables import mode_name, rate_unit, what_it_is
-from fourbar_ros.report.terminal import make_console, plain_table
+from fourbar_ros.report.terminal import make_console, plain_table, PlainTable
 from fourbar_ros.ros.clients.client import Client, NODE, opened
-from fourbar_ros.ros.messages import to_stamp
+from fourbar_ros.ros.messages import Message, to_stamp
 from fourbar_ros.scene.arguments import Parser, positive
 from fourbar_ros.scene.files import find
-from fourbar_ros.scene.scene import load
+from fourbar_ros.scene.scene import load, Scene
 from fourbar_ros.scene.topics import INPUTS
+from rclpy.node import Node
+from rich.console import Console
 from rich.live import Live
 import yaml
 
@@ -46,18 +51,20 @@ class DemoError(FourBarError):
 class Driver(Client):
     """Drives the node of a scene, unless the timer does, and keeps its latest outputs."""
 
-    def __init__(self, node, scene):
+    def __init__(self, node: Node, scene: Scene) -> None:
         super().__init__(node, PATIENCE)
-        self.scene, self.latest, self.received = scene, {}, {}
+        self.scene = scene
+        self.latest: dict[str, Message] = {}
+        self.received: dict[str, int] = {}
         for name, topic in scene.topics.items():
-            self.subscribe(topic, lambda message, name=name: self._take(name, message))
+            self.subscribe(topic, partial(self._take, name))
         self.input = self.publisher(scene.drive.source) if scene.drive.source in INPUTS else None
 
-    def _take(self, name, message):
+    def _take(self, name: str, message: Message) -> None:
         self.latest[name] = message
         self.received[name] = self.received.get(name, 0) + 1
 
-    def given(self, seconds):
+    def given(self, seconds: float) -> tuple[float, float, float]:
         """
         Return input, rate and acceleration.
 
@@ -73,7 +80,7 @@ class Driver(Client):
         sine, cosine = reach * sin(rate * seconds), reach * cos(rate * seconds)
         return middle + sine, rate * cosine, -rate * rate * sine
 
-    def drive(self, seconds):
+    def drive(self, seconds: float) -> None:
         """Send one input, ``seconds`` after the start."""
         if not self.input:
             return
@@ -88,7 +95,7 @@ class Driver(Client):
         self.input.publish(message)
 
 
-def live_table(client, seconds):
+def live_table(client: Driver, seconds: float) -> PlainTable:
     """Return the table of the latest messages."""
     table = plain_table(f'{NODE} at {seconds:4.1f} s', ('', '        value>', 'unit'))
     state, loads = client.latest.get('state'), client.latest.get('loads')
@@ -108,7 +115,7 @@ def live_table(client, seconds):
     return table
 
 
-def watch(client, node, seconds, console):
+def watch(client: Driver, node: subprocess.Popen[bytes], seconds: float, console: Console) -> None:
     """Show the stream for some seconds; raises DemoError if no message comes or the node ends."""
     began = first = time.monotonic()
     with Live(console=console, refresh_per_second=REFRESH, transient=False) as live:
@@ -127,13 +134,13 @@ def watch(client, node, seconds, console):
         console.print()
 
 
-def published_for(path):
+def published_for(path: str | Path) -> list[dict[str, Any]]:
     """Return the published values for a scene file: the entries of published/NAME beside it."""
     file = Path(path).parent / 'published' / Path(path).name
     return yaml.safe_load(file.read_text()) if file.exists() else []
 
 
-def compare_extrema(client, published, console):
+def compare_extrema(client: Driver, published: Sequence[dict[str, Any]], console: Console) -> None:
     """Request all extrema; print the global ones beside the published values."""
     linkage, speed = client.scene.linkage, client.scene.drive.speed
     answer = client.call('find_extrema', velocity=speed)
@@ -144,7 +151,7 @@ def compare_extrema(client, published, console):
                         f'{mode_name(linkage)}, from {NODE}/find_extrema',
                         ('quantity', '', 'value>', 'unit', f'{linkage.input_coordinate.position}>',
                          *(('published>', 'at>') if published else ())))
-    notes = []
+    notes: list[str] = []
     for extremum in answer.extrema:
         if not extremum.is_global:
             continue
@@ -166,7 +173,7 @@ def compare_extrema(client, published, console):
     console.print()
 
 
-def compare_poses(client, published, console):
+def compare_poses(client: Driver, published: Sequence[dict[str, Any]], console: Console) -> None:
     """Evaluate the published poses; print our values beside the published ones."""
     for entry in published:
         if 'at' not in entry:
@@ -183,7 +190,7 @@ def compare_poses(client, published, console):
         console.print()
 
 
-def check_bag(path, console):
+def check_bag(path: str | Path, console: Console) -> bool:
     """Recompute every value in a bag from its input; return whether none differs."""
     found = recompute(path)
     messages = {difference.topic: difference.messages for difference in found}
@@ -194,7 +201,7 @@ def check_bag(path, console):
     return bool(messages) and worst == 0.0
 
 
-def run(path, seconds, directory, console):
+def run(path: str | Path, seconds: float, directory: str | Path, console: Console) -> bool:
     """Run the whole demonstration; return whether all of it succeeded."""
     path = find(path)
     scene = load(path)
@@ -221,7 +228,7 @@ def run(path, seconds, directory, console):
     return good and code == 0
 
 
-def main(args=None):
+def main(args: Sequence[str] | None = None) -> int:
     """Parse the arguments and run; exit code 0 only if the node and its bag are good."""
     parser = Parser(prog='fourbar_demo', description=__doc__)
     parser.add_argument('scene', help='parameter file (YAML) or name of a shipped scene, e.g. '

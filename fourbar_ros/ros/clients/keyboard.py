@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 import select
 import sys
+from typing import Any
 
 KEYS = {b'\x1b[A': 'up', b'\x1b[B': 'down', b'\x1b[C': 'right', b'\x1b[D': 'left', b' ': 'space'}
 
@@ -22,11 +23,13 @@ class Keyboard:
 
     """
 
-    def __init__(self):
+    _old: list[Any]         # settings of the terminal, to be restored
+
+    def __init__(self) -> None:
         self.is_there = False
         self._rest = b''
 
-    def __enter__(self):
+    def __enter__(self) -> Keyboard:
         try:
             import termios
             import tty
@@ -41,12 +44,12 @@ class Keyboard:
             pass
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         if self.is_there:
             import termios
             termios.tcsetattr(self._number, termios.TCSADRAIN, self._old)
 
-    def pressed(self):
+    def pressed(self) -> list[str]:
         """Return the names of the keys pressed since the last call."""
         while self.is_there and select.select([self._number], [], [], 0.0)[0]:
             data = os.read(self._number, 1024)
@@ -56,7 +59,7 @@ class Keyboard:
             self._rest += data
         return self._named()
 
-    def _named(self):
+    def _named(self) -> list[str]:
         found = []
         while self._rest:
             key = next((key for key in KEYS if self._rest.startswith(key)), None)

@@ -3,16 +3,21 @@
 """Publish a bag again: the recorded bytes, as they are."""
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Sequence
+from pathlib import Path
 import time
+from typing import Any
 
 from fourbar_ros.bag.playback import Pace, play, TICK
 from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.records import Raw
 from fourbar_ros.errors import BagError
 from fourbar_ros.ros.messages import resolve, to_stamp
 from fourbar_ros.ros.schemas import type_hash
 from fourbar_ros.ros.stop import Stop
 import rclpy
 from rclpy.duration import Duration
+from rclpy.publisher import Publisher
 from rclpy.qos import (
     DurabilityPolicy,
     qos_check_compatible,
@@ -21,6 +26,7 @@ from rclpy.qos import (
     ReliabilityPolicy,
 )
 from rclpy.signals import SignalHandlerOptions
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rosgraph_msgs.msg import Clock
 
 # of volatile publishers: a late replay sends bursts that the original did not
@@ -33,7 +39,7 @@ POLL = 0.02                 # [s] between two looks at the graph
 FAREWELL = 2.0              # [s] for reliable readers to get the last messages
 
 
-def installed(type_name, recorded_hash):
+def installed(type_name: str, recorded_hash: str) -> tuple[type[Any] | None, str]:
     """Return (class, '') of a message type, or (None, why it cannot be sent here)."""
     try:
         kind, here = resolve(type_name), type_hash(type_name)
@@ -62,33 +68,35 @@ class Replayer:
 
     """
 
-    def __init__(self, bag, clock_rate=None, pace=None, ros_args=()):
+    def __init__(self, bag: Bag, clock_rate: float | None = None, pace: Pace | None = None,
+                 ros_args: Sequence[str] = ()) -> None:
         self._stop = Stop().catch()
         rclpy.init(args=list(ros_args), signal_handler_options=SignalHandlerOptions.NO)
         self.node = rclpy.create_node('fourbar_replay')
-        self.bag, self._publishers = bag, {}
+        self.bag = bag
+        self._publishers: dict[str, Publisher | None] = {}
         self._clock = self.node.create_publisher(Clock, '/clock', 10) if clock_rate else None
         self.period = 1.0 / clock_rate if clock_rate else TICK
         self._pace, self._ticked = pace or Pace(), 0
 
-    def __enter__(self):
+    def __enter__(self) -> Replayer:
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         for publisher in filter(None, (*self._publishers.values(), self._clock)):
             publisher.wait_for_all_acked(Duration(seconds=FAREWELL))
         self.node.destroy_node()
         rclpy.try_shutdown()
         self._stop.restore()
 
-    def tick(self, now):
+    def tick(self, now: int) -> bool:
         """Publish the time of the bag [ns]; returns False when it is time to stop."""
         if self._clock and not 0 <= now - self._ticked < self.period * self._pace.rate * 1e9:
             self._ticked = now
             self._clock.publish(Clock(clock=to_stamp(now)))
         return not self._stop.requested
 
-    def wait(self, seconds, topics=None, readers=0):
+    def wait(self, seconds: float, topics: Collection[str] | None = None, readers: int = 0) -> int:
         """
         Create the publishers of all topics known by now and wait until their readers are matched.
 
@@ -120,7 +128,7 @@ class Replayer:
             time.sleep(POLL)
         return self._graph()[1]
 
-    def _graph(self):
+    def _graph(self) -> tuple[list[tuple[str, str]], int, int]:
         """Return (names of all nodes, readers that are matched, readers that could be)."""
         publishers = [publisher for publisher in self._publishers.values() if publisher]
         known = sum(self._fits(publisher, info) for publisher in publishers
@@ -129,7 +137,7 @@ class Replayer:
                 sum(publisher.get_subscription_count() for publisher in publishers), known)
 
     @staticmethod
-    def _fits(publisher, info):
+    def _fits(publisher: Publisher, info: TopicEndpointInfo) -> bool:
         kind = publisher.msg_type
         package, _, name = info.topic_type.split('/')
         if (package, name) != (kind.__module__.split('.')[0], kind.__name__):
@@ -137,7 +145,7 @@ class Replayer:
         return qos_check_compatible(publisher.qos_profile,
                                     info.qos_profile)[0] != QoSCompatibility.ERROR
 
-    def publish(self, raw):
+    def publish(self, raw: Raw) -> bool:
         """Publish one message; return whether its type is installed."""
         if raw.topic not in self._publishers:
             self._make(raw.topic, raw.type)
@@ -146,14 +154,14 @@ class Replayer:
             publisher.publish(raw.data)
         return publisher is not None
 
-    def _make(self, topic, type_name):
+    def _make(self, topic: str, type_name: str) -> None:
         kind, why = installed(type_name, self.bag.hash_of(topic))
         if why:
             self.node.get_logger().warning(f'{topic}: left out: {why}')
         self._publishers[topic] = (self.node.create_publisher(kind, topic, self._qos(topic))
                                    if kind else None)
 
-    def _qos(self, topic):
+    def _qos(self, topic: str) -> QoSProfile:
         offered = (self.bag.qos_of(topic) or [{}])[0]
         # words of Jazzy, numbers of before
         latched = offered.get('durability') in ('transient_local', 1)
@@ -165,9 +173,11 @@ class Replayer:
             durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE)
 
 
-def replay(path, topics=None, rate=1.0, start=0.0, loop=False, follow=False, clock_rate=None,
-           delay=0.0, ros_args=(),
-           pace=None, on_tick=None, readers=0):
+def replay(path: str | Path, topics: Sequence[str] | None = None, rate: float = 1.0,
+           start: float = 0.0, loop: bool = False, follow: bool = False,
+           clock_rate: float | None = None, delay: float = 0.0, ros_args: Sequence[str] = (),
+           pace: Pace | None = None, on_tick: Callable[[int], None] | None = None, readers: int = 0
+           ) -> int:
     """
     Publish a bag until its end or a signal; return how many messages; see bag.replay.play.
 
@@ -181,7 +191,7 @@ def replay(path, topics=None, rate=1.0, start=0.0, loop=False, follow=False, clo
     with Replayer(bag, clock_rate, pace, ros_args) as replayer:
         replayer.wait(delay, topics, readers)
 
-        def tick(now):
+        def tick(now: int) -> bool:
             if on_tick:
                 on_tick(now)
             return replayer.tick(now)

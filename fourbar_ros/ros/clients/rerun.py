@@ -7,26 +7,31 @@ Compare its answers with the recorded ones.
 """
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 import json
+from pathlib import Path
 import struct
 import time
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from fourbar_ros.bag.origin import origin_of
+from fourbar_ros.bag.origin import Origin, origin_of
 from fourbar_ros.bag.playback import Pace, play
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import distance
+from fourbar_ros.bag.records import Raw
 from fourbar_ros.errors import BagError
+from fourbar_ros.formats.cdr import Decoder
 from fourbar_ros.ros.clients.client import Client, name_on, NoAnswer
 from fourbar_ros.ros.clients.replay import installed, Replayer
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.scene import parameters
-from fourbar_ros.scene.scene import from_values
+from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.topics import INPUTS
 import numpy as np
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
 
 QUIET = 1.0             # [s] without an answer: no more will come
 BLOCK = 2000            # pairs of messages that are compared at once
@@ -51,11 +56,12 @@ class LiveRun(NamedTuple):
     ``notes``: what the scene had to do with it, in words.
     """
 
-    answers: list
-    notes: list
+    answers: list[Answer]
+    notes: list[str]
 
 
-def drive_live(path, node_name=None, rate=1.0, start=0.0, ros_args=()):
+def drive_live(path: str | Path, node_name: str | None = None, rate: float = 1.0,
+               start: float = 0.0, ros_args: Sequence[str] = ()) -> LiveRun:
     """
     Return the :class:`LiveRun` of a bag: an :class:`Answer` for every output in it.
 
@@ -81,7 +87,8 @@ def drive_live(path, node_name=None, rate=1.0, start=0.0, ros_args=()):
         live.wait_until_found()
         changes = _Changes(live, bag, origin.scene, scene_topic, pace)
         changes.before(start)
-        for raw in play(bag, [driven, scene_topic, *outputs], rate, start, tick=live.tick,
+        wanted = [topic for topic in (driven, scene_topic, *outputs) if topic]
+        for raw in play(bag, wanted, rate, start, tick=live.tick,
                         pace=pace):
             if raw.topic == driven:
                 live.send(raw)
@@ -97,12 +104,13 @@ def drive_live(path, node_name=None, rate=1.0, start=0.0, ros_args=()):
 class _Changes:
     """Takes over in a live node what changes in the scene of a bag."""
 
-    def __init__(self, live, bag, scene, topic, pace):
+    def __init__(self, live: _Live, bag: Bag, scene: Scene, topic: str | None, pace: Pace) -> None:
         self._live, self._bag, self._topic, self._pace = live, bag, topic, pace
-        self._values, self._origin, self.notes = scene.values, next(bag.raw()).time, []
+        self._values, self._origin = scene.values, next(bag.raw()).time
+        self.notes: list[str] = []
         self._first = True
 
-    def before(self, start):
+    def before(self, start: float) -> None:
         """Take over the changes in the part of the bag that is left out."""
         if start and self._topic:
             begin = self._origin + round(start * 1e9)
@@ -111,7 +119,7 @@ class _Changes:
                     break
                 self.take(raw)
 
-    def take(self, raw):
+    def take(self, raw: Raw) -> None:
         """Take over a scene of the bag, once all motions before it are answered."""
         values = from_values(json.loads(self._bag.decode(raw).data)).values
         changed = {name: value for name, value in values.items()
@@ -128,33 +136,36 @@ class _Changes:
         self._pace.pause(False)
 
 
-def _is_same(a, b):
+def _is_same(a: Any, b: Any) -> bool:
     return a == b or (a != a and b != b)                 # NaN: not given
 
 
 class _Topic:
     """Recorded messages of one topic and the answers of the live node, until they meet."""
 
-    def __init__(self, decoder):
+    def __init__(self, decoder: Decoder) -> None:
         self._decoder = decoder
-        self._expected, self._answers, self._pairs = {}, {}, []
+        self._expected: dict[bytes, bytes] = {}          # by stamp, as the answers
+        self._answers: dict[bytes, bytes] = {}
+        self._pairs: list[tuple[bytes, bytes]] = []
         self.messages = self.missing = 0
         self.largest, self.field = 0.0, ''
 
-    def expect(self, stamp, data):
+    def expect(self, stamp: bytes, data: bytes) -> None:
         """Keep what was recorded."""
         self._meet(stamp, data, self._expected, self._answers, False)
 
-    def answer(self, stamp, data):
+    def answer(self, stamp: bytes, data: bytes) -> None:
         """Keep what the live node says."""
         self._meet(stamp, data, self._answers, self._expected, True)
 
     @property
-    def is_waiting(self):
+    def is_waiting(self) -> bool:
         """Return whether answers are still to come."""
         return bool(self._expected)
 
-    def _meet(self, stamp, data, own, others, is_answer):
+    def _meet(self, stamp: bytes, data: bytes, own: dict[bytes, bytes], others: dict[bytes, bytes],
+              is_answer: bool) -> None:
         other = others.pop(stamp, None)
         if other is None:
             own[stamp] = data
@@ -166,7 +177,7 @@ class _Topic:
         if len(self._pairs) >= BLOCK:
             self.compare()
 
-    def compare(self):
+    def compare(self) -> None:
         """Compare the messages that have met."""
         here, there = [pair[0] for pair in self._pairs], [pair[1] for pair in self._pairs]
         self.messages += len(self._pairs)
@@ -184,7 +195,7 @@ class _Topic:
                     if value > self.largest:
                         self.largest, self.field = value, leaf.name
 
-    def finished(self, topic):
+    def finished(self, topic: str) -> Answer:
         """Return the Answer."""
         if self._pairs:
             self.compare()
@@ -195,34 +206,37 @@ class _Topic:
 class _Live(Client):
     """The live node, seen from the replay's own node."""
 
-    def __init__(self, replayer, outputs, origin, node_name):
+    def __init__(self, replayer: Replayer, outputs: Mapping[str, str], origin: Origin,
+                 node_name: str) -> None:
         super().__init__(replayer.node)
         self._replayer = replayer
-        self._in_order, self._first, recorded_node = origin.in_order, None, origin.node
+        self._in_order, recorded_node = origin.in_order, origin.node
         self._topics = {topic: _Topic(replayer.bag.decoder(topic)) for topic in outputs}
-        self._last, self._last_arrival = None, time.monotonic()     # stamp of the newest motion
+        self._first, self._last = b'', b''          # stamps of motions; empty before the first
+        self._last_arrival = time.monotonic()
         self._name, self._input = (name_on(node_name, INPUTS['motion']),
                                    self.publisher('motion', node_name))
         self._subscriptions = [self._listen(topic, type_name, recorded_node, node_name)
                                for topic, type_name in outputs.items()]
         self._parameters = AsyncParameterClient(self.node, node_name)
 
-    def _listen(self, topic, type_name, recorded_node, node_name):
+    def _listen(self, topic: str, type_name: str, recorded_node: str, node_name: str
+                ) -> Subscription:
         there = (topic.replace(recorded_node, node_name, 1)
                  if topic.startswith(recorded_node + '/') else topic)
         answers = self._topics[topic]
 
-        def take(data):
+        def take(data: bytes) -> None:
             self._last_arrival = time.monotonic()
             answers.answer(stamp_of(data), data)
         return self.node.create_subscription(resolve(type_name), there, take,
                                              QoSProfile(depth=1000), raw=True)
 
-    def wait_until_found(self):
+    def wait_until_found(self) -> None:
         """Wait for the node's input and outputs."""
         what = f'{self._name}: no node with drive.source: motion and the outputs of the bag'
 
-        def is_found():
+        def is_found() -> bool:
             if not self.tick(0):
                 raise NoAnswer(f'{what} (interrupted)')
             return (self._input.get_subscription_count()
@@ -231,7 +245,7 @@ class _Live(Client):
         self.until(is_found, what)
         self.wait_for_the_rest(0.3)
 
-    def tick(self, _):
+    def tick(self, _: int) -> bool:
         """Handle what came in."""
         for _ in range(1000):
             before = self._last_arrival
@@ -240,9 +254,9 @@ class _Live(Client):
                 break
         return self._replayer.tick(0)
 
-    def set(self, changed):
+    def set(self, changed: Mapping[str, Any]) -> str:
         """Change parameters of the node; return the outcome in words."""
-        fixed = [name for name in changed if not parameters.find(name).live]
+        fixed = [name for name in changed if not parameters.of_name(name).live]
         if fixed:
             return f'not applied: {fixed[0]} cannot be changed while the node runs'
         future = self._parameters.set_parameters_atomically(
@@ -254,13 +268,13 @@ class _Live(Client):
             return f'not applied: {error}'
         return 'applied' if result.successful else f'not applied: {result.reason}'
 
-    def send(self, raw):
+    def send(self, raw: Raw) -> None:
         """Send one motion of the driven joint."""
         self._last = stamp_of(raw.data)
         self._first = self._first or self._last
         self._input.publish(raw.data)
 
-    def expect(self, raw):
+    def expect(self, raw: Raw) -> None:
         """
         Keep what was recorded, if its motion was sent.
 
@@ -271,25 +285,25 @@ class _Live(Client):
                 >= moment_of(self._first)):
             self._topics[raw.topic].expect(stamp, raw.data)
 
-    def wait_for_the_rest(self, quiet=QUIET):
+    def wait_for_the_rest(self, quiet: float = QUIET) -> None:
         """Wait until nothing has come for some time, or all has."""
         self._last_arrival = time.monotonic()
         while time.monotonic() - self._last_arrival < quiet and (
                 not self._last or any(topic.is_waiting for topic in self._topics.values())):
             self.executor.spin_once(timeout_sec=0.02)
 
-    def compared(self):
+    def compared(self) -> list[Answer]:
         """Return the answers beside what was recorded."""
         if not self._last:
             raise BagError('the bag has no motion of the driven joint')
         return [topic.finished(name) for name, topic in self._topics.items()]
 
 
-def stamp_of(data):
+def stamp_of(data: bytes) -> bytes:
     """Return the stamp of a message that begins with a header, as the bytes it has on the wire."""
     return bytes(data[4:12])
 
 
-def moment_of(stamp):
+def moment_of(stamp: bytes) -> tuple[int, int]:
     """Return such bytes as seconds and nanoseconds that can be compared."""
     return struct.unpack('<iI', stamp)

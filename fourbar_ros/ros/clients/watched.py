@@ -37,7 +37,7 @@ class Watched:
         self.node, self.version = '/' + node.strip('/'), 0
         self.values: dict[str, Any] = {}
         self._latest: tuple[float, float, float] | None = None
-        self._asked: queue.Queue = queue.Queue()
+        self._asked: queue.Queue[tuple[str, Any, queue.Queue[str]]] = queue.Queue()
         self._stack = ExitStack()
         self._client = self._stack.enter_context(opened(Client, 'fourbar_live'))
         self._client.node.create_subscription(
@@ -62,7 +62,7 @@ class Watched:
 
     def set(self, name: str, value: Any) -> str:
         """Ask the node for a parameter; return why not, or ''."""
-        answer: queue.Queue = queue.Queue()
+        answer: queue.Queue[str] = queue.Queue()
         self._asked.put((name, value, answer))
         try:
             return str(answer.get(timeout=self._client.patience))
@@ -88,7 +88,7 @@ class Watched:
             while not self._asked.empty():
                 self._ask(*self._asked.get())
 
-    def _ask(self, name: str, value: Any, answer: queue.Queue) -> None:
+    def _ask(self, name: str, value: Any, answer: queue.Queue[str]) -> None:
         request = SetParameters.Request(
             parameters=[Parameter(name, value=value).to_parameter_msg()])
         try:

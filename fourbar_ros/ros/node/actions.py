@@ -3,12 +3,15 @@
 """The search for extrema as an action: with feedback, and it can be canceled."""
 from __future__ import annotations
 
+from collections.abc import Callable
 from traceback import format_exc
 
-from fourbar_ros.ros.messages import resolve
+from fourbar_ros.ros.messages import Message, resolve
 from fourbar_ros.ros.node.extrema import Canceled, Search
+from fourbar_ros.ros.node.running import Running
 from fourbar_ros.scene.topics import FIND_EXTREMA
 from rclpy.action import ActionServer, CancelResponse
+from rclpy.action.server import ServerGoalHandle
 
 
 class ExtremaServer(ActionServer):
@@ -19,15 +22,16 @@ class ExtremaServer(ActionServer):
     to cancel.
     """
 
-    def __init__(self, node):
+    def __init__(self, node: Running) -> None:
         self._owner, self._worker = node, node.workers['search']
         action = FIND_EXTREMA
         super().__init__(node, resolve(action.type), action.service, self._answer,
                          cancel_callback=lambda _: CancelResponse.ACCEPT)
 
-    def notify_execute(self, goal_handle, execute_callback):
+    def notify_execute(self, goal_handle: ServerGoalHandle,
+                       execute_callback: Callable[[ServerGoalHandle], Message] | None) -> None:
         """Have a goal executed by the worker."""
-        def run():
+        def run() -> None:
             try:
                 self._execute_goal(execute_callback or self._answer, goal_handle).send(None)
             except StopIteration:                        # a coroutine that never waits, at its end
@@ -36,15 +40,15 @@ class ExtremaServer(ActionServer):
                 self._owner.get_logger().debug(f'a goal of find_extrema: {format_exc()}')
         self._worker.do(run)
 
-    def _answer(self, goal):
+    def _answer(self, goal: ServerGoalHandle) -> Message:
         kind = self.action_type
 
-        def check():
+        def check() -> None:
             if goal.is_cancel_requested:
                 raise Canceled('canceled: the extrema are those found before')
             self._worker.check()
 
-        def progress(quantity, mode, done, total, found):
+        def progress(quantity: str, mode: int, done: int, total: int, found: int) -> None:
             check()
             goal.publish_feedback(kind.Feedback(quantity=quantity, mode=mode, done=done,
                                                 total=total, found=found))

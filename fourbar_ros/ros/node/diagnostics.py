@@ -8,6 +8,7 @@ import time
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from fourbar_ros.pipeline.status import OK, STATUS_NAMES
+from fourbar_ros.ros.node.running import Running
 
 PERIOD = 1.0               # [s]
 NEAR_TOGGLE = 0.05         # |sin| of the transmission angle below which a warning is due
@@ -16,19 +17,19 @@ NEAR_TOGGLE = 0.05         # |sin| of the transmission angle below which a warni
 class Diagnostics:
     """Publishes the health of a node."""
 
-    def __init__(self, node):
+    def __init__(self, node: Running) -> None:
         self._node = node
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
-        self._before = (time.monotonic(), 0, 0, {})
+        self._before: tuple[float, int, int, dict[str, int]] = (time.monotonic(), 0, 0, {})
         node.steady_timers.add(PERIOD, self._publish)
 
-    def _publish(self):
+    def _publish(self) -> None:
         self._node.log.flush()
         message = DiagnosticArray(status=[self.status()])
         message.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(message)
 
-    def status(self):
+    def status(self) -> DiagnosticStatus:
         """Return the DiagnosticStatus of the time since the last call."""
         node, stream, drive = self._node, self._node.stream, self._node.drive
         scene, now = stream.scene, time.monotonic()

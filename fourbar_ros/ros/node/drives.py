@@ -3,11 +3,17 @@
 """Drive the input at constant speed: a thread on a time grid, or a timer of simulated time."""
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from math import nan
 import threading
 import time
+from typing import Any
 
-from fourbar_ros.ros.messages import sec_nanosec
+from fourbar_ros.ros.messages import sec_nanosec, Stamp
+from fourbar_ros.ros.node.base import Base
+from fourbar_ros.ros.node.recording import Recording
+from fourbar_ros.ros.node.stream import Stream
+from fourbar_ros.scene.scene import DriveSettings
 
 SLEEP = 0.1            # [s] longest sleep: how soon a thread sees that it must stop
 CATCH_UP = 1.0         # [s] a thread later than this skips the samples it missed
@@ -15,23 +21,33 @@ CLOCK_STEP = 0.05      # [s] the wall clock was set if it is this far from the m
 CHECK_CLOCK = 1.0      # [s] how often that is looked at
 
 
-class Drive:
+class Drive(ABC):
     """Base of all drives: counters for the diagnostics, and a new scene between two samples."""
 
-    def __init__(self, node, stream, recording):
+    COUNTED: tuple[str, ...] = ()
+
+    def __init__(self, node: Base, stream: Stream, recording: Recording) -> None:
         self._node, self._stream, self._recording = node, stream, recording
         self.settings = stream.scene.drive
         self.counts = dict.fromkeys(self.COUNTED, 0)
 
-    def apply(self, settings):
+    @abstractmethod
+    def start(self) -> None:
+        """Begin to make steps."""
+
+    @abstractmethod
+    def stop(self) -> None:
+        """Make no more steps, when the one in hand is done."""
+
+    def apply(self, settings: DriveSettings) -> None:
         """Take over changed DriveSettings of the scene."""
         self.settings = settings
 
-    def age(self):
+    def age(self) -> float:
         """Return the time since the newest input [s]; NaN if the drive has no input."""
         return nan
 
-    def state(self):
+    def state(self) -> tuple[dict[str, Any], list[str]]:
         """Return (values, problems) for the diagnostics, beside the counters."""
         return {}, []
 
@@ -45,27 +61,27 @@ class TimerDrive(Drive):
     rclpy's timers drop missed ticks and slip from their grid.
     """
 
-    COUNTED = ('late', 'missed', 'clock_steps')
+    COUNTED: tuple[str, ...] = ('late', 'missed', 'clock_steps')
 
-    def start(self):
+    def start(self) -> None:
         """Start the thread."""
         self._stopping = False
         self._thread = threading.Thread(target=self._guarded, name='drive', daemon=True)
         self._thread.start()
 
-    def stop(self):
+    def stop(self) -> None:
         """Stop it and wait for the current sample."""
         self._stopping = True
         self._thread.join()
 
-    def _guarded(self):
+    def _guarded(self) -> None:
         try:
             self._run()
         # a fault of ours: never a silent end of the stream
         except Exception as error:
             self._node.failure = error
 
-    def _run(self):
+    def _run(self) -> None:
         settings, began = self.settings, time.monotonic()
         self._begin(settings)
         offset, checked = self._offset(), began
@@ -97,20 +113,20 @@ class TimerDrive(Drive):
                 settings, began, sample = self.settings, moment, 1
                 period = 1.0 / settings.rate
 
-    def _begin(self, settings):
+    def _begin(self, settings: DriveSettings) -> None:
         self._angle = settings.start
 
-    def _sample(self, stamp, settings, elapsed):
+    def _sample(self, stamp: Stamp, settings: DriveSettings, elapsed: float) -> None:
         self._stream.step(stamp, self._angle + settings.speed * elapsed, settings.speed, 0.0)
 
-    def _go_on(self, settings, elapsed):
+    def _go_on(self, settings: DriveSettings, elapsed: float) -> None:
         """Take the angle of now as that from which it goes on with other settings."""
         self._angle += settings.speed * elapsed
 
-    def _offset(self):
+    def _offset(self) -> int:
         return self._node.get_clock().now().nanoseconds - time.monotonic_ns()
 
-    def _follow_clock(self, offset):
+    def _follow_clock(self, offset: int) -> int:
         """Return the offset from monotonic to wall clock; a new one if the wall clock was set."""
         new = self._offset()
         if abs(new - offset) < CLOCK_STEP * 1e9:
@@ -125,16 +141,16 @@ class SimulatedTimerDrive(Drive):
 
     COUNTED = ('clock_steps',)
 
-    def start(self):
+    def start(self) -> None:
         """Start the timer."""
         self._angle, self._began, self._last = self.settings.start, None, 0
         self._timer = self._node.create_timer(1.0 / self.settings.rate, self._tick)
 
-    def stop(self):
+    def stop(self) -> None:
         """Stop it."""
         self._node.destroy_timer(self._timer)
 
-    def apply(self, settings):
+    def apply(self, settings: DriveSettings) -> None:
         """Take over speed and rate, continuing from the current angle."""
         if self._began is not None:
             self._angle += self.settings.speed * (self._last - self._began) * 1e-9
@@ -145,7 +161,7 @@ class SimulatedTimerDrive(Drive):
             self.stop()
             self._timer = self._node.create_timer(1.0 / settings.rate, self._tick)
 
-    def _tick(self):
+    def _tick(self) -> None:
         now = self._node.get_clock().now().nanoseconds
         if now == 0:
             return                                       # no /clock yet

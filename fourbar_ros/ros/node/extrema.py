@@ -3,13 +3,20 @@
 """All extrema of a scene, for the service at one go, for the action piece by piece."""
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import isfinite
+from typing import TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Quantity
 from fourbar_ros.mechanisms.quantities import select, UnknownQuantity
 from fourbar_ros.pipeline.message_fields import mode_number
-from fourbar_ros.ros.messages import resolve
+from fourbar_ros.ros.messages import Message, resolve
+from fourbar_ros.scene.scene import Scene
+
+if TYPE_CHECKING:      # not needed by a node that only streams
+    from fourbar_ros.extrema.find import Extremum
 
 
 class Canceled(FourBarError):
@@ -29,17 +36,19 @@ class Search:
 
     """
 
-    def __init__(self, scene, request, check: Callable[[], None]):
+    def __init__(self, scene: Scene, request: Message, check: Callable[[], None]) -> None:
         self._scene, self._request, self._check = scene, request, check
 
-    def answer(self, response, progress: Callable | None = None):
+    def answer(self, response: Message,
+               progress: Callable[[str, int, int, int, int], None] | None = None) -> Message:
         """
         Fill and return a response or result; errors are answers too.
 
         With ``progress`` the quantities are searched one by one; it is called before each with its
         name, the mode, the numbers of searches done and of all, and that of extrema so far.
         """
-        found, names = [], []
+        found: list[Extremum] = []
+        names: list[str] = []
         try:
             quantities, modes, velocity = self._checked()
             names = [quantity.name for quantity in quantities]
@@ -62,14 +71,15 @@ class Search:
         response.extrema = [_message(extremum) for extremum in found]
         return response
 
-    def _found(self, mode, quantities, velocity):
+    def _found(self, mode: int, quantities: Sequence[Quantity], velocity: float
+               ) -> list[Extremum]:
         from fourbar_ros.extrema.find import find_extrema  # not needed by a node that only streams
 
         linkage, request = self._scene.linkage.in_mode(mode), self._request
         return find_extrema(linkage, quantities, velocity, request.acceleration, request.certify,
                             check=self._check)
 
-    def _checked(self):
+    def _checked(self) -> tuple[list[Quantity], tuple[int, ...], float]:
         """Return (quantities, modes, velocity) of the request."""
         scene, request, linkage = self._scene, self._request, self._scene.known_linkage
         turning = scene.drive.speed if scene.drive.source == 'timer' else 0.0
@@ -90,7 +100,7 @@ class Search:
         return quantities, modes, velocity
 
 
-def _modes(request, linkage):
+def _modes(request: Message, linkage: Mechanism) -> tuple[int, ...]:
     modes = {request.MODE_OF_SCENE: (linkage.mode,), request.MODE_CROSSED: (1,),
              request.MODE_OPEN: (2,), request.MODE_BOTH: tuple(linkage.modes)}
     if request.mode not in modes:
@@ -101,7 +111,7 @@ def _modes(request, linkage):
     return modes[request.mode]
 
 
-def _message(extremum):
+def _message(extremum: Extremum) -> Message:
     message, mode = resolve('fourbar_msgs/msg/Extremum')(), mode_number(extremum)
     message.quantity, message.unit, message.mode = extremum.quantity, extremum.unit, mode
     message.kind = getattr(message, f'KIND_{extremum.kind.upper()}')

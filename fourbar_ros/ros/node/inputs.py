@@ -11,9 +11,10 @@ same names.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf, nan
+from math import nan
 from struct import error as StructError  # noqa: N812, it is a class
 from struct import Struct
+from typing import Union
 
 from fourbar_ros.errors import BagError
 from fourbar_ros.formats.cdr import Layout
@@ -27,6 +28,7 @@ LAYOUTS = 32           # so many are kept: senders with ever new names are read 
 _CODES = {'i4': ('i', 4), 'u4': ('I', 4), 'f8': ('d', 8)}
 # position, velocity, acceleration; NaN for what is not given
 Given = tuple[float, float, float]
+Read = Callable[[bytes], tuple[Stamp, Union[Given, None]]]
 
 
 class Reader:
@@ -45,7 +47,8 @@ class Reader:
     def __init__(self, type_name: str, joint: str = ''):
         self._type, self._joint = resolve(type_name), joint
         self._definition = Definition(type_name, definition(type_name))
-        self._known, self._room = {}, LAYOUTS            # {length: [(layout, read), ...]}
+        self._known: dict[int, list[tuple[Layout, Read]]] = {}      # by length
+        self._room = LAYOUTS
 
     def __call__(self, data: bytes) -> tuple[Stamp, Given | None]:
         """
@@ -66,7 +69,7 @@ class Reader:
             self._learn(data, repr(found))
         return found
 
-    def _learn(self, data, expected):
+    def _learn(self, data: bytes, expected: str) -> None:
         try:
             layout = Layout(self._definition, data)
             read = _reader(layout, self._joint)
@@ -76,13 +79,12 @@ class Reader:
             self._known.setdefault(len(data), []).append((layout, read))
 
 
-def _reader(layout: Layout, joint: str) -> Callable[[bytes], tuple[Stamp, Given | None]]:
+def _reader(layout: Layout, joint: str) -> Read:
     """Return the function that reads messages of one layout."""
     leaves = {leaf.name: leaf for leaf in layout.leaves}
-    fields, i = ['header.stamp.sec', 'header.stamp.nanosec'], 0
-    if 'name' in layout.texts:
-        i = layout.texts['name'].index(joint) if joint in layout.texts['name'] else inf
-    has_joint = i < (leaves['position'].shape or (1,))[0]
+    fields, names = ['header.stamp.sec', 'header.stamp.nanosec'], layout.texts.get('name', [joint])
+    i = names.index(joint) if joint in names else 0
+    has_joint = joint in names and i < (leaves['position'].shape or (1,))[0]
     if has_joint:
         fields += [name for name in ('position', 'velocity', 'acceleration')
                    if name in leaves and i < (leaves[name].shape or (1,))[0]]
@@ -95,7 +97,7 @@ def _reader(layout: Layout, joint: str) -> Callable[[bytes], tuple[Stamp, Given 
         end = begin + size
     unpack = Struct(''.join(parts)).unpack_from
 
-    def read(data):
+    def read(data: bytes) -> tuple[Stamp, Given | None]:
         values = unpack(data)
         return values[:2], values[2:] + missing if has_joint else None
     return read

@@ -3,29 +3,37 @@
 """fourbar_node: one linkage, driven by the clock or by messages; publishes, answers, records."""
 from __future__ import annotations
 
+from collections.abc import Sequence
 import contextlib
 import gc
 import sys
+from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.ros.node import parameters, services
 from fourbar_ros.ros.node.diagnostics import Diagnostics
-from fourbar_ros.ros.node.drives import SimulatedTimerDrive, TimerDrive
+from fourbar_ros.ros.node.drives import Drive, SimulatedTimerDrive, TimerDrive
 from fourbar_ros.ros.node.quiet_log import QuietLog
 from fourbar_ros.ros.node.recording import Recording
+from fourbar_ros.ros.node.running import Running
 from fourbar_ros.ros.node.steady import SteadyTimers
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.ros.node.worker import Worker
 from fourbar_ros.ros.stop import Stop
 from fourbar_ros.scene.arguments import check_node_arguments, NODE_HELP, node_names
 from fourbar_ros.scene.of_dynamics import SOURCES
+from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import FIND_EXTREMA, SERVICES
 import rclpy
 from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.experimental import EventsExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
-from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+
+if TYPE_CHECKING:      # only the scenes that want them
+    from fourbar_ros.ros.node.actions import ExtremaServer
+    from fourbar_ros.ros.node.trajectories import Trajectories
+    from fourbar_ros.ros.node.wrenches import WrenchInputs
 
 UnknownArguments = rclpy_implementation.UnknownROSArgsError
 # A file that rcl cannot parse, names that are not valid; another type for a parameter than rclpy
@@ -39,14 +47,15 @@ PATIENCE = 0.5  # [s] for a search to see that it is abandoned: it looks every f
 SPIN = 0.2
 
 
-class FourBarNode(Node):
+class FourBarNode(Running):
     """
     The node; see docs/node.md for its topics, services and parameters.
 
     ``arguments``: the command line; ``name`` may begin with a namespace.
     """
 
-    def __init__(self, arguments=(), name='fourbar', **kwargs):
+    def __init__(self, arguments: Sequence[str] = (), name: str = 'fourbar', **kwargs: Any
+                 ) -> None:
         namespace, _, name = name.rpartition('/')
         super().__init__(name, namespace=namespace or None,
                          automatically_declare_parameters_from_overrides=True, **kwargs)
@@ -71,7 +80,7 @@ class FourBarNode(Node):
         self.get_logger().info(f'{scene.linkage.classification}, mode {scene.linkage.mode}, '
                                f'driven by {scene.drive.source}')
 
-    def _drive_of(self, source):
+    def _drive_of(self, source: str) -> type[Drive]:
         is_simulated = self.get_parameter('use_sim_time').value
         if source in SOURCES:
             if self.stream.scene.linkage.change_point_margin == 0.0:
@@ -86,19 +95,19 @@ class FourBarNode(Node):
             return TopicDrive
         return SimulatedTimerDrive if is_simulated else TimerDrive
 
-    def _wrench_inputs(self, scene):
+    def _wrench_inputs(self, scene: Scene) -> WrenchInputs | None:
         if not scene.wrenches.links:
             return None
         from fourbar_ros.ros.node.wrenches import WrenchInputs  # and its messages
         return WrenchInputs(self, self.stream, self.recording)
 
-    def _trajectories(self, scene):
+    def _trajectories(self, scene: Scene) -> Trajectories | None:
         if not scene.values['trajectories']:
             return None
         from fourbar_ros.ros.node.trajectories import Trajectories  # and its messages
         return Trajectories(self, scene)
 
-    def _action_server(self):
+    def _action_server(self) -> ExtremaServer | None:
         try:
             from fourbar_ros.ros.node.actions import ExtremaServer
             return ExtremaServer(self)
@@ -108,7 +117,7 @@ class FourBarNode(Node):
                                       'fourbar_msgs again')
             return None
 
-    def apply(self, scene):
+    def apply(self, scene: Scene) -> None:
         """Take over a changed scene between two steps."""
         settings_changed = scene.drive != self.stream.scene.drive
         self.stream.apply(scene)
@@ -119,11 +128,11 @@ class FourBarNode(Node):
         if settings_changed or scene.dynamics:
             self.drive.apply(scene.drive)
 
-    def fail(self, error):
+    def fail(self, error: Exception) -> None:
         """Have main raise an error."""
         self.failure = error
 
-    def close(self, why='the node ended'):
+    def close(self, why: str = 'the node ended') -> None:
         """
         Abandon what is searched for, stop the stream, close the bag, leave the graph.
 
@@ -144,7 +153,7 @@ class FourBarNode(Node):
             self.destroy_node()
 
 
-def main(args=None, stop=None):
+def main(args: list[str] | None = None, stop: Stop | None = None) -> int:
     """
     Run the node until SIGINT, SIGTERM or SIGHUP.
 
@@ -179,21 +188,21 @@ def main(args=None, stop=None):
     return 0
 
 
-def close(nodes, why='the node ended'):
+def close(nodes: Sequence[FourBarNode], why: str = 'the node ended') -> None:
     """Close all nodes, each of them whatever another raises; their bags say why."""
     with contextlib.ExitStack() as stack:
         for node in nodes:
             stack.callback(node.close, why)
 
 
-def in_one_line(error):
+def in_one_line(error: Exception) -> str:
     """Return what an error at start says, in one line."""
     if isinstance(error, UnknownArguments):
         return f'ROS 2 knows no argument {error}'
     return ' '.join(str(error).split())
 
 
-def spin(nodes, stop):
+def spin(nodes: Sequence[FourBarNode], stop: Stop) -> None:
     """Handle what comes until it is asked to stop or anything has failed."""
     executor = EventsExecutor()
     for node in nodes:

@@ -7,12 +7,17 @@ Which of them are needed, and sending them to subscribers and to the bag.
 """
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 from fourbar_ros.pipeline.message_fields import mode_number
 from fourbar_ros.pipeline.status import OK
+from fourbar_ros.ros.messages import Stamp
 from fourbar_ros.ros.node.publishers import TopicPublisher
-from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN
+from fourbar_ros.ros.node.recording import Recording
+from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, Topic
+from rclpy.node import Node
 
 
 class Wanted(NamedTuple):
@@ -41,12 +46,15 @@ class Outputs:
 
     """
 
-    def __init__(self, node, recording):
+    def __init__(self, node: Node, recording: Recording) -> None:
         self._node, self._recording = node, recording
-        self._sent = []           # (topic, bytes), to be recorded at the end of the step
-        self._driven, self._drive_state, self.named = self._publisher(DRIVEN), None, []
+        # (topic, bytes), to be recorded at the end of the step
+        self._sent: list[tuple[str, bytes]] = []
+        self._drive_state: TopicPublisher | None = None
+        self.named: list[TopicPublisher] = []
+        self._driven = self._publisher(DRIVEN)
 
-    def apply(self, scene):
+    def apply(self, scene: Scene) -> None:
         """Take over a scene: create and destroy publishers."""
         self._mode = mode_number(scene.linkage)
         there = {output.name: output for output in self.named}
@@ -60,37 +68,39 @@ class Outputs:
             output.apply(scene)
         self._update()
 
-    def _every(self):
+    def _every(self) -> list[TopicPublisher]:
         return [self._driven, *([self._drive_state] if self._drive_state else []), *self.named]
 
-    def _publisher(self, topic):
+    def _publisher(self, topic: Topic) -> TopicPublisher:
         return TopicPublisher(self._node, topic, self._update)
 
-    def _update(self):
+    def _update(self) -> None:
         """Note what is needed: when a subscriber comes or leaves, not in every step."""
         every = self._every()
         self._all = self._needed_for(every)
         self._subscribed = self._needed_for([output for output in every if output.is_subscribed])
 
-    def _needed_for(self, those):
+    def _needed_for(self, those: Collection[TopicPublisher]) -> Wanted:
         outputs = [output for output in self.named if output in those]
         return Wanted(self._driven in those, self._drive_state in those, outputs,
                       any(output.needs_loads for output in outputs),
                       frozenset(output.name for output in outputs if output.is_part))
 
-    def wanted(self):
+    def wanted(self) -> Wanted:
         """Return what is Wanted now: all outputs while recording, else those with subscribers."""
         return self._all if self._recording.active else self._subscribed
 
-    def send_driven(self, stamp, values):
+    def send_driven(self, stamp: Stamp, values: Sequence[float]) -> None:
         """Send the driven motion; it is recorded by :meth:`record` or with what follows."""
         self._send([self._driven], stamp, OK, values)
 
-    def send_drive_state(self, stamp, status, values):
+    def send_drive_state(self, stamp: Stamp, status: int, values: Sequence[float]) -> None:
         """Send the state of a drive that works by torque; recorded as the driven motion is."""
-        self._send([self._drive_state], stamp, status, values)
+        if self._drive_state is not None:
+            self._send([self._drive_state], stamp, status, values)
 
-    def send(self, stamp, status, values, outputs=None):
+    def send(self, stamp: Stamp, status: int, values: Sequence[float],
+             outputs: Sequence[TopicPublisher] | None = None) -> None:
         """Send these outputs, all of the scene by default, and record what was sent."""
         outputs = self.named if outputs is None else outputs
         if status != OK:
@@ -98,13 +108,14 @@ class Outputs:
         self._send(outputs, stamp, status, values)
         self.record()
 
-    def record(self):
+    def record(self) -> None:
         """Record what was sent since the last time, at one go."""
         if self._sent:
             sent, self._sent = self._sent, []
             self._recording.write_all(sent)
 
-    def _send(self, outputs, stamp, status, values):
+    def _send(self, outputs: Sequence[TopicPublisher], stamp: Stamp, status: int,
+              values: Sequence[float]) -> None:
         """Pack all messages, then send them together: so the middleware wakes up less often."""
         mode = self._mode
         packed = [(output, output.pack(stamp, status, mode, values)) for output in outputs]

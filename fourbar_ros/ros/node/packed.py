@@ -8,17 +8,21 @@ numbers, and what was packed must read back through ROS as the message that was 
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from math import inf, nan
 from operator import itemgetter
 from struct import Struct
 from typing import Any, NamedTuple
 
-from fourbar_ros.ros.messages import filler, Stamp
+from fourbar_ros.pipeline.message_fields import FieldMap
+from fourbar_ros.ros.messages import filler, Message, Stamp
 from rclpy.serialization import deserialize_message, serialize_message
 
 _STAMP, _STATUS, _NUMBER = Struct('<iI'), Struct('<BB'), Struct('<d')
 _HARD = (nan, -0.0, inf, -inf, 5e-324, -1.7976931348623157e308, 0.1)
+
+
+Pack = Callable[[Stamp, int, int, Sequence[float]], bytes]     # status and mode as numbers
 
 
 class _Given(NamedTuple):
@@ -30,7 +34,7 @@ class _Given(NamedTuple):
     values: Sequence[float]
 
 
-def writer(output: str, message: Any, layout) -> tuple[Callable[..., bytes], bool]:
+def writer(output: str, message: Message, layout: FieldMap) -> tuple[Pack, bool]:
     """
     Return the function (stamp, status, mode, values) -> bytes of a message, and whether it packs.
 
@@ -45,7 +49,7 @@ def writer(output: str, message: Any, layout) -> tuple[Callable[..., bytes], boo
     """
     fill = filler(output, message, layout)
 
-    def serialised(stamp, status, mode, values):
+    def serialised(stamp: Stamp, status: int, mode: int, values: Sequence[float]) -> bytes:
         fill(stamp, status, mode, values)
         return serialize_message(message)
 
@@ -57,8 +61,7 @@ def writer(output: str, message: Any, layout) -> tuple[Callable[..., bytes], boo
     return serialised, False
 
 
-def _packer(serialised, has_status: bool, used: Sequence[int],
-            count: int) -> Callable[..., bytes] | None:
+def _packer(serialised: Pack, has_status: bool, used: Collection[int], count: int) -> Pack | None:
     """Return the function that writes numbers into a message's bytes, None if not found."""
     probes = [_Given((0x1B2D3F41, 0x25374959), 0xA7, 0x5C, [k + 0.1 for k in range(count)]),
               _Given((0x6E5D4C3B, 0x2A190817), 0x39, 0xE2, [-k - 0.7 for k in range(count)])]
@@ -76,7 +79,7 @@ def _packer(serialised, has_status: bool, used: Sequence[int],
                                    else None)
     put_stamp, put_status, runs = _STAMP.pack_into, _STATUS.pack_into, list(_runs(numbers))
 
-    def pack(stamp, status, mode, values):
+    def pack(stamp: Stamp, status: int, mode: int, values: Sequence[float]) -> bytes:
         put_stamp(buffer, at_stamp, *stamp)
         if at_status is not None:
             put_status(buffer, at_status, status, mode)
@@ -99,7 +102,8 @@ def _places(made: Sequence[bytes], parts: Sequence[bytes]) -> Iterator[int]:
         at = made[0].find(parts[0], at + 1)
 
 
-def _runs(numbers: Sequence[tuple[int, int]]) -> Iterator[tuple[Callable, int, Callable]]:
+def _runs(numbers: Sequence[tuple[int, int]]
+          ) -> Iterator[tuple[Callable[..., None], int, Callable[[Sequence[float]], Any]]]:
     """Yield (pack_into, offset, picker of the values) for runs of adjacent doubles."""
     size, begin = _NUMBER.size, 0
     for end in range(1, len(numbers) + 1):
@@ -118,7 +122,7 @@ def _trials(count: int) -> Iterator[_Given]:
                      [hard if (place + k) % 3 else place / 3.0 for place in range(count)])
 
 
-def _same(message: Any, serialised, pack, given: _Given) -> bool:
+def _same(message: Message, serialised: Pack, pack: Pack, given: _Given) -> bool:
     """Return whether ROS reads the same from both."""
     meant = repr(deserialize_message(serialised(*given), type(message)))         # NaN is NaN here
     try:

@@ -3,19 +3,24 @@
 """Declare the parameters of the table in a node and read its scene."""
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from math import inf
+from typing import Any
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.ros.node import qos
+from fourbar_ros.ros.node.running import Running
 from fourbar_ros.scene import overrides
-from fourbar_ros.scene.parameters import find
-from fourbar_ros.scene.scene import from_values
+from fourbar_ros.scene.parameter import Parameter
+from fourbar_ros.scene.parameters import find, of_name
+from fourbar_ros.scene.scene import from_values, Scene
 from rcl_interfaces.msg import (
     IntegerRange,
     ParameterDescriptor,
     ParameterType,
     SetParametersResult,
 )
+from rclpy.parameter import Parameter as Given
 
 # Parameters that rclpy itself owns.
 SWITCHES = ('use_sim_time', 'start_type_description_service')
@@ -27,7 +32,7 @@ _ROS_TYPES = {'double': ParameterType.PARAMETER_DOUBLE, 'integer': ParameterType
               'doubles': ParameterType.PARAMETER_DOUBLE_ARRAY}
 
 
-def scene(node, arguments=()):
+def scene(node: Running, arguments: Sequence[str] = ()) -> Scene:
     """
     Return the Scene of a node that has declared its overrides.
 
@@ -49,7 +54,7 @@ def scene(node, arguments=()):
         if type(every.get(name, True)) is not bool:
             raise InvalidParameter(name, every[name], 'must be a bool')
     given = {name: value for name, value in every.items() if not name.startswith(BUILT_IN)}
-    asked = overrides.asked(arguments, node.get_fully_qualified_name())
+    asked = overrides.asked(list(arguments), node.get_fully_qualified_name())
     for name, (value, where) in asked.items():
         if name in given and overrides.is_ignored(value, given[name]):
             node.get_logger().warning(f'{name} = {value!r} ({where}), though ROS 2 would keep '
@@ -60,22 +65,22 @@ def scene(node, arguments=()):
     for name in given:
         node.undeclare_parameter(name)
     for name, value in checked.values.items():
-        node.declare_parameter(name, value, descriptor(find(name)), ignore_override=True)
+        node.declare_parameter(name, value, descriptor(of_name(name)), ignore_override=True)
     return checked
 
 
-def watch(node, current, apply):
+def watch(node: Running, current: Callable[[], Scene], apply: Callable[[Scene], None]) -> None:
     """
     Check every change of parameters as a whole scene; call ``apply(scene)`` with a good one.
 
     A refused change says why and changes nothing. ``current()`` returns the scene in force.
     """
-    checked = []
+    checked: list[Scene] = []
 
-    def changed(given):
+    def changed(given: Sequence[Given]) -> dict[str, Any]:
         return {parameter.name: parameter.value for parameter in given if find(parameter.name)}
 
-    def check(given):
+    def check(given: Sequence[Given]) -> SetParametersResult:
         checked.clear()
         for parameter in given:
             if (parameter.name == 'use_sim_time' or parameter.name.startswith(qos.PREFIX)) \
@@ -93,7 +98,7 @@ def watch(node, current, apply):
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
 
-    def accept(given):
+    def accept(given: Sequence[Given]) -> None:
         if checked and changed(given):
             apply(checked.pop())
 
@@ -101,7 +106,7 @@ def watch(node, current, apply):
     node.add_post_set_parameters_callback(accept)
 
 
-def descriptor(parameter):
+def descriptor(parameter: Parameter) -> ParameterDescriptor:
     """Return the ROS descriptor of a parameter of the table."""
     unit = f' [{parameter.unit}]' if parameter.unit else ''
     found = ParameterDescriptor(name=parameter.name, type=_ROS_TYPES[parameter.type],

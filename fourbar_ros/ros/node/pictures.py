@@ -7,11 +7,19 @@ Their messages and the description are imported by the scenes that name them.
 """
 from __future__ import annotations
 
-from fourbar_ros.ros.messages import resolve
+from collections.abc import Callable, Sequence
+
+from fourbar_ros.ros.messages import Message, resolve, Stamp
 from fourbar_ros.ros.node import qos
-from fourbar_ros.scene.topics import QUEUE_DEPTH
+from fourbar_ros.ros.node.recording import Recording
+from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.topics import QUEUE_DEPTH, Topic
+from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
+
+Make = Callable[[Stamp, Sequence[float]], Message]      # None where there is nothing to see
 
 
 class Pictures:
@@ -30,12 +38,15 @@ class Pictures:
 
     """
 
-    def __init__(self, node, recording):
+    def __init__(self, node: Node, recording: Recording) -> None:
         self._node, self._recording = node, recording
-        self._publishers, self._latched, self._makers = {}, {}, {}
-        self._period, self._last, self.of_loads = 0, None, False
+        self._publishers: dict[str, Publisher] = {}
+        self._latched: dict[str, bytes] = {}
+        self._makers: dict[str, Make] = {}
+        self._last: int | None = None
+        self._period, self.of_loads = 0, False
 
-    def apply(self, scene):
+    def apply(self, scene: Scene) -> None:
         """Take over a scene; send what is latched."""
         for name in self._publishers.keys() - scene.pictures.keys():
             self._node.destroy_publisher(self._publishers.pop(name))
@@ -53,12 +64,12 @@ class Pictures:
                 self._latched[name] = serialize_message(make(scene))
                 self._send(name, self._latched[name])
 
-    def record_latched(self):
+    def record_latched(self) -> None:
         """Have a new bag begin with what is latched."""
         for name, data in self._latched.items():
             self._recording.write(name, data)
 
-    def are_due(self, stamp):
+    def are_due(self, stamp: Stamp) -> bool:
         """Return whether a step at this time, (seconds, nanoseconds), is to be seen."""
         if not self._makers or not (self._recording.active or any(map(self._is_subscribed,
                                                                       self._makers))):
@@ -70,33 +81,33 @@ class Pictures:
         self._last = now
         return True
 
-    def send(self, stamp, values):
+    def send(self, stamp: Stamp, values: Sequence[float]) -> None:
         """Send the pictures of one step: its values in the places of the layout."""
         for name, make in self._makers.items():
             message = make(stamp, values)
             if message is not None and (self._recording.active or self._is_subscribed(name)):
                 self._send(name, serialize_message(message))
 
-    def _publisher(self, topic):
+    def _publisher(self, topic: Topic) -> Publisher:
         profile = (QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
                    if topic.latched else QUEUE_DEPTH)
         return qos.create(self._node, 'publisher', resolve(topic.type), topic.topic, profile)
 
-    def _is_subscribed(self, name):
+    def _is_subscribed(self, name: str) -> bool:
         return self._publishers[name].get_subscription_count() > 0
 
-    def _send(self, name, data):
+    def _send(self, name: str, data: bytes) -> None:
         self._publishers[name].publish(data)
         self._recording.write(name, data)
 
 
-def _makers():
+def _makers() -> dict[str, Callable[[Scene], Make]]:
     """Return {output: function (scene) -> function (stamp, values) -> message or None}."""
     from fourbar_ros.ros.pictures import markers, transforms
     return {'tf': transforms.maker, 'markers': markers.maker}
 
 
-def _latched():
+def _latched() -> dict[str, Callable[[Scene], Message]]:
     """Return {output: function (scene) -> message}."""
     from fourbar_ros.description.describe import describe
     from fourbar_ros.ros.pictures import traces

@@ -3,13 +3,18 @@
 """One publisher: each message is serialised once, for the wire and for the bag."""
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from math import isnan
+from typing import Any
 
 from fourbar_ros.pipeline.message_fields import FieldMap
 from fourbar_ros.ros.messages import resolve, set_constants
 from fourbar_ros.ros.node import packed, qos
-from fourbar_ros.scene.topics import DRIVE_STATE, QUEUE_DEPTH
+from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.topics import DRIVE_STATE, QUEUE_DEPTH, Topic
 from rclpy.event_handler import PublisherEventCallbacks, UnsupportedEventTypeError
+from rclpy.node import Node
+from rclpy.publisher import Publisher
 
 PARTS = 'points', 'links'      # families whose values are computed for a topic alone
 
@@ -32,7 +37,7 @@ class TopicPublisher:
 
     """
 
-    def __init__(self, node, topic, changed):
+    def __init__(self, node: Node, topic: Topic, changed: Callable[[], None]) -> None:
         self.name, self._topic, self._node = topic.name, topic, node
         self.is_part = topic.name.partition('/')[0] in PARTS
         self.is_subscribed, self._changed = False, changed
@@ -43,18 +48,18 @@ class TopicPublisher:
             self.is_subscribed = True
             self._publisher = self._create(None)
 
-    def _create(self, callbacks):
+    def _create(self, callbacks: PublisherEventCallbacks | None) -> Publisher:
         return qos.create(self._node, 'publisher', type(self._message), self._topic.topic,
                           QUEUE_DEPTH,
                           event_callbacks=callbacks)
 
-    def _matched(self, info):
+    def _matched(self, info: Any) -> None:
         is_subscribed = info.current_count > 0
         if is_subscribed != self.is_subscribed:
             self.is_subscribed = is_subscribed
             self._changed()
 
-    def apply(self, scene):
+    def apply(self, scene: Scene) -> None:
         """Take over a scene."""
         set_constants(self.name, self._message, scene)
         self._positions = needed(self.name, scene)
@@ -69,7 +74,7 @@ class TopicPublisher:
         # happens between two steps only.
         self.publish = self._publisher.handle.publish_raw
 
-    def has_something(self, values):
+    def has_something(self, values: Sequence[float]) -> bool:
         """
         Return whether there is anything to send.
 
@@ -77,12 +82,12 @@ class TopicPublisher:
         """
         return not any(isnan(values[place]) for place in self._positions)
 
-    def destroy(self):
+    def destroy(self) -> None:
         """Leave the graph."""
         self._node.destroy_publisher(self._publisher)
 
 
-def drive_layout():
+def drive_layout() -> FieldMap:
     """Return the FieldMap of a DriveState, whose values are those of DriveValues."""
     from fourbar_ros.dynamics.mover import DriveValues  # only these scenes need it
     names = DriveValues._fields
@@ -90,7 +95,7 @@ def drive_layout():
                     {name: i for i, name in enumerate(names)}, ())
 
 
-def needed(name, scene):
+def needed(name: str, scene: Scene) -> Sequence[int]:
     """Return the places of the values without which a message is not sent."""
     if name != 'joint_states' or scene.joint_states.when_unknown != 'skip':
         return ()

@@ -7,7 +7,11 @@ Qos_overrides.TOPIC.publisher.reliability and so on.
 """
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import (
     applied_topic,
     DRIVEN,
@@ -20,6 +24,7 @@ from fourbar_ros.scene.topics import (
     TRAJECTORIES,
     wrench_topic,
 )
+from rclpy.node import Node
 from rclpy.qos import (
     DurabilityPolicy,
     HistoryPolicy,
@@ -38,7 +43,8 @@ _NUMBERS = {'depth': 'messages', 'deadline': 'ns', 'lifespan': 'ns',
 POLICIES = (*_WORDS, *_NUMBERS)
 
 
-def create(node, entity, message_type, topic, *given, **options):
+def create(node: Node, entity: str, message_type: type[Any], topic: str, *given: Any,
+           **options: Any) -> Any:
     """
     Return a new 'publisher' or 'subscription' of a node with the overrides it was given.
 
@@ -52,12 +58,12 @@ def create(node, entity, message_type, topic, *given, **options):
                 qos_overriding_options=QoSOverridingOptions(kinds))
 
 
-def has_override(node, entity, topic, policy):
+def has_override(node: Node, entity: str, topic: str, policy: str) -> bool:
     """Return whether a policy of a topic is overridden."""
     return node.has_parameter(f'{PREFIX}{node.resolve_topic_name(topic)}.{entity}.{policy}')
 
 
-def check(node, scene):
+def check(node: Node, scene: Scene) -> None:
     """Raise InvalidParameter for an override of an unknown topic or with a bad value."""
     topics = _topics(node, scene)
     for name, parameter in node.get_parameters_by_prefix('').items():
@@ -67,7 +73,7 @@ def check(node, scene):
                 raise InvalidParameter(name, parameter.value, why)
 
 
-def _why_not(parts, value, topics):
+def _why_not(parts: Sequence[str], value: Any, topics: Mapping[str, str]) -> str:
     if len(parts) != 3 or parts[0] not in topics:
         return f'no such topic of this node; known: {", ".join(topics)}'
     topic, entity, policy = parts
@@ -83,7 +89,7 @@ def _why_not(parts, value, topics):
     return f'must be one of {", ".join(POLICIES)}'
 
 
-def _topics(node, scene):
+def _topics(node: Node, scene: Scene) -> dict[str, str]:
     """Return {resolved topic: publisher or subscription} of all that a scene may ever use."""
     loaded = scene.linkage.EXTERNAL._fields
     outputs = topics_of(OUTPUTS, scene.members).values()

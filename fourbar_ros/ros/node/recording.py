@@ -3,18 +3,24 @@
 """The bag of a node, if one is being written: its contents and its state."""
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Mapping, Sequence
 import contextlib
 import json
 import os
 from pathlib import Path
 import platform
-from typing import NamedTuple
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros import __version__
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.optional import MissingPackage
 from fourbar_ros.pipeline import rate_estimator
-from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
+from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE, Topic
+from rclpy.node import Node
+
+if TYPE_CHECKING:      # only scenes that record need the mcap library
+    from fourbar_ros.bag.recorder import BagWriter
 
 SOFTWARE = ('numpy', 'mcap', 'rclpy')       # whose versions a bag keeps, beside our own
 
@@ -22,15 +28,15 @@ SOFTWARE = ('numpy', 'mcap', 'rclpy')       # whose versions a bag keeps, beside
 class RecorderState(NamedTuple):
     """The state of the recorder for the diagnostics."""
 
-    values: dict
-    problems: list
+    values: dict[str, Any]
+    problems: list[str]
 
 
 class OpenBag(NamedTuple):
     """A bag without messages yet; ``channels``: the number of each topic by its short name."""
 
-    writer: object
-    channels: dict
+    writer: BagWriter
+    channels: dict[str, int]
 
 
 class Recording:
@@ -46,17 +52,19 @@ class Recording:
 
     """
 
-    def __init__(self, node):
+    def __init__(self, node: Node) -> None:
         self._node = node
-        self._writer, self._channels, self._refused = None, {}, ''
+        self._writer: BagWriter | None = None
+        self._channels: dict[str, int] = {}
+        self._refused = ''
 
     @property
-    def active(self):
+    def active(self) -> bool:
         """Return whether messages are being recorded."""
         writer = self._writer
         return writer is not None and writer.error is None
 
-    def begin(self, scene, start):
+    def begin(self, scene: Scene, start: Callable[[str], object]) -> None:
         """
         Start the bag that a scene wants, by ``start(name)``, under a free name.
 
@@ -73,7 +81,7 @@ class Recording:
             self._refused = f'not recording: {error}'
             log.error(self._refused)
 
-    def open(self, scene, name=''):
+    def open(self, scene: Scene, name: str = '') -> OpenBag:
         """
         Return an :class:`OpenBag` for the input and the outputs of a scene; raises BagError.
 
@@ -86,7 +94,7 @@ class Recording:
             raise MissingPackage('recording', error) from None
         from fourbar_ros.ros.schemas import channel
 
-        if self.active:
+        if self._writer and self.active:
             raise BagError(f'already recording to {self._writer.path}')
         if self._writer:
             with contextlib.suppress(BagError):
@@ -109,7 +117,7 @@ class Recording:
                                        scene.recording.keep, head=topics.index(DRIVEN)))
         return OpenBag(writer, {topic.name: number for number, topic in enumerate(topics)})
 
-    def _without_our_own(self, topics):
+    def _without_our_own(self, topics: Sequence[Topic]) -> tuple[list[Topic], dict[str, str]]:
         """
         Return the topics, and {name: resolved name}, without an input on which we publish too.
 
@@ -121,14 +129,14 @@ class Recording:
                 or every.count(resolved[topic.name]) == 1]
         return kept, {topic.name: resolved[topic.name] for topic in kept}
 
-    def attach(self, bag):
+    def attach(self, bag: OpenBag) -> Path:
         """Record into an opened bag from now on; return its path."""
         self._channels = bag.channels                    # first: an input may be written meanwhile
         self._writer, self._refused = bag.writer, ''
         self._node.get_logger().info(f'recording to {bag.writer.path}')
         return bag.writer.path
 
-    def state(self):
+    def state(self) -> RecorderState:
         """Return (values, problems) for the diagnostics."""
         writer = self._writer
         if not writer:
@@ -139,12 +147,12 @@ class Recording:
         return RecorderState({'recording': str(writer.path), 'messages recorded': writer.accepted,
                               'messages not recorded': writer.dropped}, problems)
 
-    def detach(self):
+    def detach(self) -> BagWriter | None:
         """Stop recording; return the writer of the bag, None if there was none."""
         writer, self._writer = self._writer, None
         return writer
 
-    def close(self, writer, why):
+    def close(self, writer: BagWriter, why: str) -> Path:
         """
         Close a detached bag, which says why it ended, and return its path.
 
@@ -155,7 +163,7 @@ class Recording:
         self._node.get_logger().info(f'recorded {path}')
         return path
 
-    def write(self, topic, data):
+    def write(self, topic: str, data: bytes) -> None:
         """
         Record the serialised message of a topic, by its short name, if a bag is open.
 
@@ -165,26 +173,26 @@ class Recording:
         if writer and topic in self._channels:
             writer.write(self._channels[topic], data)
 
-    def write_all(self, messages):
+    def write_all(self, messages: Iterable[tuple[str, bytes]]) -> None:
         """Record the messages of a step, (topic, bytes), at one go; as :meth:`write`."""
         writer, channels = self._writer, self._channels
         if writer:
             writer.write_all([(channels[topic], data) for topic, data in messages])
 
 
-def about_of(scene, topics, node):
+def about_of(scene: Scene, topics: Mapping[str, str], node: str) -> dict[str, str]:
     """Return what a bag keeps about a run; ``topics``: {short name: name in the bag}."""
     return {'scene': scene.as_json, 'topics': json.dumps(topics), 'node': node,
             'units': 'SI: m, kg, s, rad, N, N m', 'software': json.dumps(software()),
             rate_estimator.KEY: str(rate_estimator.VERSION)}
 
 
-def directory_of(scene):
+def directory_of(scene: Scene) -> Path:
     """Return where the bags of a scene go; ``~`` is a home."""
     return Path(os.path.expanduser(scene.recording.directory)).absolute()
 
 
-def software():
+def software() -> dict[str, str]:
     """Return {name: version} of the software that makes a bag."""
     from importlib.metadata import PackageNotFoundError, version  # 15 ms, and only bags ask
 

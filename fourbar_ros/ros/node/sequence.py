@@ -3,7 +3,9 @@
 """Messages that were sent but never taken, by the numbers that publishers give them."""
 from __future__ import annotations
 
+from collections.abc import Callable
 from inspect import Parameter, Signature
+from typing import Any
 
 
 class Sequence:
@@ -27,15 +29,16 @@ class Sequence:
 
     """
 
-    def __init__(self, publishers):
-        self._publishers, self._next = publishers, []
+    def __init__(self, publishers: Callable[[], int]) -> None:
+        self._publishers = publishers
+        self._next: list[int] = []
         self.lost, self.is_numbered = 0, True
 
-    def forget(self):
+    def forget(self) -> None:
         """Start anew: publishers have come or gone."""
         self._next = []
 
-    def take(self, number):
+    def take(self, number: int | None) -> None:
         """Note the number of a message; None if the middleware gives none."""
         if number is None:
             self.is_numbered = False
@@ -63,10 +66,10 @@ class WithInfo:
     __signature__ = Signature([Parameter(name, Parameter.POSITIONAL_ONLY)
                                for name in ('message', 'info')])
 
-    def __init__(self, receive):
+    def __init__(self, receive: Callable[[bytes, dict[str, Any]], None]) -> None:
         self._receive = receive
 
-    def __call__(self, *given):
+    def __call__(self, *given: Any) -> None:
         """Call ``receive(message, info)``."""
         message, info = given if len(given) == 2 else given[0]
         self._receive(message, info)

@@ -7,6 +7,7 @@ Errors become responses, never exceptions.
 """
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from functools import partial
 from math import nan
 from traceback import format_exc
@@ -22,12 +23,13 @@ from fourbar_ros.pipeline.status import (
     RATES_UNKNOWN,
     TOGGLE,
 )
-from fourbar_ros.ros.messages import filler, resolve, sec_nanosec, set_constants
+from fourbar_ros.ros.messages import filler, Message, resolve, sec_nanosec, set_constants
 from fourbar_ros.ros.node.extrema import Search
+from fourbar_ros.ros.node.running import Running
 from fourbar_ros.scene.topics import SERVICES
 
 
-def create(node):
+def create(node: Running) -> None:
     """Create all services of a node; its workers run those that take long."""
     handlers = {'find_extrema': find_extrema, 'evaluate': evaluate_one,
                 'start_recording': start_recording, 'stop_recording': stop_recording}
@@ -40,7 +42,8 @@ def create(node):
             node.create_service(kind, service.service, answer)
 
 
-def _answered(handler, node, request, response):
+def _answered(handler: Callable[[Running, Message, Message], Message], node: Running,
+              request: Message, response: Message) -> Message:
     """Answer always; report an unexpected exception to the caller and in the log."""
     try:
         return handler(node, request, response)
@@ -52,12 +55,12 @@ def _answered(handler, node, request, response):
         return response
 
 
-def find_extrema(node, request, response):
+def find_extrema(node: Running, request: Message, response: Message) -> Message:
     """Answer FindExtrema."""
     return Search(node.stream.scene, request, node.workers['search'].check).answer(response)
 
 
-def evaluate_one(node, request, response):
+def evaluate_one(node: Running, request: Message, response: Message) -> Message:
     """Answer Evaluate."""
     scene = node.stream.scene
     modes = scene.linkage.modes
@@ -89,7 +92,8 @@ def evaluate_one(node, request, response):
     return response
 
 
-def _with_values(node, response, mode, status, values):
+def _with_values(node: Running, response: Message, mode: int, status: int, values: Sequence[float]
+                 ) -> Message:
     """Fill state, loads and the named values of a response."""
     stamp, scene = sec_nanosec(node.get_clock().now().nanoseconds), node.stream.scene
     for output in ('state', 'loads'):
@@ -104,7 +108,7 @@ def _with_values(node, response, mode, status, values):
     return response
 
 
-def start_recording(node, request, response):
+def start_recording(node: Running, request: Message, response: Message) -> Message:
     """Answer StartRecording."""
     try:
         response.path = str(node.stream.start_recording(request.name))
@@ -114,7 +118,7 @@ def start_recording(node, request, response):
     return response
 
 
-def stop_recording(node, _, response):
+def stop_recording(node: Running, _: object, response: Message) -> Message:
     """Answer Trigger: the message is the path of the bag, or the reason why there is none."""
     try:
         path = node.stream.stop_recording('stopped by ~/stop_recording')

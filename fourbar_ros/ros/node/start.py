@@ -8,7 +8,7 @@ import sys
 from fourbar_ros.ros.stop import Stop
 
 
-def main(args=None):
+def main(args: list[str] | None = None) -> int:
     """Run the node; return its exit code."""
     stop = Stop().catch()
     from fourbar_ros.ros.node import node

@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 from fourbar_ros.errors import OutOfRange
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.pipeline.status import OK, OUT_OF_RANGE, STATUS_NAMES
+from fourbar_ros.ros.node.quiet_log import QuietLog
 
 
 class StatusLog:
@@ -17,10 +19,10 @@ class StatusLog:
 
     """
 
-    def __init__(self, log):
+    def __init__(self, log: QuietLog) -> None:
         self._log = log
 
-    def changed(self, status, position, linkage):
+    def changed(self, status: int, position: float, linkage: Mechanism) -> None:
         """Log a new status, and the input that caused it."""
         if status == OK:
             self._log.info(status, 'input good again')
@@ -30,6 +32,6 @@ class StatusLog:
                           if status == OUT_OF_RANGE else f'{name} = {position!r} {unit}: '
                                                          f'{STATUS_NAMES[status]}')
 
-    def timeout(self, seconds):
+    def timeout(self, seconds: float) -> None:
         """Log that the input has stopped."""
         self._log.warning('timeout', f'no input for {seconds:g} s')

@@ -13,6 +13,8 @@ from collections.abc import Callable
 from threading import Event, Thread
 import time
 
+from rclpy.executors import Executor
+
 PERIOD = 0.1        # [s] so finely are these timers spaced
 WAKE = 0.3          # [s] so often at least is the executor woken, which then sees signals
 
@@ -23,7 +25,7 @@ class SteadyTimers:
     def __init__(self) -> None:
         self._timers: dict[object, tuple[float, Callable[[], None]]] = {}
         self._due: dict[object, float] = {}
-        self._ended, self._thread, self._is_asked = Event(), None, False
+        self._ended, self._is_asked = Event(), False
 
     def add(self, period: float, callback: Callable[[], None]) -> object:
         """
@@ -39,16 +41,16 @@ class SteadyTimers:
         """Do not call it any more."""
         del self._timers[timer], self._due[timer]
 
-    def start(self, executor, failed: Callable[[Exception], None]) -> None:
+    def start(self, executor: Executor, failed: Callable[[Exception], None]) -> None:
         """Begin, in an executor; ``failed`` takes what a function raises."""
-        def run():
+        def run() -> None:
             self._is_asked = False
             try:
                 self._run()
             except Exception as error:
                 failed(error)
 
-        def wake():
+        def wake() -> None:
             woken = time.monotonic()
             while not self._ended.is_set():
                 time.sleep(PERIOD)
@@ -64,10 +66,10 @@ class SteadyTimers:
         self._ended.set()
         self._thread.join()
 
-    def _any_is_due(self, now):
+    def _any_is_due(self, now: float) -> bool:
         return any(now >= due - 0.5 * PERIOD for due in list(self._due.values()))
 
-    def _run(self):
+    def _run(self) -> None:
         now = time.monotonic()
         for timer, (period, callback) in list(self._timers.items()):
             if now >= self._due[timer] - 0.5 * PERIOD:

@@ -3,20 +3,33 @@
 """From one input to all outputs with subscribers or a recorder."""
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import nan, sin
+from pathlib import Path
 import threading
+from typing import TYPE_CHECKING
 
+from builtin_interfaces.msg import Time
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK
 from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.pipeline.wrenches import Wrench
+from fourbar_ros.ros.messages import Stamp
 from fourbar_ros.ros.node import qos
-from fourbar_ros.ros.node.outputs import Outputs
+from fourbar_ros.ros.node.base import Base
+from fourbar_ros.ros.node.outputs import Outputs, Wanted
 from fourbar_ros.ros.node.pictures import Pictures
+from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.status_log import StatusLog
+from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import SCENE
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
 from std_msgs.msg import String
+
+if TYPE_CHECKING:      # only some scenes need these
+    from fourbar_ros.dynamics.mover import DriveValues
+    from fourbar_ros.ros.node.applied import Applied
 
 
 class Stream:
@@ -31,7 +44,9 @@ class Stream:
 
     """
 
-    def __init__(self, node, scene, recording):
+    _applied: dict[str, Applied]          # by link
+
+    def __init__(self, node: Base, scene: Scene, recording: Recording) -> None:
         self._recording, self._log = recording, StatusLog(node.log)
         # held in a step, and while anything changes
         self._lock = threading.Lock()
@@ -40,10 +55,11 @@ class Stream:
         self._scene_publisher = qos.create(
             node, 'publisher', String, SCENE.topic,
             QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
-        self._stepper, self._applied = Stepper(scene), {}
+        self._stepper = Stepper(scene)
+        self._applied = {}
         # only these scenes need the messages of wrenches
         if scene.wrenches.links:
-            from fourbar_ros.ros.node.wrenches import Applied
+            from fourbar_ros.ros.node.applied import Applied
             self._applied = {link: Applied(node, link) for link in scene.wrenches.links}
         self.apply(scene)
         for link, wrench in self._stepper.acting.items():
@@ -51,7 +67,7 @@ class Stream:
 
     # --- changes --------------------------------------------------------------------------------
 
-    def apply(self, scene):
+    def apply(self, scene: Scene) -> None:
         """Take over a scene: linkage and outputs; publish and record it."""
         with self._lock:
             self.scene, self._layout = scene, scene.layout
@@ -64,13 +80,13 @@ class Stream:
             self._scene_publisher.publish(data)
             self._recording.write(SCENE.name, data)
 
-    def act(self, link, wrench, stamp):
+    def act(self, link: str, wrench: Wrench, stamp: Time) -> None:
         """Apply a Wrench to a link from the next step on; publish and record it."""
         with self._lock:
             self._stepper.act(link, wrench)
             self._applied[link].send(stamp, wrench, self.scene.frame_id, self._recording)
 
-    def start_recording(self, name=''):
+    def start_recording(self, name: str = '') -> Path:
         """Start a bag whose first message is the scene; return its path; raises FourBarError."""
         scene = self.scene
         # outside of the lock: the disk may be slow
@@ -89,7 +105,7 @@ class Stream:
         bag.writer.close()
         raise FourBarError('the outputs changed in the meantime: try again')
 
-    def stop_recording(self, why):
+    def stop_recording(self, why: str) -> Path | None:
         """
         Close the bag after a whole step; it says why.
 
@@ -100,18 +116,18 @@ class Stream:
         # outside of the lock: it waits for the disk
         return self._recording.close(writer, why) if writer else None
 
-    def _scene_bytes(self):
+    def _scene_bytes(self) -> bytes:
         return serialize_message(String(data=self.scene.as_json))
 
     # --- steps ----------------------------------------------------------------------------------
 
-    def step(self, stamp, position, rate, acceleration):
+    def step(self, stamp: Stamp, position: float, rate: float, acceleration: float) -> None:
         """Evaluate one input and send the outputs; ``stamp``: (seconds, nanoseconds)."""
         with self._lock:
             status = self._step(stamp, position, rate, acceleration, self.outputs.wanted())
         self._note(status, position)
 
-    def step_by(self, stamp, move):
+    def step_by(self, stamp: Stamp, move: Callable[[], tuple[int, DriveValues]]) -> None:
         """
         Step to where a drive moves: ``move()`` gives its status and DriveValues.
 
@@ -125,13 +141,14 @@ class Stream:
                                 wanted)
         self._note(status, values.position)
 
-    def between_steps(self, topic, data, take):
+    def between_steps(self, topic: str, data: bytes, take: Callable[[], None]) -> None:
         """Record an input and take it, ``take()``, between two steps."""
         with self._lock:
             self._recording.write(topic, data)
             take()
 
-    def _step(self, stamp, position, rate, acceleration, wanted):
+    def _step(self, stamp: Stamp, position: float, rate: float, acceleration: float, wanted: Wanted
+              ) -> int | None:
         """Send what is wanted; return the status, None if nothing was computed."""
         self.steps += 1
         if wanted.driven:
@@ -148,7 +165,7 @@ class Stream:
             self.pictures.send(stamp, self._values)
         return status
 
-    def _note(self, status, position):
+    def _note(self, status: int | None, position: float) -> None:
         if status is None:
             return
         if status != OK:
@@ -157,14 +174,14 @@ class Stream:
             self.status = status
             self._log.changed(status, position, self.scene.linkage)
 
-    def timeout(self, stamp, seconds):
+    def timeout(self, stamp: Stamp, seconds: float) -> None:
         """Send once on every output that the input has stopped."""
         with self._lock:
             self.status, self._values = INPUT_TIMEOUT, self._stepper.silence()
             self.outputs.send(stamp, INPUT_TIMEOUT, self._values)
         self._log.timeout(seconds)
 
-    def _as_it_came(self, *given):
+    def _as_it_came(self, *given: float) -> list[float]:
         """
         Return values of which only the input is known.
 
@@ -175,6 +192,6 @@ class Stream:
             values[place] = value
         return values
 
-    def transmission_sine(self):
+    def transmission_sine(self) -> float:
         """Return |sin| of the transmission angle of the latest step that was computed, or NaN."""
         return abs(sin(self._values[self._layout.place['transmission_angle']]))

@@ -6,14 +6,16 @@ from __future__ import annotations
 from math import isnan
 import time
 from traceback import format_exc
+from typing import Any
 
 from fourbar_ros.pipeline import joints
 from fourbar_ros.pipeline.message_fields import is_time
 from fourbar_ros.pipeline.rate_estimator import estimator_of
-from fourbar_ros.ros.messages import resolve, sec_nanosec
+from fourbar_ros.ros.messages import resolve, sec_nanosec, Stamp
 from fourbar_ros.ros.node import qos
 from fourbar_ros.ros.node.drives import Drive, SLEEP
 from fourbar_ros.ros.node.sequence import Sequence, WithInfo
+from fourbar_ros.scene.scene import DriveSettings
 from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -28,14 +30,14 @@ class TopicDrive(Drive):
                'bad_stamps', 'future', 'late', 'estimate_restarts', 'timeouts',
                'deadlines_missed', 'faults')
 
-    def start(self):
+    def start(self) -> None:
         """Subscribe to raw bytes, which are recorded as they are."""
         self._topic = INPUTS[self.settings.source]
         self._simulated = self._node.get_parameter('use_sim_time').value
         self._received, self._waiting, self._horizon = self._now(), False, 0
         self._estimated = False
         self._is_relay = self._stream.scene.joint_states.only_passive
-        self.estimator = None
+        self.estimator = estimator_of(self._stream.scene)
         self.apply(self.settings)
         profile = QoSProfile(depth=INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         self._sequence = Sequence(lambda: self._subscription.get_publisher_count())
@@ -45,21 +47,21 @@ class TopicDrive(Drive):
             profile, raw=True, event_callbacks=self._events())
         self._timer = self._node.steady_timers.add(SLEEP, self._watch)
 
-    def _events(self):
+    def _events(self) -> SubscriptionEventCallbacks:
         events = SubscriptionEventCallbacks(matched=lambda _: self._sequence.forget())
         if qos.has_override(self._node, 'subscription', self._topic.topic, 'deadline'):
             events.deadline = self._deadline_missed      # not every middleware knows this event
         return events
 
-    def _deadline_missed(self, info):
+    def _deadline_missed(self, info: Any) -> None:
         self.counts['deadlines_missed'] += info.total_count_change
 
-    def stop(self):
+    def stop(self) -> None:
         """Unsubscribe."""
         self._node.steady_timers.remove(self._timer)
         self._node.destroy_subscription(self._subscription)
 
-    def apply(self, settings):
+    def apply(self, settings: DriveSettings) -> None:
         """Take over settings; the estimate starts afresh."""
         from fourbar_ros.ros.node.inputs import (
             Reader,  # only these drives need the definitions of messages
@@ -69,18 +71,17 @@ class TopicDrive(Drive):
         self._scale = joints.Scale(settings.joint_ratio, settings.joint_offset)
         self._read = Reader(self._topic.type, settings.joint)
         before, self.estimator = self.estimator, estimator_of(self._stream.scene)
-        if before:
-            self.estimator.late, self.estimator.restarts = before.late, before.restarts
+        self.estimator.late, self.estimator.restarts = before.late, before.restarts
 
-    def age(self):
+    def age(self) -> float:
         """Return the time since the newest input [s]: steady, or simulated with use_sim_time."""
         return self._now() - self._received
 
-    def _now(self):
+    def _now(self) -> float:
         return (self._node.get_clock().now().nanoseconds * 1e-9 if self._simulated
                 else time.monotonic())
 
-    def state(self):
+    def state(self) -> tuple[dict[str, Any], list[str]]:
         """Return (values, problems): the quality of an estimated acceleration."""
         self.counts.update(lost=self._sequence.lost, late=self.estimator.late,
                            estimate_restarts=self.estimator.restarts)
@@ -95,7 +96,7 @@ class TopicDrive(Drive):
                  'lag of the estimated acceleration [s]': f'{self.estimator.lag:.3g}'},
                 ['the estimated acceleration is noise'] if self.estimator.is_noise else [])
 
-    def _receive(self, data, info):
+    def _receive(self, data: bytes, info: dict[str, Any]) -> None:
         try:
             self._sequence.take(info['publication_sequence_number'])
             self._take(data)
@@ -103,7 +104,7 @@ class TopicDrive(Drive):
         except Exception:
             self._note('faults', f'a fault in taking an input: {format_exc()}')
 
-    def _take(self, data):
+    def _take(self, data: bytes) -> None:
         try:
             stamp, given = self._read(data)
             if given is None and self._is_relay:         # our own, or of another part of the robot
@@ -132,11 +133,11 @@ class TopicDrive(Drive):
             acceleration = estimate if isnan(acceleration) else acceleration
         self._stream.step(stamp, position, velocity, acceleration)
 
-    def _note_arrival(self):
+    def _note_arrival(self) -> None:
         self.counts['received'] += 1
         self._received, self._waiting = self._now(), True
 
-    def _stamp(self, sec, nanosec):
+    def _stamp(self, sec: int, nanosec: int) -> tuple[Stamp, int]:
         """
         Return the stamp of an input, as (sec, nanosec) and in ns.
 
@@ -154,18 +155,18 @@ class TopicDrive(Drive):
         time_of = self._node.get_clock().now().nanoseconds
         return sec_nanosec(time_of), time_of
 
-    def _look_ahead(self, time_of):
+    def _look_ahead(self, time_of: int) -> None:
         now = self._node.get_clock().now().nanoseconds
         self._horizon = now + round(FUTURE * 1e9)
         if time_of > self._horizon:
             self._note('future', f'input stamped {(time_of - now) * 1e-9:.3f} s ahead of the '
                                  'clock')
 
-    def _note(self, what, text):
+    def _note(self, what: str, text: str) -> None:
         self.counts[what] += 1
         self._node.log.warning(what, text)
 
-    def _watch(self):
+    def _watch(self) -> None:
         self._horizon = 0                                # the clock may have been set
         if self.age() < 0.0:                             # so was that of a simulation
             self._received = self._now()

@@ -5,18 +5,24 @@ from __future__ import annotations
 
 from math import inf, isfinite, isnan, nan
 import time
+from typing import Any
 
 from fourbar_ros.dynamics.mover import (
     AT_LIMIT,
+    DriveValues,
+    Mover,
     NOT_FINITE,
     OK,
     OUT_OF_BUDGET,
     SILENT,
     STATUS_NAMES,
 )
-from fourbar_ros.ros.messages import resolve, sec_nanosec
+from fourbar_ros.ros.messages import resolve, sec_nanosec, Stamp
 from fourbar_ros.ros.node import qos
+from fourbar_ros.ros.node.base import Base
 from fourbar_ros.ros.node.drives import CATCH_UP, Drive, TimerDrive
+from fourbar_ros.ros.node.stream import Stream
+from fourbar_ros.scene.scene import DriveSettings, Scene
 from fourbar_ros.scene.topics import INPUT_DEPTH, TORQUE
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
@@ -40,7 +46,7 @@ class Command:
 
     """
 
-    def __init__(self, node, stream, counts):
+    def __init__(self, node: Base, stream: Stream, counts: dict[str, int]) -> None:
         self._node, self._stream, self._counts = node, stream, counts
         self._type, self._torque, self._received = resolve(TORQUE.type), 0.0, -inf
         self._was_silent = True
@@ -48,16 +54,16 @@ class Command:
         self._subscription = qos.create(node, 'subscription', self._type, TORQUE.topic,
                                         self._receive, profile, raw=True)
 
-    def destroy(self):
+    def destroy(self) -> None:
         """Unsubscribe."""
         self._node.destroy_subscription(self._subscription)
 
     @property
-    def age(self):
+    def age(self) -> float:
         """Return the time since the newest torque [s], NaN before the first."""
         return time.monotonic() - self._received if self._received > -inf else nan
 
-    def now(self, settings):
+    def now(self, settings: DriveSettings) -> tuple[float, bool]:
         """Return (torque in effect, whether the topic is silent), during a step."""
         is_silent = self._received == -inf or 0.0 < settings.timeout < self.age
         if is_silent and not self._was_silent:
@@ -67,7 +73,7 @@ class Command:
         self._was_silent = is_silent
         return (0.0 if is_silent and settings.when_silent == 'zero' else self._torque), is_silent
 
-    def _receive(self, data):
+    def _receive(self, data: bytes) -> None:
         try:
             wrench = deserialize_message(data, self._type).wrench
         # whatever a foreign writer sends, the node goes on; a bag does not hold it
@@ -78,40 +84,42 @@ class Command:
         torque = wrench.force.x if scene.linkage.is_driven_by_slide else wrench.torque.z
         self._counts['torques'] += 1
 
-        def take():
+        def take() -> None:
             if isfinite(torque):
                 self._torque, self._received = self._limited(torque, scene.drive), time.monotonic()
         if not isfinite(torque):
             self._note('not_finite', 'a torque that is not finite: ignored')
         self._stream.between_steps(TORQUE.name, data, take)
 
-    def _limited(self, torque, settings):
+    def _limited(self, torque: float, settings: DriveSettings) -> float:
         limit = inf if isnan(settings.torque_limit) else settings.torque_limit
         if abs(torque) > limit:
             self._note('limited', f'a torque of {torque:g} is more than drive.torque_limit')
         return min(max(torque, -limit), limit)
 
-    def _note(self, what, text):
+    def _note(self, what: str, text: str) -> None:
         self._counts[what] += 1
         self._node.log.warning(what, f'{TORQUE.topic}: {text}')
 
 
-class Moving:
+class Moving(Drive):
     """What both drives by torque have: the state, and what the diagnostics say of it."""
 
-    COUNTED = COUNTED
+    COUNTED: tuple[str, ...] = COUNTED
+    _mover: Mover               # of the scene in force
 
-    def _prepare(self):
-        self._scene, self._mover, self._values, self._status = None, None, None, OK
-        scene = self._stream.scene
+    def _prepare(self) -> None:
+        self._scene: Scene | None = None
+        self._values: DriveValues | None = None
+        self._status, scene = OK, self._stream.scene
         self._command = (Command(self._node, self._stream, self.counts)
                          if scene.drive.source == TORQUE.name else None)
 
-    def age(self):
+    def age(self) -> float:
         """Return the time since the newest torque [s], NaN if there is none to wait for."""
         return self._command.age if self._command else nan
 
-    def state(self):
+    def state(self) -> tuple[dict[str, Any], list[str]]:
         """Return (values, problems) for the diagnostics."""
         if self._values is None:
             return {}, []
@@ -121,11 +129,12 @@ class Moving:
                  'evaluations in a step': f'{self._values.evaluations:.0f}'},
                 [STATUS_NAMES[self._status]] if self._status != OK else [])
 
-    def _move(self, step):
+    def _move(self, step: float) -> tuple[int, DriveValues]:
         """Return (status, values) a time later; the first time those of the start."""
-        if self._scene is not self._stream.scene:        # another one; the state stays
-            self._scene, self._mover = self._stream.scene, self._stream.scene.mover
-        command, is_silent = (self._command.now(self._scene.drive) if self._command
+        scene = self._stream.scene
+        if self._scene is not scene:                     # another one; the state stays
+            self._scene, self._mover = scene, scene.mover
+        command, is_silent = (self._command.now(scene.drive) if self._command
                               else (nan, False))
         if self._values is None:
             self._values = self._mover.start(command)
@@ -147,43 +156,43 @@ class TorqueDrive(Moving, TimerDrive):
     the motion stands still meanwhile.
     """
 
-    def start(self):
+    def start(self) -> None:
         """Subscribe, start the thread."""
         self._prepare()
         super().start()
 
-    def stop(self):
+    def stop(self) -> None:
         """Stop it and wait for the sample in hand."""
         super().stop()
         if self._command:
             self._command.destroy()
 
-    def _begin(self, settings):
+    def _begin(self, settings: DriveSettings) -> None:
         """Begin at the start of the scene."""
 
-    def _sample(self, stamp, settings, elapsed):
+    def _sample(self, stamp: Stamp, settings: DriveSettings, elapsed: float) -> None:
         self._stream.step_by(stamp, lambda: self._move(1.0 / settings.rate))
 
-    def _go_on(self, settings, elapsed):
+    def _go_on(self, settings: DriveSettings, elapsed: float) -> None:
         """Go on from the state of now."""
 
 
-class SimulatedTorqueDrive(Moving, Drive):
+class SimulatedTorqueDrive(Moving):
     """Torque on simulated time: a ROS timer; each sample moves the state by what has passed."""
 
-    def start(self):
+    def start(self) -> None:
         """Subscribe, start the timer."""
         self._prepare()
         self._last = 0
         self._timer = self._node.create_timer(1.0 / self.settings.rate, self._tick)
 
-    def stop(self):
+    def stop(self) -> None:
         """Stop it."""
         self._node.destroy_timer(self._timer)
         if self._command:
             self._command.destroy()
 
-    def apply(self, settings):
+    def apply(self, settings: DriveSettings) -> None:
         """Take over a scene, and its rate."""
         rate_changed = settings.rate != self.settings.rate
         super().apply(settings)
@@ -191,7 +200,7 @@ class SimulatedTorqueDrive(Moving, Drive):
             self._node.destroy_timer(self._timer)
             self._timer = self._node.create_timer(1.0 / settings.rate, self._tick)
 
-    def _tick(self):
+    def _tick(self) -> None:
         now = self._node.get_clock().now().nanoseconds
         if now == 0:
             return                                       # no /clock yet

@@ -10,8 +10,10 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.pipeline.joints import Scale
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.node import qos
+from fourbar_ros.ros.node.base import Base
+from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import QUEUE_DEPTH, TRAJECTORIES
-from fourbar_ros.transmission.transmission import trajectory, Transmission
+from fourbar_ros.transmission.transmission import Trajectory, trajectory, Transmission
 import numpy as np
 from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -32,7 +34,7 @@ class Trajectories:
 
     """
 
-    def __init__(self, node, scene):
+    def __init__(self, node: Base, scene: Scene) -> None:
         self._node = node
         self.apply(scene)
         self._publishers = {
@@ -43,7 +45,7 @@ class Trajectories:
             qos.create(node, 'subscription', resolve(topic.type), topic.topic,
                        partial(self._take, name), QUEUE_DEPTH)
 
-    def apply(self, scene):
+    def apply(self, scene: Scene) -> None:
         """Take over a scene."""
         mechanism = scene.linkage
         self._transmission = Transmission(mechanism, start_of(scene))
@@ -56,7 +58,7 @@ class Trajectories:
                                   Scale(scene.joint_states.ratios[place],
                                         scene.joint_states.offsets[place]))
 
-    def _take(self, name, message):
+    def _take(self, name: str, message: JointTrajectory) -> None:
         answer, method = ANSWERS[name]
         sides = ('output', 'input') if method == 'to_input' else ('input', 'output')
         try:
@@ -69,7 +71,7 @@ class Trajectories:
         self._publishers[answer].publish(_written(message, found, *self._joints[sides[1]]))
 
 
-def _read(message, joint, scale):
+def _read(message: JointTrajectory, joint: str, scale: Scale) -> Trajectory:
     """Return the Trajectory of a joint in a JointTrajectory, in coordinates of the mechanism."""
     if joint not in message.joint_names:
         raise InvalidParameter('joint_names', list(message.joint_names), f'must hold {joint}')
@@ -90,7 +92,8 @@ def _read(message, joint, scale):
     return trajectory(*motion, columns[3] * scale.ratio)
 
 
-def _written(message, found, joint, scale):
+def _written(message: JointTrajectory, found: Trajectory, joint: str, scale: Scale
+             ) -> JointTrajectory:
     """Return a Trajectory as JointTrajectory, with the times of the message it answers."""
     answer = JointTrajectory(header=message.header, joint_names=[joint])
     rows = zip(scale.ratio * found.position + scale.offset, scale.ratio * found.rate,

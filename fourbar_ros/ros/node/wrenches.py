@@ -8,31 +8,16 @@ import time
 
 from fourbar_ros.pipeline.wrenches import in_silence, Wrench
 from fourbar_ros.ros.node import qos
-from fourbar_ros.scene.topics import applied_topic, INPUT_DEPTH, wrench_topic
+from fourbar_ros.ros.node.base import Base
+from fourbar_ros.ros.node.recording import Recording
+from fourbar_ros.ros.node.stream import Stream
+from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.topics import INPUT_DEPTH, wrench_topic
 from geometry_msgs.msg import WrenchStamped
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
 
 PERIOD = 0.1           # [s] how often silence is looked for
-
-
-class Applied:
-    """The latched topic that says what acts on a link."""
-
-    def __init__(self, node, link):
-        topic = applied_topic(link)
-        self.name, self.data = topic.name, b''
-        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        self._publisher = qos.create(node, 'publisher', WrenchStamped, topic.topic, latched)
-
-    def send(self, stamp, wrench, frame_id, recording):
-        """Publish and record a Wrench."""
-        message = WrenchStamped()
-        message.header.stamp, message.header.frame_id = stamp, frame_id
-        message.wrench.force.x, message.wrench.force.y, message.wrench.torque.z = wrench
-        self.data = serialize_message(message)
-        self._publisher.publish(self.data)
-        recording.write(self.name, self.data)
 
 
 class WrenchInputs:
@@ -44,10 +29,11 @@ class WrenchInputs:
 
     COUNTED = ('wrenches_malformed', 'wrenches_of_another_frame', 'wrench_silences')
 
-    def __init__(self, node, stream, recording):
+    def __init__(self, node: Base, stream: Stream, recording: Recording) -> None:
         self._node, self._stream, self._recording = node, stream, recording
         self.counts = dict.fromkeys(self.COUNTED, 0)
-        self._received, self._last = {}, {}     # [s] of those that are not silent; what came last
+        self._received: dict[str, float] = {}   # [s] of those that are not silent
+        self._last: dict[str, Wrench] = {}      # what came last
         profile = QoSProfile(depth=INPUT_DEPTH,
                              reliability=ReliabilityPolicy.BEST_EFFORT)
         for link in stream.scene.wrenches.links:
@@ -55,13 +41,13 @@ class WrenchInputs:
                        partial(self._take, link), profile, raw=True)
         node.steady_timers.add(PERIOD, self._watch)
 
-    def apply(self, scene):
+    def apply(self, scene: Scene) -> None:
         """Take over a scene: what acts in a silence may be another."""
         for link in scene.wrenches.links:
             if link not in self._received:
                 self._be_silent(link)
 
-    def _take(self, link, data):
+    def _take(self, link: str, data: bytes) -> None:
         self._recording.write(wrench_topic(link).name, data)
         try:
             message = deserialize_message(data, WrenchStamped)
@@ -78,7 +64,7 @@ class WrenchInputs:
         self._received[link], self._last[link] = time.monotonic(), wrench
         self._stream.act(link, wrench, message.header.stamp)
 
-    def _once(self, what, link, text):
+    def _once(self, what: str, link: str, text: str) -> None:
         """Count, and say it the first time."""
         self.counts[what] += 1
         if self.counts[what] == 1:
@@ -86,7 +72,7 @@ class WrenchInputs:
                 f'{wrench_topic(link).topic}: {text} '
                 '(logged once; counted in the diagnostics)')
 
-    def _watch(self):
+    def _watch(self) -> None:
         limit, now = self._stream.scene.wrenches.timeout, time.monotonic()
         for link, last in list(self._received.items()):
             if limit and now - last > limit:
@@ -96,6 +82,6 @@ class WrenchInputs:
                 self._node.get_logger().warning(
                     f'{wrench_topic(link).topic}: no wrench for {limit:g} s')
 
-    def _be_silent(self, link):
+    def _be_silent(self, link: str) -> None:
         wrench = in_silence(self._stream.scene, link, self._last.get(link))
         self._stream.act(link, wrench, self._node.get_clock().now().to_msg())

@@ -8,29 +8,35 @@ largest moment, along z, which is the axis it turns about.
 """
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from math import atan2, isnan
+from typing import Any
 
-from fourbar_ros.mechanisms.points import point_of
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Diagram
+from fourbar_ros.mechanisms.points import LinkMotion, point_of
+from fourbar_ros.ros.messages import Stamp
 from fourbar_ros.ros.pictures import shapes
-from visualization_msgs.msg import MarkerArray
+from fourbar_ros.scene.scene import Scene
+from visualization_msgs.msg import Marker, MarkerArray
 
 LONGEST = 0.4          # of the longest arrow, over the size of the mechanism
 WIDTH = 0.02           # of a link, over that size
 
 
-def size_of(mechanism):
+def size_of(mechanism: Mechanism) -> float:
     """Return the size of a mechanism [m]."""
     return max(map(abs, mechanism.lengths))
 
 
-def maker(scene):
+def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None]:
     """Return the function (stamp, values) -> MarkerArray, None where the pose is not known."""
     mechanism = scene.linkage
     count = len(mechanism.MOTION._fields)
     loads_end = count + len(mechanism.LOADS._fields)
     scales = Scales(LONGEST * size_of(mechanism))
 
-    def make(stamp, values):
+    def make(stamp: Stamp, values: Sequence[float]) -> MarkerArray | None:
         motion = mechanism.MOTION(*values[:count])
         if isnan(motion.transmission_angle):
             return None
@@ -45,7 +51,7 @@ def maker(scene):
     return make
 
 
-def pose(scene, motion, diagram):
+def pose(scene: Scene, motion: Any, diagram: Diagram) -> list[Marker]:
     """Return the markers of links, joints, blocks and points."""
     mechanism, frame = scene.linkage, scene.frame_id
     width = WIDTH * size_of(mechanism)
@@ -65,7 +71,7 @@ def pose(scene, motion, diagram):
     return made
 
 
-def _arm(link, along, across):
+def _arm(link: LinkMotion, along: float, across: float) -> tuple[shapes.Place, shapes.Place]:
     """Return the first joint of a link and a point on it."""
     return (link.x, link.y), point_of(link, along, across)[:2]
 
@@ -73,21 +79,21 @@ def _arm(link, along, across):
 class Scales:
     """Lengths of arrows: the largest force and moment so far are ``longest`` [m]."""
 
-    def __init__(self, longest):
+    def __init__(self, longest: float) -> None:
         self._longest, self._force, self._moment = longest, 0.0, 0.0
 
-    def force(self, largest):
+    def force(self, largest: float) -> float:
         """Return the length of a newton [m/N], now that forces are as large as this."""
         self._force = max(self._force, largest)
         return self._longest / self._force if self._force else 0.0
 
-    def moment(self, largest):
+    def moment(self, largest: float) -> float:
         """Return the length of a newton metre [m/(N m)]."""
         self._moment = max(self._moment, largest)
         return self._longest / self._moment if self._moment else 0.0
 
 
-def arrows(scene, loads, diagram, scales):
+def arrows(scene: Scene, loads: Any, diagram: Diagram, scales: Scales) -> list[Marker]:
     """Return the arrows of the forces at the joints, shaking force, shaking moment and drive."""
     frame, width = scene.frame_id, 0.6 * WIDTH * size_of(scene.linkage)
     forces = [(f'force {name}', diagram.joints[at],

@@ -8,24 +8,27 @@ speed as labels at the first moving joint.
 """
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.ros.pictures import shapes
 from fourbar_ros.ros.pictures.markers import size_of, WIDTH
+from fourbar_ros.scene.scene import Scene
 import numpy as np
-from visualization_msgs.msg import MarkerArray
+from visualization_msgs.msg import Marker, MarkerArray
 
 SAMPLES = 361          # of a path over one range of the input
 INSIDE = 1e-9          # a toggle is drawn so far inside the range, over its width
 
 
-def message(scene):
+def message(scene: Scene) -> MarkerArray:
     """Return the MarkerArray of a scene."""
     return MarkerArray(markers=[*paths(scene), *limits(scene), *extrema(scene)])
 
 
-def paths(scene):
+def paths(scene: Scene) -> Iterator[Marker]:
     """Yield the path of each point over each range of the input."""
     mechanism, width = scene.linkage, 0.3 * WIDTH * size_of(scene.linkage)
     for name, point in scene.points.items():
@@ -36,7 +39,7 @@ def paths(scene):
                                places[~np.isnan(places).any(axis=1)], width, shapes.POINT)
 
 
-def limits(scene):
+def limits(scene: Scene) -> Iterator[Marker]:
     """Yield the poses at the ends of the input and at dead points, and what they are."""
     mechanism = scene.linkage
     ends = [] if mechanism.turns_fully else [
@@ -53,7 +56,7 @@ def limits(scene):
                            [bar[:2] for bar in diagram.bars], width, shapes.TOGGLE, 0.4)
 
 
-def extrema(scene):
+def extrema(scene: Scene) -> Iterator[Marker]:
     """Yield labels of the extrema of the output's rate and acceleration."""
     mechanism, output = scene.linkage, scene.linkage.outputs[0].coordinate
     size, number = size_of(mechanism), 0

@@ -3,14 +3,18 @@
 """TF: the frames of the links, each in that of its parent in the URDF, and those of the points."""
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from math import cos, isnan, sin
 
 from fourbar_ros.description.model import model_of
-from geometry_msgs.msg import TransformStamped
+from fourbar_ros.mechanisms.parts import Connection
+from fourbar_ros.ros.messages import Stamp
+from fourbar_ros.scene.scene import Scene
+from geometry_msgs.msg import Transform, TransformStamped
 from tf2_msgs.msg import TFMessage
 
 
-def maker(scene):
+def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], TFMessage | None]:
     """
     Return the function (stamp, values) -> TFMessage, None where a position is not known.
 
@@ -26,7 +30,7 @@ def maker(scene):
         translation = _frame(message, frame, name).transform.translation
         translation.x, translation.y = x, y
 
-    def make(stamp, values):
+    def make(stamp: Stamp, values: Sequence[float]) -> TFMessage | None:
         for one in message.transforms:
             one.header.stamp.sec, one.header.stamp.nanosec = stamp
         for transform, connection, at in moving:
@@ -37,7 +41,7 @@ def maker(scene):
     return make
 
 
-def _frame(message, parent, child):
+def _frame(message: TFMessage, parent: str, child: str) -> TransformStamped:
     """Add a frame to the message and return it."""
     one = TransformStamped(child_frame_id=child)
     one.header.frame_id = parent
@@ -45,7 +49,7 @@ def _frame(message, parent, child):
     return one
 
 
-def _move(transform, connection, q):
+def _move(transform: Transform, connection: Connection, q: float) -> None:
     """Place a child in the frame of its parent; ``q``: coordinate of the joint."""
     (x, y), angle = connection.on_parent, connection.turn
     if connection.axis is None:
