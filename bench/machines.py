@@ -1,12 +1,18 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What machines of dyads cost beside the four-bar: one sample, a batch, up to 50 dyads."""
+"""Machines of dyads: what they cost beside the four-bar, up to 50 dyads; beside MuJoCo."""
+from pathlib import Path
+import sys
+from time import process_time
 from timeit import repeat
 
-from fourbar_ros import Body, FourBar
+from fourbar_ros import Body, FourBar, load_scene
 from fourbar_ros.mechanisms.machine.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parent.parent / 'test'))
+from support.in_mujoco import POSES, worst  # noqa: E402
 
 BODY, GRAVITY = Body(1.0, 0.1, 0.05, 0.2), (0.5, -9.81)
 SAMPLES, ROUNDS, LIMIT = 10_000, 7, 3.0
@@ -37,26 +43,64 @@ def chain(count):
 
 
 def times(mechanism):
-    """Return the times of a sample with all loads [us]: by itself, in a batch."""
+    """Return the times of a sample [us]: with all loads by itself, in a batch, its drive alone."""
     x = np.linspace(0.0, 6.0, SAMPLES)
     mechanism.step(0.7, 2.0, -1.0)
     one = min(repeat(lambda: mechanism.step(0.7, 2.0, -1.0), number=200, repeat=5 * ROUNDS))
     many = min(repeat(lambda: mechanism.step(x, 2.0, -1.0), number=1, repeat=ROUNDS))
-    return 1e6 * one / 200, 1e6 * many / SAMPLES
+    drive = min(repeat(lambda: mechanism.step(x, 2.0, -1.0, fields=('driving_torque',)),
+                       number=1, repeat=ROUNDS))
+    return 1e6 * one / 200, 1e6 * many / SAMPLES, 1e6 * drive / SAMPLES
 
 
-def main():
+def made_in(count):
+    """Return the time that a chain takes to be made and to move for the first time [ms]."""
+    start = process_time()
+    chain(count).step(0.7, 2.0, -1.0)
+    return 1e3 * (process_time() - start)
+
+
+def print_costs():
     """Print times, and operations as they are recorded."""
     four_bar = FourBar(0.4, 1.2, 0.8, 1.0, bodies=(BODY,) * 3, gravity=GRAVITY)
     base = times(four_bar)
     print('| mechanism | operations | one sample [us] | over the four-bar | in a batch [us] | '
-          'over the four-bar |\n| --- | --- | --- | --- | --- | --- |')
+          'over the four-bar | drive alone, in a batch [us] | over the four-bar |\n'
+          '| --- | --- | --- | --- | --- | --- | --- | --- |')
     machines = {'four-bar': four_bar, 'six-bar': six_bar(),
                 **{f'chain of {size} dyads RPR': chain(size) for size in SIZES}}
     for name, mechanism in machines.items():
-        one, many = times(mechanism)
+        one, many, drive = times(mechanism)
         print(f'| {name} | {mechanism.record_with_loads[0].operations} | {one:.1f} | '
-              f'{one / base[0]:.1f} | {many:.2f} | {many / base[1]:.1f} |')
-    print(f'\nMotion and all loads. A six-bar may take {LIMIT:g} times as long as the four-bar. '
-          'Operations are\nlinear in the number of dyads, whatever the computer does '
-          '(`test_cost.py`).')
+              f'{one / base[0]:.1f} | {many:.2f} | {many / base[1]:.1f} | {drive:.2f} | '
+              f'{drive / base[2]:.1f} |')
+    numbers = len(mechanism.MOTION._fields) + len(mechanism.LOADS._fields)
+    print(f'\nMotion and all loads. A six-bar may take {LIMIT:g} times as long as the four-bar, '
+          'and 1 us a sample in a\nbatch. Operations are linear in the number of dyads, whatever '
+          'the computer does (`test_cost.py`), and so\nis the time of what is computed: of one '
+          'sample, and of a load alone in a batch. All results of a chain of\n50 dyads are '
+          f'{numbers} numbers a sample, {8 * numbers * SAMPLES // 10**6} MB of a '
+          'batch: memory takes the rest of that time.\n')
+    print('| dyads | made and moved for the first time [ms] | a dyad [ms] |\n| --- | --- | --- |')
+    for size in SIZES:
+        spent = made_in(size)
+        print(f'| {size} | {spent:.0f} | {spent / size:.0f} |')
+
+
+def print_mujoco():
+    """Print how far accelerations from rest are off in MuJoCo, by its softness."""
+    print('\nReleased from rest under gravity and a torque of 1 N m: the largest difference of a '
+          "joint's acceleration in MuJoCo\n(`fourbar describe --format mjcf`), over the largest "
+          f'in its pose, of {POSES} poses. Its loops are constraints of\nan impedance below 1; '
+          'what differs is what is missing to 1.\n')
+    print('| machine | impedance 0.99 | 0.999 | 0.9999 |\n| --- | --- | --- | --- |')
+    for name in ('watt', 'stephenson', 'quick_return', 'jansen'):
+        scene = load_scene(name)
+        print(f'| {name} | ' + ' | '.join([f'{worst(scene, 1.0, impedance):.1e}'
+                                           for impedance in (0.99, 0.999, 0.9999)]) + ' |')
+
+
+def main():
+    """Print costs, and accelerations beside MuJoCo's."""
+    print_costs()
+    print_mujoco()

@@ -131,11 +131,11 @@ class Phase:
         inputs = self.states_of_input(states)[0]
         own = self.equation.in_both_modes(_make_directions)(states[0])
         far = []
-        for mode in sorted(mechanism.modes):
+        for mode in mechanism.modes_passed:
             with np.errstate(all='ignore'):
                 pose = _make_directions(mechanism.in_mode(mode), ARRAY)(inputs)
             far.append(np.nan_to_num(sum((a - b)**2 for a, b in zip(own, pose)), nan=np.inf))
-        found: NDArray[np.int64] = np.array(sorted(mechanism.modes))[np.argmin(far, axis=0)]
+        found: NDArray[np.int64] = np.array(mechanism.modes_passed)[np.argmin(far, axis=0)]
         return found
 
 
@@ -192,7 +192,7 @@ class Course:
 
     def _in_modes(self, is_input: bool) -> dict[int, Any]:
         mechanism = self._mechanism
-        return ({mode: mechanism.in_mode(mode) for mode in sorted(mechanism.modes)} if is_input
+        return ({mode: mechanism.in_mode(mode) for mode in mechanism.modes_passed} if is_input
                 else self._others)
 
     def _phase(self, is_input: bool, mode: int, start: float) -> Phase:

@@ -12,7 +12,6 @@ conservative, so that energy less W is constant whatever acts (not if nothing of
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from math import inf
 from typing import Any
 
@@ -55,7 +54,7 @@ class System:
         self.stops_at_change_points = stops_at_change_points
         self.drive, self._stroke = drive, mechanism.stroke
         # an integrator's trial steps go beyond the end at which the run stops
-        mechanism = mechanism if mechanism.stroke is None else replace(mechanism, stroke=None)
+        mechanism = mechanism.without_stroke()
         self.mechanism = mechanism
         motion = (number('position', position), number('rate', rate))
         elements = tuple(elements)

@@ -138,6 +138,11 @@ class Described(Contract):
         """Return the angle of the crank in a motion [rad]."""
         return motion.theta1
 
+    @property
+    def modes_passed(self) -> tuple[int, ...]:
+        """Return the modes between which a motion goes on at toggles and flat positions."""
+        return tuple(sorted(self.modes))
+
     def mode_beyond(self, _limit: float) -> int:
         """Return the mode into which quantities go on smoothly at a toggle at a limit."""
         return 3 - int(self.mode)

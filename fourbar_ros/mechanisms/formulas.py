@@ -49,6 +49,10 @@ class Formulas(Described):
         """Return the same mechanism in another assembly mode."""
         return self if mode == self.mode else replace(self, mode=mode)
 
+    def without_stroke(self: _Self) -> _Self:
+        """Return the same mechanism without a stroke: its poses beyond it, where there are any."""
+        return self if self.stroke is None else replace(self, stroke=None)
+
     def with_lengths(self: _Self, lengths: Sequence[float]) -> _Self:
         """Return the same mechanism with other :attr:`lengths`."""
         return replace(self, **dict(zip(self.length_names, lengths)))

@@ -6,7 +6,7 @@ from math import pi
 from fourbar_ros import Bodies, Body, FourBar
 from fourbar_ros.dynamics.drives import ConstantTorque, Drive
 from fourbar_ros.dynamics.equation import Equation
-from fourbar_ros.dynamics.simulate import REACHED, simulate
+from fourbar_ros.dynamics.simulate import LIMIT, REACHED, simulate
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.mechanisms.machine.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
@@ -88,3 +88,47 @@ def test_a_machine_goes_on_in_the_mode_that_it_says_lies_beyond_a_flat_position(
             for mechanism in (machine, alone)]
     assert [run.status for run in runs] == [REACHED] * 2 and runs[1].position[-1] > 4.0 * pi
     assert runs[0].position == pytest.approx(runs[1].position, abs=2e-8)
+
+
+def test_a_slide_that_no_dyad_limits_is_pushed_to_the_end_of_its_stroke():
+    """A slider of 2 kg under 3 N from rest; the block and the bar on it have no mass."""
+    machine = Machine([Dyad('d', 'RPR', Point('slider'), Point('ground', 0.0, 1.0),
+                            ('block', 'bar'))], input='slide', stroke=(-1.0, 1.0),
+                      bodies={'slider': Body(2.0)})
+    run = simulate(System(machine, -0.5, 0.0, drive=Drive(ConstantTorque(3.0))), 5.0)
+    assert run.status == LIMIT
+    assert abs(run.position[-1] - 1.0) <= 1e-8
+    assert abs(run.time[-1] - 2.0**0.5) <= 1e-7
+
+
+def rocking(lengths, more=(), mirrored=False):
+    """Return a released linkage of four rods, and as a machine, with dyads without mass."""
+    a1, a2, a3, a4 = lengths
+    rods = [Body(length, 0.5 * length, 0.1, 0.1 * length**3) for length in (a1, a2, a3)]
+    ends = [Point('crank', a1), Point('ground', a4)]
+    names, sizes = ('coupler', 'output'), {'length_1': a2, 'length_2': a3}
+    if mirrored:
+        ends, names, sizes = ends[::-1], names[::-1], {'length_1': a3, 'length_2': a2}
+    own = Dyad('d', 'RRR', *ends, names, **sizes, mode=1 if mirrored else 2)
+    gravity = (0.5, -9.81)
+    # the coupler of the kind starts at A and the output link at O4, as those of the dyad
+    kind = FourBar(*lengths, bodies=Bodies(*rods), gravity=gravity)
+    return kind, Machine([own, *more], bodies=dict(zip(('crank', 'coupler', 'output'), rods)),
+                         gravity=gravity)
+
+
+@pytest.mark.parametrize('mirrored', [False, True], ids=['', 'from the other end'])
+@pytest.mark.parametrize('more', [(), (Dyad(
+    'e', 'RRR', Point('output', 0.4, 0.1), Point('ground', 2.5), ('rod', 'arm'), length_1=2.0,
+    length_2=1.5),)], ids=['alone', 'with a dyad on its output'])
+def test_a_rocking_machine_swings_through_its_toggles_as_the_four_bar(more, mirrored):
+    """A linkage of which no rod turns fully (1.0, 1.2, 0.8, 1.5), released from rest."""
+    kind, machine = rocking((1.0, 1.2, 0.8, 1.5), more, mirrored)
+    assert not kind.turns_fully and machine.driven_otherwise()
+    times = np.linspace(0.25, 5.0, 20).tolist()
+    ours, theirs = (simulate(System(mechanism, 1.0, 0.0), 5.0, 1e-8, times=times)
+                    for mechanism in (machine, kind))
+    assert ours.status == theirs.status == REACHED
+    assert len(set(ours.modes.tolist())) == len(set(theirs.modes.tolist())) == 2
+    assert np.abs(ours.position - theirs.position).max() <= 4e-8
+    assert np.abs(ours.rate - theirs.rate).max() <= 4e-6

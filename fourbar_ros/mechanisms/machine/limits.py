@@ -4,16 +4,18 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from dataclasses import replace
 from functools import cached_property
 from math import pi
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, Toggle
 from fourbar_ros.mechanisms.checks import STROKE, two_numbers
-from fourbar_ros.mechanisms.contract import SLIDE
+from fourbar_ros.mechanisms.contract import CRANK, CROSSED, OPEN, SLIDE
 from fourbar_ros.mechanisms.machine.description import Dyad, OF_ONE_MODE
 from fourbar_ros.mechanisms.machine.layout import Layout
 from fourbar_ros.mechanisms.machine.loops import SAME
+from fourbar_ros.mechanisms.machine.otherwise import can_drive, SeenFromLink
 from fourbar_ros.mechanisms.machine.ranges import Closings, find_ranges, Limit
 from fourbar_ros.mechanisms.mechanism import Mechanism
 
@@ -67,6 +69,15 @@ class WithLimits(Mechanism):
         return tuple([(-pi, pi) if bound is None else (bound[0].x, bound[1].x)
                       for bound in self._closings.limits])
 
+    def without_stroke(self) -> Any:
+        """Return the same machine without a stroke, or with one ten times as long."""
+        try:
+            return super().without_stroke()
+        except InvalidParameter:        # no dyad limits the slide
+            low, high = self.stroke
+            reach = 4.5 * (high - low)
+            return replace(self, stroke=(low - reach, high + reach))
+
     @property
     def limits(self) -> tuple[tuple[Limit, Limit] | None, ...]:
         """Return (low, high) of each range, with the dyads at toggles; None: full turns."""
@@ -109,6 +120,23 @@ class WithLimits(Mechanism):
         place = [dyad.name for dyad in self.stages].index(self._limit_next_to(limit).dyad)
         has_one = self.stages[place].kind in OF_ONE_MODE     # goes on in x, not in its root
         return self.mode if has_one else 1 + ((self.mode - 1) ^ (1 << place))
+
+    @property
+    def modes_passed(self) -> tuple[int, ...]:
+        """Return the modes between which a motion goes on: at flat positions and toggles."""
+        ends = {end.x for bound in self.limits if bound for end in bound if end.dyad}
+        return tuple(sorted({*self.modes, *map(self.mode_beyond, ends)}))
+
+    def driven_otherwise(self) -> tuple[SeenFromLink, ...]:
+        """Return the machine driven at its link on the ground, if the crank turns back by it."""
+        names = {end.dyad for bound in self.limits if bound for end in bound}
+        dyads = [i for i, dyad in enumerate(self.stages) if {dyad.name} == names]
+        if self.input != CRANK or not dyads or not can_drive(self.stages[dyads[0]],
+                                                             self.layout.driven):
+            return ()
+        numbers = [dyad.numbers for dyad in self.stages]
+        return tuple([SeenFromLink(self.layout, numbers, self.signs, dyads[0], mode)
+                      for mode in (CROSSED, OPEN)])
 
     def _limit_next_to(self, position: float) -> Limit:
         ends = [end for bound in self.limits if bound for end in bound]
