@@ -26,13 +26,12 @@ class Inertia(NamedTuple):
     about_z: float
 
 
-def inertia_of(body: Body, size: float, least: float = LEAST) -> Inertia:
+def inertia_of(body: Body, size: float) -> Inertia:
     """
     Return the :class:`Inertia` of a body.
 
-    No program takes a body without inertia (nor one without mass, where ``least`` stands for it):
-    ``size`` is that of the mechanism [m].
+    No program takes a body without mass or inertia; ``size`` is that of the mechanism [m].
     """
-    mass = max(body.mass, least)
-    about_z = max(body.inertia, least * mass * size * size)
+    mass = max(body.mass, LEAST)
+    about_z = max(body.inertia, LEAST * (body.mass or 1.0) * size * size)
     return Inertia(mass, body.cg_along, body.cg_across, 0.5 * about_z, 0.5 * about_z, about_z)

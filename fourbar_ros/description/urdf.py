@@ -39,7 +39,7 @@ def urdf(model: Model) -> str:
 def _link(robot: Element, link: ModelLink, place: int, size: float) -> None:
     element = add(robot, 'link', name=link.frame)
     if link.body:
-        mass, x, y, about_x, about_y, about_z = inertia_of(link.body, size, 0.0)
+        mass, x, y, about_x, about_y, about_z = inertia_of(link.body, size)
         inertial = add(element, 'inertial')
         add(inertial, 'origin', xyz=(x, y, 0.0))
         add(inertial, 'mass', value=mass)

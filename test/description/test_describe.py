@@ -14,10 +14,11 @@ from fourbar_ros.description.model import model_of
 from fourbar_ros.description.tree import NoDescription, tree_of
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.scene.scene import from_values
+from fourbar_ros.scene.files import sections
+from fourbar_ros.scene.scene import from_values, load
 import numpy as np
 import pytest
-from support import contract
+from support import contract, ROOT
 from support.dyad_reference import random_machines
 from support.machines import jansen
 from support.scenes import PAPER, RODS, TIP, values_of
@@ -134,6 +135,15 @@ def test_gravity_of_an_sdf_points_downwards():
 
 @every_case
 def test_mujoco_keeps_the_loops_of_its_own_simulation_where_we_have_them(case):
+    simulated_in_mujoco(scene_of(case))
+
+
+@pytest.mark.parametrize('name', ['jansen', 'watt', 'bucket'])
+def test_so_it_does_with_machines_of_dyads(name):
+    simulated_in_mujoco(load(name))
+
+
+def simulated_in_mujoco(scene):
     """
     MuJoCo moves freely from our pose; its passive joints follow ours within its softness.
 
@@ -141,7 +151,6 @@ def test_mujoco_keeps_the_loops_of_its_own_simulation_where_we_have_them(case):
     times the condition of the pose.
     """
     mujoco = pytest.importorskip('mujoco', reason='mujoco is not installed')
-    scene = scene_of(case)
     model = mujoco.MjModel.from_xml_string(describe(scene, 'mjcf'))
     data, ours = mujoco.MjData(model), model_of(scene)
     mujoco.mj_resetDataKeyframe(model, data, model.key('start').id)
@@ -191,14 +200,33 @@ def test_mujoco_reads_the_urdf_with_its_masses(case):
     assert model.body_mass.sum() == pytest.approx(total, rel=1e-12)
 
 
-@every_case
-def test_check_urdf_accepts_it(case, tmp_path):
+def accepted_by_check_urdf(text, file):
     if not shutil.which('check_urdf'):
         pytest.skip('check_urdf is not installed: apt install liburdfdom-tools')
-    file = tmp_path / 'scene.urdf'
-    file.write_text(describe(scene_of(case)))
+    file.write_text(text)
     done = subprocess.run(['check_urdf', str(file)], capture_output=True, text=True, check=False)
     assert done.returncode == 0 and 'Successfully Parsed' in done.stdout, done.stdout + done.stderr
+
+
+@every_case
+def test_check_urdf_accepts_it(case, tmp_path):
+    accepted_by_check_urdf(describe(scene_of(case)), tmp_path / 'scene.urdf')
+
+
+SUPPLIED = [*sorted((ROOT / 'config').glob('*.yaml')),
+            *(f'{file}:{node.strip("/*")}' for folder in ('robots', 'chains')
+              for file in sorted((ROOT / 'config' / folder).glob('*.yaml'))
+              for node in sections(file))]
+
+
+@pytest.mark.parametrize('name', SUPPLIED, ids=lambda name: str(name).rpartition('/')[2])
+def test_check_urdf_and_mujoco_load_every_scene_of_the_tree(name, tmp_path):
+    mujoco, scene = pytest.importorskip('mujoco'), load(name)
+    texts = [describe(scene)] * (scene.linkage.bodies is not None) + [describe(scene, 'mjcf')]
+    for text in texts:               # of a URDF without masses MuJoCo makes nothing
+        assert mujoco.MjModel.from_xml_string(text).njnt == len(model_of(scene).joints)
+    assert mujoco.MjModel.from_xml_string(describe(scene, 'mjcf')).neq > 0
+    accepted_by_check_urdf(describe(scene), tmp_path / 'scene.urdf')
 
 
 def test_the_driven_joint_is_never_cut():

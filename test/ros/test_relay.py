@@ -20,6 +20,7 @@ from fourbar_ros.description.model import model_of
 from fourbar_ros.ros.clients.client import NoAnswer
 from fourbar_ros.scene.files import read_values
 from fourbar_ros.scene.scene import from_values, load
+from fourbar_ros.scene.topics import DRIVEN
 import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
@@ -134,26 +135,34 @@ def test_jansens_leg_as_a_relay_over_a_revolution(run_node, client):
         checked.check(float(position))
 
 
-def test_the_drive_effort_is_what_power_asks_for(run_node, client):
+@pytest.mark.parametrize('name, start', [('paper', 0.2), ('slider_crank', 0.5),
+                                         ('cylinder', 1.4), ('jansen', 0.2)])
+def test_the_drive_effort_is_what_power_asks_for(run_node, client, name, start):
     """With all joints shown, effort times velocity of the driven joint is the power needed."""
-    mechanism = from_values({**PAPER, **RODS, 'gravity.y': -9.81}).linkage
-    run_node({**PAPER, **RODS, 'gravity.y': -9.81, 'drive.source': 'joint_state',
-              'drive.joint': 'motor', 'joint_states.ratios': [2.0, 1.0, 1.0, 1.0],
-              'drive.joint_ratio': 2.0, 'joint_names': ['crank', 'a', 'b', 'c'],
-              'outputs': ['joint_states', 'state', 'loads']})
+    values, mechanism = read_values(name), load(name).linkage
+    driven = [joint.coordinate for joint in mechanism.JOINTS].index(mechanism.input_coordinate)
+    names = [f'j{place}' for place in range(len(mechanism.JOINTS))]
+    run_node(values | {'drive.source': 'joint_state', 'drive.joint': names[driven],
+                       'joint_states.ratios': [2.0] * len(names), 'drive.joint_ratio': 2.0,
+                       'joint_names': names, 'drive.jump': 100.0,
+                       'outputs': ['joint_states', 'state', 'loads', 'links']})
     client.listen(['state', 'joint_states'])
+    client.listen({'driven': DRIVEN})
     publisher = client.publisher('joint_state')
-    client.handshake(lambda: publisher.publish(JointState(name=['motor'], position=[0.2],
-                                                          velocity=[2.0])))
-    for k in range(6):                       # 10 ms apart, at constant acceleration 30 rad/s^2
+    client.handshake(lambda: publisher.publish(JointState(
+        name=[names[driven]], position=[2.0 * start], velocity=[0.0])))
+    for k in range(6):                       # 10 ms apart, at constant acceleration
         t = 0.01 * k
-        message = joint_state({'motor': 0.2 + 8.0 * t + 15.0 * t * t}, (8.0 + 30.0 * t,), 50)
+        message = joint_state({names[driven]: 2.0 * start + 0.8 * t + 1.5 * t * t},
+                              (0.8 + 3.0 * t,), 50)
         message.header.stamp.nanosec = 10**7 * k
         publisher.publish(message)
     client.until(lambda: all(len(inbox) >= 6 for inbox in client.received.values()), 'the joints')
-    state, joints = client.received['state'][-1], client.received['joint_states'][-1]
-    want, size = power(mechanism, state.theta1, state.omega1, state.alpha1)
-    assert abs(joints.effort[0] * joints.velocity[0] - want) <= 1e-12 * size
+    given, joints = client.received['driven'][-1], client.received['joint_states'][-1]
+    want, size = power(mechanism, given.position, given.velocity, given.acceleration)
+    assert size > 0.0 and abs(joints.effort[driven] * joints.velocity[driven] - want
+                              ) <= 1e-12 * size * max(1.0, mechanism.motion(start).condition)
+    assert all(effort == 0.0 for place, effort in enumerate(joints.effort) if place != driven)
 
 
 def test_a_bag_of_a_relay_computes_again(run_node, client, tmp_path):
