@@ -115,6 +115,7 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array,
     if not row.size:
         return []
     row, spacing = rows[row], xb - xa
+    # where a force changes its sign the slope of its magnitude |F| jumps, that of F^2/2 does not
     is_positive = ((samples.values > 0.0).all(axis=1) & ~sampler.is_angle)[row]
 
     def at(x: Array, which: Array) -> tuple[Array, Array]:

@@ -272,12 +272,7 @@ class Sampler:
 
     def newton(self, x: Array, row: Array, spacing: Array,
                is_squared: Array) -> tuple[Array, Array]:
-        """
-        Return the derivative of quantity ``row[i]`` at x[i], and a Newton step to its zero.
-
-        ``is_squared``: of half its square instead. Next to a zero of the force the derivative of a
-        magnitude |F| jumps, that of F^2/2 does not.
-        """
+        """Return the derivative of quantity ``row[i]``, or half its square, and a Newton step."""
         turn = self.TURN * spacing
         value, slope = self.at(np.concatenate((x, x + turn)), np.tile(row, 2))
         here, there = np.split(np.where(np.tile(is_squared, 2), value * slope, slope), 2)
@@ -288,8 +283,8 @@ class Sampler:
         """
         Return a bound of the rounding errors of each quantity, shape (quantities, n).
 
-        By the sizes of the terms it is a sum of, as far as they are known: of a balanced linkage
-        the shaking force is the noise of the joint reactions.
+        From the sizes of its terms, as far as they are known: the shaking force of a balanced
+        linkage is the noise of the joint reactions.
         """
         motion, loads = state
         sine = self.linkage.transmission_sine(motion).real
