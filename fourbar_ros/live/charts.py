@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from math import ceil, floor, isfinite, log10, radians
 from typing import Any
 
-from fourbar_ros.extrema.find import CONSTANT, Extremum, MAXIMUM
+from fourbar_ros.extrema.find import CONSTANT, Extremum, INTERIOR, MAXIMUM
 from fourbar_ros.live.model import LIMIT, Shown
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.report.cycles import ground_forces
@@ -18,6 +18,7 @@ COLOURS = ('#2463a8', '#a3501c', '#1e6b37', '#7b3294', '#8a1538', '#4d5b00')
 OF_DARK = ('#6aa9e9', '#e0905c', '#6cc28a', '#c08ad6', '#e8789a', '#b5c24a')
 CURVE_HEIGHT, GAP, TOP, LEFT, RIGHT = 130, 46, 34, 78, 24      # [px]
 CURSOR = '#c0392b'
+NEAR, FAR = 10.0, 30.0      # times the median size: shown of a curve that goes beyond the latter
 GOOD = 50.0                 # [deg] a transmission angle is called good so far off square
 BAND = 'rgba(60,160,80,.16)'
 POLAR_SIZE = 400, 380                                          # [px]
@@ -45,7 +46,23 @@ def over_input(shown: Shown, names: Sequence[str], extrema: Sequence[Extremum],
               for place, name in enumerate(names)]
     ends = shown.shown_input(shown.ranges[0][0]), shown.shown_input(shown.ranges[-1][1])
     label = f'{shown.linkage.input_coordinate.position} [{shown.input_unit}]'
-    return _panels(shown, names, (series, [columns]), (*ends, label), is_dark)
+    options = _panels(shown, names, (series, [columns]), (*ends, label), is_dark)
+    for axis, name in zip(options['yAxis'], names):
+        axis |= _bounds(columns[name], [extremum.value for extremum in extrema
+                                        if extremum.quantity == name
+                                        and extremum.place == INTERIOR])
+    return options
+
+
+def _bounds(values: Sequence[float | None], extrema: Sequence[float]) -> dict[str, float | None]:
+    """Return the bounds of a value axis: None, but where a curve goes to infinity at toggles."""
+    sizes = np.abs([value for value in values if value is not None])
+    typical = float(np.median(sizes)) if len(sizes) else 0.0
+    bound = max([NEAR * typical, *(1.2 * abs(value) for value in extrema)])
+    if not typical or sizes.max() <= max(FAR * typical, bound):
+        return {'min': None, 'max': None}
+    kept = [value for value in values if value is not None and abs(value) <= bound]
+    return {'min': float(f'{min(kept):.2g}'), 'max': float(f'{max(kept):.2g}')}
 
 
 def over_time(shown: Shown, runs: Sequence[tuple[str, Array, dict[str, Array]]],

@@ -66,7 +66,8 @@ def _control(parameter: Parameter, value: Any, shown: Shown,
     if name.endswith('.mode') and parameter.type == 'integer':
         modes = shown.linkage.modes if name == 'linkage.mode' else {1: '1', 2: '2'}
         with ui.row().classes('fb-middle full-width no-wrap'):
-            ui.label('assembly mode')
+            dyad = name.split('.')[1] if name.startswith('dyads.') else ''
+            ui.label(' '.join(filter(None, (dyad, 'assembly mode'))))
             return ui.toggle(modes, value=value, on_change=lambda event: change(
                 name, event.value)).props(f'dense no-caps aria-label="{name}"').tooltip(text)
     unit = f' [{parameter.unit}]' if parameter.unit else ''

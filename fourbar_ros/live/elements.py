@@ -26,6 +26,8 @@ body.body--dark{{--fb-paper:#161a1f;--fb-ink:#ececec;--fb-link:#3b4653;--fb-poin
 border-left:1.5px solid {CURSOR};pointer-events:none}}
 .fb-dots{{position:absolute;top:0;left:0;pointer-events:none}}
 .fb-table td,.fb-table th{{font-variant-numeric:tabular-nums;white-space:nowrap}}
+.fb-table td,.fb-table th{{padding-left:8px;padding-right:8px}}
+.fb-words td{{white-space:normal}} .fb-words td:first-child{{white-space:nowrap}}
 </style>"""
 CURVES, FORCES, POLYGONS, EXTREMA, FACTS = TABS = (
     'Curves', 'Forces', 'Polygons', 'Extrema', 'Facts')
@@ -57,7 +59,7 @@ class Elements:
             with ui.column().classes('full-width'):
                 self._picture()
                 self._transport()
-                self.now = _table(now_columns(page.course.beside), 'name')
+                self.now = _table(now_columns(page.title, page.course.beside), 'name')
             with ui.column().classes('full-width'):
                 self._views()
 
@@ -141,7 +143,7 @@ class Elements:
             with _panel(FACTS):
                 columns = [{'name': name, 'label': '', 'field': name, 'align': 'left'}
                            for name in ('name', 'text')]
-                self.facts = _table(columns, 'name', 'wrap-cells hide-header')
+                self.facts = _table(columns, 'name', 'wrap-cells hide-header').classes('fb-words')
 
     @property
     def is_dark(self) -> bool:

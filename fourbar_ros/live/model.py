@@ -16,6 +16,7 @@ from fourbar_ros.mechanisms.quantities import is_published, positions, select
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.status import evaluate
 from fourbar_ros.report.cycles import cycles, usual_points
+from fourbar_ros.report.joint_labels import Labels, labels_of
 from fourbar_ros.scene.scene import from_values, Scene
 import numpy as np
 
@@ -167,6 +168,12 @@ class Shown:
     def poses(self) -> list[tuple[Any, Any]]:
         """Return some forty (motion, loads) over the cycles, for the size of pictures."""
         return [(motion, loads) for _, motion, loads in self.samples(40)]
+
+    @cached_property
+    def labels(self) -> Labels:
+        """Return what pictures call joints and forces: letters, the same in every pose."""
+        return (labels_of(self.linkage.diagram(self.poses[0][0])) if self.poses
+                else Labels({}, {}, {}, {}))
 
     def shown_input(self, position: float) -> float:
         """Return an input in the unit of the page: degrees, or m."""

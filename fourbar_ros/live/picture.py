@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from math import hypot, isfinite
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from fourbar_ros.live import strokes
@@ -13,7 +14,7 @@ from fourbar_ros.live.strokes import HEIGHT, STYLE, View, view_of, WIDTH
 from fourbar_ros.mechanisms.parts import Arrow, Diagram, without_repeats
 from fourbar_ros.mechanisms.points import instant_centre, link_motion, LinkMotion, point_motion
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.report.mechanism_panel import significant
+from fourbar_ros.report.mechanism_panel import renamed, significant
 import numpy as np
 
 LONGEST_FORCE = 105.0              # [px]
@@ -72,13 +73,15 @@ def mechanism_svg(shown: Shown, motion: Any, loads: Any, view: View, per_newton:
         parts += [strokes.line('arm', *ends) for arm in arms.values()
                   for ends in zip(arm, arm[1:])]
     parts += _links(diagram, view)
-    parts += [strokes.text('', strokes.outside(name, place, at.values()), name)
-              for name, place in ((strokes.plain(name), place) for name, place in at.items())]
+    letters = {strokes.plain(shown.labels.letters.get(name, name)): place
+               for name, place in at.items()}
+    parts += [strokes.text('', strokes.outside(letter, place, at.values()), letter)
+              for letter, place in letters.items()]
     for name, (*_, tip) in arms.items() if layers.curves else ():
         parts += [strokes.circle('point', tip, 4.5),
                   strokes.text('point', (tip[0] + 9.0, tip[1] - 8.0), name)]
     if layers.forces and loads is not None:
-        parts += _forces(diagram, loads, at, per_newton)
+        parts += _forces(shown, diagram, loads, (at, per_newton))
     if layers.centres:
         parts += _centres(linkage, motion, view, at.values())
     return f'<g class="fb">{"".join(parts)}</g>'
@@ -107,14 +110,16 @@ def traces_svg(shown: Shown, view: View) -> str:
                     '</g>'])
 
 
-def _forces(diagram: Diagram, loads: Any, at: Mapping[str, tuple[float, float]],
-            per_newton: float) -> list[str]:
-    """Return arrows of the forces at the joints."""
+def _forces(shown: Shown, diagram: Diagram, loads: Any,
+            view: tuple[Mapping[str, tuple[float, float]], float]) -> list[str]:
+    """Return arrows of the forces at the joints; ``view``: their pixels, and [px/N]."""
+    at, per_newton = view
     found: list[str] = []
     taken: list[tuple[float, float]] = []
     for name, joint in diagram.forces.items():
         force = getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y')
-        label = f'F{name[1:]} = {significant(getattr(loads, name))} N'
+        label = f'{strokes.plain(shown.labels.forces[name])} = '\
+                f'{significant(getattr(loads, name))} N'
         pixels = per_newton * force[0], -per_newton * force[1]
         found.append(strokes.arrow('force', at[joint], pixels, label, taken))
     return found
@@ -149,13 +154,14 @@ def polygon_view(polygons: Iterable[list[Arrow]]) -> View:
     return view_of(np.array([(0.0, 0.0), *ends]))
 
 
-def polygon_svg(arrows: list[Arrow], view: View, unit: str) -> str:
+def polygon_svg(arrows: list[Arrow], view: View, unit: str,
+                letters: Mapping[str, str] = MappingProxyType({})) -> str:
     """Return the SVG content of a velocity or acceleration polygon; the pole is o."""
     pole = view.at((0.0, 0.0))
     taken: list[tuple[float, float]] = []
     parts = [strokes.arrow('sum' if arrow.is_sum else 'part', view.at(arrow.start),
                            (view.scale * arrow.vector[0], -view.scale * arrow.vector[1]),
-                           f'{strokes.plain(arrow.label)} = '
+                           f'{strokes.plain(renamed(arrow.label, letters))} = '
                            f'{significant(hypot(*arrow.vector))} {unit}', taken)
              for arrow in without_repeats(arrows, 1.0 / view.scale)]
     parts += [strokes.circle('pin', pole, 4.0),

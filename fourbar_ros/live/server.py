@@ -92,7 +92,7 @@ def serve_run(paths: Sequence[str], node: str | None, port: int, is_opened: bool
     (scene, run), *others = [read_run(path, node) for path in paths]
     beside = [(_short(path, paths), Shown(other), its)
               for path, (other, its) in zip(paths[1:], others)]
-    title = ' and '.join(map(str, paths))
+    title = ' and '.join(_short(path, paths) for path in paths)
     _serve(title, lambda query: Page(title, scene.values, query,
                                      lambda shown: OverTime(shown, run, beside)),
            port, is_opened)

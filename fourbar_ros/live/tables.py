@@ -9,6 +9,7 @@ from typing import Any
 
 from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.live.model import Shown
+from fourbar_ros.live.strokes import plain
 from fourbar_ros.mechanisms.quantities import select
 from fourbar_ros.report.poses import number
 
@@ -38,6 +39,14 @@ def extrema_rows(shown: Shown, extrema: Sequence[Extremum]) -> list[dict[str, An
     return rows
 
 
+def joint_rows(shown: Shown) -> list[tuple[str, str]]:
+    """Return (letter, names of the joints there) where pictures have letters for words."""
+    found: dict[str, list[str]] = {}
+    for name, letter in shown.labels.letters.items():
+        found.setdefault(f'joint {plain(letter)}', []).append(name)
+    return [(letter, ', '.join(names)) for letter, names in found.items()]
+
+
 def pose_values(shown: Shown, motion: Any, loads: Any) -> dict[str, tuple[float, str]]:
     """Return {name: (value, unit)} of a pose: all joints, transmission angle, all loads."""
     found = {}
@@ -54,9 +63,10 @@ def pose_values(shown: Shown, motion: Any, loads: Any) -> dict[str, tuple[float,
     return found
 
 
-def now_columns(others: Sequence[str]) -> list[dict[str, str]]:
+def now_columns(title: str, others: Sequence[str]) -> list[dict[str, str]]:
     """Return the columns of the present pose, and of the same moment of other runs."""
-    columns = [*NOW_COLUMNS[:2]]
+    first = _column('value', title.partition(' and ')[0], 'right') if others else NOW_COLUMNS[1]
+    columns = [NOW_COLUMNS[0], first]
     columns += [_column(f'other{i}', title, 'right') for i, title in enumerate(others)]
     columns += [_column('difference', 'difference', 'right')] if len(others) == 1 else []
     return [*columns, NOW_COLUMNS[2]]

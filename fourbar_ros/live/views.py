@@ -15,7 +15,7 @@ from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.live import charts
 from fourbar_ros.live.elements import CURVES, EXTREMA, FACTS, FORCES, POLYGONS, set_chart
 from fourbar_ros.live.picture import polygon_svg, polygon_view
-from fourbar_ros.live.tables import extrema_rows
+from fourbar_ros.live.tables import extrema_rows, joint_rows
 from fourbar_ros.report.tables import facts
 
 
@@ -72,7 +72,7 @@ class Views:
             arrows = linkage.velocity_polygon(motion), linkage.acceleration_polygon(motion)
             for picture, *drawn in zip(elements.polygons, arrows, self.polygon_views,
                                        ('m/s', 'm/s²')):
-                picture.content = polygon_svg(*drawn)
+                picture.content = polygon_svg(*drawn, page.shown.labels.letters)
 
     @property
     def found(self) -> list[Extremum]:
@@ -104,5 +104,5 @@ class Views:
         self.elements.extrema.rows = extrema_rows(self.page.shown, self.found)
 
     def _fill_facts(self) -> None:
-        self.elements.facts.rows = [{'name': name, 'text': text}
-                                    for name, text in facts(self.page.shown.linkage)]
+        rows = [*facts(self.page.shown.linkage), *joint_rows(self.page.shown)]
+        self.elements.facts.rows = [{'name': name, 'text': text} for name, text in rows]

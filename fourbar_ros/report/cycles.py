@@ -8,6 +8,7 @@ Paths of points, velocities and forces as vectors. Only the functions that draw 
 from __future__ import annotations
 
 from collections.abc import Mapping
+import re
 from types import MappingProxyType
 from typing import Any
 
@@ -15,6 +16,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.report.drawing import CannotDraw, need_matplotlib, STYLE
+from fourbar_ros.report.joint_labels import labels_of
 import numpy as np
 
 SAMPLES = 721
@@ -47,7 +49,8 @@ def ground_forces(mechanism: Mechanism) -> dict[str, str]:
     """Return {field of the loads: name} of the forces at the joints of the ground."""
     low, high = mechanism.input_ranges[0]
     diagram = mechanism.diagram(mechanism.motion(0.5 * (low + high), 1.0))
-    return {name: f'F{name[1:]}' for name, joint in diagram.forces.items()
+    symbols = labels_of(diagram).forces
+    return {name: re.sub('[_{}]', '', symbols[name]) for name, joint in diagram.forces.items()
             if joint in diagram.ground}
 
 

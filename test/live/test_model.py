@@ -83,6 +83,40 @@ def test_force_labels_have_the_values_of_the_core():
     assert seen == {'41', '21', '32', '43'}
 
 
+def test_joints_with_words_for_names_have_one_letter_a_place():
+    found = shown_of('jansen')
+    _, motion, loads = found.pose(1.0)
+    text = mechanism_svg(found, motion, loads, mechanism_view(found), force_scale(found))
+    letters = re.findall(r'<text class="" [^>]*>([^<]+)<', text)
+    places = {tuple(np.round(place, 9)) for place in found.linkage.diagram(motion).joints.values()}
+    assert len(letters) == len(set(letters)) == len(places)
+    symbols = dict(re.findall(r'>F([A-Z]\d?) = (\S+) N<', text))
+    assert symbols and {symbol[0] for symbol in symbols} <= {letter[0] for letter in letters}
+    for name, symbol in found.labels.forces.items():        # each has its own force
+        value = symbols.get(re.sub('[F_{}]', '', symbol))
+        if value:
+            assert float(value) == pytest.approx(getattr(loads, name), rel=5e-4)
+    arrows = found.linkage.velocity_polygon(motion)
+    svg = polygon_svg(arrows, polygon_view([arrows]), 'm/s', found.labels.letters)
+    assert '>VA = ' in svg and 'upper' not in svg
+
+
+def test_axes_hold_what_can_be_read_of_curves_that_go_to_infinity():
+    found = shown_of('slides_7_6')
+    names = found.usual_quantities
+    extrema = found.extrema(names)
+    options = charts.over_input(found, names, extrema, False)
+    for axis, name in zip(options['yAxis'], names):
+        values = np.concatenate([values for _, values in found.curves(name)])
+        assert axis['max'] < 0.1 * np.nanmax(values)
+        for extremum in extrema:
+            if extremum.quantity == name and extremum.place == 'interior':
+                assert axis['min'] <= extremum.value <= axis['max']
+    full = shown_of('paper')
+    options = charts.over_input(full, ['omega4', 'shaking_force'], [], False)
+    assert all(axis['min'] is None is axis['max'] for axis in options['yAxis'])
+
+
 @pytest.mark.parametrize('name', ['paper', 'slider_crank', 'cylinder'])
 def test_instant_centres_are_at_rest_and_obey_kennedy(name):
     found = shown_of(name)

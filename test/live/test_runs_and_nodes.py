@@ -1,6 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The live page of recorded runs and of a running node, in a real browser over real DDS."""
+import csv
+
+from fourbar_ros.cli.main import main
 from fourbar_ros.live.recorded import read_run
 from fourbar_ros.report.poses import number
 import numpy as np
@@ -33,6 +36,50 @@ def test_a_run_can_be_scrubbed_and_compared(driver):
         tab.until(lambda: tab.now().get(name) == number(getattr(motion, name)),
                   'the pose of that sample')
         assert not tab.alarm()
+
+
+def exported(bag, folder):
+    """Return {column: texts} of the state that ``fourbar bag export`` writes."""
+    assert main(['bag', 'export', str(bag), '-o', str(folder)]) == 0
+    file = next(file for file in folder.rglob('*.csv') if file.stem.endswith('state')
+                and 'joint' not in file.stem)
+    with file.open() as opened:
+        rows = list(csv.DictReader(opened))
+    return {name: [row[name] for row in rows] for name in rows[0]}
+
+
+def test_two_runs_beside_each_other_have_the_numbers_of_their_exports(driver, tmp_path):
+    bags = [RECORDED / 'slides_7_6', RECORDED / 'slides_7_7']
+    runs = [read_run(bag)[1] for bag in bags]
+    tables = [exported(bag, tmp_path / bag.name) for bag in bags]
+    with live(*bags) as address:
+        tab = Tab(driver, address)
+        at = float(f'{runs[0].times[len(runs[0].times) // 2] + 1e-7:.9g}')
+        tab.write('input value', f'{at:.9f}')
+        places = [int(np.searchsorted(run.times, at, 'right')) - 1 for run in runs]
+        values = [float(table['omega4'][i]) for table, i in zip(tables, places)]
+        tab.until(lambda: tab.now().get('omega4') == number(values[0]), 'the first')
+        row = next(row for row in tab.rows('now') if row[0] == 'omega4')
+        # recomputed from the recorded input: within the rounding that bags keep
+        assert [float(text) for text in row[1:4]] == pytest.approx(
+            [values[0], values[1], values[1] - values[0]], rel=1e-8)
+        assert 'class="ghost"' in tab.picture()
+        chart = 'curves over the input, extrema marked'
+        count = tab.count_series(chart)
+        next(box for box in tab.driver.find_elements('css selector', '.q-checkbox')
+             if 'difference' in box.text).click()
+        tab.until(lambda: tab.count_series(chart) == count // 2, 'the differences')
+
+
+def test_a_silent_node_is_said_to_be_silent(driver, tmp_path):
+    scene = {**PAPER, **RODS, 'drive.source': 'motion'}
+    node = NodeProcess(scene, tmp_path, name='silent_one')
+    try:
+        with live('--node', '/silent_one') as address:
+            tab = Tab(driver, address)
+            tab.until(lambda: 'no motion of the node yet' in tab.alarm(), 'that it is silent')
+    finally:
+        node.stop()
 
 
 def test_a_node_is_followed_and_set(driver, tmp_path):

@@ -1,0 +1,113 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Files that the page sends, as the browser has written them."""
+import csv
+import time
+from xml.etree import ElementTree
+
+from fourbar_ros.scene.scene import load
+import numpy as np
+from PIL import Image
+import pytest
+from support.browser import browser, live, needs_browser, Tab
+
+pytestmark = needs_browser
+PATIENCE = 120.0        # [s]
+SVG = '{http://www.w3.org/2000/svg}'
+
+
+@pytest.fixture(scope='module')
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp('downloads')
+
+
+@pytest.fixture(scope='module')
+def tab(tmp_path_factory, folder):
+    with browser(tmp_path_factory.mktemp('profile')) as driver, live('paper') as address:
+        driver.execute_cdp_cmd('Browser.setDownloadBehavior', {
+            'behavior': 'allow', 'downloadPath': str(folder)})
+        yield Tab(driver, f'{address}/?linkage.a2=1.1&at=60')
+
+
+@pytest.fixture
+def download(tab, folder):
+    """Return a function: words of the menu and a suffix -> the file that was downloaded."""
+    def download(words, suffix):
+        tab.by('download').click()
+        tab.until(lambda: [item for item in tab.driver.find_elements('css selector', '.q-item')
+                           if item.is_displayed() and words in item.text], 'the menu')
+        next(item for item in tab.driver.find_elements('css selector', '.q-item')
+             if item.is_displayed() and words in item.text).click()
+        file, end = folder / f'paper.{suffix}', time.monotonic() + PATIENCE
+        while not file.exists():        # Chromium renames what is complete
+            assert time.monotonic() < end, f'no {file.name} among {list(folder.iterdir())}'
+            time.sleep(0.1)
+        return file
+    return download
+
+
+def test_the_scene_file_loads_again(download):
+    scene = load(download('scene file', 'yaml'))
+    assert scene.linkage.a2 == 1.1 and scene.linkage.bodies and scene.drive.speed == 25.0
+
+
+def test_the_svg_is_the_picture(download, tab):
+    root = ElementTree.parse(download('picture (SVG)', 'svg')).getroot()
+    pins = [(float(pin.get('cx')), float(pin.get('cy'))) for pin in root.iter(f'{SVG}circle')
+            if pin.get('class') == 'pin']
+    assert pins == tab.pins()
+
+
+def test_the_png_has_the_strokes(download):
+    with Image.open(download('picture (PNG)', 'png')) as picture:
+        assert picture.size == (1200, 840)
+        colours = picture.convert('RGB').getcolors(1 << 20)
+        assert max(colours)[1] == (255, 255, 255) and len(colours) > 50
+
+
+def test_the_csv_has_the_core_s_numbers(download):
+    from fourbar_ros import FourBar
+    with download('numbers of a cycle', 'csv').open() as file:
+        rows = list(csv.DictReader(file))
+    linkage = FourBar(0.4, 1.1, 0.8, 1.0)
+    theta1 = np.array([float(row['theta1']) for row in rows])
+    motion = linkage.motion(theta1, 25.0)
+    assert len(rows) == 361
+    for name in ('theta4', 'omega4', 'alpha4'):
+        written = np.array([float(row[name]) for row in rows])
+        assert np.array_equal(written, getattr(motion, name))
+    assert all(np.isfinite(float(row['driving_torque'])) for row in rows)
+
+
+def test_the_html_moves_without_a_server(download, tab):
+    page, home = download('page that needs no server', 'html'), tab.driver.current_window_handle
+    assert 'http://' not in page.read_text().replace('http://www.w3.org', '')
+    tab.driver.switch_to.new_window('tab')
+    try:
+        tab.driver.get(page.as_uri())
+        drawing = "return document.getElementById('mechanism').innerHTML"
+        before = tab.driver.execute_script(drawing)
+        assert 'class="pin"' in before
+        tab.until(lambda: tab.driver.execute_script(drawing) != before, 'motion')
+    finally:
+        tab.driver.close()
+        tab.driver.switch_to.window(home)
+
+
+def test_the_gif_has_its_frames(download):
+    with Image.open(download('animation', 'gif')) as picture:
+        assert picture.is_animated and picture.n_frames > 50
+
+
+def test_nothing_is_saved_of_what_is_impossible(tab, folder):
+    tab.write('linkage.a2', '9')
+    tab.until(tab.alarm, 'the reason')
+    before = set(folder.iterdir())
+    tab.by('download').click()
+    tab.until(lambda: [item for item in tab.driver.find_elements('css selector', '.q-item')
+                       if item.is_displayed() and 'scene file' in item.text], 'the menu')
+    next(item for item in tab.driver.find_elements('css selector', '.q-item')
+         if item.is_displayed() and 'scene file' in item.text).click()
+    tab.until(lambda: 'nothing to save' in tab.driver.find_element('tag name', 'body').text,
+              'why not')
+    assert set(folder.iterdir()) == before
