@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_verb, PICTURE_HELP, SCENE_HELP, Verbs
-from fourbar_ros.scene.arguments import not_negative, positive_integer
+from fourbar_ros.scene.arguments import not_negative, positive, positive_integer
 
 if TYPE_CHECKING:      # verbs import when they run
     from fourbar_ros.balancing.loads import Loads
@@ -30,6 +30,7 @@ examples:
   fourbar balance paper --minimize force moment torque --mass 3 --radius crank=0.2 output=0.3
   fourbar balance paper --minimize force --mass 2 --peak --plot before_after.png
   fourbar balance paper --minimize moment --mass 10 --front front.png
+  fourbar balance paper --minimize force --mass 3 --shape disc --thickness 0.02
 """
 
 
@@ -50,6 +51,13 @@ def add(verbs: Verbs) -> None:
                       help='greatest distance of a counterweight from the first joint of its '
                            'link; the links that are named are those that get one; default: '
                            'half the longest length, every link that turns')
+    verb.add_argument('--shape', choices=('disc', 'sector'),
+                      help='with --minimize: plates of this shape instead of point masses, one a '
+                           'link; a sector is about the first joint')
+    verb.add_argument('--thickness', type=positive, metavar='M',
+                      help='with --shape: thickness of the plates')
+    verb.add_argument('--density', type=positive, default=7850.0, metavar='RHO',
+                      help='with --shape: density [kg/m^3] (default 7850)')
     verb.add_argument('-o', '--out', metavar='SCENE', help='scene file to write')
     verb.add_argument('--plot', metavar='PICTURE',
                       help=f'force, moment and torque before and after: {PICTURE_HELP}')
@@ -106,33 +114,50 @@ def _balanced(arguments: argparse.Namespace, places: Places) -> tuple[Balance, s
     from fourbar_ros.balancing.peak import least_peak
     from fourbar_ros.balancing.result import draw_front, unit_of
     from fourbar_ros.balancing.rms import front, least_rms
+    from fourbar_ros.balancing.shapes import best_plates
     names = arguments.minimize
     if not names:
-        if arguments.peak or arguments.front or arguments.mass is not None:
-            raise BalanceError('--mass, --peak and --front go with --minimize')
+        if (arguments.peak or arguments.front or arguments.shape
+                or arguments.mass is not None):
+            raise BalanceError('--mass, --peak, --shape and --front go with --minimize')
         found = full_force_balance(places)
         return found, f'full force balance, at least {found.bound:.6g} kg are needed'
     if arguments.mass is None:
         raise BalanceError('--minimize needs --mass: how much may be added')
     if arguments.peak and (len(names) > 1 or arguments.front):
         raise BalanceError('--peak takes one load, and no --front')
-    found = (least_peak(places, names[0], arguments.mass) if arguments.peak
-             else least_rms(places, names, arguments.mass))
+    if arguments.shape and (arguments.peak or arguments.thickness is None):
+        raise BalanceError('--shape needs --thickness, and takes no --peak')
+    if arguments.shape:
+        found = best_plates(places, names, arguments.mass, arguments.shape,
+                            arguments.density * arguments.thickness)
+    else:
+        found = (least_peak(places, names[0], arguments.mass) if arguments.peak
+                 else least_rms(places, names, arguments.mass))
     if arguments.front:
         masses = [arguments.mass * i / (arguments.points - 1 or 1)
                   for i in range(arguments.points)]
         draw_front(places.loads, names, front(places, names, masses), arguments.front)
     unit = unit_of(places.loads, names[0]) if len(names) == 1 else 'relative'
     of = 'peak' if arguments.peak else 'RMS'
-    return found, (f'least {of} of {" and ".join(names)}: {found.value:.9g} {unit}, and none '
-                   f'below {found.bound:.9g} is possible')
+    what = f'least {of} of {" and ".join(names)}' + ' found' * bool(arguments.shape)
+    return found, f'{what}: {found.value:.9g} {unit}, and none below {found.bound:.9g} is possible'
+
+
+MORE = {'radius': 'radius [m]>', 'half_angle': 'half-angle [rad]>'}      # of plates
+
+
+def _fields(found: Balance) -> tuple[str, ...]:
+    """Return the fields of the counterweights."""
+    return found.counterweights[0]._fields if found.counterweights else ()
 
 
 def _tables(loads: Loads, found: Balance) -> tuple[PlainTable, PlainTable]:
     from fourbar_ros.balancing.result import changes
     from fourbar_ros.report.terminal import plain_table
     weights = plain_table('counterweights, from the first joint of their link',
-                          ('link', 'mass [kg]>', 'along [m]>', 'across [m]>'))
+                          ('link', 'mass [kg]>', 'along [m]>', 'across [m]>',
+                           *(MORE[name] for name in _fields(found)[4:])))
     for one in found.counterweights:
         weights.add_row(one.link, *(f'{value:.9g}' for value in one[1:]))
     table = plain_table('loads of inertia', ('', 'unit', 'RMS before>', 'after>', 'peak before>',

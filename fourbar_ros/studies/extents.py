@@ -39,9 +39,12 @@ class Extent:
     def of(self, part: str) -> Array:
         """Return a part by name."""
         (most, least), (most_at, least_at) = self._ends, self._places
-        return {'max': most, 'min': least, 'max_at': most_at, 'min_at': least_at,
-                'span': most - least, 'peak': np.maximum(np.abs(most), np.abs(least)),
-                'extrema': self.counts}[part]
+        with np.errstate(invalid='ignore'):         # from one infinity to the other
+            span = most - least
+        found: Array = {'max': most, 'min': least, 'max_at': most_at, 'min_at': least_at,
+                        'span': span, 'peak': np.maximum(np.abs(most), np.abs(least)),
+                        'extrema': self.counts}[part]
+        return found
 
     def rms(self) -> tuple[Array, Array]:
         """Return root mean squares, and where they are right to rounding."""

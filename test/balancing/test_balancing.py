@@ -10,6 +10,7 @@ from fourbar_ros.balancing.loads import body_of, Loads, numbers_of
 from fourbar_ros.balancing.peak import least_peak, peak
 from fourbar_ros.balancing.result import scene_values
 from fourbar_ros.balancing.rms import Counterweight, front, least_rms, Places
+from fourbar_ros.balancing.shapes import best_plates
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Body, NOT_APPLIED
@@ -227,3 +228,46 @@ def test_the_command_writes_a_scene_that_is_balanced(tmp_path, capsys):
 def test_a_counterweight_is_a_point():
     one = Counterweight('crank', 2.0, 0.3, 0.4)
     assert one.numbers.tolist() == pytest.approx([2.0, 0.6, 0.8, 0.5])
+
+
+@pytest.mark.parametrize('shape', ['disc', 'sector'])
+def test_plates_are_no_better_than_the_proven_bound_and_are_what_they_say(shape):
+    loads = loads_of('paper')
+    places = places_of(loads)
+    sigma = 7850.0 * 0.02
+    values = []
+    for mass in (0.0, 1.0, 3.0, 6.0):
+        found = best_plates(places, ['force'], mass, shape, sigma)
+        assert found.added <= mass * (1.0 + 1e-9)
+        points = least_rms(places, ['force'], mass).value
+        assert found.bound * (1.0 - 4.0 * EPS) <= points <= found.value * (1.0 + 4.0 * EPS)
+        values.append(found.value)
+        # their numbers by adding up a grid of points, which lie within the circle
+        for plate in found.counterweights:
+            n = 800
+            ticks = (np.arange(n) + 0.5) / n * 2.0 - 1.0
+            x, y = (part * plate.radius for part in np.meshgrid(ticks, ticks))
+            inside = x * x + y * y <= plate.radius**2
+            if shape == 'disc':
+                x, y = x + plate.along, y + plate.across
+            else:
+                middle = np.arctan2(plate.across, plate.along)
+                inside &= np.abs((np.arctan2(y, x) - middle + pi) % (2.0 * pi)
+                                 - pi) <= plate.half_angle
+            x, y = x[inside], y[inside]
+            assert np.hypot(x, y).max() <= places.radii[plate.link] * (1.0 + 1e-9)
+            point = sigma * (2.0 * plate.radius / n)**2
+            summed = point * np.array((x.size, x.sum(), y.sum(), (x * x + y * y).sum()))
+            assert np.abs(summed - plate.numbers).max() <= 5e-3 * np.abs(plate.numbers).max()
+    assert values == sorted(values, reverse=True) and values[-1] < 0.6 * values[0]
+    with pytest.raises(InvalidParameter, match='did you mean disc'):
+        best_plates(places, ['force'], 1.0, 'disk', sigma)
+
+
+def test_the_command_balances_with_discs(tmp_path, capsys):
+    given = ['balance', 'paper', '--minimize', 'force', '--mass', '3', '--shape', 'disc']
+    assert not main([*given, '--thickness', '0.02', '-o', str(tmp_path / 'b.yaml')])
+    text = capsys.readouterr().out
+    assert 'radius [m]' in text and 'least RMS of force found' in text
+    load(tmp_path / 'b.yaml')
+    assert main(given) == 1 and 'needs --thickness' in capsys.readouterr().err

@@ -2,12 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a study may say: refused before anything is computed, drawn as it says."""
 from copy import deepcopy
+from dataclasses import replace
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.studies import StudyError
+from fourbar_ros.studies.rows import compute
 from fourbar_ros.studies.study import from_document, read
 import numpy as np
 import pytest
+from support import ROOT
 
 scipy_stats = pytest.importorskip('scipy.stats')
 GOOD = {'scene': 'paper', 'rows': 100, 'vary': {'linkage.a1': {'range': [0.2, 0.6]}},
@@ -118,3 +121,10 @@ def test_a_grid_has_all_combinations_once():
     assert study.rows == len(pairs) == 15
     assert np.allclose(sorted({one for one, _ in pairs}), np.linspace(0.2, 0.6, 5))
     assert {two for _, two in pairs} == {1.0, 1.1, 1.3}
+
+
+@pytest.mark.parametrize('file', sorted((ROOT / 'config' / 'studies').glob('*.yaml')),
+                         ids=lambda file: file.stem)
+def test_the_shipped_studies_find_designs(file):
+    chunk = compute(replace(read(file), rows=400), 0)
+    assert not chunk.failures and chunk.counts['feasible'] >= 5, chunk.counts
