@@ -30,7 +30,7 @@ def nodes(context):
         arguments=['--ros-args', '--params-file', str(file),
                    '-p', f'use_sim_time:={given["use_sim_time"]}',
                    '--log-level', given['log_level']])
-        for name, rules in remappings(file, given['nodes'].split(',')).items()]
+            for name, rules in remappings(file, given['nodes'].split(',')).items()]
 
 
 def generate_launch_description():

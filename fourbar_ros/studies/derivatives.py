@@ -97,7 +97,7 @@ class Derivatives:
         kind = scene.values['linkage.kind']
         if kind not in KINDS:
             raise InvalidParameter('linkage.kind', kind, 'has no derivatives by its dimensions: '
-                                                        f'{", ".join(KINDS)} have')
+                                   f'{", ".join(KINDS)} have')
         known = usable(scene)
         for name in names:
             if name not in known:

@@ -145,7 +145,7 @@ def test_so_it_does_with_machines_of_dyads(name):
 
 def simulated_in_mujoco(scene):
     """
-    MuJoCo moves freely from our pose; its passive joints follow ours within its softness.
+    Let MuJoCo move freely from our pose; its passive joints follow ours within its softness.
 
     How far a loop gapes is measured in MuJoCo; an angle can be wrong by the gap over the links,
     times the condition of the pose.

@@ -94,8 +94,8 @@ def turned(linkage, motion, spring):
 
 def tension(linkage, motion, spring):
     """Return force or moment of a spring and damper, and the power they take up."""
-    *_, stretch, growth = (stretched if isinstance(spring, Spring) else turned)(linkage, motion,
-                                                                              spring)
+    change = stretched if isinstance(spring, Spring) else turned
+    *_, stretch, growth = change(linkage, motion, spring)
     stretch -= getattr(spring, 'free_length', 0.0)
     pull = spring.stiffness * stretch + spring.damping * growth
     return pull, pull * growth
@@ -125,8 +125,8 @@ def test_the_crank_is_in_balance_with_the_springs_on_it(linkage):
         centre = point_motion(linkage, motion, 'crank', body.cg_along, body.cg_across)
         crank, pin = (point_motion(linkage, motion, 'crank', along, 0.0)
                       for along in (0.0, linkage.a1))
-        forces = [(pin.place, (loads.f21_x, loads.f21_y)), (crank.place, (loads.f41_x,
-                                                                         loads.f41_y)),
+        forces = [(pin.place, (loads.f21_x, loads.f21_y)),
+                  (crank.place, (loads.f41_x, loads.f41_y)),
                   (centre.place, body.mass * (np.array(linkage.gravity) - centre.acceleration))]
         moments = [loads.driving_torque,
                    -body.inertia * linkage.link_motion(motion, 'crank').alpha]

@@ -17,11 +17,11 @@ def radau(stages, digits):
     """Return (c, A) of Radau IIA as lists of mpmath numbers."""
     with mp.workdps(2 * digits + stages):
         # P_s - P_{s-1} on [-1, 1], of which x = 1 is a zero
-        high, low = (mp.taylor(lambda x, n=n: mp.legendre(n, x), 0, n) for n in (stages,
-                                                                                stages - 1))
+        high, low = (mp.taylor(lambda x, n=n: mp.legendre(n, x), 0, n)
+                     for n in (stages, stages - 1))
         coefficients = [a - b for a, b in zip(high, [*low, mp.mpf(0)])]
         zeros = sorted(mp.re(z) for z in mp.polyroots(coefficients[::-1], maxsteps=500,
-                                                       extraprec=400))
+                                                      extraprec=400))
         nodes = [(1 + z) / 2 for z in zeros]
         nodes[-1] = mp.mpf(1)
         powers = mp.matrix(stages, stages)

@@ -21,7 +21,7 @@ def everything(machine):
 
 
 def check_ranges(machine, points):
-    """Scans have poses inside the ranges and nowhere else; limits are exact to some last bits."""
+    """Compare with a scan: poses inside the ranges and nowhere else, limits to some last bits."""
     if machine.input == 'crank':
         x = -pi + 2.0 * pi * (np.arange(points) + 0.5) / points
     else:
