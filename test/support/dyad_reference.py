@@ -360,12 +360,16 @@ def random_dimensions(rng, kind):
     return {name: float(value) for name, value in draw().items()}
 
 
-def random_dyads(rng, driven, count, kinds=tuple(MOVES)):
-    """Return dyads that hang on each other at random."""
+def random_dyads(rng, driven, count, structure=None):
+    """Return dyads that hang on each other at random, or as (kind, first, second) of each say."""
     links, dyads = ['ground', driven], []
     for number in range(count):
-        kind = str(rng.choice(kinds))
-        i, j = rng.choice(len(links), 2, replace=False).tolist()
+        if structure:
+            kind, *ends = structure[number]
+            i, j = map(links.index, ends)
+        else:
+            kind = str(rng.choice(tuple(MOVES)))
+            i, j = rng.choice(len(links), 2, replace=False).tolist()
         place = rng.uniform(-1.0, 1.0, 4)
         place[2] += 1.2 if not j else 0.0
         own = f'a{number}', f'b{number}'
@@ -388,9 +392,12 @@ def random_masses(rng, machine_links, loadable):
             'gravity': tuple(rng.uniform(-10.0, 10.0, 2).tolist())}
 
 
-def random_machines(seed, count, dyads=(1, 6), least_sine=0.0, near_limit=False):
+def random_machines(seed, count, dyads=(1, 6), least_sine=0.0, near_limit=False, structure=None,
+                    driver=None):
     """
     Yield (machine with everything acting, input) of machines that can be assembled.
+
+    ``structure``, ``driver``: as :func:`random_dyads` takes them, and 'crank' or another drive.
 
     None has a link ten metres away, nor with derivatives above ten (m, rad): places and rates
     relative to another such link have lost a digit in absolute ones. ``near_limit``: the input is
@@ -398,18 +405,19 @@ def random_machines(seed, count, dyads=(1, 6), least_sine=0.0, near_limit=False)
     """
     rng = np.random.default_rng(seed)
     while count:
-        driver = str(rng.choice(('crank', 'crank', 'slide', 'cylinder')))
-        driven, more = 'slider' if driver == 'slide' else 'crank', {}
-        if driver == 'slide':
+        drive = driver or str(rng.choice(('crank', 'crank', 'slide', 'cylinder')))
+        driven, more = 'slider' if drive == 'slide' else 'crank', {}
+        if drive == 'slide':
             more['stroke'] = (-1.5, 1.5)
-        if driver == 'cylinder':
+        if drive == 'cylinder':
             more['cylinder'] = Cylinder(Point('ground', *rng.uniform(-1.5, -0.5, 2).tolist()),
                                         Point('crank', float(rng.uniform(0.5, 1.0)), 0.1),
                                         mode=int(rng.integers(1, 3)))
-        own = random_dyads(rng, driven, int(rng.integers(*dyads)))
+        number = len(structure) if structure else int(rng.integers(*dyads))
+        own = random_dyads(rng, driven, number, structure)
         try:
-            machine = Machine(own, input=driver, **more)
-            machine = Machine(own, input=driver, **more, **random_masses(
+            machine = Machine(own, input=drive, **more)
+            machine = Machine(own, input=drive, **more, **random_masses(
                 rng, machine.layout.moving, machine.EXTERNAL._fields))
         except InvalidParameter:
             continue

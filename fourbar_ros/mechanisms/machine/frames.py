@@ -112,15 +112,17 @@ class Frames:
         """
         Return the frame of a dyad; between moving links that are pinned, one of these.
 
-        Then also (the other, where on the frame its first joint is). Two slides on a block and
-        what carries it: the block, by whose direction they are given.
+        Then also (the other, where on the frame its first joint is). Of a dyad that slides on a
+        block and hangs on what carries that: the block, by which its direction is given.
         """
         frame = self.common(stage.first, stage.second)
         for parent, child in ((stage.first, stage.second), (stage.second, stage.first)):
             pinned, arm = self._anchors.get(child, (0, (0.0, 0.0)))
             if parent and pinned == parent and frame not in (parent, child):
                 return parent, (child, arm)
-            if stage.kind == PRP and parent in self._sliding and child == frame == (
+            has_direction = stage.kind == PRP or (stage.kind in (RRP, RPP)
+                                                  and parent == stage.second)
+            if has_direction and parent in self._sliding and child == frame == (
                     self._frame[parent]):
                 return parent, None
         return frame, None
