@@ -15,6 +15,7 @@ from fourbar_ros import find_extrema, find_extrema_many, load_scene
 from fourbar_ros.balancing.loads import Loads
 from fourbar_ros.balancing.rms import front, Places
 from fourbar_ros.scene.scene import from_values
+from fourbar_ros.studies.derivatives import Derivatives
 from fourbar_ros.studies.rows import compute
 from fourbar_ros.studies.study import from_document
 import numpy as np
@@ -97,6 +98,22 @@ def atlas():
           f'{best_time(run):.2f} s.')
 
 
+def derivatives():
+    """Print what exact derivatives cost beside the samples themselves."""
+    scene = load_scene('paper')
+    lengths = [f'linkage.{name}' for name in scene.linkage.length_names]
+    print('\n| samples | derivatives of motion and all loads by | one parameter takes, over the '
+          'sample |\n| --- | --- | --- |')
+    for count in (20, 300, 4096):
+        x = np.linspace(0.1, 6.1, count)
+        one = best_time(lambda: [scene.linkage.step(x, scene.drive.speed) for _ in range(20)])
+        for text, names in (('the four lengths', lengths), ('every number of the scene', ())):
+            found = Derivatives(scene, names)
+            taken = best_time(lambda: [found.state(x) for _ in range(20)])
+            print(f'| {count} | {text} ({len(found.names)}) | '
+                  f'{taken / one / len(found.names):.2f} |')
+
+
 def workers():
     """Print the time of one and of two workers, and the memory of each, by the command."""
     text = json.dumps({'scene': 'paper', 'rows': 32768, 'chunk': 2048,
@@ -137,6 +154,7 @@ def main(samples=4096):
     """Print all tables."""
     rates(samples)
     atlas()
+    derivatives()
     workers()
     fronts()
 
