@@ -27,6 +27,7 @@ border-left:1.5px solid {CURSOR};pointer-events:none}}
 .fb-dots{{position:absolute;top:0;left:0;pointer-events:none}}
 .fb-table td,.fb-table th{{font-variant-numeric:tabular-nums;white-space:nowrap}}
 .fb-table td,.fb-table th{{padding-left:8px;padding-right:8px}}
+.fb-tight td,.fb-tight th{{padding-left:4px;padding-right:4px;font-size:12px}}
 .fb-words td{{white-space:normal}} .fb-words td:first-child{{white-space:nowrap}}
 </style>"""
 CURVES, FORCES, POLYGONS, EXTREMA, FACTS = TABS = (
@@ -59,7 +60,8 @@ class Elements:
             with ui.column().classes('full-width'):
                 self._picture()
                 self._transport()
-                self.now = _table(now_columns(page.title, page.course.beside), 'name')
+                self.now = _table(now_columns(page.title, page.course.beside), 'name').classes(
+                    'fb-tight' if page.course.beside else '')
             with ui.column().classes('full-width'):
                 self._views()
 
