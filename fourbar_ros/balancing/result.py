@@ -64,7 +64,7 @@ def scene_text(scene: Any, balance: Balance, what: str) -> str:
     head += [f'#   {one.link}: {one.mass:.9g} kg at along {one.along:.9g} m, '
              f'across {one.across:.9g} m'
              + ''.join([f', {name} {value:.9g}' for name, value in
-                        zip(one._fields[4:], one[4:])]) for one in balance.counterweights]
+                        [*one._asdict().items()][4:]]) for one in balance.counterweights]
     return '\n'.join(head) + '\n' + as_text(scene_values(scene, balance.numbers))
 
 

@@ -70,9 +70,9 @@ class Views:
         elif name == POLYGONS:
             linkage = page.shown.linkage
             arrows = linkage.velocity_polygon(motion), linkage.acceleration_polygon(motion)
-            for picture, *drawn in zip(elements.polygons, arrows, self.polygon_views,
-                                       ('m/s', 'm/s²')):
-                picture.content = polygon_svg(*drawn, page.shown.labels.letters)
+            for picture, drawn, view, unit in zip(elements.polygons, arrows, self.polygon_views,
+                                                  ('m/s', 'm/s²')):
+                picture.content = polygon_svg(drawn, view, unit, page.shown.labels.letters)
 
     @property
     def found(self) -> list[Extremum]:
