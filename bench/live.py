@@ -69,6 +69,11 @@ class Server:
         return pages * os.sysconf('SC_PAGE_SIZE') / 1e6
 
 
+def watch(driver):
+    """Let each page of the present tab note what changes."""
+    driver.execute_cdp_cmd('Page.addScriptToEvaluateOnNewDocument', {'source': WATCH})
+
+
 def go(driver, address, patience=60.0):
     """Open a page and wait for its first picture."""
     from selenium.common.exceptions import WebDriverException
@@ -136,6 +141,7 @@ def tabs(driver, server, minutes):
         for _ in range(TABS):
             driver.switch_to.new_window('tab')
             opened.append(driver.current_window_handle)
+            watch(driver)
             go(driver, server.address)
             driver.find_element('css selector', '[aria-label="play or pause"]').click()
         time.sleep(SETTLE)
@@ -155,7 +161,7 @@ def main(samples=200):
         return
     print(f'Load of the machine at the start: {os.getloadavg()[0]:.1f}.\n')
     with tempfile.TemporaryDirectory() as folder, browser(folder) as driver:
-        driver.execute_cdp_cmd('Page.addScriptToEvaluateOnNewDocument', {'source': WATCH})
+        watch(driver)
         print_starts(driver)
         print_motion(driver, samples)
     with tempfile.TemporaryDirectory() as folder, browser(folder) as driver:
@@ -192,7 +198,7 @@ def print_motion(driver, samples):
 def print_memory(driver):
     """Print the memory of the server while tabs come and go."""
     with Server('paper') as server:
-        driver.execute_cdp_cmd('Page.addScriptToEvaluateOnNewDocument', {'source': WATCH})
+        watch(driver)
         go(driver, server.address)
         before = server.memory()
         found = tabs(driver, server, MINUTES)
