@@ -20,6 +20,7 @@ def problem_of(places, names):
     root, given, links = places.loads.root(names), places.loads.given, places.loads.links
 
     class Counterweights(Problem):
+
         def __init__(self):
             count = len(places.radii)
             super().__init__(n_var=3 * count, n_obj=2, xl=np.tile((0.0, 0.0, -np.pi), count),
