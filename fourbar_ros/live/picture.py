@@ -14,7 +14,8 @@ from fourbar_ros.live.strokes import HEIGHT, STYLE, View, view_of, WIDTH
 from fourbar_ros.mechanisms.parts import Arrow, Diagram, without_repeats
 from fourbar_ros.mechanisms.points import instant_centre, link_motion, LinkMotion, point_motion
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.report.mechanism_panel import renamed, significant
+from fourbar_ros.report.mechanism_panel import renamed
+from fourbar_ros.report.numbers import significant
 import numpy as np
 
 LONGEST_FORCE = 105.0              # [px]

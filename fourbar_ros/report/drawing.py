@@ -16,7 +16,8 @@ from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Arrow, ORIGIN, without_repeats
 from fourbar_ros.report.joint_labels import labels_of
-from fourbar_ros.report.mechanism_panel import draw_mechanism, Points, renamed, significant
+from fourbar_ros.report.mechanism_panel import draw_mechanism, Points, renamed
+from fourbar_ros.report.numbers import significant
 from fourbar_ros.report.sheet import Sheet
 
 if TYPE_CHECKING:      # drawings alone need it

@@ -8,7 +8,7 @@ To scale.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from math import degrees, pi, remainder
+from math import pi, remainder
 import re
 from typing import Any, TYPE_CHECKING
 
@@ -17,7 +17,8 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Diagram
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.report.joint_labels import Labels, labels_of
+from fourbar_ros.report.joint_labels import labels_of
+from fourbar_ros.report.numbers import load_lines, motion_lines, symbol_of
 from fourbar_ros.report.sheet import Sheet
 import numpy as np
 
@@ -30,7 +31,7 @@ LEAST_FORCE = 0.1      # forces shorter than this share of the longest have no a
 ARROW = 0.4            # length of the longest force over the size of the mechanism
 # dark enough for print in grey
 BODY, FORCE, POINT, ANGLE = '0.35', '#1e6b37', '#7a4b00', '0.45'
-SYMBOLS = {'theta': r'\theta_', 'omega': r'\omega_', 'alpha': r'\alpha_'}
+
 
 
 def renamed(label: str, names: Mapping[str, str]) -> str:
@@ -45,12 +46,6 @@ def renamed(label: str, names: Mapping[str, str]) -> str:
     if label in names:
         return names[label]
     return re.sub(r'_(\{[^}]*\}|\w)', replace, label) if names else label
-
-
-def significant(value: float) -> str:
-    """Return a value as text with four digits, without an exponent where that is readable."""
-    rounded = float(f'{value:.4g}') + 0.0
-    return f'{rounded:.10g}' if 1e-3 <= abs(rounded) < 1e7 or rounded == 0.0 else f'{rounded:.4g}'
 
 
 def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: Any, loads: Any = None,
@@ -115,8 +110,8 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: Any, loads: Any = N
     sheet.scale(*unit)
     if forces:
         sheet.scale('N', ARROW * size / max(getattr(loads, name) for name in diagram.forces), 0.5)
-    sheet.write(_about(loads, labels, forces) if loads else [],
-                _motion_lines(mechanism, motion, unit))
+    sheet.write(load_lines(loads, labels, forces) if loads else [],
+                motion_lines(mechanism, motion, unit))
 
 
 # --- what is drawn -------------------------------------------------------------------------------
@@ -232,7 +227,7 @@ def _draw_angles(sheet: Sheet, motion: Any, diagram: Diagram) -> list[tuple[str,
         for point in arc[::4]:
             sheet.occupy(point, point)
         directions = list(_directions(angle * np.array([0.5, 0.35, 0.65, 0.8, 0.2])))
-        found.append((_symbol(name), [at + out * radius * direction for out in (1.5, 1.8, 2.1)
+        found.append((symbol_of(name), [at + out * radius * direction for out in (1.5, 1.8, 2.1)
                                       for direction in directions]))
     return found
 
@@ -252,60 +247,3 @@ def _draw_torque(sheet: Sheet, torque: float, theta1: float) -> None:
 def _directions(angles: Array) -> Array:
     """Return unit vectors of shape (n, 2)."""
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-
-
-# --- text ----------------------------------------------------------------------------------------
-
-def _symbol(name: str) -> str:
-    """Return a position or a rate as mathtext: theta1, beta, omega_beta, slide, theta_crank."""
-    for word, symbol in SYMBOLS.items():
-        if name.startswith(word):
-            index = name.removeprefix(word).removeprefix('_')
-            words = index.replace('_', r'\ ')
-            return symbol + (index if index.isdigit() else
-                             {'beta': r'\beta'}.get(index, rf'{{\mathrm{{{words}}}}}'))
-    words = name.removeprefix('slide_').replace('_', r'\ ')
-    return {'beta': r'\beta', 'slide': 's'}.get(
-        name, rf's_{{\mathrm{{{words}}}}}' if name.startswith('slide_')
-        else rf'\mathrm{{{words}}}')
-
-
-def _motion_lines(mechanism: Mechanism, motion: Any, unit: tuple[str, float]) -> list[str]:
-    """
-    Return lines about the motion.
-
-    Position, rate and acceleration of what turns, absolute, or slides.
-    """
-    lines, (text, size) = [], unit
-    for coordinate in mechanism.DRAWN:
-        position, rate, acceleration = (getattr(motion, name) for name in coordinate)
-        if coordinate.unit == 'rad':
-            symbol, omega, alpha = map(_symbol, coordinate)
-            lines.append(rf'${symbol}$ = {degrees(remainder(position, 2.0 * pi)):.2f}°,  '
-                         rf'${omega}$ = {significant(rate)} rad/s,  '
-                         rf'${alpha}$ = {significant(acceleration)} rad/s$^2$')
-        else:
-            symbol = _symbol(coordinate.position)
-            name = f'{coordinate.position} ' if symbol == 's' else ''
-            slide, rate, acceleration = (significant(value / size)
-                                         for value in (position, rate, acceleration))
-            lines.append(rf'{name}${symbol}$ = {slide} {text},  $\dot {symbol}$ = {rate} '
-                         rf'{text}/s,  '
-                         rf'$\ddot {symbol}$ = {acceleration} {text}/s$^2$')
-    return lines
-
-
-def _about(loads: Any, labels: Labels, drawn: Collection[str]) -> list[str]:
-    """Return the lines of text about loads; ``drawn``: the forces that have an arrow."""
-    lines = [' '.join(filter(None, (f'${symbol}$', labels.words.get(name),
-                                    f'= {significant(getattr(loads, name))} N',
-                                    '' if name in drawn or labels.words else '(not drawn)')))
-             for name, symbol in labels.forces.items()]
-    force = getattr(loads, 'driving_force', 0.0)
-    lines.append(f'drive $P$ = {significant(force)} N' if force else
-                 f'drive $T_{{41}}$ = {significant(loads.driving_torque)} N m')
-    if hasattr(loads, 'guide_force'):
-        lines += [f'guide force {significant(loads.guide_force)} N',
-                  f'guide couple {significant(loads.guide_couple)} N m']
-    return lines + [f'shaking force {significant(loads.shaking_force)} N',
-                    f'shaking moment {significant(loads.shaking_moment)} N m']

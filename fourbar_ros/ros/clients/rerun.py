@@ -17,36 +17,22 @@ from typing import Any, NamedTuple
 from fourbar_ros.bag.origin import Origin, origin_of
 from fourbar_ros.bag.playback import Pace, play
 from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.recompute import distance
 from fourbar_ros.bag.records import Raw
 from fourbar_ros.errors import BagError
-from fourbar_ros.formats.cdr import Decoder
+from fourbar_ros.ros.clients.answers import Answer, Meeting, stamp_of
 from fourbar_ros.ros.clients.client import Client, name_on, NoAnswer
 from fourbar_ros.ros.clients.replay import installed, Replayer
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.scene import parameters
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.topics import INPUTS
-import numpy as np
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
 QUIET = 1.0             # [s] without an answer: no more will come
-BLOCK = 2000            # pairs of messages that are compared at once
-LATE = 10_000           # messages of a topic that wait for their partner; older ones have none
 OURS = ('drive.', 'recording.')         # parameters that a live node has its own of
-
-
-class Answer(NamedTuple):
-    """What a live node said on one topic, beside what was recorded; ``field`` differs most."""
-
-    topic: str
-    messages: int
-    missing: int
-    largest: float
-    field: str
 
 
 class LiveRun(NamedTuple):
@@ -140,69 +126,6 @@ def _is_same(a: Any, b: Any) -> bool:
     return a == b or (a != a and b != b)                 # NaN: not given
 
 
-class _Topic:
-    """Recorded messages of one topic and the answers of the live node, until they meet."""
-
-    def __init__(self, decoder: Decoder) -> None:
-        self._decoder = decoder
-        self._expected: dict[bytes, bytes] = {}          # by stamp, as the answers
-        self._answers: dict[bytes, bytes] = {}
-        self._pairs: list[tuple[bytes, bytes]] = []
-        self.messages = self.missing = 0
-        self.largest, self.field = 0.0, ''
-
-    def expect(self, stamp: bytes, data: bytes) -> None:
-        """Keep what was recorded."""
-        self._meet(stamp, data, self._expected, self._answers, False)
-
-    def answer(self, stamp: bytes, data: bytes) -> None:
-        """Keep what the live node says."""
-        self._meet(stamp, data, self._answers, self._expected, True)
-
-    @property
-    def is_waiting(self) -> bool:
-        """Return whether answers are still to come."""
-        return bool(self._expected)
-
-    def _meet(self, stamp: bytes, data: bytes, own: dict[bytes, bytes], others: dict[bytes, bytes],
-              is_answer: bool) -> None:
-        other = others.pop(stamp, None)
-        if other is None:
-            own[stamp] = data
-            if len(own) > LATE:
-                del own[next(iter(own))]
-                self.missing += not is_answer
-            return
-        self._pairs.append((other, data) if is_answer else (data, other))
-        if len(self._pairs) >= BLOCK:
-            self.compare()
-
-    def compare(self) -> None:
-        """Compare the messages that have met."""
-        here, there = [pair[0] for pair in self._pairs], [pair[1] for pair in self._pairs]
-        self.messages += len(self._pairs)
-        self._pairs = []
-        for layout, rows, records in self._decoder.arrays(here):
-            answers = [there[row] for row in rows]
-            if not all(map(layout.matches, answers)):
-                self.largest, self.field = np.inf, '(lengths)'
-                continue
-            others = np.frombuffer(b''.join(answers), layout.dtype)
-            for leaf in layout.leaves:
-                if leaf.format[0] != 'S':
-                    value = distance(records[leaf.name].astype(float),
-                                     others[leaf.name].astype(float))
-                    if value > self.largest:
-                        self.largest, self.field = value, leaf.name
-
-    def finished(self, topic: str) -> Answer:
-        """Return the Answer."""
-        if self._pairs:
-            self.compare()
-        return Answer(topic, self.messages, self.missing + len(self._expected), self.largest,
-                      self.field)
-
-
 class _Live(Client):
     """The live node, seen from the replay's own node."""
 
@@ -211,7 +134,7 @@ class _Live(Client):
         super().__init__(replayer.node)
         self._replayer = replayer
         self._in_order, recorded_node = origin.in_order, origin.node
-        self._topics = {topic: _Topic(replayer.bag.decoder(topic)) for topic in outputs}
+        self._topics = {topic: Meeting(replayer.bag.decoder(topic)) for topic in outputs}
         self._first, self._last = b'', b''          # stamps of motions; empty before the first
         self._last_arrival = time.monotonic()
         self._name, self._input = (name_on(node_name, INPUTS['motion']),
@@ -297,11 +220,6 @@ class _Live(Client):
         if not self._last:
             raise BagError('the bag has no motion of the driven joint')
         return [topic.finished(name) for name, topic in self._topics.items()]
-
-
-def stamp_of(data: bytes) -> bytes:
-    """Return the stamp of a message that begins with a header, as the bytes it has on the wire."""
-    return bytes(data[4:12])
 
 
 def moment_of(stamp: bytes) -> tuple[int, int]:
