@@ -79,8 +79,7 @@ class Moved:
         follows = before is not None and 0.5 < (stamp - at) * 1e-9 / (values.step or inf) < 1.5
         if before is None or not (follows and self._steps):
             state = self._mover.state(values)
-            again = self._mover.values(state, values.step, values.command,
-                                       int(values.evaluations))
+            again = self._mover.values(state, values.step, values.command, values.evaluations)
             self.alone += 1
         else:
             expected, again = self._mover.next(before, values.step, values.command,

@@ -65,7 +65,8 @@ class Mover:
         """Return the values at the start."""
         return self.values(self._one.start, 0.0, command, 0)
 
-    def values(self, state: State, step: float, command: float, evaluations: int) -> DriveValues:
+    def values(self, state: State, step: float, command: float, evaluations: float
+               ) -> DriveValues:
         """Return the values of a state."""
         position, rate, twist, speed, own = state
         command = command if self._takes_commands else nan
