@@ -7,7 +7,7 @@ from typing import Any
 
 from fourbar_ros.mechanisms.machine.layout import BASE, SLIDES, Stage
 from fourbar_ros.mechanisms.parts import around, Arrow, Bar, Block, Diagram, ORIGIN, total
-from fourbar_ros.mechanisms.points import point_motion, vector
+from fourbar_ros.mechanisms.points import point_motion, point_of, vector
 import numpy as np
 
 
@@ -37,7 +37,8 @@ def _at(mechanism: Any, motion: Any, link: str, along: float, across: float) -> 
     """Return the place of a point of a link or the ground."""
     if link == mechanism.layout.links[0]:
         return np.array((along, across))
-    return point_motion(mechanism, motion, link, along, across).place
+    x, y, *_ = point_of(mechanism.link_motion(motion, link), along, across)
+    return vector(x, y)
 
 
 def diagram(mechanism: Any, motion: Any) -> Diagram:
