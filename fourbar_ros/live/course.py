@@ -11,7 +11,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import radians
+from math import isfinite, radians
 from time import monotonic
 from typing import Any, NamedTuple
 
@@ -48,6 +48,7 @@ class Course(ABC):
     can_drag = True
     has_extrema = True          # its curves are over the input, with the extrema marked
     pace: Pace | None = None    # what its user may set; None: nothing
+    speed: float | None = None  # of the input, where it is not the scene's: pictures have its size
     is_difference = False       # of runs beside it, their difference is drawn
     beside: tuple[str, ...] = ()        # titles of other runs to compare with
 
@@ -176,6 +177,8 @@ class OfNode(OverInput):
         if found is not None and found is not self._last:
             self._last, self._heard = found, monotonic()
             self._state = State(*found)
+            if isfinite(self._state.rate):
+                self.speed = max(self.speed or 0.0, self._state.rate, key=abs)
             self.position = nearest_input(self.shown, self._state.position)
 
     def state(self) -> State:

@@ -52,12 +52,15 @@ class Shown:
     ----------
     scene : Scene
     acceleration : float
-        Acceleration of the input [rad/s^2] or [m/s^2]; the rate is the scene's ``drive.speed``.
+        Acceleration of the input [rad/s^2] or [m/s^2].
+    speed : float, optional
+        Rate of the input [rad/s] or [m/s], in place of ``drive.speed`` of the scene.
 
     """
 
     scene: Scene
     acceleration: float = 0.0
+    speed: float | None = None
 
     @cached_property
     def linkage(self) -> Mechanism:
@@ -68,7 +71,7 @@ class Shown:
     @property
     def rate(self) -> float:
         """Return the rate of the input [rad/s] or [m/s]."""
-        return self.scene.drive.speed
+        return self.scene.drive.speed if self.speed is None else self.speed
 
     @property
     def ranges(self) -> tuple[tuple[float, float], ...]:
@@ -190,7 +193,8 @@ def _sample(columns: Any, i: int) -> Any:
     return type(columns)(*[float(column[i] if np.ndim(column) else column) for column in columns])
 
 
-def shown(values: dict[str, Any], acceleration: float = 0.0) -> Shown:
+def shown(values: dict[str, Any], acceleration: float = 0.0,
+          speed: float | None = None) -> Shown:
     """
     Return what is shown of a flat dict of parameters.
 
@@ -200,4 +204,4 @@ def shown(values: dict[str, Any], acceleration: float = 0.0) -> Shown:
         A value is impossible; the message names it and says what is allowed.
 
     """
-    return Shown(from_values(values), acceleration)
+    return Shown(from_values(values), acceleration, speed)

@@ -10,6 +10,8 @@ from fourbar_ros.live.page import Page
 from fourbar_ros.ros.clients.watched import Watched
 from nicegui import run
 
+FASTER = 1.2            # ... than what the pictures have room for
+
 
 class NodePage(Page):
     """A page whose scene and motion are those of a node."""
@@ -39,6 +41,8 @@ class NodePage(Page):
         if self.version != self.watched.version:
             self.version, self.values = self.watched.version, self.watched.values
             self.rebuild(keep_problem=True)
+        elif abs(self.course.speed or 0.0) > FASTER * abs(self.shown.rate):
+            self.rebuild(keep_problem=True)              # else arrows would leave the picture
         super()._advance()
 
     def _remember(self) -> None:

@@ -43,6 +43,8 @@ class OverTime(Course):
         self.shown, self.run, self.time, self.is_difference = shown, run, 0.0, False
         self.runs_beside, self.beside = others, tuple(title for title, *_ in others)
         self.pace = Pace('times real time', 0.1, 10.0, 1.0)
+        rates = run.states[1][np.isfinite(run.states[1])]
+        self.speed = float(rates[np.argmax(np.abs(rates))]) if len(rates) else None
 
     @property
     def label(self) -> str:

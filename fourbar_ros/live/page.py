@@ -109,7 +109,7 @@ class Page:
     def rebuild(self, keep_problem: bool = False) -> None:
         """Compute all that is shown again; what is impossible takes the picture away."""
         try:
-            found = shown_of(self.values, self.acceleration)
+            found = shown_of(self.values, self.acceleration, self.course.speed)
             view = mechanism_view(found, *(other for other, _ in self.course.others()))
             per_newton = force_scale(found)
         except FourBarError as error:

@@ -16,6 +16,7 @@ from fourbar_ros.live.picture import (
     document,
     force_scale,
     Layers,
+    LONGEST_FORCE,
     mechanism_svg,
     mechanism_view,
     polygon_svg,
@@ -249,6 +250,21 @@ def test_a_run_is_shown_at_its_own_samples():
     assert values[times[37]] == pytest.approx(motion.omega4, rel=64 * EPS)
     course.go(99.0)
     assert course.at == 2.0
+
+
+def test_forces_of_a_run_have_room_whatever_speed_the_scene_names():
+    values = {**load(find('paper')).values, 'drive.speed': 1.0}
+    times = np.linspace(0.0, 0.5, 200)
+    rates = np.stack([0.3 + 25.0 * times, np.full(200, 25.0), np.zeros(200)])
+    rates[1:, 0] = np.nan                            # not known yet
+    course = OverTime(shown(values), Run(times, rates))
+    found = shown(values, 0.0, course.speed)
+    scale = force_scale(found)
+    for at in times[1:]:
+        course.go(float(at))
+        _, _, loads = found.pose(*course.state())
+        for force in (loads.f41, loads.f21, loads.f32, loads.f43):
+            assert 0.0 < scale * force < 1.2 * LONGEST_FORCE
 
 
 def test_scene_files_of_pages_read_back(tmp_path):
