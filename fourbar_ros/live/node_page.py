@@ -3,6 +3,7 @@
 """The page of a running node: it follows the node's topics and sets the node's parameters."""
 from __future__ import annotations
 
+from asyncio import Lock
 from typing import Any
 
 from fourbar_ros.live.course import OfNode
@@ -20,6 +21,7 @@ class NodePage(Page):
         super().__init__(watched.node, watched.values, {},
                          lambda shown: OfNode(shown, watched.latest))
         self.watched, self.version = watched, watched.version
+        self._one_by_one = Lock()
 
     def build(self) -> None:
         """Build the elements of the page; it moves at once."""
@@ -35,7 +37,8 @@ class NodePage(Page):
             return
         # sliders that yield whole numbers mean doubles
         value = float(value) if isinstance(self.values.get(name), float) else value
-        self.problem = await run.io_bound(self.watched.set, name, value)
+        async with self._one_by_one:         # the last that was typed is the last that is set
+            self.problem = await run.io_bound(self.watched.set, name, value)
 
     def _advance(self) -> None:
         if self.version != self.watched.version:

@@ -222,9 +222,11 @@ class Page:
         self._advance()
         if self.frames % CATCH_UP == 0:
             self.is_behind = True
-            with contextlib.suppress(TimeoutError):
-                await ui.run_javascript('0', timeout=PATIENCE)
-            self.is_behind = False
+            try:
+                with contextlib.suppress(TimeoutError):
+                    await ui.run_javascript('0', timeout=PATIENCE)
+            finally:
+                self.is_behind = False
 
     def _advance(self) -> None:
         now = time.monotonic()

@@ -143,7 +143,8 @@ class Derivatives:
             by = derivatives_of(quantity.of(*self._state(self._complex, there,
                                                          quantity.is_load)))
             parts = {one: np.ravel(by.get(one, 0.0) + 0j)[0] for one in (*self.names, INPUT)}
-            bend = parts.pop(INPUT).imag / STEP
-            return AtExtremum({one: float(part.real) for one, part in parts.items()},
-                              {one: float(-part.imag / STEP / bend)
-                               for one, part in parts.items()})
+            slope = parts.pop(INPUT)
+            moves = {one: float(-part.imag / slope.imag) for one, part in parts.items()}
+            # x is the place but for rounding: what slope is left there moves with it
+            return AtExtremum({one: float(part.real + slope.real * moves[one])
+                               for one, part in parts.items()}, moves)
