@@ -21,6 +21,22 @@ from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 
 
+def messages_of(node, kind, outputs):
+    """Return (message, publisher) of each output, with as many bytes as the real ones."""
+    messages = []
+    for name in outputs:
+        kind_of = resolve(OUTPUTS[name].type)
+        message = kind_of()
+        message.header.frame_id = 'fourbar'
+        if name == 'joint_states':
+            message.name = ['crank', 'coupler', 'coupler_output', 'output'][kind == 'relay':]
+            message.position = message.velocity = [0.0] * len(message.name)
+            if kind != 'relay' or 'loads' in outputs:
+                message.effort = message.position
+        messages.append((message, node.create_publisher(kind_of, f'~/{name}', 10)))
+    return messages
+
+
 def run(kind, rate, outputs):
     """
     Publish these outputs at ``rate`` Hz ('timer'), or for each input that comes.
@@ -32,17 +48,7 @@ def run(kind, rate, outputs):
         signal.signal(number, lambda *_: stop.set())
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node('bare')
-    messages = []
-    for name in outputs:
-        kind_of = resolve(OUTPUTS[name].type)
-        message = kind_of()
-        message.header.frame_id = 'fourbar'
-        if name == 'joint_states':                  # as many bytes as the real one
-            message.name = ['crank', 'coupler', 'coupler_output', 'output'][kind == 'relay':]
-            message.position = message.velocity = [0.0] * len(message.name)
-            if kind != 'relay' or 'loads' in outputs:
-                message.effort = message.position
-        messages.append((message, node.create_publisher(kind_of, f'~/{name}', 10)))
+    messages = messages_of(node, kind, outputs)
 
     def send(stamp):
         for message, publisher in messages:

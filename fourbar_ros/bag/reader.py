@@ -303,8 +303,3 @@ def records(path: str | Path, topics: Iterable[str] | None = None, start: int | 
             follow: bool = False) -> Iterator[Record]:
     """Yield every :class:`Record` of a bag; see :meth:`Bag.raw`."""
     return Bag(path).records(topics, start, follow)
-
-
-def metadata(path: str | Path) -> dict[str, Any]:
-    """Return the rosbag2 metadata of a bag."""
-    return Bag(path).metadata()

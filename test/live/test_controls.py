@@ -13,7 +13,7 @@ from fourbar_ros.live.tables import now_rows, pose_values
 from fourbar_ros.scene.files import find
 from fourbar_ros.scene.scene import load
 import pytest
-from support.browser import browser, live, needs_browser, Tab
+from support.browser import live, needs_browser, Tab
 
 pytestmark = needs_browser
 KINDS = ['paper', 'jansen',
@@ -22,12 +22,6 @@ KINDS = ['paper', 'jansen',
 SETTLE = 1.0            # [s]
 CLOSED = '.q-expansion-item--collapsed .q-item'
 CURVES = 'curves over the input, extrema marked'
-
-
-@pytest.fixture(scope='module')
-def driver(tmp_path_factory):
-    with browser(tmp_path_factory.mktemp('profile')) as driver:
-        yield driver
 
 
 @pytest.fixture(scope='module')

@@ -12,16 +12,10 @@ from fourbar_ros.report.poses import number
 from fourbar_ros.scene.files import find, folder
 from fourbar_ros.scene.scene import load
 import pytest
-from support.browser import browser, live, needs_browser, Tab
+from support.browser import live, needs_browser, Tab
 
 pytestmark = needs_browser
 SCENES = sorted(file.stem for file in folder().glob('*.yaml'))
-
-
-@pytest.fixture(scope='module')
-def driver(tmp_path_factory):
-    with browser(tmp_path_factory.mktemp('profile')) as driver:
-        yield driver
 
 
 @pytest.fixture(scope='module')

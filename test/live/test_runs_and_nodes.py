@@ -9,19 +9,13 @@ from fourbar_ros.report.poses import number
 import numpy as np
 import pytest
 from support import ROOT
-from support.browser import browser, live, needs_browser, Tab
+from support.browser import live, needs_browser, Tab
 from support.harness import NodeProcess
 from support.scenes import PAPER, RODS
 
 pytestmark = needs_browser
 RECORDED = ROOT / 'test/support/data/recorded'
 BAGS = sorted(path for path in RECORDED.iterdir())
-
-
-@pytest.fixture(scope='module')
-def driver(tmp_path_factory):
-    with browser(tmp_path_factory.mktemp('profile')) as driver:
-        yield driver
 
 
 def test_a_run_can_be_scrubbed_and_compared(driver):
