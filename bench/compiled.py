@@ -14,17 +14,9 @@ from fourbar_ros.numerics.number_types import ARRAY
 from fourbar_ros.numerics.straight_line import straight_line
 import numpy as np
 
+from .pages import best_time
+
 LINKAGES, ROUNDS, RATE = 4096, 5, 25.0
-
-
-def best_time(function):
-    """Return the least CPU time of some rounds [s]."""
-    times = []
-    for _ in range(ROUNDS):
-        begun = time.process_time()
-        function()
-        times.append(time.process_time() - begun)
-    return min(times)
 
 
 def plain(numbers):
@@ -103,8 +95,8 @@ def main():
         loop, begun = compiled(line, len(given), numba), time.process_time()
         loop(given[:, :2], out[:, :2])
         taken = time.process_time() - begun
-        one = best_time(with_numpy) / given.shape[1]
-        other = best_time(lambda: loop(given, out)) / given.shape[1]
+        one = best_time(with_numpy, ROUNDS) / given.shape[1]
+        other = best_time(lambda: loop(given, out), ROUNDS) / given.shape[1]
         print(f'| {text} | {1e9 * one:.0f} | {1e9 * other:.0f} | {one / other:.1f} | '
               f'{taken:.1f} |')
 

@@ -2,14 +2,24 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node beside a bare rclpy node that publishes or echoes the same bytes."""
 from contextlib import contextmanager, ExitStack
-import gc
 from statistics import median
 import subprocess
 import sys
 import tempfile
 import time
 
-from bench.processes import bare, FULL, KINEMATICS, Listener, ours, percentile, ROOT, sent, Slice
+from bench.processes import (
+    bare,
+    FULL,
+    KINEMATICS,
+    Listener,
+    ours,
+    percentile,
+    ROOT,
+    sent,
+    Slice,
+    undisturbed,
+)
 
 ROUNDS, SLICES, SECONDS = 3, 2, 3.0
 FLOOD = 5000                    # [Hz]
@@ -263,19 +273,9 @@ def imports():
 
 def main():
     """Print all tables of the node."""
-    import rclpy
-    rclpy.init()
-    # so that this process is in the graph all the time
-    anchor = rclpy.create_node('bench')
-    # of this process, so that no pause of it is measured
-    gc.disable()
-    try:
+    with undisturbed():
         for table in (timers, highest, echoes, floods, recorder, scenes, requests, imports):
             table()
-    finally:
-        gc.enable()
-        anchor.destroy_node()
-        rclpy.try_shutdown()
 
 
 if __name__ == '__main__':

@@ -5,6 +5,8 @@ What the measurements of the node share.
 
 Nodes in processes of their own, and one that listens and drives them.
 """
+from contextlib import contextmanager
+import gc
 import json
 import os
 from pathlib import Path
@@ -189,6 +191,21 @@ def sent(rate, seconds, sends):
             time.sleep(wait)
         sends[k % len(sends)]()
     return total
+
+
+@contextmanager
+def undisturbed():
+    """Let this process be in the graph all the time, and collect no garbage meanwhile."""
+    import rclpy
+    rclpy.init()
+    anchor = rclpy.create_node('bench')
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
+        anchor.destroy_node()
+        rclpy.try_shutdown()
 
 
 def percentile(values, share):

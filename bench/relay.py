@@ -6,12 +6,11 @@ The relay on joint_states at 1 kHz, beside a bare rclpy node that echoes as many
 Both listen and answer on one topic, as in a robot, so both pass over their own answers. Inputs go
 to them in turns, half a millisecond apart.
 """
-import gc
 from os import getloadavg
 import time
 
 from bench.node import beside, side_by_side
-from bench.processes import bare, ours, percentile, sent
+from bench.processes import bare, ours, percentile, sent, undisturbed
 
 RATE = 1000.0                   # [Hz] of the inputs of each
 LATE = 1e3                      # [us] the next input comes then
@@ -54,21 +53,13 @@ def rows(what, outputs, samples):
 
 def main(samples=3000):
     """Print a table."""
-    import rclpy
-    rclpy.init()
-    anchor = rclpy.create_node('bench')     # this process is in the graph all the time
-    gc.disable()                            # no pause of this process is measured
-    try:
+    with undisturbed():
         print(f'Load of the machine at the start: {getloadavg()[0]:.1f}.\n')
         print('| answers | node | p50 [us] | p99 [us] | CPU a message [us] | inputs '
               '| later than 1 ms | lost |\n|' + ' --- |' * 8)
         for what, outputs in CASES.items():
             for row in rows(what, outputs, samples):
                 print(row)
-    finally:
-        gc.enable()
-        anchor.destroy_node()
-        rclpy.try_shutdown()
 
 
 if __name__ == '__main__':

@@ -9,7 +9,6 @@ import resource
 import subprocess
 import sys
 import tempfile
-import time
 
 from fourbar_ros import find_extrema, find_extrema_many, load_scene
 from fourbar_ros.balancing.loads import Loads
@@ -20,28 +19,20 @@ from fourbar_ros.studies.rows import compute
 from fourbar_ros.studies.study import from_document
 import numpy as np
 
+from .pages import best_time
+
 NINE = ['omega4', 'alpha4', 'shaking_force', 'shaking_moment', 'driving_torque', 'f41', 'f21',
         'f32', 'f43']
 VARY = {'linkage.a1': {'range': [0.2, 0.4]}, 'linkage.a2': {'range': [1.0, 1.2]},
         'linkage.a3': {'range': [0.7, 0.9]}}
 CURVES, OF_A_CURVE = 7300, 36       # as many as in the atlas of Hrones and Nelson
-ONE_BY_ONE, ROUNDS = 40, 3
+ONE_BY_ONE = 40
 
 
 def study_of(rows, quantities, **more):
     """Return a study of crank-rockers like the paper's, in one chunk."""
     return from_document({'scene': 'paper', 'rows': rows, 'chunk': rows, 'vary': VARY,
                           'quantities': quantities, **more})
-
-
-def best_time(function):
-    """Return the least CPU time of some rounds [s]."""
-    times = []
-    for _ in range(ROUNDS):
-        begun = time.process_time()
-        function()
-        times.append(time.process_time() - begun)
-    return min(times)
 
 
 def sine():
