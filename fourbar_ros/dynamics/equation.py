@@ -149,7 +149,7 @@ class Equation:
                          for element in self.elements]
         self._is_alternate = None if start is None else make_is_alternate(
             self.coordinate, start)
-        self._terms = self.in_both_modes(self._make_terms)
+        self._terms = self.in_both_modes(self.make_terms)
         self.of_one = self._terms.of_one      # (J, J'/2, Q, D, part of Q of couples), fast
 
     def in_both_modes(self, make_formula: Callable[[Any, NumberType], Function]) -> InBothModes:
@@ -164,8 +164,13 @@ class Equation:
         """Return q -> the input of the mechanism and its two derivatives with respect to q."""
         return self.in_both_modes(make_reading(self.mechanism))
 
-    def _make_terms(self, mechanism: Any, n: NumberType) -> Function:
-        """Return the function position -> (J, J'/2, Q, D, part of Q of couples)."""
+    @property
+    def changes_mode(self) -> bool:
+        """Return whether the mechanism goes on in the other mode at flat positions."""
+        return self._is_alternate is not None
+
+    def make_terms(self, mechanism: Any, n: NumberType) -> Function:
+        """Return the formula position -> (J, J'/2, Q, D, part of Q of couples)."""
         coefficients, gravity = mechanism.make_coefficients(n), self.mechanism.gravity
         extra = self.extra_inertia
         is_input, read = self.coordinate is self.mechanism, self.mechanism.read_coordinate

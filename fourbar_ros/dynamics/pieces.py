@@ -36,52 +36,62 @@ class Piece(NamedTuple):
 PieceAt = Callable[[float, float], Piece]
 
 
-@singledispatch
-def begin(source: Any, speed: float, state: float) -> PieceAt:
-    """
-    Return the function (speed, state) -> Piece that holds for one step from here on.
+Begin = Callable[[float, float], PieceAt]
 
-    A controller decides here, once a step, whether it integrates.
+
+@singledispatch
+def make_begin(source: Any) -> Begin:
+    """
+    Return the function (speed, state) -> PieceAt that holds for one step from there on.
+
+    A controller decides there, once a step, whether it integrates.
     """
     raise InvalidParameter('source', source, 'is not one for steps: its torque depends on time')
 
 
-@begin.register
-def _(source: ConstantTorque, speed: float, state: float) -> PieceAt:
-    piece = Piece(source.value)
-    return lambda speed, state: piece
+def always(piece: Piece) -> Begin:
+    """Return what a source gives that is the same everywhere."""
+    def piece_at(speed: float, state: float) -> Piece:
+        return piece
+    return lambda speed, state: piece_at
 
 
-@begin.register
-def _(source: MotorLine, speed: float, state: float) -> PieceAt:
-    piece = Piece(source.stall_torque, -source.stall_torque / source.free_speed)
-    return lambda speed, state: piece
+@make_begin.register
+def _(source: ConstantTorque) -> Begin:
+    return always(Piece(source.value))
 
 
-@begin.register
-def _(source: DCMotor, speed: float, state: float) -> PieceAt:
+@make_begin.register
+def _(source: MotorLine) -> Begin:
+    return always(Piece(source.stall_torque, -source.stall_torque / source.free_speed))
+
+
+@make_begin.register
+def _(source: DCMotor) -> Begin:
     constant = source.gear * source.constant
     if source.inductance:
-        piece = Piece(0.0, 0.0, constant, source.voltage / source.inductance,
-                      -constant / source.inductance, -source.resistance / source.inductance)
-    else:
-        piece = Piece(constant * source.voltage / source.resistance,
-                      -constant * constant / source.resistance)
-    return lambda speed, state: piece
+        return always(Piece(0.0, 0.0, constant, source.voltage / source.inductance,
+                            -constant / source.inductance,
+                            -source.resistance / source.inductance))
+    return always(Piece(constant * source.voltage / source.resistance,
+                        -constant * constant / source.resistance))
 
 
-@begin.register
-def _(source: SpeedController, speed: float, state: float) -> PieceAt:
-    wanted_speed, limit, error = source.speed, source.limit, source.speed - speed
-    inner = Piece(source.proportional * wanted_speed, -source.proportional, source.integral)
-    wanted = inner.torque_at(speed, state)
-    winds_up = abs(wanted) > limit and (wanted > 0.0) is (error > 0.0)
-    integral = {} if winds_up or not source.integral else {'change': wanted_speed,
-                                                           'change_by_speed': -1.0}
-    inner = inner._replace(**integral)
-    above, below = Piece(limit, **integral), Piece(-limit, **integral)
+@make_begin.register
+def _(source: SpeedController) -> Begin:
+    wanted_speed, limit = source.speed, source.limit
+    plain = Piece(source.proportional * wanted_speed, -source.proportional, source.integral)
 
-    def piece_at(speed: float, state: float) -> Piece:
-        wanted = inner.torque_at(speed, state)
-        return above if wanted > limit else below if wanted < -limit else inner
-    return piece_at
+    def begin(speed: float, state: float) -> PieceAt:
+        wanted, error = plain.torque_at(speed, state), wanted_speed - speed
+        winds_up = abs(wanted) > limit and (wanted > 0.0) is (error > 0.0)
+        integral = {} if winds_up or not source.integral else {'change': wanted_speed,
+                                                               'change_by_speed': -1.0}
+        inner = plain._replace(**integral)
+        above, below = Piece(limit, **integral), Piece(-limit, **integral)
+
+        def piece_at(speed: float, state: float) -> Piece:
+            wanted = inner.torque_at(speed, state)
+            return above if wanted > limit else below if wanted < -limit else inner
+        return piece_at
+    return begin

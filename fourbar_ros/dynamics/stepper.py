@@ -3,21 +3,21 @@
 """
 One step of given length at a time: stable whatever the stiffness, with a bounded amount of work.
 
-A Rosenbrock method (RODAS of Hairer and Wanner, Solving Ordinary Differential Equations II,
-section IV.7: order 4, an error estimate of order 3, L-stable, stiffly accurate) takes one step
-over the whole length; where its error is too large, shorter ones. Of the Jacobian of (N1), see
+A Rosenbrock method (:mod:`fourbar_ros.dynamics.rosenbrock`) takes one step over the whole length;
+where its error is too large, shorter ones. Of the Jacobian of (N1), see
 :mod:`fourbar_ros.dynamics.step_equations`, the column of q is a difference, the rest exact.
-Nothing is kept from one step to the next, so a state that is read from a bag gives the same next
-state.
+The next state follows from the state alone, so one that is read from a bag gives the same; what is
+kept from one step to the next, the terms at the last position, is only not computed again.
 """
 from __future__ import annotations
 
-from math import isfinite
+from math import isfinite, nan
 from typing import NamedTuple
 
 from fourbar_ros.dynamics.drives import ConstantTorque, Drive
-from fourbar_ros.dynamics.pieces import begin, Piece, PieceAt
-from fourbar_ros.dynamics.step_equations import Elastic, plus, Rigid, Solver, State
+from fourbar_ros.dynamics.pieces import always, make_begin, Piece, PieceAt
+from fourbar_ros.dynamics.rosenbrock import EVALUATIONS, Rosenbrock
+from fourbar_ros.dynamics.step_equations import Elastic, plus, Rigid, State, Terms
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError
 
@@ -25,19 +25,6 @@ KEY = 'integrator'         # in a bag: what made its motion
 NAME = 'steps of the node, version 1'     # a bag is stepped again by the same version only
 DONE, BUDGET, LIMIT, FAILED = 'done', 'budget used up', 'at a limit', 'not finite'
 
-GAMMA = 0.25
-# u_i depends on f(x + sum A_ij u_j) and on sum C_ij u_j / h; the last starts where the one before
-# ends, the result is where it ends, and it is itself the estimate of the error
-A: tuple[tuple[float, ...], ...] = (
-    (), (1.544,), (0.9466785280815826, 0.2557011698983284),
-    (3.314825187068521, 2.896124015972201, 0.9986419139977817),
-    (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950))
-C: tuple[tuple[float, ...], ...] = (
-    (), (-5.6688,), (-2.430093356833875, -0.2063599157091915),
-    (-0.1073529058151375, -9.594562251023355, -20.47028614809616),
-    (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160))
-C_LAST = (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136,
-          -6.058818238834054)
 DIFFERENCE = 1e-7          # of the input for the column of q, times its unit
 SMALLEST, LARGEST, SAFETY = 0.1, 4.0, 0.85
 SHORTEST, BISECTIONS = 1e-3, 40      # part of a step, in the search for a kink
@@ -78,9 +65,14 @@ class OneStep:
         self._terms, self._unit = system.equation.of_one, system.mechanism.input_unit
         self._tolerance = tolerance * self._unit
         self._drive = system.drive or Drive(ConstantTorque())
+        self._begin = make_begin(self._drive.source)
         shaft, rotor = self._drive.shaft, self._drive.rotor
         self._motor = 3 if shaft else 1            # place of the speed behind the gear
         self._equations: Elastic | Rigid = Elastic(shaft, rotor) if shaft else Rigid()
+        self._attempt = Rosenbrock(system.equation, self._equations,
+                                   bool(self._drive.source.start))
+        self._has_limits = not system.has_no_limits
+        self._known: tuple[float, Terms] = (nan, (nan,) * 5)      # the last position, terms there
 
     @property
     def start(self) -> State:
@@ -98,7 +90,7 @@ class OneStep:
         """Return acceleration and torques of a state; ``command``: torque of the source."""
         speed, own = state[self._motor], state[4]
         piece = self._pieces(state, command)(speed, own)
-        change = self._equations.derivative(self._terms(state[0]), state, piece)
+        change = self._equations.derivative(self._terms_at(state[0]), state, piece)
         return Torques(change[1], self._equations.on_input(state, piece),
                        piece.torque_at(speed, own))
 
@@ -115,7 +107,7 @@ class OneStep:
             Torque of the source during it [N m], in place of that of the drive.
 
         """
-        self._count, system = 0, self._system
+        self._count = 0
         try:
             new, is_good = self._integrate(state, length, self._pieces(state, command))
         except FourBarError:
@@ -124,7 +116,7 @@ class OneStep:
             return Advanced(self.held(state), FAILED, self._count)
         if not all(map(isfinite, new)):
             return Advanced(self.held(state), FAILED, self._count)
-        if not system.has_no_limits and system.distance_to_limit(0.0, new) <= 0.0:
+        if self._has_limits and self._system.distance_to_limit(0.0, new) <= 0.0:
             return Advanced(self.held(state), LIMIT, self._count)
         return Advanced(new, DONE if is_good else BUDGET, self._count)
 
@@ -132,21 +124,27 @@ class OneStep:
 
     def _pieces(self, state: State, command: float | None) -> PieceAt:
         if command is not None:
-            piece = Piece(command)
-            return lambda speed, state: piece
-        return begin(self._drive.source, state[self._motor], state[4])
+            return always(Piece(command))(0.0, 0.0)
+        return self._begin(state[self._motor], state[4])
+
+    def _terms_at(self, position: float) -> Terms:
+        """Return the terms at a position, which the sample before may have asked for."""
+        if position != self._known[0]:
+            self._known = position, self._terms(position)
+        return self._known[1]
 
     def _integrate(self, state: State, length: float, piece_at: PieceAt) -> tuple[State, bool]:
         """Return the state after a time, and whether it is as good as wanted."""
         left = h = length
         while left > 0.0:
             piece = piece_at(state[self._motor], state[4])
-            change, solver = self._linear(state, piece)
+            terms, change, by_position = self._linear(state, piece)
             while True:
                 h = min(h, left)
-                if self._count + len(A) + (0 if h == left else 2 + len(A)) > self._budget:
-                    return self._rest(state, left, piece, change, solver), False
-                new, scale = self._try(state, h, piece, change, solver)
+                more = 0 if h == left else 2 + EVALUATIONS
+                if self._count + EVALUATIONS + more > self._budget:
+                    return self._rest(state, left, piece, terms, by_position), False
+                new, scale = self._try(state, h, terms, by_position, piece)
                 if scale >= 1.0:
                     to_kink = self._to_kink(state, new, h * change[self._motor], piece, piece_at)
                     if to_kink == 1.0:
@@ -156,56 +154,42 @@ class OneStep:
             state, left, h = new, left - h, h * scale
         return state, True
 
-    def _rest(self, state: State, left: float, piece: Piece, change: State,
-              solver: Solver) -> State:
+    def _rest(self, state: State, left: float, piece: Piece, terms: Terms,
+              by_position: float) -> State:
         """Return the state after all that is left, at one go: both methods are stable."""
-        if self._count + len(A) <= self._budget:
-            new, scale = self._try(state, left, piece, change, solver)
+        if self._count + EVALUATIONS <= self._budget:
+            new, scale = self._try(state, left, terms, by_position, piece)
             if scale > SMALLEST:
                 return new
+        change = self._equations.derivative(terms, state, piece)
+        solver = self._equations.linear(terms, state, piece, by_position)
         return plus(state, 1.0, solver(1.0 / left)(change))      # implicit Euler
 
-    def _linear(self, state: State, piece: Piece) -> tuple[State, Solver]:
-        """Return dx/dt, and the solver of its Jacobian, whose column of q is a difference."""
+    def _linear(self, state: State, piece: Piece) -> tuple[Terms, State, float]:
+        """Return terms, dx/dt and, as a difference, the column of q of its Jacobian."""
         self._count += 2
-        position, equations, terms = state[0], self._equations, self._terms(state[0])
-        change = equations.derivative(terms, state, piece)
+        position, derivative = state[0], self._equations.derivative
+        terms = self._terms_at(position)
+        change = derivative(terms, state, piece)
         aside = position + DIFFERENCE * self._unit
         try:
             terms_aside = self._terms(aside)
         except FourBarError:                       # next to the upper limit of the input
             aside = position - DIFFERENCE * self._unit
             terms_aside = self._terms(aside)
-        other = equations.derivative(terms_aside, state, piece)
-        by_position = (other[1] - change[1]) / (aside - position)
-        return change, equations.linear(terms, state, piece, by_position)
+        other = derivative(terms_aside, state, piece)
+        return terms, change, (other[1] - change[1]) / (aside - position)
 
-    def _try(self, state: State, h: float, piece: Piece, change: State,
-             solver: Solver) -> tuple[State, float]:
+    def _try(self, state: State, h: float, terms: Terms, by_position: float,
+             piece: Piece) -> tuple[State, float]:
         """Return the state after one Rosenbrock step, and by how much the next may be longer."""
-        self._count += len(A)
-        terms, derivative = self._terms, self._equations.derivative
-        solve = solver(1.0 / (GAMMA * h))
-        stages = [solve(change)]
-        for a, c in zip(A[1:], C[1:]):
-            place = state
-            for weight, u in zip(a, stages):
-                place = plus(place, weight, u)
-            right = derivative(terms(place[0]), place, piece)
-            for weight, u in zip(c, stages):
-                right = plus(right, weight / h, u)
-            stages.append(solve(right))
-        place = plus(place, 1.0, stages[-1])
-        right = derivative(terms(place[0]), place, piece)
-        for weight, u in zip(C_LAST, stages):
-            right = plus(right, weight / h, u)
-        last = solve(right)
-        dq, dw, ds, dv, _ = last
+        self._count += EVALUATIONS
+        found = self._attempt(state, h, terms, by_position, piece)
+        new, (dq, dw, ds, dv) = found[:5], found[5:]
         error = max(abs(dq), abs(ds), h * abs(dw), h * abs(dv)) / self._tolerance
         if not isfinite(error):
-            return place, SMALLEST
-        return (plus(place, 1.0, last),
-                min(LARGEST, max(SMALLEST, SAFETY * max(error, 1e-10)**-0.25)))
+            return new, SMALLEST
+        return new, min(LARGEST, max(SMALLEST, SAFETY * max(error, 1e-10)**-0.25))
 
     def _to_kink(self, state: State, new: State, slope: float, piece: Piece,
                  piece_at: PieceAt) -> float:

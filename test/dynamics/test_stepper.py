@@ -11,6 +11,7 @@ from fourbar_ros.dynamics.drives import (
     SpeedController,
 )
 from fourbar_ros.dynamics.elements import TorsionSpring
+from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.free_motion import FreeMotion
 from fourbar_ros.dynamics.simulate import simulate
 from fourbar_ros.dynamics.stepper import BUDGET, DONE, LIMIT, OneStep
@@ -89,19 +90,19 @@ def test_free_motion_against_quadrature():
     assert np.ptp(energy) < 1e-6 * (np.abs(energy).max() + 1.0)
 
 
-def test_work_is_counted_and_never_more_than_the_budget():
+def test_work_is_counted_and_never_more_than_the_budget(monkeypatch):
+    monkeypatch.setattr(Equation, 'changes_mode', True)      # the formula itself, with calls
     system = System(PAPER, 0.0, drive=Drive(LINE, 0.5, shaft=Shaft(1e5, 0.0)))
+    calls, terms_of = 0, system.equation.of_one
+
+    def counted(position):
+        nonlocal calls
+        calls += 1
+        return terms_of(position)
+
+    system.equation.of_one = counted
     for budget in (12, 20, 60):
-        calls = 0
         one = OneStep(system, 1e-11, budget)
-        terms_of = system.equation.of_one
-
-        def counted(position, terms_of=terms_of):
-            nonlocal calls
-            calls += 1
-            return terms_of(position)
-
-        one._terms = counted
         state, statuses = one.start, set()
         for _ in range(200):
             calls = 0
@@ -113,6 +114,31 @@ def test_work_is_counted_and_never_more_than_the_budget():
         reference = simulate(system, 0.2, 1e-6, times=[0.2]).position[-1]
         # less accurate, and still a motion of this linkage: within a percent of the way
         assert abs(state[0] - reference) < 0.05 * reference
+
+
+CONTROLLED = Drive(SpeedController(5.0, 50.0, 10.0, 200.0), 0.5, shaft=Shaft(1e5, 10.0))
+
+
+@pytest.mark.parametrize('drive', [*DRIVES.values(), CONTROLLED], ids=[*DRIVES, 'controller'])
+def test_the_function_without_calls_has_the_bits_of_the_formula(drive, monkeypatch):
+    system = System(PAPER, 0.0, drive=drive)
+    quick, _ = steps(system, 0.3, budget=25)
+    monkeypatch.setattr(Equation, 'changes_mode', True)
+    plain, _ = steps(system, 0.3, budget=25)
+    assert quick.tobytes() == plain.tobytes()
+
+
+def test_terms_that_are_known_are_not_computed_again():
+    system, asked = System(PAPER, 0.5, drive=DRIVES['soft shaft']), []
+    terms_of = system.equation.of_one
+    system.equation.of_one = lambda position: asked.append(position) or terms_of(position)
+    one = OneStep(system, 1e-6, 60)
+    state = one.advance(one.start, TICK).state
+    one.torques(state)
+    one.advance(state, TICK)
+    assert asked.count(state[0]) == 1
+    again = OneStep(system, 1e-6, 60)      # which knows nothing
+    assert again.advance(state, TICK) == one.advance(state, TICK)
 
 
 @pytest.mark.parametrize('gain', [1e1, 1e3, 1e6])
