@@ -11,10 +11,11 @@ from fourbar_ros.scene import scene as scenes
 import numpy as np
 
 RATE = 1000.0
-BLOCK = 500                 # ticks in a row: nine blocks of steps, then one of a bare timer
-EVERY = 10
+BLOCK = 500                 # ticks of one kind in a row
 SWITCH = 0.001              # as in the node
 SHAFT = {'shaft.stiffness': 1e9, 'shaft.damping': 100.0, 'drive.rate': RATE}
+AHEAD, AT_ONCE, BARE = 'made before its tick', 'made at its tick', 'bare timer'
+KINDS = (AHEAD, AT_ONCE) * 4 + (AHEAD, BARE)      # of blocks
 
 
 class Ticks:
@@ -33,15 +34,16 @@ class Ticks:
 
 
 def run(samples):
-    """Return (Ticks of steps, Ticks of a bare timer, counts of statuses)."""
+    """Return {kind: Ticks}, counts of statuses."""
     scene = scenes.from_values({**files.read_values('motor'), **SHAFT})
     mover = scene.mover
     state, statuses = mover.start(), {}
-    steps, bare = Ticks(), Ticks()
+    found = {kind: Ticks() for kind in KINDS}
     period = 1.0 / RATE
     began, tick = time.perf_counter() + 0.1, 0
-    while len(steps.wall) < samples:
-        is_bare = (tick // BLOCK) % EVERY == EVERY - 1
+    while tick < samples:
+        kind = KINDS[(tick // BLOCK) % len(KINDS)]
+        ticks = found[kind]
         due = began + tick * period
         wait = due - time.perf_counter()
         if wait < -1.0:                      # as the node: a second late is not made up for
@@ -50,17 +52,19 @@ def run(samples):
         if wait > 0.0:
             time.sleep(wait)
         start, cpu = time.perf_counter(), time.thread_time_ns()
-        if not is_bare:
+        if kind != BARE:
             status, state = mover.next(state, period)
             statuses[status] = statuses.get(status, 0) + 1
-        cpu, end = time.thread_time_ns() - cpu, time.perf_counter()
-        kind = bare if is_bare else steps
-        kind.late.append(1e6 * (start - due))
-        kind.wall.append(1e6 * (end - start))
-        kind.cpu.append(1e-3 * cpu)
-        kind.overruns += cpu * 1e-9 > period
+        end = time.perf_counter()                # from here on it could be sent
+        if kind == AHEAD:
+            mover.work_ahead(state, period)
+        cpu = time.thread_time_ns() - cpu
+        ticks.late.append(1e6 * (start - due))
+        ticks.wall.append(1e6 * (end - start))
+        ticks.cpu.append(1e-3 * cpu)
+        ticks.overruns += cpu * 1e-9 > period
         tick += 1
-    return steps, bare, statuses
+    return found, statuses
 
 
 def main(samples=20_000):
@@ -68,15 +72,17 @@ def main(samples=20_000):
     sys.setswitchinterval(SWITCH)
     gc.freeze()
     load = getloadavg()[0]
-    steps, bare, statuses = run(samples)
+    found, statuses = run(samples)
     from fourbar_ros.dynamics.mover import STATUS_NAMES
-    print('Times in us: how late a tick begins, how long the step takes by the clock, and how '
-          'much CPU it takes;\nmedian, 99th percentile, largest. An overrun is a step that takes '
+    print('Times in us: how late a tick begins, how long it then takes by the clock until the '
+          'state can be sent,\nand how much CPU tick and step take together; median, 99th '
+          'percentile, largest. The node makes a step\nbefore its tick while the torque does not '
+          'change, with a motor always; otherwise at its tick.\nAn overrun is a step that takes '
           'more CPU than its tick is long.\n')
-    print('| | ticks | late p50 | p99 | max | clock p50 | p99 | max | CPU p50 | p99 | max '
-          '| overruns |\n|' + ' --- |' * 12)
-    print(steps.row('step, shaft 1e9 N m/rad'))
-    print(bare.row('bare timer'))
+    print('| step, shaft 1e9 N m/rad | ticks | late p50 | p99 | max | clock p50 | p99 | max '
+          '| CPU p50 | p99 | max | overruns |\n|' + ' --- |' * 12)
+    for kind, ticks in found.items():
+        print(ticks.row(kind))
     print(f'\nLoad of the machine at the start: {load:.1f}. Steps: '
           + ', '.join(f'{count} {STATUS_NAMES[status]}' for status, count in statuses.items())
           + '.')

@@ -36,6 +36,16 @@ class DriveValues(NamedTuple):
     evaluations: float
 
 
+class _Ahead(NamedTuple):
+    """A step from values under a torque (None: of the motor), and what came of it."""
+
+    start: DriveValues
+    step: float
+    torque: float | None
+    status: int
+    values: DriveValues
+
+
 class Mover:
     """
     Advances a drive and its linkage from one message to the next.
@@ -55,6 +65,7 @@ class Mover:
     def __init__(self, system: System, tolerance: float, budget: int,
                  takes_commands: bool) -> None:
         self._one, self._takes_commands = OneStep(system, tolerance, budget), takes_commands
+        self._ahead: _Ahead | None = None
         drive = system.drive
         self._has_shaft = drive is not None and drive.shaft is not None
         source = drive.source if drive else None
@@ -87,11 +98,19 @@ class Mover:
         twist = 0.0 if isnan(values.twist) else values.twist
         return values.position, values.velocity, twist, values.motor_velocity, own
 
+    def work_ahead(self, values: DriveValues, step: float, command: float = 0.0) -> _Ahead:
+        """Make the next step now; :meth:`next` then only gives it, if it is asked for this one."""
+        torque = command if self._takes_commands else None
+        done = self._one.advance(self.state(values), step, torque)
+        self._ahead = _Ahead(values, step, torque, _STATUS[done.status],
+                             self.values(done.state, step, command, done.evaluations))
+        return self._ahead
+
     def next(self, values: DriveValues, step: float, command: float = 0.0,
              is_silent: bool = False) -> tuple[int, DriveValues]:
         """Return (status, values) after a time [s] under the torque of a topic, or of a motor."""
-        done = self._one.advance(self.state(values), step,
-                                 command if self._takes_commands else None)
-        status = _STATUS[done.status]
-        return (SILENT if status == OK and is_silent else status,
-                self.values(done.state, step, command, done.evaluations))
+        ahead, torque = self._ahead, command if self._takes_commands else None
+        if (ahead is None or ahead.start is not values
+                or (ahead.step, ahead.torque) != (step, torque)):
+            ahead = self.work_ahead(values, step, command)
+        return (SILENT if ahead.status == OK and is_silent else ahead.status), ahead.values
