@@ -4,7 +4,8 @@
 from math import inf, isnan, nan
 
 from builtin_interfaces.msg import Time
-from fourbar_msgs.msg import DriveState
+from diagnostic_msgs.msg import DiagnosticArray
+from fourbar_msgs.msg import DriveState, LinkageState
 from fourbar_ros.bag.info import info
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import compare
@@ -22,6 +23,7 @@ from support.scenes import PAPER, RODS
 
 TORQUE_DRIVEN = {**PAPER, **RODS, 'gravity.y': -9.81, 'drive.source': 'torque',
                  'drive.rate': 200.0, 'outputs': ['state', 'loads']}
+AT_LIMIT = DriveState.STATUS_AT_LIMIT
 MOTOR_DRIVEN = {**TORQUE_DRIVEN, 'drive.source': 'motor', 'motor.stall_torque': 400.0,
                 'motor.free_speed': 26.0, 'motor.rotor_inertia': 0.5, 'shaft.stiffness': 1e9,
                 'shaft.damping': 100.0, 'drive.rate': 1000.0}
@@ -171,6 +173,48 @@ def test_a_change_point_linkage_is_refused(run_node):
     node = run_node({**TORQUE_DRIVEN, 'linkage.a1': 0.5, 'linkage.a2': 1.0, 'linkage.a3': 0.5,
                      'linkage.a4': 1.0, 'drive.start': 1.0})
     assert node.wait() == 2 and 'fourbar simulate' in node.said
+
+
+def test_at_a_toggle_the_input_is_held_until_the_torque_pulls_it_back(run_node, client, tmp_path):
+    values = {**TORQUE_DRIVEN, 'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.start': 0.5,
+              'gravity.y': 0.0, 'drive.when_silent': 'hold', **recording(tmp_path)}
+    (low, high), = [ends for ends in scene.from_values(values).linkage.input_ranges
+                    if ends[0] < 0.5 < ends[1]]
+    node = run_node(values)
+    heard, outputs, diagnosed = states(client), [], []
+    client.node.create_subscription(LinkageState, '/fourbar/state', outputs.append, 1000)
+    client.node.create_subscription(DiagnosticArray, '/diagnostics', diagnosed.append, 10)
+    send = torques(client)
+
+    def pushed_to(end, torque):
+        """Return what is heard once it has come to an end, while the torque goes on."""
+        def there():
+            return [i for i, m in enumerate(heard)
+                    if i >= mark and m.status == AT_LIMIT and abs(m.position - end) < 0.1]
+
+        mark = len(heard)
+        client.until(lambda: there() or not send(torque), 'the limit')
+        first = there()[0]
+        client.until(lambda: len(heard) > first + 60, 'states at the limit')
+        return heard[first:first + 60]
+
+    for torque, end in (50.0, high), (-50.0, low), (50.0, high):
+        held = pushed_to(end, torque)
+        way = np.sign(torque) * np.array([m.position for m in held])
+        # it creeps nearer while it is pushed, never beyond, and starts from rest each time
+        assert (np.diff(way) >= 0.0).all() and 0.0 < np.sign(torque) * end - way[-1] < 1e-4
+        assert {m.velocity for m in held if m.status == AT_LIMIT} == {0.0}
+        assert {m.status for m in held} <= {AT_LIMIT, DriveState.STATUS_OK}
+    assert all(np.isfinite([m.position, m.velocity, m.acceleration, m.torque]).all()
+               for m in heard)
+    assert {m.status for m in outputs} == {LinkageState.STATUS_OK}
+    assert all(np.isfinite([m.theta4, m.omega4, m.alpha4]).all() for m in outputs)
+    client.until(lambda: any('held at a limit' in status.message for array in diagnosed
+                             for status in array.status), 'diagnostics that say so')
+    assert node.stop() == 0
+    assert 'drive: held at a limit' in node.said
+    found = compare(tmp_path / 'run')
+    assert not found.problems() and found.largest == 0.0, found
 
 
 def test_simulated_time_moves_the_state_and_starts_again_when_it_goes_back(run_node, client,
