@@ -20,6 +20,7 @@ setup(
                  SCENES[2]: 'config/studies', SCENES[3]: 'config/robots',
                  SCENES[4]: 'config/chains'},
     package_data={NAME: ['py.typed'], f'{NAME}.reproduction': ['*.yaml'],
+                  f'{NAME}.live': ['*.js'],
                   SCENES[0]: ['*.yaml'], SCENES[1]: ['*.yaml'], SCENES[2]: ['*.yaml'],
                   SCENES[3]: ['*.yaml'], SCENES[4]: ['*.yaml']},
     data_files=[

@@ -8,6 +8,7 @@ import gc
 from pathlib import Path
 
 from fourbar_ros.cli.common import add_verb, SCENE_HELP, Verbs
+from fourbar_ros.scene.arguments import not_negative
 
 EPILOG = """\
 examples:
@@ -33,6 +34,8 @@ def add(verbs: Verbs) -> None:
     live.add_argument('what', metavar='SCENE | BAG', nargs='*',
                       help=f'{SCENE_HELP}; or bags to look at')
     live.add_argument('--node', metavar='NAME', help='a running node, or which node of a bag')
+    live.add_argument('--wait', type=not_negative, default=10.0, metavar='SECONDS',
+                      help='for the node to be found, and for each of its answers (default 10)')
     live.add_argument('--port', type=int, metavar='PORT',
                       help='port of 127.0.0.1 (default 8420, or any free one if that is in use)')
     live.add_argument('--no-browser', action='store_true', help='print the address, open nothing')
@@ -64,6 +67,6 @@ def _live(arguments: Namespace) -> None:
     if bags:
         serve_run(bags, arguments.node, *how)
     elif scene is None:
-        serve_node(arguments.node, *how)
+        serve_node(arguments.node, arguments.wait, *how)
     else:
         serve_scene(what[0], scene.values, *how)

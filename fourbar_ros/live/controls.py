@@ -8,6 +8,7 @@ from math import isnan
 from typing import Any
 
 from fourbar_ros.live.model import Shown
+from fourbar_ros.live.owned import Field, Slider
 from fourbar_ros.scene import parameters
 from fourbar_ros.scene.parameter import Parameter
 from nicegui import ui
@@ -73,10 +74,10 @@ def _control(parameter: Parameter, value: Any, shown: Shown,
     unit = f' [{parameter.unit}]' if parameter.unit else ''
     low, high, step = _span(parameter, float(value), shown)
     with ui.row().classes('fb-middle full-width no-wrap fb-control'):
-        field = ui.number(f'{name.split(".", 1)[1]}{unit}', value=value, format='%.12g',
-                          on_change=lambda event: change(name, event.value)).props(
-            f'dense debounce=200 aria-label="{name}"').classes('fb-number').tooltip(text)
-        slider = ui.slider(min=low, max=high, step=step, value=float(value)).props(
+        field = Field(f'{name.split(".", 1)[1]}{unit}', value,
+                      lambda event: change(name, event.value)).props(
+            f'dense aria-label="{name}"').classes('fb-number').tooltip(text)
+        slider = Slider(low, high, step, float(value)).props(
             f'aria-label="{name} slider"').classes('col')
         slider.on_value_change(lambda event: field.set_value(event.value)
                                if event.value != _clamped(field.value, low, high) else None)

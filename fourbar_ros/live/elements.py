@@ -7,6 +7,7 @@ from typing import Any
 
 from fourbar_ros.live import controls, downloads
 from fourbar_ros.live.charts import CURSOR, GAP, POLAR_SIZE, TOP
+from fourbar_ros.live.owned import Field, Slider
 from fourbar_ros.live.strokes import HEIGHT, STYLE, WIDTH
 from fourbar_ros.live.tables import EXTREMA_COLUMNS, now_columns
 from nicegui import ui
@@ -78,8 +79,8 @@ class Elements:
                 'flat dense color=white aria-label="dark or light"')
         with ui.left_drawer().props('width=330 bordered') as drawer:
             controls.build(page.shown, page.change)
-            ui.number('acceleration of the input', value=page.acceleration,
-                      on_change=lambda event: page.set_acceleration(event.value)).props(
+            Field('acceleration of the input', page.acceleration,
+                  lambda event: page.set_acceleration(event.value)).props(
                 'dense aria-label="acceleration of the input"').classes('full-width')
 
     def _picture(self) -> None:
@@ -94,18 +95,15 @@ class Elements:
         with ui.row().classes('fb-middle full-width no-wrap'):
             self.play = ui.button(icon='play_arrow', on_click=page.play).props(
                 'round dense aria-label="play or pause"')
-            self.slider = ui.slider(min=0.0, max=1.0, step=0.001, value=0.0,
-                                    on_change=lambda event: page.go(event.value)).classes(
+            self.slider = Slider(0.0, 1.0, 0.001, 0.0, lambda event: page.go(event.value)).classes(
                 'col').props('aria-label="input"')
-            self.field = ui.number(value=0.0, format='%.6g',
-                                   on_change=lambda event: page.go(event.value)).props(
-                'dense debounce=200 aria-label="input value"').classes('fb-number')
+            self.field = Field('', 0.0, lambda event: page.go(event.value), digits=6).props(
+                'dense aria-label="input value"').classes('fb-number')
         with ui.row().classes('fb-middle full-width'):
             if pace:
                 ui.label(pace.label)
-                ui.slider(min=pace.least, max=pace.most, step=pace.least / 2.0,
-                          value=pace.value).bind_value(pace, 'value').style('width:8rem').props(
-                    f'label aria-label="{pace.label}"')
+                Slider(pace.least, pace.most, pace.least / 2.0, pace.value).bind_value(
+                    pace, 'value').style('width:8rem').props(f'label aria-label="{pace.label}"')
             for name, text in LAYERS.items():
                 ui.checkbox(text, value=getattr(page.layers, name),
                             on_change=lambda event, name=name: page.set_layer(name, event.value))

@@ -33,7 +33,7 @@ class NodePage(Page):
 
     async def change(self, name: str, value: Any) -> None:
         """Set a parameter of the node; what it refuses is shown, and holds for none."""
-        if value is None or value == self.values.get(name):
+        if value is None:
             return
         # sliders that yield whole numbers mean doubles
         value = float(value) if isinstance(self.values.get(name), float) else value

@@ -187,7 +187,7 @@ class Page:
 
     def _set_input(self) -> None:
         low, high = self.course.bounds
-        self.elements.slider.props(f'min={low!r} max={high!r} step={(high - low) / 720.0!r}')
+        self.elements.slider.set_range(low, high, (high - low) / 720.0)
         self.elements.field.props(f'label="{self.course.label}"')
         self._show_input()
 
@@ -196,7 +196,10 @@ class Page:
 
     def go(self, at: float | None) -> None:
         """Go to an input given in the unit of the page."""
-        if at is None or not isfinite(at) or abs(at - self.course.at) <= 1e-8 * max(1.0, abs(at)):
+        if at is None or not isfinite(at):
+            self._show_input()              # instead of nothing
+            return
+        if abs(at - self.course.at) <= 1e-8 * max(1.0, abs(at)):
             return
         self.course.go(rounded(at))
         self._show_input()

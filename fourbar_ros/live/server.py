@@ -104,11 +104,11 @@ def _short(path: str, paths: Sequence[str]) -> str:
     return Path(path).name if names.count(Path(path).name) == 1 else str(path)
 
 
-def serve_node(node: str, port: int, is_opened: bool) -> None:
+def serve_node(node: str, patience: float, port: int, is_opened: bool) -> None:
     """Serve the page of a running node: it moves as the node does, parameters are set in it."""
     from fourbar_ros.live.node_page import NodePage
     from fourbar_ros.ros.clients.watched import Watched
-    watched = Watched(node)
+    watched = Watched(node, patience)
     app.on_shutdown(watched.close)
     _serve(watched.node, lambda query: NodePage(watched, query), port, is_opened)
 

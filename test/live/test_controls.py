@@ -22,6 +22,7 @@ KINDS = ['paper', 'jansen',
 SETTLE = 1.0            # [s]
 CLOSED = '.q-expansion-item--collapsed .q-item'
 CURVES = 'curves over the input, extrema marked'
+POLAR = 'polar diagram of the shaking force and reactions'
 
 
 @pytest.fixture(scope='module')
@@ -64,13 +65,19 @@ def agrees(tab, name):
         hypot(x - u, y - v) <= 0.08 for (x, y), (u, v) in zip(pins, places))
 
 
+def open_last_closed(tab):
+    """Open a group from below, as what opens moves others; return whether one was closed."""
+    closed = tab.driver.find_elements('css selector', CLOSED)
+    if closed:
+        closed[-1].click()
+    return bool(closed)
+
+
 @pytest.mark.parametrize('name', KINDS)
 def test_every_slider_changes_what_it_says(opened, name):
     from selenium.webdriver.common.keys import Keys
     tab = opened(name, at=load(find(name)).values.get('drive.start') or 1.3)
-    for group in reversed(tab.driver.find_elements('css selector', CLOSED)):
-        group.click()           # from below: what opens moves nothing that is clicked later
-    tab.until(lambda: not tab.driver.find_elements('css selector', CLOSED), 'all groups open')
+    tab.until(lambda: not open_last_closed(tab), 'all groups open')
     names = [label.removesuffix(' slider') for label in tab.labels('slider')
              if label.endswith(' slider')]
     values = load(find(name)).values
@@ -82,9 +89,10 @@ def test_every_slider_changes_what_it_says(opened, name):
         changed = float(tab.query()[parameter])
         assert changed != values[parameter]
         tab.until(lambda: agrees(tab, name), f'table and picture with {parameter} = {changed}')
-        assert float(tab.by(parameter).get_attribute('value')) == pytest.approx(changed, 1e-11)
+        tab.until(lambda: float(tab.text(parameter)) == pytest.approx(changed, 1e-11),
+                  f'the field of {parameter} with {changed}')
         tab.keys(Keys.ARROW_RIGHT if values[parameter] > 0.0 else Keys.ARROW_LEFT)
-    assert not tab.alarm()
+    tab.until(lambda: not tab.alarm(), 'no complaint')
 
 
 @pytest.mark.parametrize('name', [name if isinstance(name, str) else name.values[0]
@@ -120,11 +128,9 @@ def test_input_drag_modes_and_layers(opened, name):
               'the joint below the pointer')
     tab.until(lambda: agrees(tab, name), 'the pose that was dragged to')
     for label, sign in (('coupler curves', 'class="trace"'), ('forces', 'class="force"')):
-        box = next(box for box in tab.driver.find_elements('css selector', '.q-checkbox')
-                   if label in box.text)
-        box.click()
+        tab.tick(label)
         tab.until(lambda: sign not in tab.picture(), f'no {label}')
-        box.click()
+        tab.tick(label)
         tab.until(lambda: sign in tab.picture(), label)
 
 
@@ -134,20 +140,32 @@ def test_ten_quick_moves_end_with_the_last(opened):
     for name in ('linkage.a2', 'linkage.a3'):
         tab.focus_slider(f'{name} slider')
         tab.keys(*[Keys.ARROW_RIGHT] * 10)
+        stands = float(tab.by(f'{name} slider').get_attribute('aria-valuenow'))
 
-        def is_settled(name=name):
-            stands = float(tab.by(f'{name} slider').get_attribute('aria-valuenow'))
+        def is_settled(name=name, stands=stands):
             return (stands == pytest.approx(float(tab.query().get(name, 0)), rel=1e-9)
-                    == float(tab.by(name).get_attribute('value')) and agrees(tab, 'paper'))
+                    and float(tab.text(name)) == pytest.approx(stands, rel=1e-11)
+                    and agrees(tab, 'paper'))
         tab.until(is_settled, 'what the slider says')
         time.sleep(SETTLE)
-        assert is_settled()         # and nothing older comes late
+        tab.until(is_settled, 'the same: nothing older comes late')
     for text in ('9', '1.1', '9', '1.15', '9', '1.25'):
         tab.write('linkage.a2', text)
     tab.until(lambda: tab.query().get('linkage.a2') == '1.25' and not tab.alarm()
               and agrees(tab, 'paper'), 'the last of six')
     tab.until(lambda: tab.count_series(CURVES) == len(expected(tab, 'paper')[0].usual_quantities),
               'its curves')
+
+
+def is_empty(tab):
+    """Return whether no strokes, rows, curves and cursor are on the page."""
+    shown_svg = tab.driver.execute_script(
+        "return [...document.querySelectorAll('.fb-picture svg, .fb-dots')]"
+        ".map(s => s.querySelectorAll('line, circle, polyline, polygon').length)")
+    cursors = tab.driver.find_elements('css selector', '.fb-cursor')
+    return not (any(shown_svg) or tab.now() or tab.rows('quantity') or tab.rows('lengths')
+                or any(tab.count_series(chart) for chart in (CURVES, POLAR))
+                or any(cursor.is_displayed() for cursor in cursors))
 
 
 def test_what_is_impossible_leaves_nothing_on_the_page(opened):
@@ -161,15 +179,7 @@ def test_what_is_impossible_leaves_nothing_on_the_page(opened):
             tab.until(lambda head=head: tab.rows(head), view)
         tab.write('linkage.a2', '9')
         tab.until(lambda: 'cannot close' in tab.alarm(), 'the reason')
-        shown_svg = tab.driver.execute_script(
-            "return [...document.querySelectorAll('.fb-picture svg, .fb-dots')]"
-            ".map(s => s.querySelectorAll('line, circle, polyline, polygon').length)")
-        assert not any(shown_svg), view
-        assert not tab.now() and not tab.rows('quantity') and not tab.rows('lengths'), view
-        for chart in (CURVES, 'polar diagram of the shaking force and reactions'):
-            assert tab.count_series(chart) == 0
-        cursors = tab.driver.find_elements('css selector', '.fb-cursor')
-        assert not any(cursor.is_displayed() for cursor in cursors)
+        tab.until(lambda: is_empty(tab), f'nothing in any view, {view} open')
 
 
 def test_the_cursor_stands_at_the_input(opened):
@@ -181,7 +191,7 @@ def test_the_cursor_stands_at_the_input(opened):
         "const c = document.querySelector('.fb-cursor');"
         'return c.offsetLeft - arguments[0] * (c.parentElement.clientWidth - arguments[1])',
         share, charts.LEFT + charts.RIGHT) == pytest.approx(charts.LEFT, abs=1.0), 'the cursor')
-    assert radians(60.0) == expected(tab, 'paper')[1].theta1
+    tab.until(lambda: expected(tab, 'paper')[1].theta1 == radians(60.0), 'the address')
 
 
 def test_pace_is_how_fast_it_turns(opened):
@@ -190,5 +200,5 @@ def test_pace_is_how_fast_it_turns(opened):
     tab.focus_slider('seconds a cycle')
     before = tab.by('seconds a cycle').get_attribute('aria-valuenow')
     tab.keys(Keys.ARROW_LEFT, Keys.ARROW_LEFT)
-    tab.until(lambda: tab.by('seconds a cycle').get_attribute('aria-valuenow') == '5', 'the pace')
+    tab.until(lambda: tab.answered('seconds a cycle') == 5, 'the pace')
     assert before == '6'

@@ -9,10 +9,9 @@ from fourbar_ros.scene.scene import load
 import numpy as np
 from PIL import Image
 import pytest
-from support.browser import browser, live, needs_browser, Tab
+from support.browser import browser, live, needs_browser, PATIENCE, Tab
 
 pytestmark = needs_browser
-PATIENCE = 120.0        # [s]
 SVG = '{http://www.w3.org/2000/svg}'
 
 
@@ -33,11 +32,8 @@ def tab(tmp_path_factory, folder):
 def download(tab, folder):
     """Return a function: words of the menu and a suffix -> the file that was downloaded."""
     def download(words, suffix):
-        tab.by('download').click()
-        tab.until(lambda: [item for item in tab.driver.find_elements('css selector', '.q-item')
-                           if item.is_displayed() and words in item.text], 'the menu')
-        next(item for item in tab.driver.find_elements('css selector', '.q-item')
-             if item.is_displayed() and words in item.text).click()
+        tab.click('download')
+        tab.choose(words)
         file, end = folder / f'paper.{suffix}', time.monotonic() + PATIENCE
         while not file.exists():        # Chromium renames what is complete
             assert time.monotonic() < end, f'no {file.name} among {list(folder.iterdir())}'
@@ -103,11 +99,8 @@ def test_nothing_is_saved_of_what_is_impossible(tab, folder):
     tab.write('linkage.a2', '9')
     tab.until(tab.alarm, 'the reason')
     before = set(folder.iterdir())
-    tab.by('download').click()
-    tab.until(lambda: [item for item in tab.driver.find_elements('css selector', '.q-item')
-                       if item.is_displayed() and 'scene file' in item.text], 'the menu')
-    next(item for item in tab.driver.find_elements('css selector', '.q-item')
-         if item.is_displayed() and 'scene file' in item.text).click()
+    tab.click('download')
+    tab.choose('scene file')
     tab.until(lambda: 'nothing to save' in tab.driver.find_element('tag name', 'body').text,
               'why not')
     assert set(folder.iterdir()) == before

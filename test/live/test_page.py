@@ -65,9 +65,9 @@ def test_every_scene_shows_its_mechanism_and_its_extrema(driver, address, name, 
 
 def test_play_turns_it_and_pause_keeps_it(tab):
     before = tab.picture()
-    tab.by('play or pause').click()
+    tab.click('play or pause')
     tab.until(lambda: tab.picture() != before, 'motion')
-    tab.by('play or pause').click()
+    tab.click('play or pause')
     tab.until(lambda: at_of(tab) not in (None, 0.0), 'the input in the address')
     linkage = load(find('paper')).linkage
     theta1 = at_of(tab)
@@ -111,8 +111,7 @@ def test_an_impossible_length_takes_the_picture_away_and_says_why(tab):
 
 def test_the_other_assembly_mode(tab):
     before = tab.picture()
-    next(button for button in tab.driver.find_elements('css selector', '.q-btn-toggle button')
-         if 'crossed' in button.text).click()
+    tab.press('crossed')
     tab.until(lambda: 'linkage.mode=1' in tab.driver.current_url, 'the address')
     tab.until(lambda: tab.picture() != before, 'the other picture')
 
@@ -143,10 +142,8 @@ def test_layers_and_views(tab):
     tab.write('input value', '160')
     tab.until(lambda: tab.now().get('theta1') == '160', 'a pose with centres in view')
     for label, sign in (('instant centres', 'class="centre"'), ('forces', 'class="force"')):
-        box = next(box for box in tab.driver.find_elements('css selector', '.q-checkbox')
-                   if label in box.text)
         had = sign in tab.picture()
-        box.click()
+        tab.tick(label)
         tab.until(lambda: (sign in tab.picture()) != had, f'{label} switched')
     tab.open('Polygons')
     for name in ('velocity', 'acceleration'):
@@ -181,6 +178,7 @@ def test_the_keyboard_moves_the_input(tab):
 
 def test_accessibility_by_the_rules_of_axe(tab):
     from axe_core_python.selenium import Axe
+    tab.until(lambda: tab.count_series('curves over the input, extrema marked'), 'curves')
     found = Axe().run(tab.driver)['violations']
     serious = [(rule['id'], rule['nodes'][0]['html'][:200]) for rule in found
                if rule['impact'] in ('critical', 'serious')]
@@ -219,12 +217,11 @@ def test_the_socket_refuses_another_origin(address):
 def test_narrow_windows_have_one_column(tab):
     tab.driver.set_window_size(800, 900)
     try:
-        columns = tab.driver.execute_script(
+        tab.until(lambda: len(tab.driver.execute_script(
             "return getComputedStyle(document.querySelector('.fb-columns'))"
-            '.gridTemplateColumns').split()
-        assert len(columns) == 1
-        wide = tab.driver.execute_script(
-            'return document.documentElement.scrollWidth - innerWidth')
-        assert wide <= 0                # nothing is cut off at the side
+            '.gridTemplateColumns').split()) == 1, 'one column')
+        tab.until(lambda: tab.driver.execute_script(
+            'return document.documentElement.scrollWidth - innerWidth') <= 0,
+            'nothing to be cut off at the side')
     finally:
         tab.driver.set_window_size(1280, 1000)

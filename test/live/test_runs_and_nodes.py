@@ -9,7 +9,7 @@ from fourbar_ros.report.poses import number
 import numpy as np
 import pytest
 from support import ROOT
-from support.browser import live, needs_browser, Tab
+from support.browser import live, needs_browser, PATIENCE, Tab
 from support.harness import NodeProcess
 from support.scenes import PAPER, RODS
 
@@ -59,9 +59,9 @@ def test_two_runs_beside_each_other_have_the_numbers_of_their_exports(driver, tm
             [values[0], values[1], values[1] - values[0]], rel=1e-8)
         assert 'class="ghost"' in tab.picture()
         chart = 'curves over the input, extrema marked'
+        tab.until(lambda: tab.count_series(chart), 'curves')
         count = tab.count_series(chart)
-        next(box for box in tab.driver.find_elements('css selector', '.q-checkbox')
-             if 'difference' in box.text).click()
+        tab.tick('difference')
         tab.until(lambda: tab.count_series(chart) == count // 2, 'the differences')
 
 
@@ -69,7 +69,7 @@ def test_a_silent_node_is_said_to_be_silent(driver, tmp_path):
     scene = {**PAPER, **RODS, 'drive.source': 'motion'}
     node = NodeProcess(scene, tmp_path, name='silent_one')
     try:
-        with live('--node', '/silent_one') as address:
+        with live('--node', '/silent_one', '--wait', PATIENCE) as address:
             tab = Tab(driver, address)
             tab.until(lambda: 'no motion of the node yet' in tab.alarm(), 'that it is silent')
     finally:
@@ -80,7 +80,7 @@ def test_a_node_is_followed_and_set(driver, tmp_path):
     scene = {**PAPER, **RODS, 'drive.speed': 0.5}
     node = NodeProcess(scene, tmp_path, name='watched_by_a_page')
     try:
-        with live('--node', '/watched_by_a_page') as address:
+        with live('--node', '/watched_by_a_page', '--wait', PATIENCE) as address:
             tab = Tab(driver, address)
             before = tab.picture()
             tab.until(lambda: tab.picture() != before, 'the motion of the node')

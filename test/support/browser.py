@@ -5,8 +5,11 @@ from contextlib import contextmanager
 import os
 import re
 import shutil
+import socket
 import subprocess
 import sys
+import threading
+import time
 
 import pytest
 
@@ -19,7 +22,7 @@ needs_browser = pytest.mark.skipif(not (CHROMIUM and DRIVER), reason=HOW)
 
 
 def start(*arguments):
-    """Start ``fourbar live``; return the process and, as soon as it is said, its address."""
+    """Start ``fourbar live``; return the process and, as soon as it listens, its address."""
     # to the page's server it would be a test of its own kind
     environment = {name: value for name, value in os.environ.items()
                    if name != 'PYTEST_CURRENT_TEST'}
@@ -30,17 +33,33 @@ def start(*arguments):
     said = []
     for line in process.stdout:
         said.append(line)
-        found = re.search(r'http://\S+', line)
+        found = re.search(r'http://(\S+):(\d+)', line)
         if found:
+            # all that it says is read: a full pipe would stop it
+            process.reader = threading.Thread(target=process.stdout.read, daemon=True)
+            process.reader.start()
+            _wait_for(found[1], int(found[2]))
             return process, found[0]
-    stop(process)
+    process.wait(PATIENCE)
     raise AssertionError(f'fourbar live ended: {"".join(said)}')
+
+
+def _wait_for(host, port):
+    """Wait until the server listens: it says its address a moment before."""
+    end = time.monotonic() + PATIENCE
+    while True:
+        try:
+            return socket.create_connection((host, port), PATIENCE).close()
+        except OSError:
+            assert time.monotonic() < end, f'nothing listens on {host}:{port}'
+            time.sleep(0.05)
 
 
 def stop(process):
     """End what :func:`start` started."""
     process.terminate()
     process.wait(PATIENCE)
+    process.reader.join(PATIENCE)
     process.stdout.close()
 
 
@@ -68,6 +87,8 @@ def browser(folder, width=1280, height=1000):
     options.set_capability('goog:loggingPrefs', {'browser': 'ALL', 'performance': 'ALL'})
     driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
     try:
+        driver.set_script_timeout(PATIENCE)
+        driver.set_page_load_timeout(PATIENCE / 2.0)        # Tab loads again after it
         yield driver
     finally:
         driver.quit()
@@ -80,15 +101,25 @@ class Tab:
         self.driver = driver
         self.until(lambda: self._is_reached(address), address)
         self.until(lambda: '<circle' in self.picture(), 'a picture')
+        self.until(lambda: driver.execute_script('return window.did_handshake'), 'a connection')
+        self.until(lambda: self._height() > 100, 'the place of the picture')    # else all moves
 
     def _is_reached(self, address):
-        """Go there; the server says its address a moment before it listens."""
+        """Go there, or return False: a machine may be too slow for the patience of a load."""
         from selenium.common.exceptions import WebDriverException
         try:
             self.driver.get(address)
         except WebDriverException:
             return False
         return True
+
+    def _height(self):
+        """Return the height of the picture of the mechanism [px]."""
+        return self.by('the mechanism in its pose').size['height']
+
+    def click(self, label):
+        """Click on the element with this label, once nothing covers it."""
+        self.until(lambda: self.by(label).click() or True, f'{label} to be clicked')
 
     def by(self, label):
         """Return the element with this label."""
@@ -104,18 +135,46 @@ class Tab:
         """Return the line that says what is wrong."""
         return self.driver.find_element('css selector', '[role=alert]').text
 
-    def write(self, label, text):
-        """Replace the text of a field."""
+    def select(self, label):
+        """Put the keyboard's focus on a field and select its text; return it."""
         from selenium.webdriver.common.keys import Keys
         field = self.driver.find_element('css selector', f'input[aria-label="{label}"]')
         field.send_keys(Keys.CONTROL, 'a')
-        field.send_keys(text)
+        return field
+
+    def write(self, label, text):
+        """Replace the text of a field and press Enter: it holds."""
+        from selenium.webdriver.common.keys import Keys
+        self.select(label).send_keys(text, Keys.ENTER)
+
+    def text(self, label):
+        """Return what a field shows."""
+        return self.driver.find_element('css selector', f'input[aria-label="{label}"]'
+                                        ).get_attribute('value')
 
     def open(self, name):
         """Open one of the views."""
-        for tab in self.driver.find_elements('css selector', '.q-tab'):
-            if tab.text.strip() == name:
-                tab.click()
+        self.until(lambda: self._is_clicked('.q-tab', name), f'{name} among the views')
+
+    def tick(self, words):
+        """Click on the checkbox that has these words."""
+        self.until(lambda: self._is_clicked('.q-checkbox', words), f'{words} to be clicked')
+
+    def press(self, words):
+        """Press the button of a choice that has these words."""
+        self.until(lambda: self._is_clicked('.q-btn-toggle button', words), f'{words} to press')
+
+    def choose(self, words):
+        """Click on the item of an open menu that has these words."""
+        self.until(lambda: self._is_clicked('.q-item', words), f'{words} in a menu')
+
+    def _is_clicked(self, selector, words):
+        """Click on the first of these elements that has these words, if there is one."""
+        found = [element for element in self.driver.find_elements('css selector', selector)
+                 if element.is_displayed() and words in element.text]
+        if found:
+            found[0].click()
+        return bool(found)
 
     def rows(self, label):
         """Return the rows of texts of the table in whose head this stands."""
@@ -138,6 +197,11 @@ class Tab:
         self.driver.execute_script(
             "document.querySelector(`[role=slider][aria-label='${arguments[0]}']`)"
             ".querySelector('[tabindex]').focus()", label)
+
+    def answered(self, label):
+        """Return the value that the server has of a slider or field."""
+        return self.driver.execute_script(
+            'return getElement(+arguments[0].id.slice(1)).value', self.by(label))
 
     def labels(self, role):
         """Return the labels of all controls of a role."""
@@ -165,12 +229,15 @@ class Tab:
     def until(self, condition, what):
         """Wait until a condition holds."""
         from selenium.common.exceptions import (
+            ElementClickInterceptedException,
+            ElementNotInteractableException,
             StaleElementReferenceException,
             TimeoutException,
         )
         from selenium.webdriver.support.ui import WebDriverWait
         try:
-            WebDriverWait(self.driver, PATIENCE, 0.1, [StaleElementReferenceException]).until(
-                lambda _: condition())
+            WebDriverWait(self.driver, PATIENCE, 0.1, [
+                ElementClickInterceptedException, ElementNotInteractableException,
+                StaleElementReferenceException]).until(lambda _: condition())
         except TimeoutException:
             raise AssertionError(f'waited in vain for {what}') from None

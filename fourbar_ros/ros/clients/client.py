@@ -109,9 +109,9 @@ class Client:
     def introduce(self, service: rclpy.client.Client, service_name: str) -> None:
         """Do what is needed before the first request to a service; nothing here."""
 
-    def result_of(self, future: Future, name: str) -> Any:
+    def result_of(self, future: Future, name: str, patience: float | None = None) -> Any:
         """Return the result of a future, once it is there."""
-        self.until(future.done, f'{name}: no answer')
+        self.until(future.done, f'{name}: no answer', patience)
         return future.result()
 
     def close(self) -> None:

@@ -3,13 +3,14 @@
 """A running node behind a page: its scene and the motion of its input, parameters set back."""
 from __future__ import annotations
 
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 import json
 import queue
 import threading
+import time
 from typing import Any
 
-from fourbar_ros.ros.clients.client import Client, NoAnswer, opened
+from fourbar_ros.ros.clients.client import Client, NoAnswer, opened, PATIENCE
 from fourbar_ros.scene.parameters import check
 from fourbar_ros.scene.topics import DRIVEN, SCENE
 from rcl_interfaces.srv import SetParameters
@@ -18,11 +19,19 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 
 POLL = 0.02         # [s]
+AGAIN = 3.0         # [s] after which a request without answer is repeated
 
 
 class Watched:
     """
     A node, listened to by a thread of its own until :meth:`close`.
+
+    Parameters
+    ----------
+    node : str
+        Its name.
+    patience : float
+        How long to wait for its scene, and for each answer [s].
 
     Attributes
     ----------
@@ -33,8 +42,8 @@ class Watched:
 
     """
 
-    def __init__(self, node: str, patience: float = 10.0):
-        self.node, self.version = '/' + node.strip('/'), 0
+    def __init__(self, node: str, patience: float = PATIENCE):
+        self.node, self.patience, self.version = '/' + node.strip('/'), patience, 0
         self.values: dict[str, Any] = {}
         self._latest: tuple[float, float, float] | None = None
         self._asked: queue.Queue[tuple[str, Any, queue.Queue[str]]] = queue.Queue()
@@ -64,10 +73,10 @@ class Watched:
         """Ask the node for a parameter; return why not, or ''."""
         answer: queue.Queue[str] = queue.Queue()
         self._asked.put((name, value, answer))
-        try:
-            return str(answer.get(timeout=self._client.patience))
-        except queue.Empty:
-            return f'{self.node}: no answer'
+        while not self._ends.is_set():
+            with suppress(queue.Empty):
+                return answer.get(timeout=1.0)
+        return f'{self.node}: no answer'
 
     def close(self) -> None:
         """Stop listening."""
@@ -89,10 +98,17 @@ class Watched:
                 self._ask(*self._asked.get())
 
     def _ask(self, name: str, value: Any, answer: queue.Queue[str]) -> None:
+        """Ask until there is an answer: those of a node that has not seen us yet are lost."""
         request = SetParameters.Request(
             parameters=[Parameter(name, value=value).to_parameter_msg()])
-        try:
-            result = self._client.result_of(self._setter.call_async(request), name).results[0]
+        end = time.monotonic() + self.patience
+        while time.monotonic() < end and not self._ends.is_set():
+            future = self._setter.call_async(request)
+            try:
+                result = self._client.result_of(future, name, AGAIN).results[0]
+            except NoAnswer:
+                self._setter.remove_pending_request(future)
+                continue
             answer.put('' if result.successful else result.reason)
-        except NoAnswer as error:
-            answer.put(str(error))
+            return
+        answer.put(f'{self.node}: no answer (waited {self.patience:g} s)')

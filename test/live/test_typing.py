@@ -1,0 +1,133 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""What a user types and moves stays and holds, however busy or late the server is."""
+from contextlib import contextmanager
+import os
+import signal
+
+import pytest
+from support.browser import needs_browser, start, stop, Tab
+
+pytestmark = needs_browser
+# Notes every text that a field shows, once each frame.
+WATCH = """
+window.seen = [];
+const field = arguments[0];
+const look = () => {
+  if (window.seen.at(-1) !== field.value) window.seen.push(field.value);
+  requestAnimationFrame(look);
+};
+look();
+"""
+
+
+@pytest.fixture(scope='module')
+def server():
+    process, address = start('paper')
+    yield process, address
+    stop(process)
+
+
+@pytest.fixture
+def tab(driver, server):
+    return Tab(driver, server[1])
+
+
+@pytest.fixture
+def held(server):
+    """Return a context in which the server stands still: it answers afterwards."""
+    @contextmanager
+    def held():
+        os.kill(server[0].pid, signal.SIGSTOP)
+        try:
+            yield
+        finally:
+            os.kill(server[0].pid, signal.SIGCONT)
+    return held
+
+
+def turn(tab):
+    """Wait until the mechanism has moved on."""
+    before = tab.picture()
+    tab.until(lambda: tab.picture() != before, 'motion')
+
+
+def apart(one, other):
+    """Return the difference of two angles [deg]."""
+    return abs((one - other + 180.0) % 360.0 - 180.0)
+
+
+def test_digits_typed_while_it_turns_stay_and_hold(tab):
+    from selenium.webdriver.common.keys import Keys
+    tab.click('play or pause')
+    turn(tab)
+    tab.select('input value')
+    for digit in '160.5':
+        turn(tab)
+        tab.keys(digit)
+    turn(tab)
+    turn(tab)
+    assert tab.text('input value') == '160.5'
+    tab.keys(Keys.ENTER)
+    tab.until(lambda: tab.query().get('at') == '160.5', 'the input that was typed')
+    tab.keys(Keys.TAB)
+    tab.until(lambda: tab.text('input value') != '160.5', 'the field to follow again')
+
+
+def test_a_late_answer_never_brings_back_what_was_there_before(tab, held):
+    from selenium.webdriver.common.keys import Keys
+    tab.focus_slider('seconds a cycle')
+    tab.keys(*[Keys.PAGE_UP] * 5)           # 12 degrees a second
+    tab.click('play or pause')
+    turn(tab)
+    with held():
+        old = float(tab.text('input value'))
+        there = round(old - 180.0 if old > 0.0 else old + 180.0)
+        field = tab.select('input value')
+        tab.keys(*str(there), Keys.TAB)
+        tab.driver.execute_script(WATCH, field)
+    tab.until(lambda: tab.query().get('at') == str(there), 'the input that was typed')
+    tab.until(lambda: len(tab.driver.execute_script('return window.seen')) > 3, 'motion')
+    seen = tab.driver.execute_script('return window.seen')
+    assert seen[0] == str(there) and apart(float(seen[1]), there) < 90.0
+
+
+def test_what_is_typed_is_kept_to_its_last_digit(tab):
+    from selenium.webdriver.common.keys import Keys
+    tab.select('input value')
+    tab.keys(*'60.1234567', Keys.TAB)       # the field has room for six digits
+    tab.until(lambda: tab.text('input value') == '60.1235', 'the field, left')
+    tab.until(lambda: tab.query().get('at') == '60.1234567', 'the input')
+
+
+def test_what_is_no_number_gives_way_to_the_input(tab):
+    tab.write('input value', '60')
+    tab.until(lambda: tab.query().get('at') == '60', 'the input')
+    from selenium.webdriver.common.keys import Keys
+    tab.select('input value')
+    tab.keys(Keys.DELETE, Keys.TAB)
+    tab.until(lambda: tab.text('input value') == '60', 'the input again')
+
+
+def test_every_step_of_a_slider_counts(tab, held):
+    from selenium.webdriver.common.keys import Keys
+    tab.focus_slider('linkage.a2 slider')
+    first = float(tab.text('linkage.a2'))
+    tab.keys(Keys.ARROW_RIGHT)
+    tab.until(lambda: 'linkage.a2' in tab.query(), 'a step')
+    step = float(tab.query()['linkage.a2']) - first
+    with held():
+        tab.keys(*[Keys.ARROW_RIGHT] * 3, *[Keys.ARROW_LEFT] * 3)
+    tab.keys(*[Keys.ARROW_RIGHT] * 6)
+    tab.until(lambda: float(tab.query()['linkage.a2']) == pytest.approx(first + 7 * step, 1e-9),
+              'seven steps')
+    tab.until(lambda: float(tab.text('linkage.a2')) == pytest.approx(first + 7 * step, 1e-9),
+              'the field')
+
+
+def test_a_click_on_the_slider_of_the_input_goes_there(tab):
+    from selenium.webdriver.common.action_chains import ActionChains
+    slider = tab.driver.find_element('css selector', '[role=slider][aria-label="input"]')
+    ActionChains(tab.driver).move_to_element_with_offset(
+        slider, slider.size['width'] // 4, 0).click().perform()
+    tab.until(lambda: abs(float(tab.query().get('at', 0.0)) - 90.0) < 5.0, 'three quarters')
