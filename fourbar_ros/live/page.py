@@ -95,7 +95,7 @@ class Page:
         """Take a new value of a parameter, and show the mechanism that has it."""
         if value is None:
             self._refuse(f'{name} must be given')
-        elif value != self.values.get(name):
+        elif value != self.values.get(name) or self.refusal:
             self.values = self.values | {name: value}
             self.rebuild()
         return None

@@ -101,12 +101,21 @@ def test_what_is_typed_is_kept_to_its_last_digit(tab):
 
 
 def test_what_is_no_number_gives_way_to_the_input(tab):
+    from selenium.webdriver.common.keys import Keys
     tab.write('input value', '60')
     tab.until(lambda: tab.query().get('at') == '60', 'the input')
-    from selenium.webdriver.common.keys import Keys
     tab.select('input value')
     tab.keys(Keys.DELETE, Keys.TAB)
     tab.until(lambda: tab.text('input value') == '60', 'the input again')
+
+
+def test_an_emptied_parameter_is_asked_for_until_it_is_given_again(tab):
+    from selenium.webdriver.common.keys import Keys
+    tab.select('linkage.a2')
+    tab.keys(Keys.DELETE, Keys.ENTER)
+    tab.until(lambda: tab.alarm() == 'linkage.a2 must be given', 'what is missing')
+    tab.write('linkage.a2', '1.2')
+    tab.until(lambda: not tab.alarm() and '<circle' in tab.picture(), 'the mechanism again')
 
 
 def test_every_step_of_a_slider_counts(tab, held):
