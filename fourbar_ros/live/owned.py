@@ -19,7 +19,7 @@ from nicegui.elements.mixins.value_element import ValueElement
 THROTTLE = 0.05         # [s] between two values of a slider that is moved
 
 
-class Owned(ValueElement[Any], DisableableElement):
+class Owned(ValueElement, DisableableElement):
     """
     A control whose browser counts what its user does, and whose server answers with the count.
 
