@@ -47,7 +47,8 @@ def add(verbs: Any) -> None:
                           help='largest error of the position [rad], for a slide relative to its '
                                'size, and of the energy, relative (default 1e-8)')
     simulate.add_argument('--method', choices=METHODS, default='auto',
-                          help='integrator of scipy; auto: DOP853, for stiff systems LSODA')
+                          help='integrator of scipy; auto: the energy integral where it holds, '
+                               'else DOP853, for stiff systems LSODA')
     simulate.add_argument('--torque', type=finite, default=nan, metavar='T',
                           help='constant torque [N m], for a slide force [N], for a scene with '
                                'drive.source: torque; default: none')

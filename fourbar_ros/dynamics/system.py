@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from math import inf
 from typing import Any
 
-from fourbar_ros.dynamics.drives import Drive
+from fourbar_ros.dynamics.drives import ConstantTorque, Drive
 from fourbar_ros.dynamics.elements import Element
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.phase import AT_LIMIT, Course, Phase
@@ -78,6 +78,14 @@ class System:
     def has_no_limits(self) -> bool:
         """Return whether the input can go on for ever: a crank that turns fully."""
         return bool(self.mechanism.turns_fully)
+
+    @property
+    def depends_on_input_alone(self) -> bool:
+        """Return whether all forces do: no damping, and no drive but a constant torque."""
+        drive = self.drive
+        return (not any(element.damping for element in self.equation.elements)
+                and (drive is None or drive.shaft is None
+                     and isinstance(drive.source, ConstantTorque)))
 
     def distance_to_limit(self, time: float, state: State) -> float:
         """Return a number that is zero at the ends of the stroke, and just before a toggle."""
