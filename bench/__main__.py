@@ -46,6 +46,8 @@ def main():
     parser.add_argument('--write', action='store_true', help='also write docs/bench/NAME.md')
     parser.add_argument('--samples', type=int, metavar='N',
                         help='how many, where a measurement takes samples')
+    parser.add_argument('--against', metavar='COMMIT',
+                        help='which version, where one is measured beside an earlier one')
     arguments = parser.parse_args()
     if unknown := [name for name in arguments.names if name not in MODULES]:
         parser.error(f'{unknown[0]!r}: choose from {", ".join(MODULES)}')
@@ -53,8 +55,9 @@ def main():
         print(f'\n# {about[name]}\n\n{machine()}\n')
         with contextlib.redirect_stdout(Tee()) as kept:
             run = importlib.import_module(f'bench.{name}').main
-            run(*[arguments.samples] * (arguments.samples is not None
-                                        and 'samples' in inspect.signature(run).parameters))
+            known = inspect.signature(run).parameters
+            run(**{option: value for option in ('samples', 'against') if option in known
+                   and (value := getattr(arguments, option)) is not None})
         if arguments.write:
             page = ROOT / 'docs' / 'bench' / f'{name}.md'
             page.parent.mkdir(exist_ok=True)

@@ -91,6 +91,9 @@ class Contract(ABC):
         Fields of motion and loads that can be asked for by name, and that no other kind has.
     SLIDE_DIRECTION : tuple of 2 str, optional
         Fields of the motion: cosine and sine of the direction of a driven slide; None: it is x.
+    LEAVES_OUT_ZEROS : bool
+        Whether a single step leaves out products with masses and lengths of zero. A zero in its
+        results may then have the other sign.
     mode, input, bodies, gravity, external, stroke
         What one is made with, beside its lengths; see the kinds.
 
@@ -115,6 +118,7 @@ class Contract(ABC):
     PICTURE: Any
     MODES: Mapping[int, str] = {CROSSED: '1', OPEN: '2'}
     SLIDE_DIRECTION: tuple[str, str] | None = None
+    LEAVES_OUT_ZEROS: bool = False
 
     # --- what one is made with ------------------------------------------------------------------
 

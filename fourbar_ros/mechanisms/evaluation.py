@@ -20,11 +20,13 @@ from fourbar_ros.numerics.number_types import (
     COMPLEX,
     COMPLEX_WITH_ANGLES,
     Function,
+    numbers_of,
     NumberType,
     REAL,
 )
 from fourbar_ros.numerics.program import program
 from fourbar_ros.numerics.recorded import Constants, Record
+from fourbar_ros.numerics.straight_line import make_lines
 import numpy as np
 
 # Samples for which numpy's calls of all operations of a formula take as long as the formula with
@@ -50,6 +52,43 @@ def recorded(mechanism: Any, with_loads: bool) -> tuple[Record, Constants]:
     if key not in _records:
         _records[key] = Record(formulas, data)
     return _records[key], _records[key].constants_for(data)
+
+
+MOST_LINES = 256      # structures whose lines are kept
+_lines: dict[tuple[Any, ...], Function] = {}
+
+
+def line_of(mechanism: Any, with_loads: bool) -> Function:
+    """
+    Return (position, rate, acceleration) -> motion, or (motion, loads), of floats, as tuples.
+
+    One straight line for all mechanisms of a structure: the operations of the formulas in their
+    order, so their bits, without the calls and choices between them.
+    """
+    data = mechanism.constants if with_loads else mechanism.constants._replace(bodies=None)
+    found = numbers_of(data)
+    zeros = frozenset([i for i, value in enumerate(found) if value == 0.0]
+                      if mechanism.LEAVES_OUT_ZEROS else ())
+    key = *mechanism.structure, type(mechanism.external), with_loads, zeros
+
+    def formula(numbers: NumberType, data: Any) -> Function:
+        motion_of = mechanism.motion_formula(numbers, data)
+        if not with_loads:
+            return motion_of
+        loads_of = mechanism.loads_formula(numbers, data)
+
+        def step(*given: Any) -> Any:
+            motion = motion_of(*given)
+            return motion, loads_of(motion)
+        return step
+
+    lines = _lines.get(key)
+    if lines is None:
+        if len(_lines) >= MOST_LINES:
+            _lines.clear()
+        lines = _lines[key] = make_lines(formula, data, 3, zeros)
+    line: Function = lines(found)
+    return line
 
 
 def evaluate(mechanism: Any, given: tuple[Any, ...], wanted: tuple[int, ...] | None,

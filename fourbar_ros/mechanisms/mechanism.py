@@ -17,8 +17,9 @@ from typing import Any, NoReturn
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle
 from fourbar_ros.mechanisms.contract import CRANK, CROSSED, OPEN, SLIDE  # noqa: F401
-from fourbar_ros.mechanisms.evaluation import evaluate
+from fourbar_ros.mechanisms.evaluation import evaluate, line_of
 from fourbar_ros.mechanisms.formulas import Formulas
+from fourbar_ros.mechanisms.stroke import motion_within
 from fourbar_ros.numerics.arrays import Values
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import Function, REAL
@@ -37,26 +38,30 @@ class Mechanism(Formulas):
 
     @cached_property
     def _motion_of_one(self) -> Function:
-        return self.make_motion(REAL)
+        return self._within_stroke(line_of(self, with_loads=False))
 
     @cached_property
     def _of_one(self) -> tuple[Any, ...]:
         """
-        Return what a single step needs: functions of motion and loads, their types.
+        Return what a single step needs: the function of motion and loads, their types.
 
         Or MissingBodies.
         """
         if self.bodies is None:
             raise MissingBodies
-        return self._motion_of_one, self.make_loads(REAL), self.MOTION, self.LOADS
+        return self._within_stroke(line_of(self, with_loads=True)), self.MOTION, self.LOADS
 
-    def prepare(self) -> tuple[Function, Function | None]:
+    def _within_stroke(self, line: Function) -> Function:
+        return line if self.stroke is None else motion_within(line, self.stroke, REAL)
+
+    def prepare(self) -> Function:
         """
-        Make the functions of one sample, as the first would.
+        Make the function of one sample, as the first would; the first of a structure is compiled.
 
         ArithmeticError or ValueError where numbers overflow.
         """
-        return self._motion_of_one, self.make_loads(REAL) if self.bodies else None
+        made: Function = self._of_one[0] if self.bodies else self._motion_of_one
+        return made
 
     # --- evaluated ------------------------------------------------------------------------------
 
@@ -120,7 +125,7 @@ class Mechanism(Formulas):
         """
         if fields is not None:
             return self._only(fields, (position, rate, acceleration), True)
-        motion_of, loads_of, as_motion, as_loads = self._of_one
+        line, as_motion, as_loads = self._of_one
         if not (type(position) is type(rate) is type(acceleration) is float):
             if _are_numbers(position, rate, acceleration):
                 return self.step(*self._numbers(position, rate, acceleration))
@@ -130,8 +135,7 @@ class Mechanism(Formulas):
         if (position + rate * rate + acceleration) * 0.0 != 0.0:
             self._require_finite(position, rate, acceleration)
         try:
-            motion = motion_of(position, rate, acceleration)
-            loads = loads_of(motion)
+            motion, loads = line(position, rate, acceleration)
         except (ValueError, ZeroDivisionError):
             raise self._why_no_motion(position) from None
         if sum(loads) * 0.0 != 0.0:          # one is not finite, or nearly so

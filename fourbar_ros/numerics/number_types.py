@@ -25,6 +25,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, fields, replace
+from functools import cache
 import math
 from typing import Any
 
@@ -150,3 +151,22 @@ def converted(record: Any, number: Callable[[float], Any]) -> Any:
     for field in fields(record):
         object.__setattr__(other, field.name, converted(getattr(record, field.name), number))
     return other
+
+
+def numbers_of(record: Any) -> list[float]:
+    """Return the floats of a nested record in the order in which :func:`converted` meets them."""
+    if isinstance(record, (float, int)):
+        return [record]
+    if record is None:
+        return []
+    kind: Any = type(record)
+    parts = (record if isinstance(record, tuple)
+             else [getattr(record, name) for name in _names_of(kind)])
+    return [number for part in parts
+            for number in ((part,) if type(part) is float else numbers_of(part))]
+
+
+@cache
+def _names_of(kind: Any) -> tuple[str, ...]:
+    """Return the names of the fields of a dataclass."""
+    return tuple([field.name for field in fields(kind)])

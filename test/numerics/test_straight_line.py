@@ -1,15 +1,18 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """A straight line of floats does what the formula with floats does, bit by bit, and no more."""
-from math import copysign, inf, pi
+from dataclasses import replace
+from math import copysign, fsum, inf, pi
 
+from fourbar_ros import Applied, Body
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.numerics.number_types import REAL
-from fourbar_ros.numerics.straight_line import straight_line
+from fourbar_ros.numerics.straight_line import make_lines, straight_line
 import numpy as np
 import pytest
 from support import contract
 from support.contract import CASES
+from support.dyad_reference import random_machines
 
 every_case = pytest.mark.parametrize('case', CASES, ids=contract.name_of)
 
@@ -36,6 +39,58 @@ def test_it_refuses_what_the_formula_refuses(case):
             lambda coefficients: lambda q: coefficients(q)[0][:2])(mechanism.make_coefficients(n)))
         with pytest.raises(ValueError):
             line(outside)
+
+
+def bits(values):
+    return [float(value).hex() for value in values]
+
+
+@every_case
+def test_steps_have_the_bits_of_the_formulas(case):
+    """Signs of zeros too: with all masses, without gravity, and with bodies of no mass."""
+    for mechanism, given in contract.ordinary(case, 402, 30):
+        nothing = type(mechanism.bodies)._make([Body(0.0)] * len(mechanism.bodies))
+        for one in (mechanism, replace(mechanism, gravity=(0.0, -0.0)),
+                    replace(mechanism, bodies=nothing, external=type(mechanism.external)())):
+            motion = one.motion_formula(REAL, one.constants)(*given)
+            loads = one.loads_formula(REAL, one.constants)(motion)
+            found = one.step(*given)
+            assert bits(one.motion(*given)) == bits(motion) == bits(found[0])
+            assert bits(found[1]) == bits(loads)
+
+
+def test_steps_of_machines_with_other_loads_are_those_of_the_formulas():
+    """Also where a load that was zero no longer is, or is no longer there: lines are shared."""
+    for mechanism, given in random_machines(403, 5, dyads=(1, 4), least_sine=0.2):
+        count = len(mechanism.external)
+        for acting in (Applied(), Applied(force_y=2.0), Applied(1.0, -2.0, 0.3, 0.1, 5.0)):
+            one = mechanism.with_external(type(mechanism.external)._make([acting] * count))
+            motion = one.motion_formula(REAL, one.constants)(*given)
+            assert one.step(*given) == (motion, one.loads_formula(REAL, one.constants)(motion))
+
+
+def test_a_line_is_written_once_for_a_structure():
+    written = []
+
+    def formula(n, data):
+        written.append(data)
+        (a, b), c = data
+        ratio, total = a / b, n.exact_sum((a, b, c))
+        return lambda x: ((ratio * x, c * x), total)
+    lines = make_lines(formula, ((1.0, 3.0), 0.0), 1)
+    for a, b, c in ((1.0, 3.0, 0.0), (2.0, 7.0, -1.0), (0.1, 0.2, -0.3)):
+        assert lines((a, b, c))(-5.0) == ((a / b * -5.0, c * -5.0), fsum((a, b, c)))
+    assert len(written) == 1
+    assert copysign(1.0, lines((1.0, 3.0, 0.0))(-5.0)[0][1]) == -1.0
+    with pytest.raises(ZeroDivisionError):
+        lines((1.0, 0.0, 0.0))
+
+
+def test_data_known_to_be_zero_are_left_out():
+    lines = make_lines(lambda n, data: lambda x: (data[0] * x + data[1] * n.sin(x),),
+                       (2.0, 0.0), 1, zeros={1})
+    line = lines((3.0, 0.0))
+    assert line(2.0) == (6.0,) and 'sin' not in line.__code__.co_varnames
 
 
 def test_the_registry_is_covered():

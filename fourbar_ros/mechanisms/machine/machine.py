@@ -104,6 +104,7 @@ class Machine(WithLimits):
 
     TITLE = 'machine of dyads'
     MARGIN_SIGNS, PICTURE = (), diagram
+    LEAVES_OUT_ZEROS = True       # most of their links have no mass or no offset
     TEXT = 'a driven link and dyads, any planar linkage of Assur groups of class II'
 
     def __post_init__(self) -> None:
