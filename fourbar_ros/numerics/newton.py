@@ -24,6 +24,12 @@ SAFETY = 64.0
 
 def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array,
                  x: Array) -> Array:
+    """Return the roots of :func:`newton_roots_and_states` alone."""
+    return newton_roots_and_states(function, row, xa, xb, fa, x)[0]
+
+
+def newton_roots_and_states(function: Function, row: Array, xa: Array, xb: Array, fa: Array,
+                            x: Array) -> list[Array]:
     """
     Return the root of a function in each bracket, to the last bits of x, all together.
 
@@ -34,19 +40,24 @@ def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array
     Parameters
     ----------
     function : callable
-        (x, row) -> f and the step f/f'.
+        (x, row) -> f, the step f/f' and any other arrays. As long as no root is found, ``row`` is
+        the same object.
     row : ndarray
         The row of each bracket.
     xa, xb, fa, x : ndarray
         Where f changes its sign, its value at the first of them, and a first guess.
 
+    Returns
+    -------
+    list of ndarray
+        The roots; the last step to each; and the other arrays, at the root plus this step.
+
     """
     x = np.where(fa == 0.0, 0.5 * (xa + xb), x)      # a zero at xa lies before the change of sign
-    root: Array = x.copy()
-    todo: Array = np.arange(x.size)
+    todo, found = np.arange(x.size), []
     width, positive, last = xb - xa, fa >= 0.0, xb - xa
-    while todo.size:
-        f, step = function(x, row)
+    while True:
+        f, step, *state = function(x, row)
         before = (f >= 0.0) == positive
         xa, xb = np.where(before, x, xa), np.where(before, xb, x)
         better = x - step
@@ -56,13 +67,24 @@ def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array
         done = np.where(is_newton, SAFETY * step * step <= tolerance * width,
                         xb - xa <= 2.0 * tolerance)
         done |= ~np.isfinite(f)              # overflow: no root to be found
-        last, x = np.abs(better - x), better
-        root[todo] = x
+        taken = x - better
+        if done.all():
+            found.append([todo, better, taken, *state])
+            return _in_order(found)
+        last, x = np.abs(taken), better
         if done.any():
+            found.append([v[done] for v in (todo, better, taken, *state)])
             going = ~done
             todo, row, xa, xb, x, last, width, positive = (
                 v[going] for v in (todo, row, xa, xb, x, last, width, positive))
-    return root
+
+
+def _in_order(found: list[list[Array]]) -> list[Array]:
+    """Return arrays given in parts, each part with the places of its elements first."""
+    place, *arrays = [np.concatenate(parts) for parts in zip(*found)]
+    order = np.empty_like(place)
+    order[place] = np.arange(place.size)
+    return [array[order] for array in arrays]
 
 
 def newton_root(function: Function, xa: float, xb: float, fa: float,

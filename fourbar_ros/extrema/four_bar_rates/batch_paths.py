@@ -19,24 +19,40 @@ from fourbar_ros.numerics.number_types import ARRAY
 from fourbar_ros.numerics.roots import find_brackets, first_guesses, turn_after
 import numpy as np
 
+# Linkages whose samples are computed together, so that they stay in the cache.
+TOGETHER = 512
+
 
 class Path:
     """
     Samples of linkages ``row`` along one path each.
 
-    Sh, ch = sin, cos(theta1/2): shape (samples, linkages).
+    ``halves``: sin and cos(theta1/2), each of shape (halves of the path, samples of a half,
+    linkages), and whether each half lies in theta1 > 0.
 
     ``step``: of u between samples, with the sign of X: shape (linkages,).
     """
 
-    def __init__(self, row: Array, constants: Array, halves: tuple[Array, Array], step: Array,
-                 is_closed: bool, limits: Array) -> None:
-        sh, ch = halves
-        self.row, self.sh, self.ch, self.third, self.is_closed = row, sh, ch, step / 3.0, is_closed
-        self.g, self.gu, self.k, self.ku, self.X, self.Y = make_sines(
-            ARRAY, tuple(constants))(sh, ch)
-        self.number = 0       # of roots of k
+    def __init__(self, row: Array, constants: Array, halves: tuple[Array, Array, list[bool]],
+                 step: Array, is_closed: bool, limits: Array) -> None:
+        sh, ch, is_positive = halves
+        self.row, self.third, self.is_closed = row, step / 3.0, is_closed
+        adds = np.array(is_positive)[:, None, None] == (constants[-1] > 0.0)
+        found = np.empty((6, *sh.shape))
+        for start in range(0, row.size, TOGETHER):
+            part = slice(start, start + TOGETHER)
+            sines = make_sines(ARRAY, tuple(constants[:, part]))
+            for whole, values in zip(found, sines(sh[..., part], ch[..., part], adds[..., part])):
+                whole[..., part] = values
+        self.sh, self.ch, self.g, self.gu, self.k, self.ku, self.X, self.Y = (
+            v.reshape(-1, row.size) for v in (sh, ch, *found))
+        self._column = row[:0]      # of each root of k
         self._limits = limits[:, row]
+
+    @property
+    def number(self) -> int:
+        """Return the number of roots of k."""
+        return self._column.size
 
     def angle(self, i: Any, column: Any) -> Array:
         angles: Array = 2.0 * np.arctan2(self.sh[i, column], self.ch[i, column])
@@ -59,7 +75,7 @@ class Path:
             lambda x, column: k_at(x, self.row[column]),
             lambda i, column: (self.angle(i, column), self.third[column] * self.X[i, column]),
             self.k, self.third * self.ku, self.is_closed)
-        self.number = i.size
+        self._column = column
         return i, self.row[column], *bracket
 
     def _g(self, i: Array, column: Array) -> tuple[Array, Array, Array]:
@@ -67,30 +83,35 @@ class Path:
         g = self.g[i, column]
         return self.angle(i, column), g, g * self.X[i, column] / self.gu[i, column]
 
-    def brackets_of_g(self, i: Array, row: Array, root: Array,
-                      *g_there: Array) -> tuple[Array, ...]:
+    def brackets_of_g(self, i: Array, root: Array, *g_there: Array) -> tuple[Array, ...]:
         """Return (row, xa, xb, fa, guess) of sign changes of g between samples, roots of k."""
-        column, number = np.searchsorted(self.row, row), len(self.g)
+        column, number = self._column, len(self.g)
         positive = self.g >= 0.0
         if self.is_closed:
             positive = np.concatenate((positive, positive[:1]))
         changes = positive[1:] != positive[:-1]
-        # Chains sample, roots of k, sample of the intervals with such roots; the others whole.
-        divided = np.zeros(changes.shape, bool)
-        divided[i, column] = True
-        j, one = np.nonzero(changes | divided)
-        before, after = self._g(j, one), self._g((j + 1) % number, one)
-        after = turn_after(after[0], before[0]), *after[1:]
+        # Intervals with roots of k are gone through root by root, from sample to sample.
+        changes[i, column] = False
         start = self.angle(i, column)
-        # in its turn
         root = np.maximum(root + 2.0 * pi * np.round((start - root) / (2.0 * pi)), start)
-        key = np.concatenate((one * number + j, column * number + i, one * number + j))
-        x, g, step = stacked((before, (root, *g_there), after))
-        order = np.lexsort((x, key))
-        key, x, g, step = key[order], x[order], g[order], step[order]
-        n = np.nonzero((key[1:] == key[:-1]) & ((g[1:] >= 0.0) != (g[:-1] >= 0.0)))[0]
-        guess = first_guesses(x[n], x[n + 1], g[n], g[n + 1], step[n], step[n + 1])
-        return self.row[key[n] // number], x[n], x[n + 1], g[n], guess
+        order = np.lexsort((root, column * number + i))
+        i, column = i[order], column[order]
+        roots = [v[order] for v in (root, *g_there)]
+        is_positive, is_next = roots[1] >= 0.0, (i[1:] == i[:-1]) & (column[1:] == column[:-1])
+        first, last = np.append(True, ~is_next), np.append(~is_next, True)
+        j, one = np.nonzero(changes)
+        first = np.nonzero(first & (positive[i, column] != is_positive))[0]
+        between = np.nonzero(is_next & (is_positive[1:] != is_positive[:-1]))[0]
+        last = np.nonzero(last & (is_positive != positive[i + 1, column]))[0]
+        columns = np.concatenate((one, column[first], column[between], column[last]))
+        xa, ga, step_a = stacked((
+            self._g(j, one), self._g(i[first], column[first]),
+            [v[between] for v in roots], [v[last] for v in roots]))
+        xb, gb, step_b = stacked((
+            self._g((j + 1) % number, one), [v[first] for v in roots],
+            [v[between + 1] for v in roots], self._g((i[last] + 1) % number, column[last])))
+        xb = turn_after(xb, xa)
+        return self.row[columns], xa, xb, ga, first_guesses(xa, xb, ga, gb, step_a, step_b)
 
 
 def _half_turn(constants: Array, crosses_out: bool,
@@ -119,14 +140,15 @@ def paths_of(constants: Array, chosen: Array, limits: Array) -> Iterator[Path]:
             scale = 1.0 / np.sqrt(up * up + down * down)
             sh, ch = up * scale, down * scale
             step = c[-1] * step * period * unit * 0.5 / c[-2]
-            one, other = (-sh[::-1], ch[::-1]), (sh, ch)
+            low, high = (-sh[::-1], ch[::-1]), (sh, ch)
             if not crosses_in and not crosses_out:
-                yield Path(group, c, one, step, False, limits)
-                yield Path(group, c, other, step, False, limits)
+                yield Path(group, c, (low[0][None], low[1][None], [False]), step, False, limits)
+                yield Path(group, c, (sh[None], ch[None], [True]), step, False, limits)
             else:
-                both = (one, other) if crosses_in else (other, one)
-                sh, ch = (np.concatenate(pair) for pair in zip(*both))
-                yield Path(group, c, (sh, ch), step, crosses_in and crosses_out, limits)
+                both = (low, high) if crosses_in else (high, low)
+                sh, ch = (np.stack(pair) for pair in zip(*both))
+                yield Path(group, c, (sh, ch, [not crosses_in, crosses_in]), step,
+                           crosses_in and crosses_out, limits)
 
 
 def stacked(tuples: Iterable[Sequence[Array]]) -> list[Array]:

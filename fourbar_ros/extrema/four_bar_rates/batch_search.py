@@ -12,14 +12,20 @@ from dataclasses import replace
 
 from fourbar_ros.extrema.find import CONSTANT, find_extrema, MAXIMUM
 from fourbar_ros.extrema.four_bar_rates.batch_paths import Path, paths_of, stacked
-from fourbar_ros.extrema.four_bar_rates.search import make_sines, POLISH, sine_constants
+from fourbar_ros.extrema.four_bar_rates.search import (
+    make_sines,
+    POLISH,
+    sine_constants,
+    Sines,
+)
 from fourbar_ros.extrema.methods import RATES
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.mechanisms.four_bar.motion import make_motion
+from fourbar_ros.mechanisms.half_angle import bilinear_factors, Factors
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.exact_sums import difference_of_squares, exact_sum_of_four
-from fourbar_ros.numerics.newton import newton_roots
+from fourbar_ros.numerics.exact_sums import exact_sum_of_four
+from fourbar_ros.numerics.newton import newton_roots_and_states
 from fourbar_ros.numerics.number_types import ARRAY, power_of_two_of_arrays
 from fourbar_ros.numerics.roots import fold
 import numpy as np
@@ -41,55 +47,75 @@ def search_chunk(lengths: Array, sign: Array, rate: Array) -> tuple[Rows, Rows]:
     unequal = scaled.max(axis=0) > UNEQUAL * scaled.min(axis=0)
     is_flat = closes & ((constants[0] == 0.0) | (constants[1] == 0.0))
     upward, forward = sign > 0.0, rate > 0.0
-
-    def at(x: Array, row: Array) -> tuple[Array, ...]:
-        return make_sines(ARRAY, tuple(constants[:, row]))(np.sin(0.5 * x), np.cos(0.5 * x))
-
-    def g_at(x: Array, row: Array) -> tuple[Array, Array]:
-        g, gu, _, _, X, _ = at(x, row)
-        return g, g * X / gu
-
-    def k_at(x: Array, row: Array) -> tuple[Array, Array]:
-        _, _, k, ku, X, _ = at(x, row)
-        return k, k * X / ku
-
     found = _at_change_points(np.nonzero(is_flat)[0].tolist(), lengths, sign, rate)
     paths = list(paths_of(constants, closes & ~is_flat, limits))
     _add_toggles(found, paths, upward, forward)
+    if not paths:
+        return found
+    sines = _Sines(constants)
 
     # All roots of k at once; then those of g between them and the samples.
-    if paths:
-        with np.errstate(all='ignore'):
-            cells, *brackets = stacked(path.brackets_of_k(lambda x, row: k_at(x, row)[0])
-                                       for path in paths)
-            rows, falls, x = brackets[0], brackets[3] >= 0.0, newton_roots(k_at, *brackets)
-            g, gu, _, _, X, _ = at(x, rows)
-            value = g / X**3
-            _improve(scaled, sign, unequal, (rows, x.copy()), value)
-            found[1].append((rows, fold(x), rate[rows]**2 * value, falls == upward[rows],
-                             np.zeros(x.size, int)))
-            ends = np.cumsum([path.number for path in paths])
-            parts = (np.split(v, ends[:-1]) for v in (cells, rows, x, g, g * X / gu))
-            brackets = stacked(path.brackets_of_g(*part) for path, *part in zip(paths, *parts))
-            rows, falls, x = brackets[0], brackets[3] >= 0.0, newton_roots(g_at, *brackets)
-            _, _, k, _, X, Y = at(x, rows)
-            value = Y / X
-            _improve(scaled, sign, unequal, (rows, x), value, k / X**5)
-            found[0].append((rows, fold(x), rate[rows] * value,
-                             (falls == upward[rows]) == forward[rows],
-                             np.zeros(x.size, int)))
+    with np.errstate(all='ignore'):
+        cells, *brackets = stacked(path.brackets_of_k(sines.k) for path in paths)
+        rows, falls = brackets[0], brackets[3] >= 0.0
+        x, step, g, gu, k, X = newton_roots_and_states(sines.k_and_step, *brackets)
+        value = g / X**3 - 0.5 * step * k / X**5        # g/X^3, of slope k/X^5, at the root
+        _improve(scaled, sign, unequal, (rows, x.copy()), value)
+        found[1].append((rows, fold(x), rate[rows]**2 * value, falls == upward[rows],
+                         np.zeros(x.size, int)))
+        ends = np.cumsum([path.number for path in paths])
+        g -= gu / X * step
+        parts = (np.split(v, ends[:-1]) for v in (cells, x, g, g * X / gu))
+        brackets = stacked(path.brackets_of_g(*part) for path, *part in zip(paths, *parts))
+        rows, falls = brackets[0], brackets[3] >= 0.0
+        x, step, g, k, X, Y = newton_roots_and_states(sines.g_and_step, *brackets)
+        value = Y / X - 0.5 * step * g / X**3
+        _improve(scaled, sign, unequal, (rows, x), value, k / X**5)
+        found[0].append((rows, fold(x), rate[rows] * value, (falls == upward[rows])
+                         == forward[rows], np.zeros(x.size, int)))
     return found
+
+
+class _Sines:
+    """The functions of :func:`.make_sines` for some of many linkages, theta1 by theta1."""
+
+    def __init__(self, constants: Array) -> None:
+        self._constants = constants
+        self._row: Array | None = None
+        self._at: Sines
+
+    def _of(self, x: Array, row: Array) -> tuple[Array, ...]:
+        if row is not self._row:
+            self._row, self._at = row, make_sines(
+                ARRAY, tuple(self._constants.take(row, axis=1)))
+        x = 0.5 * x
+        return self._at(np.sin(x), np.cos(x))
+
+    def k(self, x: Array, row: Array) -> Array:
+        return self._of(x, row)[2]
+
+    def k_and_step(self, x: Array, row: Array) -> tuple[Array, ...]:
+        """Return k, the step of Newton's method, g, g_u, k, X."""
+        g, gu, k, ku, X, _ = self._of(x, row)
+        return k, k * X / ku, g, gu, k, X
+
+    def g_and_step(self, x: Array, row: Array) -> tuple[Array, ...]:
+        """Return g, the step of Newton's method, g, k, X, Y."""
+        g, gu, k, _, X, Y = self._of(x, row)
+        return g, g * X / gu, g, k, X, Y
 
 
 def _prepared(lengths: Array, sign: Array) -> tuple[Array, Array, Array, Array]:
     """Return lengths of about one, which linkages close, constants of the sines, toggles."""
     with np.errstate(all='ignore'):
         scaled = np.ldexp(lengths, -np.frexp(lengths.max(axis=0))[1])
-        closes = _closes(scaled) & (lengths > 0.0).all(axis=0)
-        a1, a2, a3, a4 = scaled
-        constants = np.array(np.broadcast_arrays(
-            *sine_constants(a1, a2, a3, a4, sign, exact_sum_of_four)))
-        return scaled, closes, constants, _limits(scaled, *constants[:2])
+        factors = bilinear_factors(*scaled, exact_sum_of_four)
+        constants = np.array(sine_constants(scaled, factors, sign))
+        # each link shorter than the other three together
+        closes = ((factors.A2 > 0.0) & (factors.B1 > 0.0) & (factors.C2 > 0.0)
+                  & (factors.D2 < 0.0) & np.isfinite(scaled).all(axis=0)
+                  & (lengths > 0.0).all(axis=0))
+        return scaled, closes, constants, _limits(factors, *constants[:2])
 
 
 def _at_change_points(indices: list[int], lengths: Array, sign: Array,
@@ -114,27 +140,13 @@ def _add_toggles(found: tuple[Rows, Rows], paths: list[Path], upward: Array,
                                  np.full(x.size, side)))
 
 
-def _closes(scaled: Array) -> Array:
-    """
-    Return whether each linkage can be assembled.
-
-    Each link shorter than the other three together.
-    """
-    signs = (-1.0, 1.0, 1.0, 1.0), (1.0, -1.0, 1.0, 1.0), (1.0, 1.0, -1.0, 1.0), (1.0, 1.0, 1.0,
-                                                                                  -1.0)
-    slack = [exact_sum_of_four([s * a for s, a in zip(row, scaled)]) for row in signs]
-    return np.all(np.array(slack) > 0.0, axis=0) & np.isfinite(scaled).all(axis=0)
-
-
-def _limits(lengths: Array, s1: Array, s2: Array) -> Array:
+def _limits(f: Factors, s1: Array, s2: Array) -> Array:
     """
     Return theta1 of the toggles of each linkage, shape (2, n): near 0 and near pi.
 
     NaN where there is none.
     """
-    a1, a2, a3, a4 = lengths
-    inner = difference_of_squares(a1, a4, a2, -a3, exact_sum_of_four)
-    outer = difference_of_squares(a2, a3, a1, -a4, exact_sum_of_four)
+    inner, outer = f.A2 * f.B1, -f.C2 * f.D2     # s2b, s1b of input_paths, without their sums
     return np.array((2.0 * np.arctan2(np.sqrt(-s2), np.sqrt(inner)),
                      2.0 * np.arctan2(np.sqrt(outer), np.sqrt(-s1))))
 

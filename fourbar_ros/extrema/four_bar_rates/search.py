@@ -18,15 +18,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
-from math import atan2, cos, fsum, inf, nan, sin
+from math import atan2, cos, inf, nan, sin
 from typing import Any, NamedTuple
 
 from fourbar_ros.extrema.four_bar_rates.input_paths import half_turn, phases, POINTS_PER_FEATURE
 from fourbar_ros.extrema.four_bar_rates.sensitivity import rate_changes
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
-from fourbar_ros.mechanisms.half_angle import half_angle_coefficients
+from fourbar_ros.mechanisms.half_angle import bilinear_factors, Factors
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
+from fourbar_ros.numerics.exact_sums import scaled
 from fourbar_ros.numerics.newton import newton_root
 from fourbar_ros.numerics.number_types import Function, NumberType, REAL
 from fourbar_ros.numerics.roots import (
@@ -52,27 +52,30 @@ def make_sines(n: NumberType, constants: Sequence[Any]) -> Sines:
 
     ``constants`` are those of :func:`sine_constants`; the pose is found as in
     :func:`~fourbar_ros.mechanisms.four_bar.motion.make_motion`. u is in units of 1/(a2 a3): X =
-    sin(y-b).
+    sin(y-b). A third argument says, for many samples with theta1/2 in one quadrant, whether sh ch
+    has the sign of X in all of them.
     """
     sqrt, fabs, where = n.sqrt, n.fabs, n.where
     s1, s2, k, yA, yB, yC, yD, yM, bA, bB, bC, bD, bM, r13, r42, half, sign = constants
     # as in the motion of a four-bar, (M1) and (M2): what adds for one angle adds for both
     adding, other = (yB, yD, bB, bD, 1.0), (yA, yC, bA, bC, -1.0)
+    half_k, half_cX = half * k, 0.5 * half
+    half_cx = half_cX * k
 
-    def sines(sh: Any, ch: Any) -> tuple[Any, ...]:
+    def sines(sh: Any, ch: Any, adds: Any = None) -> tuple[Any, ...]:
         ss, cc, sc = sh * sh, ch * ch, sh * ch
         u, w = s1 + k * cc, s2 + k * ss
         root = sign * sqrt(fabs(u * w))       # at a toggle u or w may round to less than zero
-        y_s, y_c, b_s, b_c, side = where(sc * root > 0.0, adding, other)
+        y_s, y_c, b_s, b_c, side = where(sc * root > 0.0 if adds is None else adds, adding, other)
         signed = side * root
         p, q = y_s * ss + y_c * cc, yM * sc + signed
-        scale = r42 / (p * p + q * q)
-        cy, XB = side * (q - p) * (q + p) * scale, 2.0 * p * q * scale     # a3 a4 cos(y), X - B
+        scale = side * r42 / (p * p + q * q)
+        cy, XB = (q - p) * (q + p) * scale, 2.0 * side * p * q * scale     # a3 a4 cos(y), X - B
         p, q = b_s * ss + b_c * cc, bM * sc - signed
-        scale = r13 / (p * p + q * q)
-        cY, Y = side * (q - p) * (q + p) * scale, -2.0 * p * q * scale     # a1 a2 cos(x-b)
-        cX, X = 0.5 * half * (u - w), half * root                      # a2 a3 cos(y-b)
-        cx, YB = 0.5 * half * k * (cc - ss), half * k * sc             # a1 a4 cos(x), Y - B
+        scale = side * r13 / (p * p + q * q)
+        cY, Y = (q - p) * (q + p) * scale, -2.0 * side * p * q * scale     # a1 a2 cos(x-b)
+        cX, X = half_cX * (u - w), half * root                         # a2 a3 cos(y-b)
+        cx, YB = half_cx * (cc - ss), half_k * sc                      # a1 a4 cos(x), Y - B
         Xu = cX * YB
         Yu = cY * XB
         P, Q = cY * cy - XB * XB, cX * cx - YB * YB                    # Y_uu/Y, X_uu/X
@@ -83,15 +86,19 @@ def make_sines(n: NumberType, constants: Sequence[Any]) -> Sines:
     return sines
 
 
-def sine_constants(a1: Any, a2: Any, a3: Any, a4: Any, sign: Any,
-                   exact_sum: Function = fsum) -> tuple[Any, ...]:
-    """Return the constants of :func:`make_sines`; the largest length should be about one."""
-    yA, yB, yC, yD, yM = half_angle_coefficients(a1, a2, a3, a4, exact_sum)
-    bA, bB, bC, bD, bM = half_angle_coefficients(-a4, a3, -a2, -a1, exact_sum)       # of b - x
-    return (difference_of_squares(a2, a3, a1, a4, exact_sum),
-            difference_of_squares(a1, -a4, a2, -a3, exact_sum),
-            4.0 * a1 * a4, yA, yB, yC, yD, yM, bA, bB, bC, bD, -bM, a1 / a3, a4 / a2,
-            0.5 / (a2 * a3), sign)
+def sine_constants(lengths: Sequence[Any], factors: Factors, sign: Any) -> tuple[Any, ...]:
+    """
+    Return the constants of :func:`make_sines`; the largest length should be about one.
+
+    ``factors`` are the :func:`.bilinear_factors` of the lengths. Their products are s1, s2 of
+    :mod:`.input_paths` and the :func:`.half_angle_coefficients` of y and, of the lengths -a4, a3,
+    -a2, -a1 whose sums they are too but for the sign, of b - x.
+    """
+    (a1, a2, a3, a4), f = lengths, factors
+    return (-f.A1 * f.B2, f.C1 * f.D1, 4.0 * a1 * a4,
+            f.A1 * f.A2, f.B1 * f.B2, f.C1 * f.C2, f.D1 * f.D2, 4.0 * a1 * a3,
+            f.A1 * f.B1, f.A2 * f.B2, f.C1 * f.D2, f.C2 * f.D1, -4.0 * a2 * a4,
+            a1 / a3, a4 / a2, 0.5 / (a2 * a3), sign)
 
 
 class RateExtremum(NamedTuple):
@@ -139,8 +146,8 @@ def rate_extrema(linkage: FourBar, samples: int = SAMPLES, with_conditions: bool
         theta4'' go to plus infinity.
 
     """
-    a1, a2, a3, a4 = scaled(linkage.lengths)
-    constants = sine_constants(a1, a2, a3, a4, linkage.sign)
+    lengths = scaled(linkage.lengths)
+    constants = sine_constants(lengths, bilinear_factors(*lengths), linkage.sign)
     sines = make_sines(REAL, constants)
     upward = linkage.sign > 0.0       # X > 0: signs of g and k are those of theta4'' and theta4'''
     motion = linkage.motion_formula(REAL, linkage.constants)
