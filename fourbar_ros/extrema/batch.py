@@ -8,7 +8,7 @@ Extrema of the output's rate and acceleration of many linkages at once.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import find_extrema
@@ -21,7 +21,7 @@ from fourbar_ros.numerics.given import array
 from fourbar_ros.numerics.roots import EPS
 import numpy as np
 
-# Linkages taken at a time: their samples stay in the cache.
+# Linkages searched at a time, at most 2^16.
 CHUNK = 4096
 # Values nearer to each other than this part of them may be equal, as far as their conditions tell.
 NEARLY = 1e-8
@@ -54,6 +54,10 @@ class Extrema(NamedTuple):
     side: Array
 
 
+NOTHING = Extrema(np.zeros(0, int), np.zeros(0), np.zeros(0), np.zeros(0, bool),
+                  np.zeros(0, bool), np.zeros(0, int))
+
+
 def find_extrema_many(a1: Values, a2: Values, a3: Values, a4: Values, mode: Values = OPEN,
                       rate: Values = 1.0, progress: Callable[[float], object] | None = None
                       ) -> dict[str, Extrema]:
@@ -84,61 +88,75 @@ def find_extrema_many(a1: Values, a2: Values, a3: Values, a4: Values, mode: Valu
                                'must have shapes that broadcast') from None
     if not (np.isfinite(rate) & (rate != 0.0)).all():
         raise InvalidParameter('rate', rate, 'must be finite, not zero')
-    if not np.isin(mode, (CROSSED, OPEN)).all():
+    if not ((mode == CROSSED) | (mode == OPEN)).all():
         raise InvalidParameter('mode', mode, 'must be 1 (crossed) or 2 (open)')
     lengths = np.array((a1, a2, a3, a4), dtype=float)
     sign = np.where(mode == OPEN, 1.0, -1.0)
-    parts: tuple[Rows, Rows] = [], []
+    parts = {name: [NOTHING] for name in RATES}
     for start in range(0, sign.size, CHUNK):
         chunk = slice(start, start + CHUNK)
-        found_here = search_chunk(lengths[:, chunk], sign[chunk], rate[chunk])
-        for quantity, rows in zip(parts, found_here):
-            quantity += [(index + start, *others) for index, *others in rows]
+        found = search_chunk(lengths[:, chunk], sign[chunk], rate[chunk])
+        for name, rows in zip(RATES, found):
+            part, in_doubt = _collected(rows)
+            _decide_ties(name, part, in_doubt, lengths[:, chunk], mode[chunk], rate[chunk])
+            parts[name].append(part._replace(index=part.index + start))
         if progress is not None:
             progress(min(start + CHUNK, sign.size) / sign.size)
-    found = {name: _collect(rows) for name, rows in zip(RATES, parts)}
-    for name, part in found.items():
-        _decide_ties(name, part, lengths, mode, rate)
-    return found
+    return {name: Extrema(*map(np.concatenate, zip(*found_there)))
+            for name, found_there in parts.items()}
 
 
-def _decide_ties(name: str, part: Extrema, lengths: Array, mode: Array, rate: Array) -> None:
-    """Mark as global, where conditions decide, the extrema that a single linkage has."""
-    low, high = _of_each(np.minimum, part), _of_each(np.maximum, part)
+def _collected(rows: Rows) -> tuple[Extrema, Array]:
+    """
+    Return :class:`Extrema` of lists of arrays, sorted, the global ones marked.
+
+    Also return the linkages of which others may be global too, as far as their conditions tell.
+    """
+    if not rows:
+        return NOTHING, NOTHING.index
+    columns = [np.concatenate(arrays) for arrays in zip(*rows)]
+    order = _order(*columns[:2])
+    index, theta1, value, is_maximum, side = (column[order] for column in columns)
+    best = _best(index, value, is_maximum)
     with np.errstate(invalid='ignore'):
-        best = np.where(part.is_maximum, high, low)
-        near = ~part.is_global & np.isfinite(best) & (np.abs(part.value - best)
-                                                      <= NEARLY * np.abs(best))
-    for j in np.unique(part.index[near]).tolist():
+        beyond, size = np.abs(best - value), np.where(np.isfinite(best), np.abs(best), np.nan)
+        is_global = (value == best) | (beyond <= 64 * EPS * size)
+        is_near = ~is_global & (beyond <= NEARLY * size)
+    return (Extrema(index, theta1, value, is_maximum, is_global, side), np.unique(index[is_near]))
+
+
+def _order(index: Array, theta1: Array) -> Array:
+    """
+    Return the order by index, then theta1.
+
+    Two stable sorts of 16 bits, which numpy does digit by digit, leave only neighbours in theta1
+    to be sorted by comparison.
+    """
+    steps = (theta1 * (2**16 / 6.5)).astype(np.uint16)
+    order = np.argsort(steps, kind='stable')
+    order = order[np.argsort(index[order].astype(np.uint16), kind='stable')]
+    i, x = index[order], theta1[order]
+    if ((i[1:] == i[:-1]) & (x[1:] < x[:-1])).any():
+        return np.lexsort((theta1, index))
+    return order
+
+
+def _best(index: Array, value: Array, is_maximum: Array) -> Array:
+    """Return for each row the largest value of its linkage if it is a maximum, else the least."""
+    if not index.size:
+        return value
+    is_first = np.append(True, index[1:] != index[:-1])
+    first, linkage = np.nonzero(is_first)[0], np.cumsum(is_first) - 1
+    low, high = (extreme.reduceat(value, first) for extreme in (np.minimum, np.maximum))
+    return np.where(is_maximum, high[linkage], low[linkage])
+
+
+def _decide_ties(name: str, part: Extrema, in_doubt: Array, lengths: Array, mode: Array,
+                 rate: Array) -> None:
+    """Mark as global, where conditions decide, the extrema that a single linkage has."""
+    for j in in_doubt.tolist():
         a1, a2, a3, a4 = lengths[:, j].tolist()
         alone = find_extrema(FourBar(a1, a2, a3, a4, int(mode[j])), name, float(rate[j]))
         rows = np.nonzero(part.index == j)[0]
         if rows.size == len(alone):
             part.is_global[rows] = [extremum.is_global for extremum in alone]
-
-
-def _of_each(extreme: Any, part: Extrema) -> Array:
-    """Return the extreme value of the linkage of each row."""
-    if not part.index.size:
-        return part.value
-    first = np.nonzero(np.concatenate(([True], part.index[1:] != part.index[:-1])))[0]
-    return np.repeat(extreme.reduceat(part.value, first),
-                     np.diff(np.append(first, part.index.size)))
-
-
-def _collect(rows: Rows) -> Extrema:
-    """Return :class:`Extrema` of lists of arrays, sorted, the global ones marked."""
-    empty = np.zeros(0)
-    index, theta1, value, is_maximum, side = (
-        np.concatenate([row[i] for row in rows]) if rows else empty for i in range(5))
-    index, is_maximum, side = index.astype(int), is_maximum.astype(bool), side.astype(int)
-    order = np.lexsort((theta1, index))
-    index, theta1, value, is_maximum, side = (v[order] for v in (index, theta1, value, is_maximum,
-                                                                 side))
-    part = Extrema(index, theta1, value, is_maximum, np.zeros(index.size, bool), side)
-    low, high = _of_each(np.minimum, part), _of_each(np.maximum, part)
-    with np.errstate(invalid='ignore'):
-        is_global = np.where(is_maximum, value >= high - np.where(np.isinf(high), 0.0,
-                                                                  64 * EPS * np.abs(high)),
-                             value <= low + np.where(np.isinf(low), 0.0, 64 * EPS * np.abs(low)))
-    return part._replace(is_global=is_global)
