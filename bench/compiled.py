@@ -7,8 +7,10 @@ from dataclasses import replace
 import time
 
 from fourbar_ros import Bodies, FourBar, round_rod
+from fourbar_ros.extrema.four_bar_rates.batch_paths import TOGETHER
 from fourbar_ros.extrema.four_bar_rates.search import make_sines, SAMPLES, sine_constants
 from fourbar_ros.mechanisms.four_bar.motion import make_motion
+from fourbar_ros.mechanisms.half_angle import bilinear_factors
 from fourbar_ros.numerics.exact_sums import exact_sum_of_four
 from fourbar_ros.numerics.number_types import ARRAY
 from fourbar_ros.numerics.straight_line import straight_line
@@ -29,17 +31,21 @@ def sines():
     rng = np.random.default_rng(0)
     lengths = [rng.uniform(*ends, LINKAGES) for ends in ((0.2, 0.4), (1.0, 1.2), (0.7, 0.9),
                                                          (1.0, 1.0))]
-    constants = np.array(np.broadcast_arrays(*sine_constants(*lengths, np.ones(LINKAGES),
-                                                             exact_sum_of_four)))
+    factors = bilinear_factors(*lengths, exact_sum_of_four)
+    constants = np.array(sine_constants(lengths, factors, np.ones(LINKAGES)))
     x = np.pi * (np.arange(SAMPLES) + 0.5) / SAMPLES
     grid = [np.broadcast_to(v[:, None], (SAMPLES, LINKAGES)) for v in (np.sin(x), np.cos(x))]
 
     def formula(n):
         return lambda *given: make_sines(n, given[2:])(*given[:2])
 
+    def with_numpy():       # in blocks that stay in the cache, as the search computes
+        for start in range(0, LINKAGES, TOGETHER):
+            part = slice(start, start + TOGETHER)
+            make_sines(ARRAY, tuple(constants[:, part]))(*(v[:, part] for v in grid))
+
     columns = [*grid, *(np.broadcast_to(c, grid[0].shape) for c in constants)]
-    return (lambda: make_sines(ARRAY, tuple(constants))(*grid), straight_line(formula, 19),
-            columns)
+    return with_numpy, straight_line(formula, 19), columns
 
 
 def loads():

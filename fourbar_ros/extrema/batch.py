@@ -22,7 +22,7 @@ from fourbar_ros.numerics.roots import EPS
 import numpy as np
 
 # Linkages searched at a time, at most 2^16.
-CHUNK = 4096
+CHUNK = 8192
 # Values nearer to each other than this part of them may be equal, as far as their conditions tell.
 NEARLY = 1e-8
 

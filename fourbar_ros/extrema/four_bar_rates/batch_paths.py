@@ -20,32 +20,23 @@ from fourbar_ros.numerics.roots import find_brackets, first_guesses, turn_after
 import numpy as np
 
 # Linkages whose samples are computed together, so that they stay in the cache.
-TOGETHER = 512
+TOGETHER = 256
 
 
 class Path:
     """
     Samples of linkages ``row`` along one path each.
 
-    ``halves``: sin and cos(theta1/2), each of shape (halves of the path, samples of a half,
-    linkages), and whether each half lies in theta1 > 0.
+    ``samples``: sin and cos(theta1/2) and what :func:`.make_sines` gives there, each of shape
+    (samples, linkages).
 
     ``step``: of u between samples, with the sign of X: shape (linkages,).
     """
 
-    def __init__(self, row: Array, constants: Array, halves: tuple[Array, Array, list[bool]],
-                 step: Array, is_closed: bool, limits: Array) -> None:
-        sh, ch, is_positive = halves
+    def __init__(self, row: Array, samples: Array, step: Array, is_closed: bool,
+                 limits: Array) -> None:
         self.row, self.third, self.is_closed = row, step / 3.0, is_closed
-        adds = np.array(is_positive)[:, None, None] == (constants[-1] > 0.0)
-        found = np.empty((6, *sh.shape))
-        for start in range(0, row.size, TOGETHER):
-            part = slice(start, start + TOGETHER)
-            sines = make_sines(ARRAY, tuple(constants[:, part]))
-            for whole, values in zip(found, sines(sh[..., part], ch[..., part], adds[..., part])):
-                whole[..., part] = values
-        self.sh, self.ch, self.g, self.gu, self.k, self.ku, self.X, self.Y = (
-            v.reshape(-1, row.size) for v in (sh, ch, *found))
+        self.sh, self.ch, self.g, self.gu, self.k, self.ku, self.X, self.Y = samples
         self._column = row[:0]      # of each root of k
         self._limits = limits[:, row]
 
@@ -94,7 +85,7 @@ class Path:
         changes[i, column] = False
         start = self.angle(i, column)
         root = np.maximum(root + 2.0 * pi * np.round((start - root) / (2.0 * pi)), start)
-        order = np.lexsort((root, column * number + i))
+        order = _grouped(column * number + i, root)
         i, column = i[order], column[order]
         roots = [v[order] for v in (root, *g_there)]
         is_positive, is_next = roots[1] >= 0.0, (i[1:] == i[:-1]) & (column[1:] == column[:-1])
@@ -114,43 +105,67 @@ class Path:
         return self.row[columns], xa, xb, ga, first_guesses(xa, xb, ga, gb, step_a, step_b)
 
 
-def _half_turn(constants: Array, crosses_out: bool,
-               crosses_in: bool) -> tuple[Values, Values, HalfTurn]:
+def _half_turn(constants: Array, crosses: tuple[bool, bool]) -> tuple[Values, Values, HalfTurn]:
     s1, s2, k, *_ = constants
-    return half_turn(s1, s2, k, crosses_out, crosses_in)
+    return half_turn(s1, s2, k, *crosses)
 
 
 def paths_of(constants: Array, chosen: Array, limits: Array) -> Iterator[Path]:
     """Yield the :class:`Path` of each group with one kind of input range and sample count."""
     out, inside = constants[0] > 0.0, constants[1] > 0.0
-    for crosses_out, crosses_in in ((False, False), (False, True), (True, False), (True, True)):
-        rows = np.nonzero(chosen & (out == crosses_out) & (inside == crosses_in))[0]
+    for crosses in ((False, False), (False, True), (True, False), (True, True)):
+        rows = np.nonzero(chosen & (out == crosses[0]) & (inside == crosses[1]))[0]
         if not rows.size:
             continue
-        period, _, _ = _half_turn(constants[:, rows], crosses_out, crosses_in)
+        period, _, _ = _half_turn(constants[:, rows], crosses)
         count = (np.maximum(SAMPLES // 2,
                             2.0**(0.5 * np.ceil(2.0 * np.log2(POINTS_PER_FEATURE
                                                               * period)))).astype(int))
         for number in np.unique(count).tolist():
             group = rows[count == number]
-            c = constants[:, group]
-            period, unit, half = _half_turn(c, crosses_out, crosses_in)
-            sines_of, cosines_of, step = phases(number, not crosses_in, not crosses_out)
-            up, down = half(sines_of[:, None], cosines_of[:, None])
-            scale = 1.0 / np.sqrt(up * up + down * down)
-            sh, ch = up * scale, down * scale
-            step = c[-1] * step * period * unit * 0.5 / c[-2]
-            low, high = (-sh[::-1], ch[::-1]), (sh, ch)
-            if not crosses_in and not crosses_out:
-                yield Path(group, c, (low[0][None], low[1][None], [False]), step, False, limits)
-                yield Path(group, c, (sh[None], ch[None], [True]), step, False, limits)
+            samples, step = _samples(constants[:, group], number, crosses)
+            if any(crosses):
+                whole = samples.reshape(8, 2 * number, group.size)
+                yield Path(group, whole, step, all(crosses), limits)
             else:
-                both = (low, high) if crosses_in else (high, low)
-                sh, ch = (np.stack(pair) for pair in zip(*both))
-                yield Path(group, c, (sh, ch, [not crosses_in, crosses_in]), step,
-                           crosses_in and crosses_out, limits)
+                for half in range(2):
+                    yield Path(group, samples[:, half], step, False, limits)
+
+
+def _samples(constants: Array, number: int, crosses: tuple[bool, bool]) -> tuple[Array, Array]:
+    """
+    Return samples of both halves of the range, shape (8, 2, number, linkages), and their step.
+
+    The half of theta1 < 0 comes first, except where the range is around pi.
+    """
+    out, inside = crosses
+    of_u, cosines, step = phases(number, not inside, not out)
+    positive = [True, False] if out and not inside else [False, True]
+    samples, steps = np.empty((8, 2, number, constants.shape[1])), []
+    for start in range(0, constants.shape[1], TOGETHER):
+        c = constants[:, start:start + TOGETHER]
+        period, unit, half = _half_turn(c, crosses)
+        up, down = half(of_u[:, None], cosines[:, None])
+        scale = 1.0 / np.sqrt(up * up + down * down)
+        sh, ch = up * scale, down * scale
+        low, high = (-sh[::-1], ch[::-1]), (sh, ch)
+        halves = [np.stack(pair) for pair in zip(*(high if side else low for side in positive))]
+        adds = np.array(positive)[:, None, None] == (c[-1] > 0.0)
+        found = *halves, *make_sines(ARRAY, tuple(c))(*halves, adds)
+        for whole, values in zip(samples, found):
+            whole[..., start:start + TOGETHER] = values
+        steps.append(c[-1] * step * period * unit * 0.5 / c[-2])
+    return samples, np.concatenate(steps)
 
 
 def stacked(tuples: Iterable[Sequence[Array]]) -> list[Array]:
     """Return the arrays of several tuples, each with those of the same place after each other."""
     return [np.concatenate(arrays) for arrays in zip(*tuples)]
+
+
+def _grouped(key: Array, x: Array) -> Array:
+    """Return an order in which equal keys, which are few, come after each other, sorted by x."""
+    is_one = np.bincount(key)[key] == 1
+    others = np.nonzero(~is_one)[0]
+    return np.concatenate((np.nonzero(is_one)[0],
+                           others[np.lexsort((x[others], key[others]))]))
