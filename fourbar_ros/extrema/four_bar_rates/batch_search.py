@@ -109,7 +109,8 @@ def _prepared(lengths: Array, sign: Array) -> tuple[Array, Array, Array, Array]:
     """Return lengths of about one, which linkages close, constants of the sines, toggles."""
     with np.errstate(all='ignore'):
         scaled = np.ldexp(lengths, -np.frexp(lengths.max(axis=0))[1])
-        factors = bilinear_factors(*scaled, exact_sum_of_four)
+        a1, a2, a3, a4 = scaled
+        factors = bilinear_factors(a1, a2, a3, a4, exact_sum_of_four)
         constants = np.array(sine_constants(scaled, factors, sign))
         # each link shorter than the other three together
         closes = ((factors.A2 > 0.0) & (factors.B1 > 0.0) & (factors.C2 > 0.0)

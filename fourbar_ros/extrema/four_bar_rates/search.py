@@ -40,7 +40,7 @@ import numpy as np
 
 # At least so many for a full turn. Half as many have missed nothing in 280 000 linkages.
 SAMPLES = 24
-Sines = Callable[[Any, Any], tuple[Any, ...]]
+Sines = Callable[..., tuple[Any, ...]]
 State = tuple[Any, ...]     # what the function of make_sines returns
 # A root may be moved by at most this [rad] to that of the more accurate formula.
 POLISH = 2.0**-12
@@ -146,8 +146,8 @@ def rate_extrema(linkage: FourBar, samples: int = SAMPLES, with_conditions: bool
         theta4'' go to plus infinity.
 
     """
-    lengths = scaled(linkage.lengths)
-    constants = sine_constants(lengths, bilinear_factors(*lengths), linkage.sign)
+    a1, a2, a3, a4 = lengths = scaled(linkage.lengths)
+    constants = sine_constants(lengths, bilinear_factors(a1, a2, a3, a4), linkage.sign)
     sines = make_sines(REAL, constants)
     upward = linkage.sign > 0.0       # X > 0: signs of g and k are those of theta4'' and theta4'''
     motion = linkage.motion_formula(REAL, linkage.constants)
