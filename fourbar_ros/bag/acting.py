@@ -13,7 +13,7 @@ from math import inf
 
 from fourbar_ros.bag.records import Columns
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.pipeline.in_modes import InModes
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.scene.topics import ON_LINK, WRENCH
 import numpy as np
@@ -65,8 +65,8 @@ class Acting:
         self._times = np.sort(np.array(changes))
         self._waiting.sort(key=lambda event: event[0])
 
-    def apply(self, stepper: Stepper, until: float = inf) -> None:
-        """Apply to a stepper what acted before a place in the bag."""
+    def apply(self, stepper: InModes, until: float = inf) -> None:
+        """Apply to steppers what acted before a place in the bag."""
         while self._waiting and self._waiting[0][0] < until:
             _, link, wrench = self._waiting.pop(0)
             stepper.act(link, wrench)

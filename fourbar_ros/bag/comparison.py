@@ -11,15 +11,16 @@ from fourbar_ros.bag.acting import Acting, UNSETTLED
 from fourbar_ros.bag.difference import Difference, distance, Recomputed
 from fourbar_ros.bag.driven import Driven, inputs_of, moved_of
 from fourbar_ros.bag.matching import in_order, rows_of, says_silence, Tally, Window
+from fourbar_ros.bag.modes import Modes
 from fourbar_ros.bag.origin import Origin
 from fourbar_ros.bag.records import Columns
 from fourbar_ros.bag.rounding import Condition, needs_condition, units
 from fourbar_ros.formats import rosbag2
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline import rate_estimator
-from fourbar_ros.pipeline.message_fields import driven_of, mode_number
+from fourbar_ros.pipeline.in_modes import InModes
+from fourbar_ros.pipeline.message_fields import driven_of
 from fourbar_ros.pipeline.status import LOADS_UNKNOWN, OK
-from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, INPUTS, TORQUE
 import numpy as np
@@ -48,7 +49,8 @@ class Comparison:
         self.units: dict[tuple[str, str], float] = {}
         self._condition: Condition | None = None     # of the scene, when it is needed
         self._window: Window | None = None
-        self._stepper: Stepper
+        self._stepper: InModes
+        self._modes = Modes()
         self.inputs = self.compared = self.unmatched = self.missing = self.doubled = 0
         self.silent = self.uncertain = 0
         self.topics, self._name_of = (origin.topics,
@@ -76,15 +78,14 @@ class Comparison:
         self.uncertain += sum(len(found.times) for found in self._early)
         if time is not None:                 # not the first
             self._acting.apply(self._stepper)
-        self._scene, self._stepper, self._layout = (scene, Stepper(scene, self._acting.wrenches),
+        self._scene, self._stepper, self._layout = (scene, InModes(scene, self._acting.wrenches),
                                                     scene.layout)
         self._acting.wrenches, self._condition = self._stepper.acting, None
         self._driven.change(scene)
         if self._moved:
             self._moved.change(scene)
         self._wanted = scene.needs_loads, frozenset(scene.topics)
-        self._constant = {'mode': mode_number(scene.linkage),
-                          'change_point_margin': scene.linkage.change_point_margin,
+        self._constant = {'change_point_margin': scene.linkage.change_point_margin,
                           **dict.fromkeys(PLANAR, 0.0)}
         self._texts = {'header.frame_id': scene.frame_id, 'name': scene.names_shown}
         self._holds = (scene.drive.out_of_range == 'hold' or scene.joint_states.when_unknown
@@ -119,6 +120,8 @@ class Comparison:
         raw = [inputs_of(found, self._scene) for found in by_name.get(self._source, ())]
         if raw and self._in_order:
             self._driven.take(*in_order(raw))
+        for found in by_name.get(DRIVE_STATE.name, ()):
+            self._modes.take(found, self._stepper.own_mode, self._scene.linkage.modes)
         if self._moved:
             for found in by_name.get(TORQUE.name, ()):
                 self._moved.commands(found)
@@ -133,24 +136,25 @@ class Comparison:
         if self._source and self._in_order:
             self._driven.compare(places, stamps, motions)
         self.inputs += len(places)
-        status, values = self._evaluated(places, motions)
+        modes = self._modes.of(stamps, self._stepper.own_mode)
+        status, values = self._evaluated(places, motions, modes)
         known = (times <= until) & (times >= self._settled) & ~self._held(status)
         if not self._in_order:
             known &= self._acting.is_settled(times, self._scene.wrenches.timeout)
-        new = Window(places, stamps, status, known, values, self._sources(status, motions),
+        new = Window(places, stamps, modes, status, known, values, self._sources(status, motions),
                      {name: np.zeros(len(places), np.int64) for name in self._outputs})
         self._window = new if self._window is None else self._window.followed_by(new)
 
-    def _evaluated(self, places: Array, motions: Array) -> tuple[Array, Array]:
+    def _evaluated(self, places: Array, motions: Array, modes: Array) -> tuple[Array, Array]:
         """
         Return statuses and values of motions.
 
         One by one, as the node does: not one bit differs.
         """
         found = []
-        for place, (position, rate, acceleration) in zip(places.tolist(), motions.tolist()):
+        for place, motion, mode in zip(places.tolist(), motions.tolist(), modes.tolist()):
             self._acting.apply(self._stepper, place)
-            found.append(self._stepper.step(position, rate, acceleration, *self._wanted))
+            found.append(self._stepper.step(mode, *motion, *self._wanted))
         return np.array([status for status, _ in found],
                         float), np.array([values for _, values in found]).T
 
@@ -211,7 +215,8 @@ class Comparison:
         # a bag of an older version may have less
         there, tree = columns.fields, columns.tree
         expected = (self._layout.expected(name, window.values[:, source])
-                    | {'status': window.status[source]} | self._constant)
+                    | {'status': window.status[source], 'mode': window.modes[source]}
+                    | self._constant)
         differing = {}
         for field in expected.keys() & set(there):
             want, have = rows_of(expected[field], count), attrgetter(field)(tree)

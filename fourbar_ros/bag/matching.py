@@ -16,13 +16,14 @@ import numpy as np
 
 class Window(NamedTuple):
     """
-    The newest inputs: places, stamps, statuses, whether their outputs are known, values.
+    The newest inputs: places, stamps, modes, statuses, whether outputs are known, values.
 
     ``motions``: those that the values are of, shape (3, n); ``seen``: outputs by name.
     """
 
     places: Array
     stamps: Array
+    modes: Array
     status: Array
     known: Array
     values: Array
@@ -32,16 +33,17 @@ class Window(NamedTuple):
     def followed_by(self, new: Window) -> Window:
         """Return both."""
         # the last field is no array
-        places, stamps, status, known, values, motions = (
+        places, stamps, modes, status, known, values, motions = (
             np.concatenate(pair, axis=-1) for pair in zip(self[:-1], new[:-1]))
-        return Window(places, stamps, status, known, values, motions,
+        return Window(places, stamps, modes, status, known, values, motions,
                       {name: np.concatenate((seen, new.seen[name]))
                        for name, seen in self.seen.items()})
 
     def from_(self, begin: int) -> Window:
         """Return it without the oldest."""
-        places, stamps, status, known, values, motions = (part[..., begin:] for part in self[:-1])
-        return Window(places, stamps, status, known, values, motions,
+        places, stamps, modes, status, known, values, motions = (
+            part[..., begin:] for part in self[:-1])
+        return Window(places, stamps, modes, status, known, values, motions,
                       {name: seen[begin:] for name, seen in self.seen.items()})
 
     def source_of(self, places: Array, stamps: Array) -> Array:

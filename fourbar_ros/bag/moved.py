@@ -13,7 +13,7 @@ from math import inf, isfinite, isnan
 
 from fourbar_ros.bag.difference import apart
 from fourbar_ros.bag.records import Columns
-from fourbar_ros.dynamics.mover import DriveValues, OK, SILENT
+from fourbar_ros.dynamics.mover import DriveValues, Mover, OK, SILENT
 from fourbar_ros.dynamics.stepper import NAME
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import TORQUE
@@ -52,6 +52,7 @@ class Moved:
     def change(self, scene: Scene) -> None:
         """Take another scene; the state stays."""
         self._scene, self._mover = scene, scene.mover
+        self._movers: dict[int, Mover] = {}
 
     def commands(self, columns: Columns) -> None:
         """Take messages of the torque topic."""
@@ -66,20 +67,29 @@ class Moved:
     def compare(self, columns: Columns) -> None:
         """Compare DriveStates, in order."""
         statuses = columns.records['status'].tolist()
+        modes = columns.records['mode'].tolist()
         rows = np.stack([columns.records[name] for name in DriveValues._fields], axis=1)
-        for place, stamp, status, row in zip(columns.places.tolist(), columns.headed.tolist(),
-                                             statuses, rows.tolist()):
-            self._one(place, stamp, status, DriveValues(*row))
+        for place, stamp, status, mode, row in zip(columns.places.tolist(),
+                                                   columns.headed.tolist(), statuses, modes,
+                                                   rows.tolist()):
+            self._one(place, stamp, status, mode, DriveValues(*row))
 
-    def _one(self, place: int, stamp: int, status: int, values: DriveValues) -> None:
+    def _in_mode(self, mode: int) -> Mover:
+        """Return what gives accelerations and torques in a mode; of an unknown one the scene's."""
+        if mode not in self._movers:
+            self._movers[mode] = self._scene.mover_in(mode)
+        return self._movers[mode]
+
+    def _one(self, place: int, stamp: int, status: int, mode: int, values: DriveValues) -> None:
         while self._commands and self._commands[0][0] < place:
             self._torque = self._commands.pop(0)[1]
         (before, at), self._before = self._before, (values, stamp)
         self._note('command', self._command_apart(status, values.command))
         follows = before is not None and 0.5 < (stamp - at) * 1e-9 / (values.step or inf) < 1.5
         if before is None or not (follows and self._steps):
-            state = self._mover.state(values)
-            again = self._mover.values(state, values.step, values.command, values.evaluations)
+            mover = self._in_mode(mode)
+            again = mover.values(mover.state(values), values.step, values.command,
+                                 values.evaluations)
             self.alone += 1
         else:
             expected, again = self._mover.next(before, values.step, values.command,

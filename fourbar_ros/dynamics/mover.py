@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 from fourbar_ros.dynamics.drives import DCMotor
 from fourbar_ros.dynamics.step_equations import State
-from fourbar_ros.dynamics.stepper import BUDGET, DONE, FAILED, LIMIT, OneStep
+from fourbar_ros.dynamics.stepper import BUDGET, DONE, FAILED, LIMIT, OneStep, Torques
 from fourbar_ros.dynamics.system import System
+from fourbar_ros.errors import FourBarError
 
 # The same numbers as the STATUS_ constants of fourbar_msgs/DriveState (a test compares them).
 OK, SILENT, OUT_OF_BUDGET, AT_LIMIT, NOT_FINITE = range(5)
@@ -81,7 +82,10 @@ class Mover:
         """Return the values of a state."""
         position, rate, twist, speed, own = state
         command = command if self._takes_commands else nan
-        found = self._one.torques(state, command if self._takes_commands else None)
+        try:
+            found = self._one.torques(state, command if self._takes_commands else None)
+        except FourBarError:           # the rounded input of a run through a toggle is beyond it
+            found = Torques(nan, nan, nan)
         twist, speed = (twist, speed) if self._has_shaft else (nan, rate)
         return DriveValues(
             step, command, position, rate, found.acceleration, twist,

@@ -7,14 +7,16 @@ from collections.abc import Callable, Iterator
 from math import isnan
 from pathlib import Path
 import time
+from typing import Any
 
 from fourbar_ros.bag.intake import SteadyClock
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.dynamics import stepper
 from fourbar_ros.dynamics.mover import OK, SILENT
 from fourbar_ros.errors import BagError
+from fourbar_ros.pipeline.in_modes import InModes
+from fourbar_ros.pipeline.message_fields import mode_number
 from fourbar_ros.pipeline.status import OK as KNOWN
-from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.ros.messages import resolve, sec_nanosec, set_constants, to_stamp
 from fourbar_ros.ros.node import packed
 from fourbar_ros.ros.node.publishers import drive_layout, needed
@@ -61,15 +63,15 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
     Raises
     ------
     BagError
-        It exists, or cannot be written; or the run changes its assembly mode, which the messages
-        of a scene do not.
+        It exists, or cannot be written; or the run goes into an assembly mode that the messages
+        cannot tell.
 
     """
     scene, run = simulated.scene, simulated.run
     changes = (run.modes != scene.linkage.mode).nonzero()[0]
-    if changes.size:
-        raise BagError(f'{path}: {MIXED} at {run.time[changes[0]]:g} s; the outputs of a scene '
-                       'are those of one: simulate until then, or without a bag')
+    if changes.size and not _shows_modes(scene, run.modes):
+        raise BagError(f'{path}: {MIXED} at {run.time[changes[0]]:g} s, and messages cannot tell '
+                       'which: simulate until then, or without a bag')
     topics = [DRIVEN, SCENE, *scene.drive_topics, *scene.topics.values()]
     names = {topic.name: _resolved(topic.topic) for topic in topics}
     about = {**about_of(scene, names, NODE),
@@ -92,10 +94,20 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
     return writer.path
 
 
+def _shows_modes(scene: Scene, modes: Any) -> bool:
+    """Return whether messages tell these modes, and the equation of motion follows from them."""
+    linkage = scene.linkage
+    # with toggles and flat positions of a change point, the mode does not give the branch
+    is_single = linkage.change_point_margin != 0.0 or linkage.turns_fully
+    return is_single and int(modes.max()) < 256
+
+
 def _messages(simulated: SimulatedScene, topics: list[Topic],
               start: int) -> Iterator[tuple[int, Messages]]:
     """Yield (time [ns], [(short name, bytes), ...]) of each sample, in the order of a node."""
-    scene, stepper_of = simulated.scene, Stepper(simulated.scene)
+    scene, steppers = simulated.scene, InModes(simulated.scene)
+    own = mode_number(scene.linkage)
+    modes = [mode if mode < 256 else own for mode in simulated.run.modes.tolist()]
     makers = {topic.name: _maker(topic, scene) for topic in topics
               if topic not in (SCENE, TORQUE)}
     first = [(SCENE.name, serialize_message(resolve(SCENE.type)(data=scene.as_json)))]
@@ -105,12 +117,12 @@ def _messages(simulated: SimulatedScene, topics: list[Topic],
     nothing = [float('nan')] * len(scene.layout.place)
     places = [scene.layout.place[name] for name in scene.linkage.input_coordinate]
     offsets = (simulated.run.time * 1e9).round().astype(int).tolist()
-    for offset, values in zip(offsets, simulated.drive_values()):
+    for offset, mode, values in zip(offsets, modes, simulated.drive_values()):
         motion = values.position, values.velocity, values.acceleration
         driven = list(nothing)
         for place, value in zip(places, motion):
             driven[place] = value
-        status, found = stepper_of.step(*motion, scene.needs_loads, bool(scene.points))
+        status, found = steppers.step(mode, *motion, scene.needs_loads, True)
         outputs = [name for name in scene.topics
                    if status == KNOWN or not any(isnan(found[place])
                                                  for place in needed(name, scene))]
@@ -118,7 +130,7 @@ def _messages(simulated: SimulatedScene, topics: list[Topic],
         given = {DRIVE_STATE.name: (SILENT if is_silent else OK, values),
                  DRIVEN.name: (KNOWN, driven), **dict.fromkeys(outputs, (status, found))}
         yield start + offset, first + [
-            (name, makers[name](stamp, state, scene.linkage.mode, numbers))
+            (name, makers[name](stamp, state, mode, numbers))
             for name, (state, numbers) in given.items()]
         first = []
 

@@ -132,6 +132,10 @@ class Scene(NamedTuple):
                                    f'{" or ".join(map(str, known))}: {self.linkage.description}')
         return self.linkage.in_mode(mode or self.linkage.mode)
 
+    def taken_in(self, mode: int) -> Scene:
+        """Return this scene with its linkage in another assembly mode, as beyond a toggle."""
+        return self._replace(linkage=self.in_mode(mode))
+
     @property
     def as_text(self) -> str:
         """Return the text of its scene file: what is given and no default."""
@@ -199,6 +203,12 @@ class Scene(NamedTuple):
         assert self.dynamics is not None        # only scenes that have it are driven so
         return Mover(self.dynamics.system(self.linkage), self.drive.tolerance, self.drive.budget,
                      self.drive.source == TORQUE.name)
+
+    def mover_in(self, mode: int) -> Mover:
+        """Return the Mover in a mode beyond a toggle; an unknown mode is that of the scene."""
+        # through the flat positions of a change point, one equation holds in both modes
+        is_other = mode in self.linkage.modes and self.linkage.change_point_margin != 0.0
+        return self.taken_in(mode).mover if is_other else self.mover
 
     @property
     def layout(self) -> FieldMap:

@@ -49,11 +49,11 @@ class SimulatedScene(NamedTuple):
 
     def drive_values(self) -> Iterator[Any]:
         """Yield the DriveValues of each sample, as a node would publish them."""
-        mover, command = self.scene.mover, 0.0 if isnan(self.torque) else self.torque
-        before = nan
-        for time, state in zip(self.run.time.tolist(), self.states.T.tolist()):
+        modes, command = self.run.modes.tolist(), 0.0 if isnan(self.torque) else self.torque
+        movers, before = {mode: self.scene.mover_in(mode) for mode in set(modes)}, nan
+        for time, mode, state in zip(self.run.time.tolist(), modes, self.states.T.tolist()):
             step = 0.0 if isnan(before) else time - before
-            values = mover.values(tuple(state), step, command, 0)
+            values = movers[mode].values(tuple(state), step, command, 0)
             yield values._replace(evaluations=nan)
             before = time
 
