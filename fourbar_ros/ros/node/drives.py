@@ -13,7 +13,7 @@ from fourbar_ros.ros.messages import sec_nanosec, Stamp
 from fourbar_ros.ros.node.base import Base
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.stream import Stream
-from fourbar_ros.scene.scene import DriveSettings
+from fourbar_ros.scene.scene import DriveSettings, Scene
 
 SLEEP = 0.1            # [s] longest sleep: how soon a thread sees that it must stop
 CATCH_UP = 1.0         # [s] a thread later than this skips the samples it missed
@@ -38,6 +38,9 @@ class Drive(ABC):
     @abstractmethod
     def stop(self) -> None:
         """Make no more steps, when the one in hand is done."""
+
+    def prepare(self, scene: Scene) -> None:        # noqa: B027 # most have nothing to prepare
+        """Do what takes long for a scene that is about to hold, while steps go on."""
 
     def apply(self, settings: DriveSettings) -> None:
         """Take over changed DriveSettings of the scene."""

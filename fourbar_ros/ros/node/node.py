@@ -120,6 +120,7 @@ class FourBarNode(Running):
     def apply(self, scene: Scene) -> None:
         """Take over a changed scene between two steps."""
         settings_changed = scene.drive != self.stream.scene.drive
+        self.drive.prepare(scene)
         self.stream.apply(scene)
         if self.wrenches:
             self.wrenches.apply(scene)

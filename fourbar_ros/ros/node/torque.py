@@ -113,8 +113,13 @@ class Moving(Drive):
         self._values: DriveValues | None = None
         self._torque, self._is_steady = nan, False
         self._status, scene = OK, self._stream.scene
+        self.prepare(scene)
         self._command = (Command(self._node, self._stream, self.counts)
                          if scene.drive.source == TORQUE.name else None)
+
+    def prepare(self, scene: Scene) -> None:
+        """Make the equation of motion of a scene, which takes as long as hundreds of steps."""
+        self._prepared = scene, scene.mover
 
     def age(self) -> float:
         """Return the time since the newest torque [s], NaN if there is none to wait for."""
@@ -134,7 +139,8 @@ class Moving(Drive):
         """Return (status, values) a time later; the first time those of the start."""
         scene = self._stream.scene
         if self._scene is not scene:                     # another one; the state stays
-            self._scene, self._mover = scene, scene.mover
+            prepared, mover = self._prepared
+            self._scene, self._mover = scene, mover if prepared is scene else scene.mover
         command, is_silent = (self._command.now(scene.drive) if self._command
                               else (nan, False))
         self._is_steady = self._command is None or command == self._torque
