@@ -106,6 +106,8 @@ class Frames:
             at_p, at_q = tuple(own[:2]), tuple(own[2:4])
             self._work.append((stage, frame, at_p, at_q,
                                None if pair else self._arms(stage, frame, at_p, at_q), pair))
+            if self._is_pinned_to_carrier(stage, frame, pair):
+                self._solved[stage.number] = stage.first
             self._anchors.update(anchors_of(stage, own))
 
     def _frame_of(self, stage: Stage) -> tuple[int, Anchor | None]:
@@ -126,6 +128,11 @@ class Frames:
                     self._frame[parent]):
                 return parent, None
         return frame, None
+
+    def _is_pinned_to_carrier(self, stage: Stage, frame: int, pair: Anchor | None) -> bool:
+        """Return whether a dyad solved on a block has its first joint on what carries that."""
+        return (pair is None and stage.kind in (RRP, RPP) and frame == stage.second
+                and frame in self._sliding and self._frame[frame] == stage.first)
 
     def _up(self, link: int) -> Iterator[int]:
         """Yield a link, its frame, the frame of that, to the ground."""
@@ -175,7 +182,7 @@ class Frames:
         """Return P, Q, D and the curves of the links they are of, in the frame of a dyad."""
         stage, frame, at_p, at_q, arms, pair = self._work[number]
         if pair:
-            poses.pin(frame, *pair)
+            poses.pin(frame, *pair, self.common(frame, pair[0]))
         first, second = poses.of(stage.first, frame), poses.of(stage.second, frame)
         nodes = node_of(first, *at_p), node_of(second, *at_q)
         if arms is None:
@@ -187,9 +194,11 @@ class Frames:
 
     def add(self, number: int, poses: Poses, moved: DyadMotion) -> tuple[Curve, Curve]:
         """Take the curves of a dyad in its frame; return those on the ground."""
-        stage, frame, *_ = self._work[number]
+        stage, frame, at_p, *_ = self._work[number]
         one, two = stage.number, stage.number + 1
         poses.known[one, frame], poses.known[two, frame] = moved[:2]
+        if self._solved[one] != frame:      # its joint does not feel how the block moves
+            poses.pin(stage.first, one, at_p, frame)
         for k, (link, slide) in enumerate(self._slides[number]):
             poses.slide(link, slide, moved[2][3 * k:3 * k + 3])
         return poses.of(one, 0), poses.of(two, 0)
@@ -213,9 +222,8 @@ class Poses:
             self.known[link, frame] = found
         return found
 
-    def pin(self, frame: int, link: int, arm: tuple[Any, Any]) -> None:
-        """Take a link that is pinned to its frame."""
-        shared = self._frames.common(frame, link)
+    def pin(self, frame: int, link: int, arm: tuple[Any, Any], shared: int) -> None:
+        """Take a link that is pinned to its frame, both known in a shared one."""
         *_, c0, s0, turn0, bend0 = self.of(frame, shared)
         *_, c, s, turn, bend = self.of(link, shared)
         self.known[link, frame] = (*arm, 0.0, 0.0, 0.0, 0.0, c0 * c + s0 * s, c0 * s - s0 * c,

@@ -65,7 +65,9 @@ def make_cylinder(n: NumberType, sign: Any, numbers: Sequence[Any]) -> Driver:
 
     def crank(s: Any) -> tuple[Curve, Errors]:
         high, low = (total - s) * (total + s), (s - excess) * (s + excess)              # (C1)
-        sine, cosine = 0.5 * sign * sqrt(high) * sqrt(low) * per, 0.25 * (high - low) * per
+        # in factors, of which a length below zero makes both negative
+        root = sqrt(s - excess) * sqrt(s + excess)
+        sine, cosine = 0.5 * sign * sqrt(high) * root * per, 0.25 * (high - low) * per
         turn = s * per / sine                                                           # (C2)
         bend = (per - cosine * turn * turn) / sine
         error = (squares + 2.0 * fabs(cosine)) / fabs(sine)                             # (C7)

@@ -1,6 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Random machines of one to five dyads against 40 digits and one dense system of all bodies."""
+from fourbar_ros import Body
+from fourbar_ros.mechanisms.machine.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp
 import numpy as np
 import pytest
@@ -94,6 +97,22 @@ def test_links_that_move_together(name):
     for machine, given in random_machines(404, 6, structure=structure, driver=driver):
         check_motion(machine, given)
         check_loads(machine, given)
+
+
+def test_a_block_pinned_to_what_carries_its_yoke_does_not_feel_the_yoke():
+    """The slide a1 on a0 is flung along at 1e6 m/s^2; the block c, pinned to a0, is not."""
+    machine = Machine([
+        Dyad('d0', 'PRP', Point('ground', 0.856, 0.216), Point('crank', -0.043, -0.103),
+             ('a0', 'b0'), direction_1=0.029, direction_2=1.743),
+        Dyad('d1', 'PRP', Point('a0', 0.985, -0.013), Point('b0', 0.163, -0.318), ('a1', 'b1'),
+             direction_1=-0.175238988, direction_2=1.504196840),
+        Dyad('d2', 'RPP', Point('a0', -0.369, 0.167), Point('a1', 0.125, 0.332), ('c', 'bar'),
+             direction_2=0.861, slot=0.965)],
+        bodies=dict.fromkeys(('c', 'bar'), Body(1.3, -0.1, -0.3, 0.3)), gravity=(3.7, -9.1))
+    given = (-0.25775713, 2.15674477, 1.162506906)
+    assert abs(machine.motion(*given).slide_a1_acceleration) > 1e6
+    check_motion(machine, given)
+    check_loads(machine, given)
 
 
 @pytest.mark.slow

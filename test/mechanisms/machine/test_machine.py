@@ -135,6 +135,16 @@ def test_ranges_are_those_of_the_kind(make, mode):
     assert np.allclose(machine.input_ranges, ranges, rtol=0.0, atol=4 * EPS)
 
 
+@pytest.mark.parametrize('mode', [1, 2])
+def test_a_cylinder_has_no_length_below_zero(mode):
+    """Its square is that of a length in the range; the pose would be a plausible one."""
+    _, machine, _, _ = as_cylinder(mode)
+    with pytest.raises(OutOfRange):
+        machine.motion(-1.0)
+    found = machine.motion(np.array([-1.0, -0.1, 1.0])).theta_crank
+    assert np.isnan(found).tolist() == [True, True, False]
+
+
 @pytest.mark.parametrize('lengths', [(1.0, 1.2, 0.8, 0.5), (0.9, 0.4, 0.8, 1.0),
                                      (1.0, 0.7, 0.75, 0.9), (2.0, 1.0, 1.7, 1.0)])
 def test_ranges_of_four_bars_whose_crank_rocks(lengths):
