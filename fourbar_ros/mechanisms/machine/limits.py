@@ -61,7 +61,10 @@ class WithLimits(Mechanism):
 
     @cached_property
     def _near(self) -> tuple[complex, ...]:
-        return tuple([z for near in self._closings.near for z in near()])
+        # where slides become parallel |sine| has a minimum too: the limit, which is known
+        limits = [end.x for bound in self.limits if bound for end in bound]
+        return tuple([z for near in self._closings.near for z in near()
+                      if all(abs(z - x) > SAME * self.input_unit for x in limits)])
 
     @property
     def closing_ranges(self) -> tuple[tuple[float, float], ...]:

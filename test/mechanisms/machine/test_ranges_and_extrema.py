@@ -116,6 +116,17 @@ def test_extrema_of_many_machines():
     assert number > 3000
 
 
+def test_where_slides_become_parallel_is_no_complex_toggle():
+    """On some grids it was both, 1e-93 apart: a margin of that size, paths too narrow."""
+    for turned in (1.0205267416665662, 1.02, 1.5):
+        machine = Machine([Dyad('d', 'PRP', Point('ground', -0.0027, -0.251),
+                                Point('crank', 0.747, -0.324), ('a', 'b'),
+                                direction_1=-0.13033057419438454, direction_2=turned)])
+        poles = {end.x for bound in machine.limits for end in bound}
+        assert {z.real for z in machine.singular_inputs} == poles
+        assert machine.change_point_margin == 1.0
+
+
 def test_rates_are_unbounded_at_the_toggle_of_a_dyad_and_positions_are_not():
     machine = Machine([Dyad('d', 'RRR', Point('crank', 0.4), Point('ground', 1.0), ('a', 'b'),
                             length_1=0.5, length_2=0.4)])
