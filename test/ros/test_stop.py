@@ -137,7 +137,7 @@ def test_a_slow_disk_at_the_end_of_a_bag_holds_up_no_input(run_node, client):
     client.until(stopping.done, 'the end of the bag')
     path = Path(stopping.result().message)
     assert path.is_absolute() and info(path, check=True).is_sound
-    assert f'recorded {path}' in node.said
+    client.until(lambda: f'recorded {path}' in node.said, 'the line of its log')
 
 
 @pytest.mark.parametrize('name, remap',
