@@ -8,6 +8,7 @@ In the tables NAME is free: points.NAME.link and so on.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import lru_cache
 from math import nan
 import re
 from typing import Any, NamedTuple
@@ -138,6 +139,7 @@ class Member(NamedTuple):
     field: str
 
 
+@lru_cache(maxsize=4096)      # scenes are read again at every move of a slider
 def member_of(name: str) -> Member | None:
     """Return the :class:`Member` that a parameter belongs to by its name, or None."""
     match = _MEMBER.fullmatch(name)
