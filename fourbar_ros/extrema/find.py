@@ -1,7 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-All extrema of motion and loads over the input: none missed, for any linkage and mode.
+All extrema of motion and loads over the input, for any linkage and mode.
+
+That none is missed is tested; with ``certify`` it is proved, or the result says that it is not.
 
 How each quantity is searched for, :mod:`fourbar_ros.extrema.methods` chooses. To the extrema
 inside the input range come its ends: toggles, where quantities are unbounded, and the flat
@@ -88,7 +90,8 @@ def find_extrema(linkage: Any, quantities: Any = (), rate: float = 1.0, accelera
 
     Parameters
     ----------
-    linkage : FourBar, SliderCrank or InvertedSlider
+    linkage : Mechanism
+        FourBar, SliderCrank, InvertedSlider, ScotchYoke or Machine.
     quantities : sequence of str, Quantity or callable
         Names (see :data:`~fourbar_ros.mechanisms.quantities.QUANTITIES`), or functions (Motion,
         Loads) -> value of plain arithmetic and numpy functions; with abs, comparisons or ``math``
@@ -114,8 +117,8 @@ def find_extrema(linkage: Any, quantities: Any = (), rate: float = 1.0, accelera
 
     """
     if not isinstance(linkage, Mechanism):
-        raise InvalidParameter('linkage', linkage, 'must be a mechanism: FourBar, SliderCrank or '
-                                                   'InvertedSlider')
+        raise InvalidParameter('linkage', linkage, 'must be a mechanism: FourBar, SliderCrank, '
+                                                   'InvertedSlider, ScotchYoke or Machine')
     rate, acceleration = number('rate', rate), number('acceleration', acceleration)
     quantities = _resolve(quantities, linkage)
     check()
