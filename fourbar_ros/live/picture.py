@@ -15,7 +15,7 @@ from fourbar_ros.mechanisms.parts import Arrow, Diagram, without_repeats
 from fourbar_ros.mechanisms.points import instant_centre, link_motion, LinkMotion, point_motion
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.report.mechanism_panel import renamed
-from fourbar_ros.report.numbers import significant
+from fourbar_ros.report.significant import significant
 import numpy as np
 
 LONGEST_FORCE = 105.0              # [px]

@@ -17,8 +17,8 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Arrow, ORIGIN, without_repeats
 from fourbar_ros.report.joint_labels import labels_of
 from fourbar_ros.report.mechanism_panel import draw_mechanism, Points, renamed
-from fourbar_ros.report.numbers import significant
 from fourbar_ros.report.sheet import Sheet
+from fourbar_ros.report.significant import significant
 
 if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.axes import Axes

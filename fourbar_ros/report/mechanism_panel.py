@@ -18,8 +18,8 @@ from fourbar_ros.mechanisms.parts import Diagram
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.report.joint_labels import labels_of
-from fourbar_ros.report.numbers import load_lines, motion_lines, symbol_of
 from fourbar_ros.report.sheet import Sheet
+from fourbar_ros.report.significant import load_lines, motion_lines, symbol_of
 import numpy as np
 
 if TYPE_CHECKING:      # drawings alone need it
@@ -31,7 +31,6 @@ LEAST_FORCE = 0.1      # forces shorter than this share of the longest have no a
 ARROW = 0.4            # length of the longest force over the size of the mechanism
 # dark enough for print in grey
 BODY, FORCE, POINT, ANGLE = '0.35', '#1e6b37', '#7a4b00', '0.45'
-
 
 
 def renamed(label: str, names: Mapping[str, str]) -> str:
@@ -227,8 +226,9 @@ def _draw_angles(sheet: Sheet, motion: Any, diagram: Diagram) -> list[tuple[str,
         for point in arc[::4]:
             sheet.occupy(point, point)
         directions = list(_directions(angle * np.array([0.5, 0.35, 0.65, 0.8, 0.2])))
-        found.append((symbol_of(name), [at + out * radius * direction for out in (1.5, 1.8, 2.1)
-                                      for direction in directions]))
+        places = [at + out * radius * direction for out in (1.5, 1.8, 2.1)
+                  for direction in directions]
+        found.append((symbol_of(name), places))
     return found
 
 

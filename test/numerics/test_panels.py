@@ -25,7 +25,7 @@ def test_every_second_point_is_one_of_half_the_degree():
 
 
 def test_smooth_functions_converge_geometrically():
-    """exp x: weights of degree n; errors fall faster than 4^-n."""
+    """Errors for exp x fall faster than 4^-n with weights of degree n."""
     for degree in (4, 6, 8, 10):
         rule = panel(degree)
         assert abs(rule.integral[-1] @ np.exp(rule.points) - (np.e - 1.0)) <= 0.1 * 4.0**-degree

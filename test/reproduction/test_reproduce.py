@@ -12,7 +12,7 @@ import sys
 
 from fourbar_ros import __version__
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.report.numbers import significant
+from fourbar_ros.report.significant import significant
 from fourbar_ros.reproduction import published
 from fourbar_ros.reproduction.reproduce import (
     agrees,

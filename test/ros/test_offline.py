@@ -93,4 +93,3 @@ def test_a_mode_that_messages_cannot_tell_has_no_bag(tmp_path, monkeypatch):
     with pytest.raises(BagError, match='other assembly mode at'):
         write_bag(found, tmp_path / 'run', id)
     assert not (tmp_path / 'run').exists()
-
