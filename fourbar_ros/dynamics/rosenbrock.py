@@ -5,8 +5,7 @@ RODAS of Hairer and Wanner, Solving Ordinary Differential Equations II, section 
 
 Order 4, an error estimate of order 3, L-stable, stiffly accurate. A step is a formula of floats
 and nothing else: written down once, it becomes one function without calls
-(:mod:`fourbar_ros.numerics.straight_line`), with the bits of the formula and two thirds of its
-time.
+(:mod:`fourbar_ros.numerics.straight_line`) with the bits of the formula.
 """
 from __future__ import annotations
 

@@ -3,9 +3,9 @@
 """
 Motion over time, with the result checked: no wrong answer is called a success.
 
-A crank that goes round under forces that depend on its angle alone, a constant torque among them,
-has its motion from its energy (:mod:`fourbar_ros.dynamics.by_energy`): two quadratures, their
-error by polynomials of half the degree. All others are integrated over time by scipy.
+The motion of a crank that goes round under forces that depend on its angle alone, a constant
+torque among them, follows from its energy (:mod:`fourbar_ros.dynamics.by_energy`): two
+quadratures, their error by polynomials of half the degree. Scipy integrates all others over time.
 
 Systems that are not stiff go to DOP853, stiff ones to LSODA. Stiff means: the fastest mode at the
 start is so fast that an explicit method would need many more steps for stability than for

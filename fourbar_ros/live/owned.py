@@ -51,7 +51,7 @@ class Owned(ValueElement, DisableableElement):
 
 
 class Field(Owned, component='field.js'):       # type: ignore[call-arg]
-    """A number with a label; what is typed holds with Enter, an arrow key, or when it is left."""
+    """A number with a label; a typed one takes effect on Enter, an arrow key or leaving it."""
 
     def __init__(self, label: str, value: float | None, on_change: Callable[[Any], Any],
                  digits: int = 12):
