@@ -22,8 +22,10 @@ import matplotlib
 
 matplotlib.use('agg')
 
-from matplotlib.patches import Circle, Polygon  # noqa: E402
+from matplotlib.patches import Circle, PathPatch, Polygon  # noqa: E402
 import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.textpath import TextPath  # noqa: E402
+from matplotlib.transforms import Affine2D  # noqa: E402
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # noqa: E402
 import numpy as np  # noqa: E402
 
@@ -117,7 +119,7 @@ def draw_robot(ax, what):
     ax.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half),
            zlim=(middle[2] - flat, middle[2] + flat))
     ax.set_proj_type('ortho')
-    ax.set_box_aspect((1.0, 1.0, flat / half), zoom=1.35)
+    ax.set_box_aspect((1.0, 1.0, flat / half), zoom=1.1)
     ax.view_init(elev=60.0, azim=-80.0)
     ax.set_axis_off()
     ax.set_title('robot_description and joint_states')
@@ -168,8 +170,11 @@ def draw_marker(ax, marker, order):
         way = 0.5 * marker.scale.x * np.array([turn.real, turn.imag])
         stroke(ax, at - way, at + way, marker.scale.y, **style)
     elif marker.type == TEXT:
-        ax.annotate(marker.text, at, xytext=(4, 4), textcoords='offset points', fontsize=7,
-                    color=style['color'], zorder=order)
+        text = TextPath((0.0, 0.0), marker.text, size=marker.scale.z)
+        box = text.get_extents()
+        middle = 0.5 * np.array([box.x0 + box.x1, 0.7 * marker.scale.z])
+        ax.add_patch(PathPatch(text.transformed(Affine2D().translate(*(at - middle))), lw=0.0,
+                               **style))
     else:
         raise SystemExit(f'{marker.ns}: a marker of type {marker.type}')
 

@@ -10,6 +10,7 @@ from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recompute import compare
 from fourbar_ros.description.describe import describe
 from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.ros.pictures import traces
 from fourbar_ros.ros.schemas import type_hash
 from fourbar_ros.scene.scene import from_values, load
 from fourbar_ros.scene.topics import PICTURES
@@ -18,6 +19,7 @@ import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from support import ROOT
 from support.scenes import PAPER, RODS, TIP
+from visualization_msgs.msg import Marker
 
 EPS = 2.0**-52
 SCENES = {name: {**load(ROOT / f'config/{name}.yaml').values, 'drive.source': 'motion',
@@ -159,6 +161,23 @@ def test_late_subscribers_see_the_description_and_the_traces(run_node, client):
     want = point_motion(scene.linkage, motions, *scene.points['tip']).place
     assert np.abs(path - want).max() <= 1e-12
     assert sum(marker.ns == 'extrema' and bool(marker.text) for marker in markers) == 4
+
+
+@pytest.mark.parametrize('name', ['paper', 'jansen', 'slider_crank'])
+def test_labels_of_extrema_stand_apart_beside_the_mechanism(name):
+    scene = load(ROOT / f'config/{name}.yaml')
+    markers = [marker for marker in traces.message(scene).markers if marker.ns == 'extrema']
+    assert len({marker.id for marker in markers}) == len(markers)
+    labels = [marker for marker in markers if marker.text]
+    dots = [marker for marker in markers if marker.type == Marker.SPHERE_LIST]
+    leads = [marker for marker in markers if marker.type == Marker.LINE_LIST]
+    assert len(labels) == len(dots) == len(leads) >= 4
+    right = max(dot.points[0].x for dot in dots)
+    heights = sorted(label.pose.position.y for label in labels)
+    assert min(np.diff(heights)) >= 1.2 * labels[0].scale.z
+    for label, dot, lead in zip(labels, dots, leads):
+        assert lead.points[0] == dot.points[0] and lead.points[1].y == label.pose.position.y
+        assert right < lead.points[1].x < label.pose.position.x
 
 
 def test_pictures_are_not_sent_more_often_than_eyes_need(run_node, client):

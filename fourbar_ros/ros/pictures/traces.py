@@ -4,15 +4,17 @@
 Markers that do not move: paths of points, and the poses that matter.
 
 Toggles and dead points as pale poses; extrema of the output's rate and acceleration at the scene's
-speed as labels at the first moving joint.
+speed as dots at the first moving joint with labels beside the mechanism.
 """
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import inf
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.ros.pictures import shapes
 from fourbar_ros.ros.pictures.markers import size_of, WIDTH
 from fourbar_ros.scene.scene import Scene
@@ -21,6 +23,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 SAMPLES = 361          # of a path over one range of the input
 INSIDE = 1e-9          # a toggle is drawn so far inside the range, over its width
+TEXT = 0.05            # height of a label over the size of the mechanism
+LETTER, SPACING = 0.6, 1.5      # width of a letter and distance of lines, over that height
 
 
 def message(scene: Scene) -> MarkerArray:
@@ -57,13 +61,13 @@ def limits(scene: Scene) -> Iterator[Marker]:
 
 
 def extrema(scene: Scene) -> Iterator[Marker]:
-    """Yield labels of the extrema of the output's rate and acceleration."""
+    """Yield a dot for each extremum of the output's rate and acceleration, and what it is."""
     mechanism, output = scene.linkage, scene.linkage.outputs[0].coordinate
-    size, number = size_of(mechanism), 0
     try:
         found = find_extrema(mechanism, (output.rate, output.acceleration), scene.drive.speed)
     except FourBarError:
         return
+    labels, right = [], -inf
     for extremum in found:
         try:
             position = extremum.slide if mechanism.is_driven_by_slide else extremum.theta1
@@ -71,9 +75,23 @@ def extrema(scene: Scene) -> Iterator[Marker]:
         except FourBarError:
             continue
         at = next(place for name, place in diagram.joints.items() if name not in diagram.ground)
-        text = f'{extremum.kind} {extremum.quantity} {extremum.value:.4g}'
-        yield shapes.spheres(scene.frame_id, 'extrema', number, [at], 2.0 * WIDTH * size,
-                             shapes.EXTREMUM)
-        yield shapes.label(scene.frame_id, 'extrema', number + 1, (*at, 3.0 * WIDTH * size), text,
-                           0.05 * size, shapes.EXTREMUM)
-        number += 2
+        labels.append((at, f'{extremum.kind} {extremum.quantity} {extremum.value:.4g}'))
+        right = max(right, *(float(place[0]) for place in diagram.joints.values()))
+    yield from column(scene.frame_id, labels, right, size_of(mechanism))
+
+
+def column(frame: str, labels: list[tuple[Array, str]], right: float,
+           size: float) -> Iterator[Marker]:
+    """Yield dots, and labels in a column on the right, in the order of the dots: none overlap."""
+    height, width = TEXT * size, WIDTH * size
+    labels = sorted(labels, key=lambda one: -one[0][1])
+    top = (sum(at[1] for at, _ in labels) / max(len(labels), 1)
+           + 0.5 * SPACING * height * (len(labels) - 1))
+    for row, (at, text) in enumerate(labels):
+        y, start = top - row * SPACING * height, right + SPACING * height
+        middle = start + 0.5 * LETTER * height * len(text)       # RViz centres a text
+        yield shapes.spheres(frame, 'extrema', 3 * row, [at], 2.0 * width, shapes.EXTREMUM)
+        yield shapes.label(frame, 'extrema', 3 * row + 1, (middle, y, 3.0 * width), text, height,
+                           shapes.EXTREMUM)
+        yield shapes.lines(frame, 'extrema', 3 * row + 2, [(at, (start, y))], 0.2 * width,
+                           shapes.EXTREMUM, 0.5)
