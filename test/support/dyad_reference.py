@@ -304,6 +304,22 @@ def _named(machine, found, links):
     return loads
 
 
+def exact_values(machine, name, inputs, rates):
+    """Return a quantity at some inputs to many digits; None if the reference does not have it."""
+    values = []
+    with mp.workdps(40):
+        for x in inputs:
+            given = (float(x), *rates)
+            found = motion_of(machine, given)[0]
+            if name not in found:
+                found = loads_of(machine, given)
+            if name not in found:
+                return None
+            value = found[name]
+            values.append(abs(value) if isinstance(value, mp.mpc) else value)
+    return values
+
+
 # --- conditions ----------------------------------------------------------------------------------
 
 def conditions(machine, given, with_loads):

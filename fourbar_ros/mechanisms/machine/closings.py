@@ -8,6 +8,8 @@ A dyad closes where its *closing* is positive, a number without unit that vanish
     (R1)  RRR: ((r1 + r2)^2 - q)(q - (r1 - r2)^2) / (r1 + r2)^4
     (R2)  RRP: (r1 - h)(r1 + h) / r1^2        RPR: (|d|^2 - h^2) / (a length)^2
     (R3)  PRP: t1 x t2, which may have either sign: a range ends where the lines are parallel
+
+With a weighted d (:mod:`.far`) that of RPR is times the square of the weight.
 """
 from __future__ import annotations
 
@@ -36,6 +38,8 @@ def make_closing(n: NumberType, kind: str, numbers: Sequence[Any]) -> Callable[.
             return x1 * y2 - y1 * x2
         x, y = apart[:2]
         q = x * x + y * y
+        if len(apart) > 6:       # weighted: of a bar on a link that may run to infinity
+            return (q - apart[6] * apart[6] * sizes[0] * sizes[0]) / (size * size)
         if kind == RRR:
             r1, r2 = sizes
             outer, inner = (r1 + r2) * (r1 + r2), (r1 - r2) * (r1 - r2)

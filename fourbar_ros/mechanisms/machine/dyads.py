@@ -58,6 +58,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from fourbar_ros.mechanisms.machine.far_bar import make_far_rpr
 from fourbar_ros.numerics.number_types import NumberType
 
 Node = tuple[Any, Any, Any, Any, Any, Any]
@@ -159,12 +160,14 @@ def make_rrp(n: NumberType, sign: Any, r1: Any, cos_t: Any, sin_t: Any) -> Moves
 
 def make_rpr(n: NumberType, sign: Any, h: Any) -> MovesDyad:
     """Return the motion of the dyad RPR: a block pinned at P on a bar pinned at Q."""
-    sqrt, hypot = n.sqrt, n.hypot
+    sqrt, hypot, far = n.sqrt, n.hypot, make_far_rpr(n, sign, h)
 
-    def motion(at_p: Node, at_q: Node, apart: Node, _first: Curve,
-               _second: Curve) -> DyadMotion:
+    def motion(at_p: Node, at_q: Node, apart: Any, _first: Curve, _second: Curve) -> DyadMotion:
         px, py, pdx, pdy, pddx, pddy = at_p
         qx, qy, qdx, qdy, qddx, qddy = at_q
+        if len(apart) > 6:
+            way, *others = far(apart)
+            return (*at_p, *way), (*at_q, *way), *others
         x, y, dx, dy, ddx, ddy = [-part for part in apart]
         distance = hypot(x, y)
         s = sign * sqrt((distance - h) * (distance + h))                                # (D7)

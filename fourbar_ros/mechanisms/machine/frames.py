@@ -7,14 +7,9 @@ A dyad between two links that are carried by a third one does not feel how that 
 coordinates of the ground its rates are small differences of large ones. So each link has a
 *frame*, the link from which its motion is simplest: that which carries its slide, or else the last
 one that moves both links on which its dyad hangs. A dyad is solved in the last frame that both its
-links have in common; a link that moves in a frame that moves, at the angle of the frame plus its
-own, e turned with the frame, has
-
-    (K1)  x = X + x_own e,   x' = X' + (x_own' + turn n x_own) e,
-          x'' = X'' + (x_own'' + 2 turn n x_own' + bend n x_own - turn^2 x_own) e
-
-with n the turn by +90 deg. Points P and Q of links that are pinned to each other are compared
-along the arms from one to the other: what is between them does not contain where they are.
+links have in common (:mod:`.poses`). Points P and Q of links that are pinned to each other are
+compared along the arms from one to the other: what is between them does not contain where they
+are. A bar on a link that may run to infinity is given a weighted D (:mod:`.far`).
 """
 from __future__ import annotations
 
@@ -28,17 +23,16 @@ from fourbar_ros.mechanisms.machine.dyads import (
     between,
     Curve,
     DyadMotion,
-    FIXED,
     Node,
     node_of,
     ORIGIN,
 )
+from fourbar_ros.mechanisms.machine.far_poses import FarPoses
 from fourbar_ros.mechanisms.machine.layout import Layout, Stage
+from fourbar_ros.mechanisms.machine.poses import Slide
 
 # Of a link whose joint is that of another: (that link, place of its numbers that are the arm).
 Anchor = tuple[int, tuple[Any, Any]]
-# Of a link that slides: (its carrier, start and direction of the slide there).
-Slide = tuple[int, tuple[Any, Any], tuple[Any, Any]]
 
 
 def slides_of(stage: Stage, numbers: Sequence[Any]) -> list[tuple[int, Slide]]:
@@ -66,19 +60,6 @@ def anchors_of(stage: Stage, numbers: Sequence[Any]) -> dict[int, Anchor]:
     return {one: at_p, **({two: second} if second else {})}
 
 
-def composed(frame: Curve, own: Curve) -> Curve:
-    """Return the curve of a link from its own in a frame and that of the frame, (K1)."""
-    x, y, dx, dy, ddx, ddy, c, s, d_angle, dd_angle = own
-    x0, y0, dx0, dy0, ddx0, ddy0, cosine, sine, turn, bend = frame
-    ddx, ddy = (ddx - 2.0 * turn * dy - bend * y - turn * turn * x,
-                ddy + 2.0 * turn * dx + bend * x - turn * turn * y)
-    dx, dy = dx - turn * y, dy + turn * x
-    return (x0 + cosine * x - sine * y, y0 + sine * x + cosine * y,
-            dx0 + cosine * dx - sine * dy, dy0 + sine * dx + cosine * dy,
-            ddx0 + cosine * ddx - sine * ddy, ddy0 + sine * ddx + cosine * ddy,
-            cosine * c - sine * s, sine * c + cosine * s, turn + d_angle, bend + dd_angle)
-
-
 class Frames:
     """
     The frames of all links of a machine, and how the dyads hang in them.
@@ -95,6 +76,8 @@ class Frames:
         self._frame, self._solved = {1: 0}, {1: 0}
         self._sliding: set[int] = set()
         self._slides = [slides_of(stage, own) for stage, own in zip(layout.stages, numbers)]
+        # of each dyad: its links that are pinned to what it hangs on
+        self._pins: list[dict[int, Anchor]] = []
         self._anchors: dict[int, Anchor] = {1: (0, (0.0, 0.0))} if layout.driver != 'slide' else {}
         self._work = []
         for stage, own, slides in zip(layout.stages, numbers, self._slides):
@@ -108,7 +91,9 @@ class Frames:
                                None if pair else self._arms(stage, frame, at_p, at_q), pair))
             if self._is_pinned_to_carrier(stage, frame, pair):
                 self._solved[stage.number] = stage.first
-            self._anchors.update(anchors_of(stage, own))
+            anchors = anchors_of(stage, own)
+            self._anchors.update(anchors)
+            self._pins.append({} if stage.kind == PRP else anchors)
 
     def _frame_of(self, stage: Stage) -> tuple[int, Anchor | None]:
         """
@@ -174,25 +159,36 @@ class Frames:
         solved = self._solved[link]
         return solved if frame in self._up(solved) else self._frame[link]
 
-    def begin(self, driven: Curve) -> Poses:
+    def begin(self, driven: Curve) -> FarPoses:
         """Return the curves that are known when that of the driven link is."""
-        return Poses(self, driven)
+        return FarPoses(self.base_of, driven)
 
-    def hang(self, number: int, poses: Poses) -> tuple[Node, Node, Node, Curve, Curve]:
-        """Return P, Q, D and the curves of the links they are of, in the frame of a dyad."""
+    def hang(self, number: int, poses: FarPoses) -> tuple[Node, Node, Any, Curve, Curve]:
+        """
+        Return P, Q, D and the curves of the links they are of, in the frame of a dyad.
+
+        D of a bar that hangs on a link that may run to infinity: as of :func:`.far.far_between`.
+        """
         stage, frame, at_p, at_q, arms, pair = self._work[number]
         if pair:
             poses.pin(frame, *pair, self.common(frame, pair[0]))
         first, second = poses.of(stage.first, frame), poses.of(stage.second, frame)
         nodes = node_of(first, *at_p), node_of(second, *at_q)
+        apart: Any
         if arms is None:
-            return *nodes, between(*nodes), first, second
-        apart = [node_of((*ORIGIN, *poses.of(link, frame)[6:]), along, across)
-                 for link, along, across in arms]
-        x, y, dx, dy, ddx, ddy = [reduce(add, parts) for parts in zip(*apart)]
-        return *nodes, (x, y, dx, dy, ddx, ddy), first, second
+            bar = stage.kind == RPR and pair is None
+            apart = (bar and poses.far_between(((stage.first, at_p), (stage.second, at_q)), nodes,
+                                               frame)) or between(*nodes)
+        else:
+            apart = tuple([reduce(add, parts) for parts in zip(*[
+                node_of((*ORIGIN, *poses.of(link, frame)[6:]), along, across)
+                for link, along, across in arms])])
+        hung = *nodes, apart, first, second
+        if stage.kind == PRP:
+            poses.run_far((stage.number, stage.number + 1), frame, hung, self._slides[number])
+        return hung
 
-    def add(self, number: int, poses: Poses, moved: DyadMotion) -> tuple[Curve, Curve]:
+    def add(self, number: int, poses: FarPoses, moved: DyadMotion) -> tuple[Curve, Curve]:
         """Take the curves of a dyad in its frame; return those on the ground."""
         stage, frame, at_p, *_ = self._work[number]
         one, two = stage.number, stage.number + 1
@@ -201,39 +197,6 @@ class Frames:
             poses.pin(stage.first, one, at_p, frame)
         for k, (link, slide) in enumerate(self._slides[number]):
             poses.slide(link, slide, moved[2][3 * k:3 * k + 3])
+        for link, pin in self._pins[number].items():
+            poses.pin_far(link, pin, frame)
         return poses.of(one, 0), poses.of(two, 0)
-
-
-class Poses:
-    """Curves of links in frames, as far as they are known."""
-
-    def __init__(self, frames: Frames, driven: Curve) -> None:
-        self._frames = frames
-        self.known: dict[tuple[int, int], Curve] = {(1, 0): driven}
-
-    def of(self, link: int, frame: int) -> Curve:
-        """Return the curve of a link in one of its frames."""
-        if link == frame:
-            return FIXED
-        found = self.known.get((link, frame))
-        if found is None:
-            base = self._frames.base_of(link, frame)
-            found = composed(self.of(base, frame), self.known[link, base])
-            self.known[link, frame] = found
-        return found
-
-    def pin(self, frame: int, link: int, arm: tuple[Any, Any], shared: int) -> None:
-        """Take a link that is pinned to its frame, both known in a shared one."""
-        *_, c0, s0, turn0, bend0 = self.of(frame, shared)
-        *_, c, s, turn, bend = self.of(link, shared)
-        self.known[link, frame] = (*arm, 0.0, 0.0, 0.0, 0.0, c0 * c + s0 * s, c0 * s - s0 * c,
-                                   turn - turn0, bend - bend0)
-
-    def slide(self, link: int, slide: Slide, way: Sequence[Any]) -> None:
-        """Take a link that slides in its carrier, and the carrier as seen from it."""
-        (carrier, (x, y), (c, s)), (place, rate, change) = slide, way
-        if (link, carrier) not in self.known:
-            self.known[link, carrier] = (x + place * c, y + place * s, rate * c, rate * s,
-                                         change * c, change * s, c, s, 0.0, 0.0)
-        self.known[carrier, link] = (-(x * c + y * s) - place, x * s - y * c, -rate, 0.0,
-                                     -change, 0.0, c, -s, 0.0, 0.0)
