@@ -1,10 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The live page in a browser: first picture, slider to picture, pictures a second, memory.
+The live page in a browser: first picture, slider to picture, pictures a second.
 
-All times are the browser's: from a real input event to the picture that answers it. MINUTES=60
-opens and closes tabs for an hour instead of some minutes.
+All times are the browser's: from a real input event to the picture that answers it.
 """
 import os
 from pathlib import Path
@@ -13,10 +12,8 @@ import time
 
 from .processes import percentile
 
-MINUTES = float(os.environ.get('MINUTES', '3'))
 STARTS = 5
 TURNING = 10.0          # [s]
-TABS = 10
 SETTLE = 2.0            # [s]
 SLIDERS = {'paper': 'linkage.a2', 'jansen': 'dyads.upper.length_1', 'cylinder': 'linkage.a1'}
 TICKS = os.sysconf('SC_CLK_TCK')
@@ -133,26 +130,6 @@ def turning(driver, server):
     return found
 
 
-def tabs(driver, server, minutes):
-    """Open ten tabs, let them turn, close them, again and again; return memory [(min, MB)]."""
-    began, found, home = time.time(), [], driver.current_window_handle
-    while time.time() - began < 60.0 * minutes:
-        opened = []
-        for _ in range(TABS):
-            driver.switch_to.new_window('tab')
-            opened.append(driver.current_window_handle)
-            watch(driver)
-            go(driver, server.address)
-            driver.find_element('css selector', '[aria-label="play or pause"]').click()
-        time.sleep(SETTLE)
-        for handle in opened:
-            driver.switch_to.window(handle)
-            driver.close()
-        driver.switch_to.window(home)
-        found.append(((time.time() - began) / 60.0, server.memory()))
-    return found
-
-
 def main(samples=200):
     """Print tables in Markdown."""
     from support.browser import browser, CHROMIUM, DRIVER, HOW
@@ -164,8 +141,6 @@ def main(samples=200):
         watch(driver)
         print_starts(driver)
         print_motion(driver, samples)
-    with tempfile.TemporaryDirectory() as folder, browser(folder) as driver:
-        print_memory(driver)
 
 
 def print_starts(driver):
@@ -193,21 +168,6 @@ def print_motion(driver, samples):
                 cells += [f'{percentile(found, share):.0f}' for share in (0.5, 0.95)]
             rate, cores = turning(driver, server)
             print(f'| {scene} | {" | ".join(cells)} | {rate:.1f} | {100.0 * cores:.0f} % |')
-
-
-def print_memory(driver):
-    """Print the memory of the server while tabs come and go."""
-    with Server('paper') as server:
-        watch(driver)
-        go(driver, server.address)
-        before = server.memory()
-        found = tabs(driver, server, MINUTES)
-        print(f'\nMemory of the server in MB, {TABS} tabs that turn opened and closed again and '
-              f'again: {len(found) * TABS} tabs in {found[-1][0]:.1f} min.\n')
-        print('| before | after the first | a quarter | half | three quarters | end |\n|'
-              + ' --- |' * 6)
-        places = [0, *(round(share * (len(found) - 1)) for share in (0.25, 0.5, 0.75, 1.0))]
-        print(f'| {before:.0f} | ' + ' | '.join(f'{found[i][1]:.0f}' for i in places) + ' |')
 
 
 if __name__ == '__main__':
