@@ -43,9 +43,9 @@ class Meeting:
         self._meet(stamp, data, self._answers, self._expected, True)
 
     @property
-    def is_waiting(self) -> bool:
-        """Return whether answers are still to come."""
-        return bool(self._expected)
+    def waiting(self) -> int:
+        """Return how many answers are still to come."""
+        return len(self._expected)
 
     def _meet(self, stamp: bytes, data: bytes, own: dict[bytes, bytes], others: dict[bytes, bytes],
               is_answer: bool) -> None:

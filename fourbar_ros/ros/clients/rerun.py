@@ -25,13 +25,14 @@ from fourbar_ros.ros.clients.replay import installed, Replayer
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.scene import parameters
 from fourbar_ros.scene.scene import from_values, Scene
-from fourbar_ros.scene.topics import INPUTS
+from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
-QUIET = 1.0             # [s] without an answer: no more will come
+QUIET = 2.0             # [s] without an answer: no more will come
+AHEAD = INPUT_DEPTH // 2        # motions without an answer: the queue of a busy node holds them
 OURS = ('drive.', 'recording.')         # parameters that a live node has its own of
 
 
@@ -137,6 +138,7 @@ class _Live(Client):
         self._topics = {topic: Meeting(replayer.bag.decoder(topic)) for topic in outputs}
         self._first, self._last = b'', b''          # stamps of motions; empty before the first
         self._last_arrival = time.monotonic()
+        self._unanswered = 0                        # and never will be
         self._name, self._input = (name_on(node_name, INPUTS['motion']),
                                    self.publisher('motion', node_name))
         self._subscriptions = [self._listen(topic, type_name, recorded_node, node_name)
@@ -192,7 +194,11 @@ class _Live(Client):
         return 'applied' if result.successful else f'not applied: {result.reason}'
 
     def send(self, raw: Raw) -> None:
-        """Send one motion of the driven joint."""
+        """Send one motion of the driven joint, later than in the bag if the node is behind."""
+        if self._waiting() >= self._unanswered + AHEAD:
+            self.wait_for_the_rest(rest=self._unanswered + AHEAD - 1)
+            if self._waiting() >= self._unanswered + AHEAD:
+                self._unanswered = self._waiting()
         self._last = stamp_of(raw.data)
         self._first = self._first or self._last
         self._input.publish(raw.data)
@@ -208,11 +214,15 @@ class _Live(Client):
                 >= moment_of(self._first)):
             self._topics[raw.topic].expect(stamp, raw.data)
 
-    def wait_for_the_rest(self, quiet: float = QUIET) -> None:
-        """Wait until nothing has come for some time, or all has."""
+    def _waiting(self) -> int:
+        """Return how many motions have not all their answers."""
+        return max([topic.waiting for topic in self._topics.values()], default=0)
+
+    def wait_for_the_rest(self, quiet: float = QUIET, rest: int = 0) -> None:
+        """Wait until nothing has come for some time, or all has but so many."""
         self._last_arrival = time.monotonic()
         while time.monotonic() - self._last_arrival < quiet and (
-                not self._last or any(topic.is_waiting for topic in self._topics.values())):
+                not self._last or self._waiting() > rest):
             self.executor.spin_once(timeout_sec=0.02)
 
     def compared(self) -> list[Answer]:
