@@ -4,26 +4,26 @@
 Extrema of several quantities of many mechanisms at once, over full turns of their cranks.
 
 Quantities are sampled at equal steps, brackets come from their slopes there (with the search for
-hidden pairs of :mod:`fourbar_ros.numerics.roots`), and all extrema of all quantities of all
-mechanisms are refined together, with exact derivatives by a complex step. What this cannot do
+hidden pairs of :mod:`fourbar_ros.numerics.roots`), first guesses from polynomials through them
+(:mod:`fourbar_ros.extrema.periodic`), and all extrema of all quantities of all mechanisms are
+refined together, with exact derivatives by a complex step: most in one step. What this cannot do
 safely is reported as doubtful, to be searched by :func:`.find_extrema` one by one: a mechanism
 that does not turn fully, samples that do not resolve it (near a change point), a pair of extrema
 between two samples, a root that does not converge.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from math import pi
 from typing import NamedTuple
 
+from fourbar_ros.extrema.periodic import is_coarse, PLAIN, roots_between, slopes_of
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.roots import EPS, first_guesses, intervals_with_roots, rises
+from fourbar_ros.numerics.roots import changes_and_doubts, EPS, first_guesses
 import numpy as np
 
 # Complex step; steps of a root; largest product of the last two of them, over the spacing squared.
-STEP, STEPS, CLOSE = 2.0**-200, 5, 2.0**-34
-# Between every other sample and what the others say there, over the span: what is resolved.
-RESOLVED = 2.0**-9
+STEP, STEPS, CLOSE = 2.0**-200, 5, 2.0**-40
 # Spans below this part of a quantity's size are rounding.
 CONSTANT = 2.0**12 * EPS
 
@@ -74,145 +74,157 @@ def search_turns(rows: Rows, mechanisms: int, count: int, is_angle: Array) -> Tu
         Which are angles, that may jump by 2 pi.
 
     """
+    spacing = 2.0 * pi / count
     samples = rows(np.broadcast_to(inputs(count), (mechanisms, count)))
-    turns = np.zeros(samples.shape[:2])
-    for i in np.nonzero(is_angle)[0]:
-        samples[i] = np.unwrap(samples[i], axis=-1)
-        turns[i] = np.round((samples[i, :, -1] - samples[i, :, 0]) / (2.0 * pi))
-    is_doubtful = ~np.isfinite(samples).all(axis=(0, 2))
-    samples[:, is_doubtful] = 0.0
-    # What is left of an angle without its turns is periodic. A magnitude |F| changes suddenly
-    # near a zero of the force, its square does not.
-    is_positive = (samples > 0.0).all(axis=-1) & ~is_angle[:, None]
-    periodic = np.where(is_positive[..., None], 0.5 * samples * samples,
-                        samples - turns[..., None] * inputs(count))
-    span = np.ptp(periodic, axis=-1)
-    size = np.abs(periodic).max(axis=-1)
-    is_constant = (span <= CONSTANT * size) & (turns == 0.0)
-    is_doubtful |= (_is_coarse(periodic, span) & ~is_constant).any(axis=0)
-    flat = np.moveaxis(periodic, -1, 0).reshape(count, -1)
-    slopes = 3.0 * rises(flat, True) + turns.ravel() * (2.0 * pi / count)
-    slopes[:, (is_doubtful | is_constant).ravel()] = 1.0
-    bends = rises(slopes, True)
-    i, column, is_plain = intervals_with_roots(slopes, bends, True)
-    quantity, row = np.divmod(column, mechanisms)
-    is_doubtful[row[~is_plain]] = True
-    guesses = (_guesses(slopes, bends, i, column) + 0.5) * (2.0 * pi / count)
-    j = (i + 1) % count
-    rise = (slopes[j, column] - slopes[i, column]) * (count / (2.0 * pi))**2
-    roots = _packed(row, quantity, guesses, rise, mechanisms)
-    found = _refined(rows, roots, 2.0 * pi / count, is_positive)
-    is_doubtful |= found[2]
-    places, values = _by_quantity(roots, found[:2], samples.shape[:2])
+    periodic, turns, is_positive = _periodic(samples, is_angle)
+    with np.errstate(invalid='ignore'):
+        low, high = periodic.min(axis=0), periodic.max(axis=0)
+    size = np.maximum(-low, high)
+    is_doubtful = ~np.isfinite(size)
+    low[is_doubtful] = high[is_doubtful] = periodic[:, is_doubtful] = 0.0
+    is_constant = (high - low <= CONSTANT * size) & (turns == 0.0)
+    is_doubtful |= is_coarse(periodic, high - low) & ~is_constant
+    slopes = slopes_of(periodic)
+    slopes += spacing * turns
+    is_doubtful, is_constant, is_positive = (
+        v.reshape(-1, mechanisms) for v in (is_doubtful, is_constant, is_positive))
+    is_doubtful = is_doubtful.any(axis=0)
+    slopes[:, (is_constant | is_doubtful).ravel()] = 1.0
+    roots, is_hidden = _bracketed(slopes, spacing, mechanisms)
+    x, value, strays = _refined(rows, roots, spacing, is_positive)
+    is_doubtful |= is_hidden | strays
+    places, values = (_by_quantity(roots, part, is_constant.shape) for part in (x, value))
     # as find_extrema lists a constant: once, where the range begins
     if is_constant.any():
         if not places.shape[-1]:
-            places, values = (np.full((*samples.shape[:2], 1), np.nan) for _ in range(2))
+            places, values = (np.full((*is_constant.shape, 1), np.nan) for _ in range(2))
         places[is_constant, 0], values[is_constant, 0] = 0.0, samples[is_constant, 0]
-    near = np.clip(np.nan_to_num(places * (count / (2.0 * pi))).astype(int), 0, count - 1)
-    reference = np.take_along_axis(samples, near, axis=-1)
-    values = np.where(is_angle[:, None, None],
-                      values + 2.0 * pi * np.round((reference - values) / (2.0 * pi)), values)
+    for i in np.nonzero(is_angle)[0]:
+        near = np.clip(np.nan_to_num(places[i] / spacing).astype(int), 0, count - 1)
+        reference = np.take_along_axis(samples[i], near, axis=-1)
+        values[i] += 2.0 * pi * np.round((reference - values[i]) / (2.0 * pi))
     counts = np.isfinite(places).sum(axis=-1)
     return Turns(places, values, counts, samples, is_doubtful)
 
 
-def _by_quantity(roots: _Roots, found: Sequence[Array], shape: tuple[int, ...]) -> list[Array]:
-    """Return arrays of shape (n, r) as (q, n, roots of a quantity), NaN where there are fewer."""
-    most = int(roots.rank.max(initial=-1, where=roots.is_there)) + 1
-    mechanism = np.broadcast_to(np.arange(shape[1])[:, None], roots.x.shape)[roots.is_there]
-    out = []
-    for part in found:
-        whole = np.full((*shape, most), np.nan)
-        there = roots.is_there
-        whole[roots.quantity[there], mechanism, roots.rank[there]] = part[there]
-        out.append(whole)
-    return out
+def _periodic(samples: Array, is_angle: Array) -> tuple[Array, Array, Array]:
+    """
+    Return what extrema are sought of, shape (samples, q * n), turns, and which are all positive.
 
-
-def _is_coarse(samples: Array, span: Array) -> Array:
-    """Return whether every other sample does not follow from its eight neighbours, (q, n)."""
-    weights = np.array((1225.0, -245.0, 49.0, -5.0)) / 2048.0
-    even, odd = samples[..., ::2], samples[..., 1::2]
-    expected = sum(weight * (np.roll(even, k, -1) + np.roll(even, -1 - k, -1))
-                   for k, weight in enumerate(weights))
-    error: Array = np.abs(odd - expected).max(axis=-1)
-    return error > RESOLVED * span
-
-
-def _guesses(slopes: Array, bends: Array, i: Array, column: Array) -> Array:
-    """Return where slopes have roots, in samples from 0."""
-    j = (i + 1) % len(slopes)
-    fa, fb = slopes[i, column], slopes[j, column]
+    Half the square of what is positive, and angles without their turns; in ``samples`` angles are
+    made continuous.
+    """
+    quantities, mechanisms, count = samples.shape
+    turns = np.zeros((quantities, mechanisms))
+    for i in np.nonzero(is_angle)[0]:
+        samples[i] = np.unwrap(samples[i], axis=-1)
+        turns[i] = np.round((samples[i, :, -1] - samples[i, :, 0]) / (2.0 * pi))
+    turns = turns.ravel()
+    flat = np.ascontiguousarray(samples.reshape(-1, count).T)
+    # A magnitude |F| changes suddenly near a zero of the force, its square does not.
     with np.errstate(all='ignore'):
-        return i + first_guesses(0.0 * fa, 0.0 * fa + 1.0, fa, fb,
-                                 fa / (3.0 * bends[i, column]), fb / (3.0 * bends[j, column]))
+        is_positive = (flat.min(axis=0) > 0.0) & ~np.repeat(is_angle, mechanisms)
+        flat *= np.where(is_positive, 0.5 * flat, 1.0)
+    if turns.any():
+        flat -= turns * inputs(count)[:, None]
+    return flat, turns, is_positive
 
 
 class _Roots(NamedTuple):
     """
-    Roots of n mechanisms, r at most each, those of all quantities beside each other.
+    Extrema of all quantities of all mechanisms, each an element; by mechanism, quantity, place.
 
     Parameters
     ----------
-    x, bend : ndarray, shape (n, r)
-        First guesses, 1 where there is none, and how the slope rises there.
-    quantity, rank : ndarray of int, shape (n, r)
-        Which quantity it is an extremum of, and its number among them.
-    is_there : ndarray of bool, shape (n, r)
+    x, bend : ndarray
+        First guesses, and how the slope rises there.
+    mechanism, quantity, rank : ndarray of int
+        Of which it is an extremum, and its number among those of the quantity.
 
     """
 
     x: Array
     bend: Array
+    mechanism: Array
     quantity: Array
     rank: Array
-    is_there: Array
 
 
-def _packed(row: Array, quantity: Array, x: Array, bend: Array, mechanisms: int) -> _Roots:
-    """Return roots given one by one, packed by mechanism, quantity and place."""
-    order = np.lexsort((x, quantity, row))
-    row, quantity, x, bend = row[order], quantity[order], x[order], bend[order]
-    place = np.arange(row.size) - np.searchsorted(row, row)
-    key = row * (quantity.max(initial=0) + 1) + quantity
-    rank = np.arange(row.size) - np.searchsorted(key, key)
-    shape = mechanisms, int(place.max(initial=-1)) + 1
-    packed = _Roots(np.ones(shape), np.ones(shape), np.zeros(shape, int), np.zeros(shape, int),
-                    np.zeros(shape, bool))
-    for part, values in zip(packed, (x, bend, quantity, rank, np.ones(row.size, bool))):
-        part[row, place] = values
-    return packed
+def _bracketed(slopes: Array, spacing: float, mechanisms: int) -> tuple[_Roots, Array]:
+    """
+    Return the roots of slopes, shape (samples, q * n), and which mechanisms may have more.
+
+    Slopes are those of a step.
+    """
+    bends = slopes_of(slopes, PLAIN)
+    changes, doubtful = changes_and_doubts(slopes, bends * (1.0 / 3.0), True)
+    i, column = np.nonzero(changes)
+    quantity, mechanism = np.divmod(column, mechanisms)
+    key = mechanism * (slopes.shape[1] // mechanisms) + quantity
+    order = np.argsort(key.astype(np.min_scalar_type(slopes.shape[1])), kind='stable')
+    i, column, quantity, mechanism, key = (v[order] for v in (i, column, quantity, mechanism, key))
+    here, there = i * slopes.shape[1] + column, (i + 1) % len(slopes) * slopes.shape[1] + column
+    fa, fb, bend_a, bend_b = (f.ravel().take(k) for f in (slopes, bends) for k in (here, there))
+    with np.errstate(all='ignore'):
+        guess = first_guesses(np.zeros(fa.shape), np.ones(fa.shape), fa, fb, fa / bend_a,
+                              fb / bend_b)
+        after, bend = roots_between(slopes, i, column, guess)
+        is_near = (after > -0.5) & (after < 1.5) & (bend * (fb - fa) > 0.0)
+    after, bend = np.where(is_near, after, guess), np.where(is_near, bend, fb - fa)
+    return (_Roots((i + after + 0.5) * spacing, bend / spacing**2, mechanism, quantity,
+                   _rank(key)), doubtful.any(axis=0).reshape(-1, mechanisms).any(axis=0))
+
+
+def _rank(key: Array) -> Array:
+    """Return how many equal keys stand before each; equal keys stand together."""
+    counts = np.bincount(key)
+    first = np.cumsum(counts) - counts
+    return np.arange(key.size) - first[key]
+
+
+def _by_quantity(roots: _Roots, found: Array, shape: tuple[int, ...]) -> Array:
+    """Return a number of each root as (q, n, roots of a quantity), NaN where there are fewer."""
+    whole = np.full((*shape, int(roots.rank.max(initial=-1)) + 1), np.nan)
+    whole[roots.quantity, roots.mechanism, roots.rank] = found
+    return whole
 
 
 def _refined(rows: Rows, roots: _Roots, spacing: float,
              is_positive: Array) -> tuple[Array, Array, Array]:
     """
-    Return places and values of roots, shape (n, r), and which mechanisms have one that strays.
+    Return places and values of roots, and which mechanisms have one that strays.
 
     For positive quantities, roots of the slope of half the square are sought. The first step is
-    that of the bend of the samples, the others are the secant's.
+    that of the bend of the samples, the others are the secant's. A step errs by its product with
+    the one before, over the spacing; the first one by its square, as the bend does by the step.
     """
-    mechanism = np.arange(len(roots.x))[:, None]
-    column = np.arange(roots.x.shape[1])
-    squared = is_positive[roots.quantity, mechanism]
-    x, bend = roots.x, roots.bend
-    step, slope = np.full(x.shape, np.inf), np.full(x.shape, np.nan)
+    x, strays = roots.x.copy(), np.zeros(is_positive.shape[1], bool)
+    values, left = np.empty(x.shape), np.arange(x.size)
+    start, bend = roots.x, roots.bend
+    last = before = np.full(x.shape, np.nan)
     for _ in range(STEPS):
-        found = rows(x + 1j * STEP)[roots.quantity, mechanism, column]
-        value, before, slope = found.real, slope, found.imag / STEP
-        slope = np.where(squared, value * slope, slope)
+        i, quantity = roots.mechanism[left], roots.quantity[left]
+        k = _rank(i)
+        grid = np.ones((strays.size, int(k.max(initial=0)) + 1))
+        grid[i, k] = x[left]
+        found = rows(grid + 1j * STEP)[quantity, i, k]
+        squared, value, slope = is_positive[quantity, i], found.real, found.imag / STEP
         with np.errstate(all='ignore'):
-            secant = (slope - before) / step
+            slope = np.where(squared, value * slope, slope)
+            secant = (slope - before) / last
             bend = np.where(np.isfinite(secant) & (secant * bend > 0.0), secant, bend)
-            last, step = step, -slope / bend
-            value = np.where(squared, np.sqrt(np.maximum(value * value + slope * step, 0.0)),
-                             value + 0.5 * slope * step)
-            # a step of the secant errs by its product with the one before, over the spacing
-            is_close = np.abs(step * last) <= CLOSE * spacing * spacing
-        x = x + step
-        is_far = ~(np.abs(x - roots.x) <= spacing) & roots.is_there
-        strays = ((~is_close & roots.is_there) | is_far).any(axis=1)
-        if not (strays & ~is_far.any(axis=1)).any():
+            step = -slope / bend
+            rise = slope * step
+            values[left] = np.where(squared, np.sqrt(np.maximum(value * value + rise, 0.0)),
+                                    value + 0.5 * rise)
+            x[left] += step
+            is_far = ~(np.abs(x[left] - start[left]) <= spacing)
+            last = np.where(np.isnan(last), step, last)
+            going = ~(np.abs(step * last) <= CLOSE * spacing * spacing)
+        strays[i[is_far]] = True
+        going &= ~strays[i]
+        left, bend, last, before = (v[going] for v in (left, bend, step, slope))
+        if not left.size:
             break
-    return np.mod(x, 2.0 * pi), value, strays
+    strays[roots.mechanism[left]] = True
+    return np.mod(x, 2.0 * pi), values, strays

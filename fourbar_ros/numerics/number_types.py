@@ -94,11 +94,15 @@ def _choose_in_arrays(condition: Any, one: Any, other: Any) -> Any:
 
 def hypot_of_arrays(x: Any, y: Any, out: Any = None) -> Any:
     """Return sqrt(x^2 + y^2), as fast as that where no square can be too large or too small."""
-    square = x * x
-    square += y * y
+    square = x * x + y * y
     length = np.sqrt(square, out=out)
     is_safe = length.size and length.min() > 1e-140 and length.max() < 1e150
     return length if is_safe else np.hypot(x, y, out=out)
+
+
+def _size_of_complex(x: Any) -> Any:
+    """Return x or -x, whichever has a positive real part."""
+    return np.where(x.real < 0.0, -x, x) if np.iscomplexobj(x) else np.abs(x)
 
 
 def _angle_of_complex(y: Any, x: Any) -> Any:
@@ -114,7 +118,7 @@ ARRAY = NumberType('real arrays', np.sin, np.cos, np.sqrt, np.arctan2, hypot_of_
                    _choose_in_arrays, math.fsum, power_of_two)
 COMPLEX = replace(ARRAY, name='complex arrays without angles', atan2=lambda y, x: 0.0,
                   hypot=lambda x, y: np.sqrt(x * x + y * y),
-                  fabs=lambda x: np.where(x.real < 0.0, -x, x))
+                  fabs=_size_of_complex)
 COMPLEX_WITH_ANGLES = replace(COMPLEX, name='complex arrays', atan2=_angle_of_complex)
 
 

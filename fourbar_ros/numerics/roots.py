@@ -51,7 +51,16 @@ def intervals_with_roots(f: Array, rise: Array, is_closed: bool) -> tuple[Array,
     """
     Return (i, column, is_plain) of the intervals between samples that have roots.
 
-    Or may have two more.
+    Or may have two more: :func:`changes_and_doubts`, in the order of ``i``.
+    """
+    changes, doubtful = changes_and_doubts(f, rise, is_closed)
+    i, column = np.nonzero(changes | doubtful)
+    return i, column, ~doubtful[i, column]
+
+
+def changes_and_doubts(f: Array, rise: Array, is_closed: bool) -> tuple[Array, Array]:
+    """
+    Return in which intervals between samples the sign changes, and which may have more roots.
 
     Hermite's cubic through two samples has as many roots as its Bernstein coefficients change
     sign, or less by two. One root is plain; where there could be more, also if the inner
@@ -74,14 +83,13 @@ def intervals_with_roots(f: Array, rise: Array, is_closed: bool) -> tuple[Array,
     one, other = turns_back(f[:-1], rise[:-1]), turns_back(f[1:], -rise[1:])
     doubtful = changes & one & other
     if (one | other).any():
-        small = np.zeros(f.shape, bool)
+        small = np.zeros_like(positive)
         small[:-1] = one & ~changes
         small[1:] |= other & ~changes
         if is_closed:
             small[[0, -1]] = small[0] | small[-1]
         doubtful |= small[:-1] | small[1:]
-    i, column = np.nonzero(changes | doubtful)
-    return i, column, ~doubtful[i, column]
+    return changes, doubtful
 
 
 def intervals_of_one(f: Sequence[float], rise: Sequence[float],

@@ -38,9 +38,9 @@ from fourbar_ros.studies.study import Study
 import numpy as np
 
 # Designs that are computed together: their samples stay in the cache.
-TOGETHER = 64
+TOGETHER = 128
 # Samples of a turn, and of those that these do not resolve.
-SAMPLES = (128, 512)
+SAMPLES = (96, 192, 512)
 # Nearer to a change point, relative to the sum of lengths, a type is left to exact sums.
 NEAR = 1e-9
 
@@ -64,6 +64,7 @@ class Block:
         self.size = len(next(iter(drawn.values())))
         self.found: dict[str, Array] = {}
         self.is_done = np.ones(self.size, bool)
+        self._fields = Measures(scene).quantities
         self._output = scene.linkage.outputs[0].coordinate.position
         self._designs = Designs(scene, study.values, drawn)
         self.is_done &= self._designs.are_allowed()
@@ -126,8 +127,7 @@ class Block:
         for measure in self.study.measures:
             if measure.quantity:
                 extent = extents[measure.quantity]
-                column = self.found.setdefault(measure.name, np.full(self.size, np.nan))
-                column[rows] = extent.of(measure.part)
+                self._column(measure.name)[rows] = extent.of(measure.part)
                 self.is_done[rows[~extent.is_there]] = False     # those that cannot be assembled
 
     def _needed(self) -> list[str]:
@@ -145,7 +145,7 @@ class Block:
     def _compute(self, rows: Array, count: int, needed: list[str]) -> Array:
         """Compute some designs with a number of samples; return which are done."""
         drawn = {name: column[rows] for name, column in self.drawn.items()}
-        fields = Measures(self.scene).quantities
+        fields = self._fields
         with_angles = any(needs_angles(fields[name]) for name in needed)
         designs = Designs(self.scene, self.study.values, drawn, with_angles)
         known = fields | designs.point_quantities()
@@ -158,15 +158,19 @@ class Block:
                 continue
             values, good = self._measure(measure, turns, needed, extents)
             done &= good
-            column = self.found.setdefault(measure.name, np.full(self.size, np.nan))
-            column[rows[done]] = values[done]
+            self._column(measure.name)[rows[done]] = values[done]
         for curve in self.study.curves:
             for name, values in zip((f'{curve.point}.x', f'{curve.point}.y'),
                                     self._curve(designs, curve.point, curve.samples)):
-                column = self.found.setdefault(name, np.full((self.size, curve.samples), np.nan))
-                column[rows[done]] = values[done]
+                self._column(name, curve.samples)[rows[done]] = values[done]
                 done &= np.isfinite(values).all(axis=1)
         return done
+
+    def _column(self, name: str, *samples: int) -> Array:
+        """Return the column of a result, NaN where it is not found yet."""
+        if name not in self.found:
+            self.found[name] = np.full((self.size, *samples), np.nan)
+        return self.found[name]
 
     def _turns(self, designs: Designs, quantities: Sequence[Any], count: int) -> Turns:
         with_loads = any(quantity.is_load for quantity in quantities)

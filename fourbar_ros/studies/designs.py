@@ -26,6 +26,7 @@ from fourbar_ros.numerics.number_types import (
     COMPLEX,
     COMPLEX_WITH_ANGLES,
     Function,
+    NumberType,
 )
 from fourbar_ros.scene.linkage import Bodies, external_of
 from fourbar_ros.scene.parameters import find
@@ -106,13 +107,14 @@ class Designs:
     drawn : dict
         {parameter that varies: its values, shape (n,)}.
     with_angles : bool
-        Angles have derivatives by a complex step too.
+        Angles, and their derivatives by a complex step too, are computed; they are zero if not.
 
     """
 
     def __init__(self, scene: Scene, values: dict[str, Any], drawn: dict[str, Array],
                  with_angles: bool = True):
         self.scene = scene
+        self._with_angles = with_angles
         self._complex = COMPLEX_WITH_ANGLES if with_angles else COMPLEX
         self.size = len(next(iter(drawn.values())))
         columns = {name: np.asarray(column, float)[:, None] for name, column in drawn.items()}
@@ -124,7 +126,7 @@ class Designs:
         self.lengths = self._constants.lengths
         self.many = with_lengths(scene.linkage, lengths)
         self.rate = self.values['drive.speed']
-        self._made: dict[bool, tuple[Function, Function | None]] = {}
+        self._made: dict[NumberType, tuple[Function, Function | None]] = {}
 
     def are_allowed(self) -> Array:
         """Return which designs have values that the table of parameters allows, shape (n,)."""
@@ -139,22 +141,27 @@ class Designs:
 
     def state(self, x: Array, acceleration: float, with_loads: bool) -> tuple[Any, Any]:
         """Return (motion, loads) at inputs of shape (n, any), real or complex."""
-        is_complex = x.dtype.kind == 'c'
-        if is_complex not in self._made:
-            numbers = replace(columns_of(self._complex if is_complex else ARRAY),
-                              exact_sum=_sum_of_columns)
-            linkage = self.scene.linkage
-            with np.errstate(all='ignore'):
-                self._made[is_complex] = (
-                    linkage.motion_formula(numbers, self._constants),
-                    linkage.loads_formula(numbers, self._constants)
-                    if linkage.bodies is not None else None)
-        motion_of, loads_of = self._made[is_complex]
+        motion_of, loads_of = self._formulas(x.dtype.kind == 'c')
+        if x.strides[0] == 0:       # the same inputs for all: functions of them alone once
+            x = x[:1]
         with np.errstate(all='ignore'):
             motion = self.scene.linkage.MOTION(*motion_of(x, self.rate, acceleration))
             loads = (self.scene.linkage.LOADS(*loads_of(motion)) if with_loads and loads_of
                      else NoLoads())
         return motion, loads
+
+    def _formulas(self, is_complex: bool) -> tuple[Function, Function | None]:
+        """Return the formulas of motion and loads; without angles the same for all inputs."""
+        numbers = self._complex if is_complex or not self._with_angles else ARRAY
+        if numbers not in self._made:
+            columns = replace(columns_of(numbers), exact_sum=_sum_of_columns)
+            linkage = self.scene.linkage
+            with np.errstate(all='ignore'):
+                self._made[numbers] = (
+                    linkage.motion_formula(columns, self._constants),
+                    linkage.loads_formula(columns, self._constants)
+                    if linkage.bodies is not None else None)
+        return self._made[numbers]
 
     def point_quantities(self) -> dict[str, Any]:
         """Return {name: quantity} of the points of the scene, with columns."""

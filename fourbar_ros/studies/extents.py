@@ -39,12 +39,13 @@ class Extent:
     def of(self, part: str) -> Array:
         """Return a part by name."""
         (most, least), (most_at, least_at) = self._ends, self._places
-        with np.errstate(invalid='ignore'):         # from one infinity to the other
-            span = most - least
-        found: Array = {'max': most, 'min': least, 'max_at': most_at, 'min_at': least_at,
-                        'span': span, 'peak': np.maximum(np.abs(most), np.abs(least)),
-                        'extrema': self.counts}[part]
-        return found
+        if part in ('span', 'peak'):
+            with np.errstate(invalid='ignore'):         # from one infinity to the other
+                found: Array = (most - least if part == 'span'
+                                else np.maximum(np.abs(most), np.abs(least)))
+            return found
+        return {'max': most, 'min': least, 'max_at': most_at, 'min_at': least_at,
+                'extrema': self.counts}[part]
 
     def rms(self) -> tuple[Array, Array]:
         """Return root mean squares, and where they are right to rounding."""

@@ -32,10 +32,12 @@ def slope_roots(a, b):
     return np.sort(np.mod(np.angle(on_circle), 2.0 * np.pi))
 
 
-def test_all_extrema_of_random_functions_are_found_or_marked_as_doubtful():
+@pytest.mark.parametrize('count', [96, 128, 192])
+def test_all_extrema_of_random_functions_are_found_or_marked_as_doubtful(count):
     rng = np.random.default_rng(0)
     coefficients = trigonometric(rng, 200, 6)
-    found = search_turns(lambda x: values(coefficients, x)[None], 200, 128, np.zeros(1, bool))
+    found = search_turns(lambda x: values(coefficients, x)[None], 200, count,
+                         np.zeros(1, bool))
     assert found.is_doubtful.mean() < 0.1
     for i in np.nonzero(~found.is_doubtful)[0]:
         places = found.places[0, i][np.isfinite(found.places[0, i])]
