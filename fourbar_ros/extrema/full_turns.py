@@ -115,7 +115,7 @@ def _periodic(samples: Array, is_angle: Array) -> tuple[Array, Array, Array]:
     made continuous.
     """
     quantities, mechanisms, count = samples.shape
-    turns = np.zeros((quantities, mechanisms))
+    turns: Array = np.zeros((quantities, mechanisms))
     for i in np.nonzero(is_angle)[0]:
         samples[i] = np.unwrap(samples[i], axis=-1)
         turns[i] = np.round((samples[i, :, -1] - samples[i, :, 0]) / (2.0 * pi))
@@ -171,8 +171,9 @@ def _bracketed(slopes: Array, spacing: float, mechanisms: int) -> tuple[_Roots, 
         after, bend = roots_between(slopes, i, column, guess)
         is_near = (after > -0.5) & (after < 1.5) & (bend * (fb - fa) > 0.0)
     after, bend = np.where(is_near, after, guess), np.where(is_near, bend, fb - fa)
-    return (_Roots((i + after + 0.5) * spacing, bend / spacing**2, mechanism, quantity,
-                   _rank(key)), doubtful.any(axis=0).reshape(-1, mechanisms).any(axis=0))
+    is_hidden: Array = np.logical_or.reduce(doubtful.reshape(-1, mechanisms))
+    return _Roots((i + after + 0.5) * spacing, bend / spacing**2, mechanism, quantity,
+                  _rank(key)), is_hidden
 
 
 def _rank(key: Array) -> Array:
