@@ -34,7 +34,7 @@ def download(tab, folder):
     def download(words, suffix):
         tab.click('download')
         tab.choose(words)
-        file, end = folder / f'paper.{suffix}', time.monotonic() + PATIENCE
+        file, end = folder / f'paper.{suffix}', time.monotonic() + 5.0 * PATIENCE
         while not file.exists():        # Chromium renames what is complete
             assert time.monotonic() < end, f'no {file.name} among {list(folder.iterdir())}'
             time.sleep(0.1)

@@ -29,7 +29,7 @@ DOCUMENT = {
     'quantities': ['omega4', 'alpha4', 'shaking_force', 'shaking_moment', 'f32', 'f43',
                    'time_ratio'],
     'objectives': {'shaking_force.max': 'minimize'}}
-PATIENCE = 120.0
+PATIENCE = 600.0
 
 
 def study_of(**changes):
