@@ -121,7 +121,7 @@ class Comparison:
         if raw and self._in_order:
             self._driven.take(*in_order(raw))
         for found in by_name.get(DRIVE_STATE.name, ()):
-            self._modes.take(found, self._stepper.own_mode, self._scene.linkage.modes)
+            self._modes.take(found, self._stepper.own_mode, self._scene.linkage.modes_passed)
         if self._moved:
             for found in by_name.get(TORQUE.name, ()):
                 self._moved.commands(found)

@@ -104,6 +104,9 @@ class Driven:
         if moved:
             text += (f' ({moved.integrator}), {moved.compared} of these states stepped again from '
                      'the one before')
+            if moved.unknown:
+                text += (f', {moved.unknown} not: next to a toggle, the way to it is not in the '
+                         'bag')
         if self.unknown:
             text += (f', {self.unknown} with rates estimated from samples before it or by another '
                      'version')
@@ -164,5 +167,5 @@ def moved_of(origin: Origin, about: Mapping[str, str]) -> Moved | None:
     if origin.scene.dynamics is None or not origin.in_order:
         return None
     from fourbar_ros.bag.moved import Moved  # and the equation of motion
-    from fourbar_ros.dynamics.stepper import KEY
+    from fourbar_ros.dynamics.steps import KEY
     return Moved(origin.scene, about.get(KEY, 'unknown'))

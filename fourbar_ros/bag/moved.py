@@ -5,7 +5,8 @@ Check the motion that a node computed from torque.
 
 Every DriveState is recomputed from the one before it, and the torque in effect from the messages
 on its topic. If another version of the integrator made the bag, accelerations and torques are
-recomputed from the states.
+recomputed from the states. Next to a toggle input and rate do not tell the state: the mover that
+has come there knows it, and what a bag that begins there holds until it is past is not compared.
 """
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ from math import inf, isfinite, isnan
 from fourbar_ros.bag.difference import apart
 from fourbar_ros.bag.records import Columns
 from fourbar_ros.dynamics.mover import DriveValues, Mover, OK, SILENT
-from fourbar_ros.dynamics.stepper import NAME
+from fourbar_ros.dynamics.steps import name_of
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import TORQUE
 import numpy as np
@@ -37,14 +38,18 @@ class Moved:
     compared, alone : int
         States that were stepped again from the one before; those of which the accelerations and
         torques alone were: at a start, after a gap, of another integrator.
+    unknown : int
+        Those next to a toggle to which the bag does not hold the way.
 
     """
 
     def __init__(self, scene: Scene, integrator: str) -> None:
-        self.integrator, self._steps = integrator, integrator == NAME
+        self.integrator = integrator
+        self._steps = integrator == name_of(scene.linkage)
         self.largest: dict[str, float] = {}
-        self.compared = self.alone = 0
-        self._before: tuple[DriveValues | None, int] = (None, 0)
+        self.compared = self.alone = self.unknown = 0
+        # values, mode, stamp [ns]; no values where they do not tell the state
+        self._before: tuple[DriveValues | None, int, int] = (None, 0, 0)
         self._commands: list[tuple[int, float]] = []
         self._torque: float | None = None
         self.change(scene)
@@ -83,21 +88,35 @@ class Moved:
     def _one(self, place: int, stamp: int, status: int, mode: int, values: DriveValues) -> None:
         while self._commands and self._commands[0][0] < place:
             self._torque = self._commands.pop(0)[1]
-        (before, at), self._before = self._before, (values, stamp)
         self._note('command', self._command_apart(status, values.command))
+        before, mode_before, at = self._before
         follows = before is not None and 0.5 < (stamp - at) * 1e-9 / (values.step or inf) < 1.5
-        if before is None or not (follows and self._steps):
-            mover = self._in_mode(mode)
-            again = mover.values(mover.state(values), values.step, values.command,
-                                 values.evaluations)
-            self.alone += 1
-        else:
+        known: DriveValues | None = values
+        if before is not None and follows and self._steps:
             expected, again = self._mover.next(before, values.step, values.command,
-                                               status == SILENT)
+                                               status == SILENT, mode_before)
             self._note('status', 0.0 if expected == status else inf)
+            self._note('mode', 0.0 if self._mover.mode == mode else inf)
             self.compared += 1
-        for name, there, computed in zip(values._fields, values, again):
-            self._note(name, apart(there, computed))
+            if self._compared(values, again) == 0.0:
+                known = again                            # of which the mover knows more
+        elif self._steps and values.step and not self._mover.tells_all(values, mode):
+            known = None
+            self.unknown += 1
+        else:
+            mover = self._in_mode(mode)
+            self._compared(values, mover.values(mover.state(values), values.step, values.command,
+                                                values.evaluations))
+            self.alone += 1
+        self._before = known, mode, stamp
+
+    def _compared(self, values: DriveValues, again: DriveValues) -> float:
+        """Note the differences of values; return the largest."""
+        found = {name: apart(there, computed)
+                 for name, there, computed in zip(values._fields, values, again)}
+        for name, value in found.items():
+            self._note(name, value)
+        return max(found.values())
 
     def _command_apart(self, status: int, command: float) -> float:
         """Return how far a torque in effect is from what the topic and its policy say."""

@@ -165,6 +165,24 @@ class Equation:
         return self.in_both_modes(make_reading(self.mechanism))
 
     @property
+    def is_input(self) -> bool:
+        """Return whether q is the input of the mechanism."""
+        return self.coordinate is self.mechanism
+
+    @cached_property
+    def with_ratio(self) -> InBothModes:
+        """Return q -> (J, J'/2, Q, D, of couples, r, r'), r the derivative of the input."""
+        return self.in_both_modes(self.make_with_ratio)
+
+    def make_with_ratio(self, coordinate: Any, n: NumberType) -> Function:
+        """Return the formula of it for a coordinate and a number type."""
+        terms = self.make_terms(coordinate, n)
+        if self.is_input:
+            return lambda position: (*terms(position), 1.0, 0.0)
+        reading = make_reading(self.mechanism)(coordinate, n)
+        return lambda position: (*terms(position), *reading(position)[1:])
+
+    @property
     def changes_mode(self) -> bool:
         """Return whether the mechanism goes on in the other mode at flat positions."""
         return self._is_alternate is not None
@@ -173,7 +191,7 @@ class Equation:
         """Return the formula position -> (J, J'/2, Q, D, part of Q of couples)."""
         coefficients, gravity = mechanism.make_coefficients(n), self.mechanism.gravity
         extra = self.extra_inertia
-        is_input, read = self.coordinate is self.mechanism, self.mechanism.read_coordinate
+        is_input, read = self.is_input, self.mechanism.read_coordinate
         links = [(i, make_link_terms(body, gravity, applied), applied.couple)
                  for i, body, applied in self._bodies]
         springs = [(one, two, make_element_terms(n, element))

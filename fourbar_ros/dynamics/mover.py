@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 from fourbar_ros.dynamics.drives import DCMotor
 from fourbar_ros.dynamics.step_equations import State
-from fourbar_ros.dynamics.stepper import BUDGET, DONE, FAILED, LIMIT, OneStep, Torques
+from fourbar_ros.dynamics.stepper import BUDGET, DONE, FAILED, LIMIT, Torques
+from fourbar_ros.dynamics.steps import in_message, Place, Steps
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError
 
@@ -41,10 +42,12 @@ class _Ahead(NamedTuple):
     """A step from values under a torque (None: of the motor), and what came of it."""
 
     start: DriveValues
+    origin: Place
     step: float
     torque: float | None
     status: int
     values: DriveValues
+    place: Place
 
 
 class Mover:
@@ -52,6 +55,8 @@ class Mover:
     Advances a drive and its linkage from one message to the next.
 
     The numbers of a message are all there is to know of the state: a bag can be stepped again.
+    Only next to a toggle are they not, where :meth:`tells_all` says so; the mover then knows more
+    of the values that it has given itself.
 
     Parameters
     ----------
@@ -61,29 +66,45 @@ class Mover:
     takes_commands : bool
         The torque comes from a topic.
 
+    Attributes
+    ----------
+    mode : int
+        Assembly mode of the values that it gave last; 0: a message cannot tell it.
+
     """
 
     def __init__(self, system: System, tolerance: float, budget: int,
                  takes_commands: bool) -> None:
-        self._one, self._takes_commands = OneStep(system, tolerance, budget), takes_commands
+        self._steps, self._takes_commands = Steps(system, tolerance, budget), takes_commands
         self._ahead: _Ahead | None = None
+        self.mode = in_message(system.mechanism.mode)
         drive = system.drive
         self._has_shaft = drive is not None and drive.shaft is not None
         source = drive.source if drive else None
         self._own = ('' if source is None or not source.start else
                      'current' if isinstance(source, DCMotor) else 'speed_error_integral')
 
+    def prepare(self) -> None:
+        """Make all that steps need; otherwise the first ones do, which takes them much longer."""
+        self._steps.prepare()
+
     def start(self, command: float = 0.0) -> DriveValues:
         """Return the values at the start."""
-        return self.values(self._one.start, 0.0, command, 0)
+        start = self._steps.start
+        self.mode = in_message(start.mode)
+        return self._values(start, 0.0, command, 0)
 
     def values(self, state: State, step: float, command: float, evaluations: float
                ) -> DriveValues:
-        """Return the values of a state."""
-        position, rate, twist, speed, own = state
+        """Return the values of a state of the input in the mode of the system."""
+        return self._values(self._steps.place(state), step, command, evaluations)
+
+    def _values(self, place: Place, step: float, command: float, evaluations: float
+                ) -> DriveValues:
+        position, rate, twist, speed, own = self._steps.state_of_input(place)
         command = command if self._takes_commands else nan
         try:
-            found = self._one.torques(state, command if self._takes_commands else None)
+            found = self._steps.torques(place, command if self._takes_commands else None)
         except FourBarError:           # the rounded input of a run through a toggle is beyond it
             found = Torques(nan, nan, nan)
         twist, speed = (twist, speed) if self._has_shaft else (nan, rate)
@@ -102,19 +123,38 @@ class Mover:
         twist = 0.0 if isnan(values.twist) else values.twist
         return values.position, values.velocity, twist, values.motor_velocity, own
 
-    def work_ahead(self, values: DriveValues, step: float, command: float = 0.0) -> _Ahead:
+    def tells_all(self, values: DriveValues, mode: int) -> bool:
+        """Return whether values and a mode tell the state, which next to a toggle they do not."""
+        return self._steps.tells_all(self._steps.place(self.state(values), mode))
+
+    def _place(self, values: DriveValues, mode: int | None) -> Place:
+        """Return where values are: of own ones all that is known."""
+        ahead = self._ahead
+        if ahead is not None and values is ahead.values:
+            return ahead.place
+        if ahead is not None and values is ahead.start:
+            return ahead.origin
+        return self._steps.place(self.state(values), mode)
+
+    def work_ahead(self, values: DriveValues, step: float, command: float = 0.0,
+                   mode: int | None = None) -> _Ahead:
         """Make the next step now; :meth:`next` then only gives it, if it is asked for this one."""
-        torque = command if self._takes_commands else None
-        done = self._one.advance(self.state(values), step, torque)
-        self._ahead = _Ahead(values, step, torque, _STATUS[done.status],
-                             self.values(done.state, step, command, done.evaluations))
+        torque, origin = command if self._takes_commands else None, self._place(values, mode)
+        place, status, evaluations = self._steps.advance(origin, step, torque)
+        self._ahead = _Ahead(values, origin, step, torque, _STATUS[status],
+                             self._values(place, step, command, evaluations), place)
         return self._ahead
 
     def next(self, values: DriveValues, step: float, command: float = 0.0,
-             is_silent: bool = False) -> tuple[int, DriveValues]:
-        """Return (status, values) after a time [s] under the torque of a topic, or of a motor."""
+             is_silent: bool = False, mode: int | None = None) -> tuple[int, DriveValues]:
+        """
+        Return (status, values) after a time [s] under the torque of a topic, or of a motor.
+
+        ``mode``: assembly mode of values that are not this mover's own; None: that of the system.
+        """
         ahead, torque = self._ahead, command if self._takes_commands else None
         if (ahead is None or ahead.start is not values
                 or (ahead.step, ahead.torque) != (step, torque)):
-            ahead = self.work_ahead(values, step, command)
+            ahead = self.work_ahead(values, step, command, mode)
+        self.mode = in_message(ahead.place.mode)
         return (SILENT if ahead.status == OK and is_silent else ahead.status), ahead.values

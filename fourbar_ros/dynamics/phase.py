@@ -17,13 +17,14 @@ long before a toggle, so that both are accurate where one takes over from the ot
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
-from math import pi, remainder, sin, sqrt
+from functools import cached_property, partial
+from math import inf, pi, remainder, sin, sqrt
 from typing import Any, Union
 
 from fourbar_ros.dynamics.equation import Equation, make_reading
 from fourbar_ros.dynamics.smooth import flat_positions, make_interval_of
 from fourbar_ros.numerics.number_types import ARRAY
+from fourbar_ros.numerics.straight_line import straight_line
 import numpy as np
 from numpy.typing import NDArray
 
@@ -60,6 +61,16 @@ class Phase:
     @cached_property
     def _reading(self) -> Any:
         return self.equation.in_both_modes(make_reading(self._other))
+
+    @cached_property
+    def pose(self) -> Any:
+        """Return the function position -> places and directions of all links."""
+        return self.equation.in_both_modes(_make_directions)
+
+    def prepare(self) -> None:
+        """Make the functions of this phase, which takes as long as hundreds of steps."""
+        for function in (self._reading, self.pose, self.equation.input):
+            assert function is not None
 
     def excess(self, time: float, state: State) -> float:
         """Return a number that rises above zero where the other coordinate takes over."""
@@ -129,7 +140,7 @@ class Phase:
         """Return the assembly mode of the mechanism at states in this coordinate."""
         mechanism = self.equation.mechanism
         inputs = self.states_of_input(states)[0]
-        own = self.equation.in_both_modes(_make_directions)(states[0])
+        own = self.pose(states[0])
         far = []
         for mode in mechanism.modes_passed:
             with np.errstate(all='ignore'):
@@ -166,7 +177,7 @@ class Course:
     def __init__(self, make_equation: Callable[[Any, float, Any], Equation], mechanism: Any,
                  start: float, make_derivative: Callable[[Phase], Any]) -> None:
         self._make_equation, self._mechanism = make_equation, mechanism
-        self.make_derivative = make_derivative
+        self.make_derivative, self._start = make_derivative, start
         others = () if mechanism.turns_fully else mechanism.driven_otherwise()
         self._others = {other.mode: other for other in others}
         self._middle = 0.0
@@ -175,6 +186,7 @@ class Course:
             middle = min(middles, key=lambda value: abs(remainder(start - value, TURN)))
             self._middle = start - remainder(start - middle, TURN)
         self._phases: dict[Any, Phase] = {}
+        self._poses: dict[Any, Any] = {}
         self.first = self._phase(True, mechanism.mode, start)
 
     def at(self, state: State) -> tuple[Phase, list[float]]:
@@ -210,11 +222,34 @@ class Course:
 
     def phase(self, is_input: bool, position: float, last: Phase, at: float) -> Phase:
         """Return the phase in the mode whose pose at a position is the last one's at its own."""
-        pose = last.equation.in_both_modes(_make_directions)(at)
-        far = {}
-        for mode, coordinate in self._in_modes(is_input).items():
-            with np.errstate(all='ignore'):
-                found = _make_directions(coordinate, ARRAY)(np.array([position]))
-            far[mode] = float(np.nan_to_num(sum((a - b)**2 for a, b in zip(pose, found)),
-                                            nan=np.inf)[0])
+        pose = last.pose(at)
+        far = {mode: self._distance(pose, is_input, mode, position)
+               for mode in self._in_modes(is_input)}
         return self._phase(is_input, min(far, key=far.__getitem__), position)
+
+    def input_in(self, mode: int) -> Phase:
+        """Return the phase of the input in a mode, of a mechanism without flat positions."""
+        return self._phase(True, mode, self._start)
+
+    def prepare(self) -> list[Phase]:
+        """Return all phases of a mechanism without flat positions, ready for use."""
+        phases = [self._phase(is_input, mode, self._start) for is_input in (True, False)
+                  for mode in self._in_modes(is_input)]
+        for phase in phases:
+            phase.prepare()
+            self._pose_line(phase.is_input, phase.equation.coordinate.mode)
+        return phases
+
+    def _pose_line(self, is_input: bool, mode: int) -> Any:
+        if (is_input, mode) not in self._poses:
+            coordinate = self._in_modes(is_input)[mode]
+            self._poses[is_input, mode] = straight_line(partial(_make_directions, coordinate))
+        return self._poses[is_input, mode]
+
+    def _distance(self, pose: Any, is_input: bool, mode: int, position: float) -> float:
+        """Return how far a pose is from that of a mode at a position."""
+        try:
+            found = self._pose_line(is_input, mode)(position)
+        except (ValueError, ZeroDivisionError):
+            return inf
+        return float(sum((a - b)**2 for a, b in zip(pose, found)))

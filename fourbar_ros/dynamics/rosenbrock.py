@@ -14,7 +14,7 @@ from typing import Any
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.pieces import Piece
 from fourbar_ros.dynamics.step_equations import Elastic, plus, Rigid, State, Terms
-from fourbar_ros.numerics.number_types import Function, NumberType
+from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.numerics.straight_line import straight_line
 
 GAMMA = 0.25
@@ -32,7 +32,7 @@ C_LAST = (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543
           -6.058818238834054)
 EVALUATIONS = len(A)       # of the equation of motion in one step, beside those at its start
 Stepped = tuple[float, float, float, float, float, float, float, float, float]
-GIVEN = 5 + 1 + 5 + 1 + len(Piece._fields)      # numbers that a step is a formula of
+GIVEN = 5 + 1 + 7 + 1 + len(Piece._fields)      # numbers that a step is a formula of
 
 
 class Rosenbrock:
@@ -49,16 +49,19 @@ class Rosenbrock:
     """
 
     def __init__(self, equation: Equation, equations: Elastic | Rigid, has_own: bool) -> None:
-        self._equation, self._equations, self._has_own = equation, equations, has_own
-        self._formula = self._make(equation.of_one)
+        self._equations, self._has_own, self._is_input = equations, has_own, equation.is_input
+        of_one = equation.of_one
+        self._formula = self._make((lambda position: (*of_one(position), 1.0, 0.0))
+                                   if equation.is_input else equation.with_ratio.of_one)
         # in both modes of a change point there is no one formula
         self._line = (self._formula if equation.changes_mode else
-                      straight_line(lambda n: self._make(self._terms(n)), GIVEN))
+                      straight_line(lambda n: self._make(
+                          equation.make_with_ratio(equation.coordinate, n)), GIVEN))
 
     def __call__(self, state: State, h: float, terms: Terms, by_position: float,
                  piece: Piece) -> Stepped:
         """
-        Return the state after a step and its estimated error: (q, w, s, v, z, dq, dw, ds, dv).
+        Return the state after a step and its estimated error: (p, u, s, v, z, dp, du, ds, dv).
 
         Parameters
         ----------
@@ -68,7 +71,7 @@ class Rosenbrock:
         terms : Terms
             At this state.
         by_position : float
-            Derivative of its acceleration with respect to q.
+            Derivative of its acceleration with respect to p.
         piece : Piece
 
         Raises
@@ -83,20 +86,18 @@ class Rosenbrock:
             found = self._formula(*state, h, *terms, by_position, *piece)
         return found
 
-    def _terms(self, n: NumberType) -> Function:
-        return self._equation.make_terms(self._equation.coordinate, n)
-
     def _make(self, terms_at: Function) -> Function:
         """Return the formula of numbers, GIVEN of them, for a function position -> Terms."""
         derivative, linear = self._equations.derivative, self._equations.linear
         has_shaft, has_own = isinstance(self._equations, Elastic), self._has_own
+        is_input = self._is_input
 
-        def formula(q: Any, w: Any, s: Any, v: Any, z: Any, h: Any, *given: Any) -> Any:
-            terms: Any = given[:5]
-            by_position, t, t_w, t_z, d, d_w, d_z = given[5:]
+        def formula(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, *given: Any) -> Any:
+            terms: Any = (*given[:5], 1.0, 0.0) if is_input else given[:7]
+            by_position, t, t_w, t_z, d, d_w, d_z = given[7:]
             s, v = (s, v) if has_shaft else (0.0, 0.0)
             z, t_z, d, d_w, d_z = (z, t_z, d, d_w, d_z) if has_own else (0.0,) * 5
-            state, piece = (q, w, s, v, z), Piece(t, t_w, t_z, d, d_w, d_z)
+            state, piece = (p, u, s, v, z), Piece(t, t_w, t_z, d, d_w, d_z)
             solve = linear(terms, state, piece, by_position)(1.0 / (GAMMA * h))
             stages = [solve(derivative(terms, state, piece))]
 

@@ -5,29 +5,34 @@ One step of given length at a time: stable whatever the stiffness, with a bounde
 
 A Rosenbrock method (:mod:`fourbar_ros.dynamics.rosenbrock`) takes one step over the whole length;
 where its error is too large, shorter ones. Of the Jacobian of (N1), see
-:mod:`fourbar_ros.dynamics.step_equations`, the column of q is a difference, the rest exact.
-The next state follows from the state alone, so one that is read from a bag gives the same; what is
-kept from one step to the next, the terms at the last position, is only not computed again.
+:mod:`fourbar_ros.dynamics.step_equations`, the acceleration by the coordinate is a difference, the
+rest exact. The next state follows from the state alone, so one that is read from a bag gives the
+same; what is kept from one step to the next, the terms at the last position, is only not computed
+again. :mod:`fourbar_ros.dynamics.steps` goes from one coordinate to the other at toggles.
 """
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import isfinite, nan
 from typing import NamedTuple
 
 from fourbar_ros.dynamics.drives import ConstantTorque, Drive
+from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.dynamics.phase import Phase
 from fourbar_ros.dynamics.pieces import always, make_begin, Piece, PieceAt
 from fourbar_ros.dynamics.rosenbrock import EVALUATIONS, Rosenbrock
 from fourbar_ros.dynamics.step_equations import Elastic, plus, Rigid, State, Terms
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError
 
-KEY = 'integrator'         # in a bag: what made its motion
-NAME = 'steps of the node, version 1'     # a bag is stepped again by the same version only
 DONE, BUDGET, LIMIT, FAILED = 'done', 'budget used up', 'at a limit', 'not finite'
 
 DIFFERENCE = 1e-7          # of the input for the column of q, times its unit
 SMALLEST, LARGEST, SAFETY = 0.1, 4.0, 0.85
 SHORTEST, BISECTIONS = 1e-3, 40      # part of a step, in the search for a kink
+CLOSEST = 1e-6                       # through toggles: part that a kink may be off
+DEEPEST, SHORTER = 50.0, 0.3         # excess of a phase after a step; else it becomes shorter
+RESERVE = 2                          # evaluations with which another coordinate finishes a step
 
 
 class Advanced(NamedTuple):
@@ -36,6 +41,14 @@ class Advanced(NamedTuple):
     state: State
     status: str
     evaluations: int
+
+
+class Part(NamedTuple):
+    """A state on the way, the time left, whether it is as good as wanted."""
+
+    state: State
+    left: float
+    is_good: bool
 
 
 class Torques(NamedTuple):
@@ -48,31 +61,37 @@ class Torques(NamedTuple):
 
 class OneStep:
     """
-    Advances the state of a system.
+    Advances the state of a system in one coordinate.
 
     Parameters
     ----------
     system : System
     tolerance : float
-        Allowed error of one step: in the input and the twist, and in speeds times its length.
+        Allowed error of one step: in the coordinate and the twist, and in speeds times its length.
     budget : int
         Most evaluations of the equation of motion in one step.
+    phase : Phase, optional
+        Its coordinate and assembly mode; a part of a step then ends where another one takes over.
+        Not given: the input in the mode of the system, up to its limits.
 
     """
 
-    def __init__(self, system: System, tolerance: float, budget: int) -> None:
-        self._system, self._budget, self._count = system, budget, 0
-        self._terms, self._unit = system.equation.of_one, system.mechanism.input_unit
+    def __init__(self, system: System, tolerance: float, budget: int,
+                 phase: Phase | None = None) -> None:
+        self._system, self._phase, self._count = system, phase, 0
+        self._budget = budget - RESERVE if phase else budget
+        equation = phase.equation if phase else system.equation
+        self._terms, self._unit = _terms_of(equation), equation.coordinate.input_unit
         self._tolerance = tolerance * self._unit
         self._drive = system.drive or Drive(ConstantTorque())
         self._begin = make_begin(self._drive.source)
         shaft, rotor = self._drive.shaft, self._drive.rotor
         self._motor = 3 if shaft else 1            # place of the speed behind the gear
+        self._is_input = equation.is_input
         self._equations: Elastic | Rigid = Elastic(shaft, rotor) if shaft else Rigid()
-        self._attempt = Rosenbrock(system.equation, self._equations,
-                                   bool(self._drive.source.start))
+        self._attempt = Rosenbrock(equation, self._equations, bool(self._drive.source.start))
         self._has_limits = not system.has_no_limits
-        self._known: tuple[float, Terms] = (nan, (nan,) * 5)      # the last position, terms there
+        self._known: tuple[float, Terms] = (nan, (nan,) * 7)      # the last position, terms there
 
     @property
     def start(self) -> State:
@@ -83,16 +102,17 @@ class OneStep:
 
     @staticmethod
     def held(state: State) -> State:
-        """Return a state at rest at the same input, nothing twisted, nothing summed up."""
+        """Return a state at rest at the same place, nothing twisted, nothing summed up."""
         return (state[0], 0.0, 0.0, 0.0, 0.0)
 
     def torques(self, state: State, command: float | None = None) -> Torques:
         """Return acceleration and torques of a state; ``command``: torque of the source."""
-        speed, own = state[self._motor], state[4]
-        piece = self._pieces(state, command)(speed, own)
-        change = self._equations.derivative(self._terms_at(state[0]), state, piece)
-        return Torques(change[1], self._equations.on_input(state, piece),
-                       piece.torque_at(speed, own))
+        speed, own = self._speed(state), state[4]
+        piece = self.pieces(state, command)(speed, own)
+        terms = self._terms_at(state[0])
+        change = self._equations.derivative(terms, state, piece)
+        return Torques(self._slope(terms, state, change),
+                       self._equations.on_input(terms, state, piece), piece.torque_at(speed, own))
 
     def advance(self, state: State, length: float, command: float | None = None) -> Advanced:
         """
@@ -109,7 +129,7 @@ class OneStep:
         """
         self._count = 0
         try:
-            new, is_good = self._integrate(state, length, self._pieces(state, command))
+            new, _, is_good = self._integrate(state, length, self.pieces(state, command))
         except FourBarError:
             return Advanced(self.held(state), LIMIT, self._count)
         except ArithmeticError:
@@ -120,12 +140,40 @@ class OneStep:
             return Advanced(self.held(state), LIMIT, self._count)
         return Advanced(new, DONE if is_good else BUDGET, self._count)
 
-    # --- one step, or as many as the tolerance asks for -----------------------------------------
+    def part(self, state: State, left: float, piece_at: PieceAt, spent: int) -> tuple[Part, int]:
+        """
+        Return the Part of a step that this coordinate makes, and all evaluations so far.
 
-    def _pieces(self, state: State, command: float | None) -> PieceAt:
+        Time is left where another coordinate has to take over; without being as good as wanted,
+        where this one cannot finish the step within the budget.
+
+        Raises
+        ------
+        FourBarError, ArithmeticError
+
+        """
+        self._count = spent
+        return self._integrate(state, left, piece_at), self._count
+
+    def pieces(self, state: State, command: float | None) -> PieceAt:
+        """Return the pieces of the source during a step."""
         if command is not None:
             return always(Piece(command))(0.0, 0.0)
-        return self._begin(state[self._motor], state[4])
+        return self._begin(self._speed(state), state[4])
+
+    # --- one step, or as many as the tolerance asks for -----------------------------------------
+
+    def _speed(self, state: State) -> float:
+        """Return the speed of the motor behind the gear."""
+        if self._is_input or self._motor == 3:
+            return state[self._motor]
+        return self._terms_at(state[0])[5] * state[1]
+
+    def _slope(self, terms: Terms, state: State, change: State) -> float:
+        """Return the acceleration of the input, (T3)."""
+        if self._is_input:
+            return change[1]
+        return terms[5] * change[1] + terms[6] * state[1] * state[1]
 
     def _terms_at(self, position: float) -> Terms:
         """Return the terms at a position, which the sample before may have asked for."""
@@ -133,40 +181,55 @@ class OneStep:
             self._known = position, self._terms(position)
         return self._known[1]
 
-    def _integrate(self, state: State, length: float, piece_at: PieceAt) -> tuple[State, bool]:
-        """Return the state after a time, and whether it is as good as wanted."""
-        left = h = length
+    def _integrate(self, state: State, left: float, piece_at: PieceAt) -> Part:
+        """Return the state after a time, or where another coordinate takes over."""
+        h, closest = left, CLOSEST * left if self._phase else 0.0
         while left > 0.0:
-            piece = piece_at(state[self._motor], state[4])
+            piece = piece_at(self._speed(state), state[4])
             terms, change, by_position = self._linear(state, piece)
             while True:
                 h = min(h, left)
                 more = 0 if h == left else 2 + EVALUATIONS
                 if self._count + EVALUATIONS + more > self._budget:
-                    return self._rest(state, left, piece, terms, by_position), False
+                    return self._rest(state, left, piece, terms, by_position)
                 new, scale = self._try(state, h, terms, by_position, piece)
                 if scale >= 1.0:
-                    to_kink = self._to_kink(state, new, h * change[self._motor], piece, piece_at)
-                    if to_kink == 1.0:
+                    slope = (change[3] if self._motor == 3
+                             else self._slope(terms, state, change))
+                    to_kink = self._to_kink(state, new, h * slope, piece, piece_at)
+                    if to_kink == 1.0 or h <= closest:
                         break
-                    scale = to_kink
+                    scale = max(to_kink, closest / h)
                 h *= scale
             state, left, h = new, left - h, h * scale
-        return state, True
+            if self._phase and left > 0.0 and self._phase.excess(0.0, state) > 0.0:
+                break
+        return Part(state, left, True)
 
     def _rest(self, state: State, left: float, piece: Piece, terms: Terms,
-              by_position: float) -> State:
+              by_position: float) -> Part:
         """Return the state after all that is left, at one go: both methods are stable."""
         if self._count + EVALUATIONS <= self._budget:
             new, scale = self._try(state, left, terms, by_position, piece)
-            if scale > SMALLEST:
-                return new
+            if scale > SMALLEST and (not self._phase or self._is_here(new)):
+                return Part(new, 0.0, False)
         change = self._equations.derivative(terms, state, piece)
         solver = self._equations.linear(terms, state, piece, by_position)
-        return plus(state, 1.0, solver(1.0 / left)(change))      # implicit Euler
+        new = plus(state, 1.0, solver(1.0 / left)(change))       # implicit Euler
+        if self._phase and not self._is_here(new):
+            return Part(state, left, False)
+        return Part(new, 0.0, False)
+
+    def _is_here(self, state: State) -> bool:
+        """Return whether a state is where the coordinate of the phase can tell it."""
+        assert self._phase is not None
+        try:
+            return self._phase.excess(0.0, state) <= DEEPEST
+        except (FourBarError, ArithmeticError):
+            return False
 
     def _linear(self, state: State, piece: Piece) -> tuple[Terms, State, float]:
-        """Return terms, dx/dt and, as a difference, the column of q of its Jacobian."""
+        """Return terms, dx/dt and, as a difference, the acceleration by the coordinate."""
         self._count += 2
         position, derivative = state[0], self._equations.derivative
         terms = self._terms_at(position)
@@ -174,7 +237,7 @@ class OneStep:
         aside = position + DIFFERENCE * self._unit
         try:
             terms_aside = self._terms(aside)
-        except FourBarError:                       # next to the upper limit of the input
+        except FourBarError:                       # next to the upper limit
             aside = position - DIFFERENCE * self._unit
             terms_aside = self._terms(aside)
         other = derivative(terms_aside, state, piece)
@@ -184,11 +247,18 @@ class OneStep:
              piece: Piece) -> tuple[State, float]:
         """Return the state after one Rosenbrock step, and by how much the next may be longer."""
         self._count += EVALUATIONS
-        found = self._attempt(state, h, terms, by_position, piece)
+        try:
+            found = self._attempt(state, h, terms, by_position, piece)
+        except FourBarError:
+            if not self._phase:
+                raise
+            return state, SMALLEST                 # a shorter step is inside
         new, (dq, dw, ds, dv) = found[:5], found[5:]
         error = max(abs(dq), abs(ds), h * abs(dw), h * abs(dv)) / self._tolerance
         if not isfinite(error):
             return new, SMALLEST
+        if self._phase and error <= 1.0 and not self._is_here(new):
+            return new, SHORTER
         return new, min(LARGEST, max(SMALLEST, SAFETY * max(error, 1e-10)**-0.25))
 
     def _to_kink(self, state: State, new: State, slope: float, piece: Piece,
@@ -199,7 +269,7 @@ class OneStep:
         Between its ends the speed is taken as quadratic, ``slope`` its derivative at the start
         times the length; the state of the source as linear.
         """
-        speed, end = state[self._motor], new[self._motor]
+        speed, end = self._speed(state), self._speed(new)
         if piece_at(end, new[4]) is piece:
             return 1.0
         low, high = 0.0, 1.0
@@ -209,3 +279,12 @@ class OneStep:
             is_same = piece_at(there, state[4] + part * (new[4] - state[4])) is piece
             low, high = (part, high) if is_same else (low, part)
         return max(high, SHORTEST) if high < 1.0 - SHORTEST else 1.0
+
+
+def _terms_of(equation: Equation) -> Callable[[float], Terms]:
+    """Return position -> Terms."""
+    if not equation.is_input:
+        return equation.with_ratio.of_one
+    of_one = equation.of_one
+    return lambda position: (*of_one(position), 1.0, 0.0)
+

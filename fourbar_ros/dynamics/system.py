@@ -95,9 +95,9 @@ class System:
         except FourBarError:
             return -NEAR_TOGGLE
         from_toggle = float(abs(self.mechanism.transmission_sine(motion))) - NEAR_TOGGLE
-        return min(from_toggle, self._distance_to_end(position))
+        return min(from_toggle, self.distance_to_end(position))
 
-    def _distance_to_end(self, position: float) -> float:
+    def distance_to_end(self, position: float) -> float:
         """Return a number that is zero at the ends of the stroke."""
         if self._stroke is None:
             return inf
@@ -110,7 +110,7 @@ class System:
 
         def limit(time: float, state: Any) -> float:
             state = phase.states_of_input(np.asarray(state))
-            return (self._distance_to_end(float(state[0])) if passes
+            return (self.distance_to_end(float(state[0])) if passes
                     else self.distance_to_limit(time, state))
 
         limit.terminal, limit.end = True, AT_LIMIT      # type: ignore[attr-defined]

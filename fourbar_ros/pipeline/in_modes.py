@@ -3,6 +3,7 @@
 """One scene in the assembly modes that its motion takes, as through toggles."""
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from fourbar_ros.pipeline.message_fields import mode_number
@@ -36,9 +37,18 @@ class InModes:
         for stepper in self._all.values():
             stepper.act(link, wrench)
 
+    def prepare(self, modes: Iterable[int]) -> None:
+        """Make the steppers of modes that may come."""
+        for mode in modes:
+            if mode not in self._all:
+                self._all[mode] = Stepper(self._scene.taken_in(mode), self.acting)
+
     def step(self, mode: int, *given: Any) -> Any:
         """Return (status, values) of a Stepper in a mode, by its number in messages."""
-        stepper = self._all.get(mode)
-        if stepper is None:
-            stepper = self._all[mode] = Stepper(self._scene.taken_in(mode), self.acting)
-        return stepper.step(*given)
+        if mode not in self._all:
+            self.prepare([mode])
+        return self._all[mode].step(*given)
+
+    def silence(self) -> tuple[float, ...]:
+        """Return the values during a timeout."""
+        return self._own.silence()

@@ -11,7 +11,7 @@ from typing import Any
 
 from fourbar_ros.bag.intake import SteadyClock
 from fourbar_ros.bag.recorder import BagWriter
-from fourbar_ros.dynamics import stepper
+from fourbar_ros.dynamics import steps
 from fourbar_ros.dynamics.mover import OK, SILENT
 from fourbar_ros.errors import BagError
 from fourbar_ros.pipeline.in_modes import InModes
@@ -75,7 +75,7 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
     topics = [DRIVEN, SCENE, *scene.drive_topics, *scene.topics.values()]
     names = {topic.name: _resolved(topic.topic) for topic in topics}
     about = {**about_of(scene, names, NODE),
-             stepper.KEY: f'{run.method}, tolerance {run.tolerance:g}, {run.status}, '
+             steps.KEY: f'{run.method}, tolerance {run.tolerance:g}, {run.status}, '
                           f'error {run.error:.3g}'}
     clock = RunClock(time.time_ns())
     writer = BagWriter(str(path.parent), path.name,

@@ -36,6 +36,11 @@ class Dynamics(NamedTuple):
         from fourbar_ros.dynamics.system import System
         return System(linkage, self.position, self.rate, self.elements, self.drive)
 
+    def modes_passed(self, linkage: Any) -> tuple[int, ...]:
+        """Return the assembly modes between which steps through toggles go; of others nothing."""
+        from fourbar_ros.dynamics.steps import modes_of
+        return modes_of(linkage)
+
 
 def of_values(values: Values, linkage: Any) -> Dynamics | None:
     """

@@ -134,7 +134,7 @@ class Scene(NamedTuple):
 
     def taken_in(self, mode: int) -> Scene:
         """Return this scene with its linkage in another assembly mode, as beyond a toggle."""
-        return self._replace(linkage=self.in_mode(mode))
+        return self._replace(linkage=self.linkage.in_mode(mode))
 
     @property
     def as_text(self) -> str:
@@ -207,7 +207,7 @@ class Scene(NamedTuple):
     def mover_in(self, mode: int) -> Mover:
         """Return the Mover in a mode beyond a toggle; an unknown mode is that of the scene."""
         # through the flat positions of a change point, one equation holds in both modes
-        is_other = mode in self.linkage.modes and self.linkage.change_point_margin != 0.0
+        is_other = mode in self.linkage.modes_passed and self.linkage.change_point_margin != 0.0
         return self.taken_in(mode).mover if is_other else self.mover
 
     @property

@@ -3,7 +3,7 @@
 """Through toggles and change points: against free bodies with joints, quadrature, energy."""
 from math import pi
 
-from fourbar_ros import Applied, Bodies, Body, External, FourBar, InvertedSlider, SliderCrank
+from fourbar_ros import Applied, Bodies, Body, External, FourBar
 from fourbar_ros.dynamics.drives import ConstantTorque, Drive, MotorLine, Shaft
 from fourbar_ros.dynamics.elements import TorsionSpring
 from fourbar_ros.dynamics.simulate import CHANGE_POINT, LIMIT, REACHED, simulate
@@ -15,20 +15,9 @@ import numpy as np
 import pytest
 from support.machines import exact_inertia, exact_potential
 from support.multibody import Multibody
+from support.swings import Alone, BODIES, CASES
 
 scipy = pytest.importorskip('scipy')
-BODIES = Bodies(Body(1.0, 0.2, 0.05, 0.1), Body(2.0, 0.6, 0.1, 0.2), Body(1.5, 0.4, -0.1, 0.1))
-PULL = {'gravity': (0.3, -9.81), 'bodies': BODIES}
-CASES = {
-    'non-Grashof': (FourBar(1.0, 0.8, 0.9, 2.0, **PULL), 0.5, 2.0),
-    'non-Grashof, other class': (FourBar(1.0, 1.0, 2.0, 0.9, **PULL), 2.5, 1.0),
-    'rocker of a crank-rocker': (FourBar(0.8, 1.2, 0.4, 1.0, **PULL), 1.4, 4.0),
-    'rocker of a double-rocker': (FourBar(0.8, 0.4, 1.0, 1.1, **PULL), 0.9, 3.0),
-    'driven slider': (SliderCrank(0.5, 1.3, 0.1, input='slide', **PULL), 1.2, 3.0),
-    'crank longer than its coupler': (SliderCrank(1.5, 1.0, 0.1, **PULL), 0.3, 4.0),
-    'cylinder': (InvertedSlider(0.5, 1.2, 0.2, input='slide', **PULL), 1.1, 3.0),
-    'inverted, with limits': (InvertedSlider(0.7, 1.2, 0.8, **PULL), 2.5, 3.0),
-}
 
 
 def state_of(multibody, rate):
@@ -137,13 +126,6 @@ def test_an_input_beyond_half_a_turn_stays_continuous():
     runs = [simulate(System(mechanism, position + shift, rate), 3.0, 1e-9, times=[1.0, 2.0, 3.0])
             for shift in (0.0, 6.0 * pi)]
     assert runs[1].position - 6.0 * pi == pytest.approx(runs[0].position, abs=1e-8)
-
-
-class Alone(FourBar):
-    """A linkage of which no other coordinate is known."""
-
-    def driven_otherwise(self):
-        return ()
 
 
 def test_without_another_coordinate_it_stops_before_its_toggle():

@@ -8,7 +8,7 @@ from fourbar_ros.bag.recompute import compare
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError
 from fourbar_ros.ros.offline import write_bag
-from fourbar_ros.scene import scene
+from fourbar_ros.scene import files, scene
 from fourbar_ros.scene.simulated import simulate_scene
 import numpy as np
 import pytest
@@ -84,6 +84,20 @@ def test_a_run_through_both_modes_has_a_bag_of_both(name, tmp_path, monkeypatch)
     assert np.abs(open_by).max() < 1e-14
     monkeypatch.setattr(Modes, 'of', lambda modes, stamps, own: np.full(len(stamps), own))
     assert compare(path).problems()
+
+
+def test_a_machine_through_toggles_has_a_bag_of_both_modes(tmp_path):
+    values = {**files.read_values('watt'), **RELEASED, 'dyads.one.first.along': 1.2,
+              'dyads.one.length_1': 0.4, 'dyads.two.length_1': 1.5, 'dyads.two.length_2': 1.4,
+              'drive.start': 0.7, 'drive.rate': 200.0, 'outputs': ['state', 'loads', 'links']}
+    there = scene.from_values({name: value for name, value in values.items()
+                               if name not in ('linkage.a1', 'linkage.a2', 'linkage.a3',
+                                               'linkage.a4', 'drive.speed')
+                               and not name.startswith('points.')})
+    found = simulate_scene(there, 1.5, 1e-6)
+    assert set(found.run.modes.tolist()) == {3, 4}
+    again = compare(write_bag(found, tmp_path / 'run', id))
+    assert not again.problems() and again.largest == 0.0 and again.inputs == 301
 
 
 def test_a_mode_that_messages_cannot_tell_has_no_bag(tmp_path, monkeypatch):

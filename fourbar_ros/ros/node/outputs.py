@@ -43,6 +43,8 @@ class Outputs:
     ----------
     named : list of TopicPublisher
         The outputs that the scene names.
+    mode : int
+        The assembly mode that messages tell.
 
     """
 
@@ -56,7 +58,7 @@ class Outputs:
 
     def apply(self, scene: Scene) -> None:
         """Take over a scene: create and destroy publishers."""
-        self._mode = mode_number(scene.linkage)
+        self.mode = mode_number(scene.linkage)
         there = {output.name: output for output in self.named}
         for name in there.keys() - scene.topics.keys():
             there[name].destroy()
@@ -117,7 +119,7 @@ class Outputs:
     def _send(self, outputs: Sequence[TopicPublisher], stamp: Stamp, status: int,
               values: Sequence[float]) -> None:
         """Pack all messages, then send them together: so the middleware wakes up less often."""
-        mode = self._mode
+        mode = self.mode
         packed = [(output, output.pack(stamp, status, mode, values)) for output in outputs]
         for output, data in packed:
             if output.is_subscribed:                          # it may be wanted for the bag alone

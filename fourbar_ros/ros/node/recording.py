@@ -107,8 +107,8 @@ class Recording:
         topics, resolved = self._without_our_own(topics)
         about = about_of(scene, resolved, self._node.get_fully_qualified_name())
         if scene.dynamics:
-            from fourbar_ros.dynamics import stepper
-            about[stepper.KEY] = stepper.NAME
+            from fourbar_ros.dynamics import steps
+            about[steps.KEY] = steps.name_of(scene.linkage)
         writer = BagWriter(directory_of(scene), name,
                            [channel(topic, resolved[topic.name]) for topic in topics], about,
                            tell=self._node.get_logger().error,

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 from builtin_interfaces.msg import Time
 from fourbar_ros.errors import FourBarError
+from fourbar_ros.pipeline.in_modes import InModes
 from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK
-from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.ros.messages import Stamp
 from fourbar_ros.ros.node import qos
@@ -55,7 +55,7 @@ class Stream:
         self._scene_publisher = qos.create(
             node, 'publisher', String, SCENE.topic,
             QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
-        self._stepper = Stepper(scene)
+        self._stepper = InModes(scene)
         self._applied = {}
         # only these scenes need the messages of wrenches
         if scene.wrenches.links:
@@ -71,7 +71,7 @@ class Stream:
         """Take over a scene: linkage and outputs; publish and record it."""
         with self._lock:
             self.scene, self._layout = scene, scene.layout
-            self._stepper = Stepper(scene, self._stepper.acting)
+            self._renew_stepper()
             self._values = self._unknown = (nan,) * len(self._layout.place)
             self._given = [self._layout.place[name] for name in scene.linkage.input_coordinate]
             self.outputs.apply(scene)
@@ -96,7 +96,7 @@ class Stream:
                 path = self._recording.attach(bag)
                 # Values held from before are dropped: the bag alone must be enough to recompute
                 # it.
-                self._stepper = Stepper(self.scene, self._stepper.acting)
+                self._renew_stepper()
                 self._recording.write(SCENE.name, self._scene_bytes())
                 self.pictures.record_latched()
                 for applied in self._applied.values():
@@ -116,6 +116,13 @@ class Stream:
         # outside of the lock: it waits for the disk
         return self._recording.close(writer, why) if writer else None
 
+    def _renew_stepper(self) -> None:
+        """Evaluate the scene from now on, without values held from before."""
+        self._stepper = InModes(self.scene, self._stepper.acting)
+        self._mode = self._stepper.own_mode
+        if self.scene.dynamics:
+            self._stepper.prepare(self.scene.dynamics.modes_passed(self.scene.linkage))
+
     def _scene_bytes(self) -> bytes:
         return serialize_message(String(data=self.scene.as_json))
 
@@ -127,14 +134,15 @@ class Stream:
             status = self._step(stamp, position, rate, acceleration, self.outputs.wanted())
         self._note(status, position)
 
-    def step_by(self, stamp: Stamp, move: Callable[[], tuple[int, DriveValues]]) -> None:
+    def step_by(self, stamp: Stamp, move: Callable[[], tuple[int, int, DriveValues]]) -> None:
         """
-        Step to where a drive moves: ``move()`` gives its status and DriveValues.
+        Step to where a drive moves: ``move()`` gives its status, assembly mode and DriveValues.
 
         Nothing else happens meanwhile: what a bag holds before a step had a say in it.
         """
         with self._lock:
-            wanted, (drive_status, values) = self.outputs.wanted(), move()
+            wanted, (drive_status, mode, values) = self.outputs.wanted(), move()
+            self._mode = self.outputs.mode = mode
             if wanted.drive_state:
                 self.outputs.send_drive_state(stamp, drive_status, values)
             status = self._step(stamp, values.position, values.velocity, values.acceleration,
@@ -158,8 +166,8 @@ class Stream:
             self.outputs.record()
             return None
         status, self._values = self._stepper.step(
-            position, rate, acceleration, wanted.with_loads or seen and self.pictures.of_loads,
-            wanted.parts)
+            self._mode, position, rate, acceleration,
+            wanted.with_loads or seen and self.pictures.of_loads, wanted.parts)
         self.outputs.send(stamp, status, self._values, wanted.outputs)
         if seen:
             self.pictures.send(stamp, self._values)

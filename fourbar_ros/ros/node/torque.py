@@ -111,6 +111,7 @@ class Moving(Drive):
     def _prepare(self) -> None:
         self._scene: Scene | None = None
         self._values: DriveValues | None = None
+        self._mode: int | None = None
         self._torque, self._is_steady = nan, False
         self._status, scene = OK, self._stream.scene
         self.prepare(scene)
@@ -119,7 +120,7 @@ class Moving(Drive):
 
     def prepare(self, scene: Scene) -> None:
         """Make the equation of motion of a scene, which takes as long as hundreds of steps."""
-        self._prepared = scene, scene.mover
+        self._prepared = scene, _ready(scene)
 
     def age(self) -> float:
         """Return the time since the newest torque [s], NaN if there is none to wait for."""
@@ -135,26 +136,35 @@ class Moving(Drive):
                  'evaluations in a step': f'{self._values.evaluations:.0f}'},
                 [STATUS_NAMES[self._status]] if self._status != OK else [])
 
-    def _move(self, step: float) -> tuple[int, DriveValues]:
-        """Return (status, values) a time later; the first time those of the start."""
+    def _move(self, step: float) -> tuple[int, int, DriveValues]:
+        """Return (status, mode, values) a time later; the first time those of the start."""
         scene = self._stream.scene
         if self._scene is not scene:                     # another one; the state stays
             prepared, mover = self._prepared
-            self._scene, self._mover = scene, mover if prepared is scene else scene.mover
+            self._scene, self._mover = scene, mover if prepared is scene else _ready(scene)
         command, is_silent = (self._command.now(scene.drive) if self._command
                               else (nan, False))
         self._is_steady = self._command is None or command == self._torque
         self._torque = command
         if self._values is None:
             self._values = self._mover.start(command)
-            return SILENT if is_silent else OK, self._values
-        status, self._values = self._mover.next(self._values, step, command, is_silent)
+            self._mode = self._mover.mode
+            return SILENT if is_silent else OK, self._mode, self._values
+        status, self._values = self._mover.next(self._values, step, command, is_silent,
+                                                self._mode)
+        self._mode = self._mover.mode
         if status != self._status:
             self._status = status
             self._node.log.warning(f'drive {status}', f'drive: {STATUS_NAMES[status]}')
         if status in _COUNTER:
             self.counts[_COUNTER[status]] += 1
-        return status, self._values
+        return status, self._mode, self._values
+
+
+def _ready(scene: Scene) -> Mover:
+    mover = scene.mover
+    mover.prepare()
+    return mover
 
 
 class TorqueDrive(Moving, TimerDrive):

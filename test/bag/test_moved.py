@@ -1,0 +1,98 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""States of a drive stepped again: a swing through toggles of which a bag holds any part."""
+from types import SimpleNamespace
+
+from fourbar_ros.bag.moved import Moved
+from fourbar_ros.dynamics.mover import DriveValues
+from fourbar_ros.dynamics.steps import NAME, name_of
+from fourbar_ros.scene.scene import from_values
+import numpy as np
+import pytest
+from support.scenes import PAPER, RODS
+
+STEP = 5_000_000           # [ns]
+ROCKER = {**PAPER, **RODS, 'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.source': 'motor',
+          'motor.stall_torque': 20.0, 'motor.free_speed': 30.0, 'shaft.stiffness': 400.0,
+          'shaft.damping': 2.0, 'motor.rotor_inertia': 0.1,
+          'drive.start': -0.5, 'drive.rate': 200.0, 'outputs': ['state']}
+
+
+@pytest.fixture(scope='module')
+def swing():
+    """Return rows (status, mode, values) of a swing through several toggles."""
+    mover = from_values(ROCKER).mover
+    values = mover.start()
+    rows = [(0, mover.mode, values)]
+    for _ in range(450):
+        status, values = mover.next(values, 1e-9 * STEP)
+        rows.append((status, mover.mode, values))
+    assert np.count_nonzero(np.diff([mode for _, mode, _ in rows])) >= 3
+    return rows
+
+
+def columns_of(rows, first=0):
+    """Return what a bag gives of rows, of which ``first`` is the number of the first."""
+    values = np.array([values for *_, values in rows])
+    records = {'status': np.array([status for status, *_ in rows]),
+               'mode': np.array([mode for _, mode, _ in rows]),
+               **dict(zip(DriveValues._fields, values.T))}
+    places = np.arange(first, first + len(rows))
+    return SimpleNamespace(places=places, headed=STEP * (1 + places), records=records)
+
+
+def moved(*columns, values=ROCKER):
+    """Return the Moved that has compared columns."""
+    scene = from_values(values)
+    found = Moved(scene, name_of(scene.linkage))
+    for some in columns:
+        found.compare(some)
+    return found
+
+
+def test_a_whole_swing_is_stepped_again(swing):
+    found = moved(columns_of(swing[:150]), columns_of(swing[150:], 150))
+    assert set(found.largest.values()) == {0.0}
+    assert (found.compared, found.alone, found.unknown) == (len(swing) - 1, 1, 0)
+
+
+def test_a_bag_may_begin_anywhere_and_miss_states(swing):
+    tells_all = from_values(ROCKER).mover.tells_all
+    told = [tells_all(values, mode) for _, mode, values in swing]
+    assert 0.3 < np.mean(told) < 0.95
+    for first in range(3, len(swing) - 100, 23):
+        found = moved(columns_of(swing[first:], first))
+        assert set(found.largest.values()) == {0.0}
+        assert found.unknown == told[first:].index(True) and found.alone == 1
+        assert found.compared == len(swing) - first - 1 - found.unknown
+        # states are missing too
+        found = moved(columns_of(swing[:first]), columns_of(swing[first + 2:], first + 2))
+        assert set(found.largest.values()) == {0.0}
+        assert found.unknown == told[first + 2:].index(True)
+
+
+@pytest.mark.parametrize('field', ['position', 'acceleration', 'torque'])
+def test_what_was_not_so_is_found_also_next_to_a_toggle(swing, field):
+    changes = np.flatnonzero(np.diff([mode for _, mode, _ in swing]))
+    for place in changes[:3].tolist():
+        status, mode, values = swing[place]
+        wrong = values._replace(**{field: getattr(values, field) + 1e-9})
+        found = moved(columns_of([*swing[:place], (status, mode, wrong), *swing[place + 1:]]))
+        assert 1e-10 < found.largest[field] < 1.0
+        other = moved(columns_of([*swing[:place], (status, 3 - mode, values),
+                                  *swing[place + 1:]]))
+        assert other.largest['mode'] == np.inf
+
+
+def test_bags_of_before_are_stepped_again_where_there_are_no_toggles(swing):
+    crank = {**ROCKER, **PAPER}
+    mover = from_values(crank).mover
+    rows = [(0, mover.mode, mover.start())]
+    rows.append((*mover.next(rows[0][2], 1e-9 * STEP), mover.mode))
+    rows[1] = rows[1][0], rows[1][2], rows[1][1]
+    found = Moved(from_values(crank), NAME)
+    found.compare(columns_of(rows))
+    assert (found.compared, set(found.largest.values())) == (1, {0.0})
+    found = Moved(from_values(ROCKER), NAME)        # which held the input at its toggles
+    found.compare(columns_of(swing[:20]))
+    assert found.compared == 0 and found.alone == 20

@@ -1,0 +1,263 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Steps of given length through toggles: accuracy, energy, modes, work, what messages tell."""
+from fourbar_ros import FourBar, SliderCrank
+from fourbar_ros.dynamics import stepper
+from fourbar_ros.dynamics.drives import (
+    ConstantTorque,
+    DCMotor,
+    Drive,
+    MotorLine,
+    Shaft,
+    SpeedController,
+)
+from fourbar_ros.dynamics.mover import DriveValues
+from fourbar_ros.dynamics.pieces import Piece
+from fourbar_ros.dynamics.simulate import simulate
+from fourbar_ros.dynamics.step_equations import Elastic, Rigid
+from fourbar_ros.dynamics.stepper import BUDGET, DONE, LIMIT
+from fourbar_ros.dynamics.steps import NAME, name_of, NAME_WITH_TOGGLES, Steps
+from fourbar_ros.dynamics.system import System
+from fourbar_ros.scene.scene import from_values, load
+import numpy as np
+import pytest
+from support.scenes import PAPER, RODS
+from support.swings import Alone, BODIES, CASES
+
+SWINGS = [name for name in CASES if name not in ('non-Grashof, other class',
+                                                 'inverted, with limits')]
+TICK = 1e-3
+DRIVES = {
+    'torque': Drive(ConstantTorque(5.0), 0.02, 0.05),
+    'dc motor': Drive(DCMotor(48.0, 0.5, 0.3, 1e-3, 10.0), 0.5),
+    'shaft': Drive(MotorLine(30.0, 40.0), 0.2, 0.05, Shaft(50.0, 5.0)),
+    'dc motor and shaft': Drive(DCMotor(48.0, 0.5, 0.3, 0.1, 10.0), 0.5, 0.1, Shaft(50.0, 5.0))}
+
+
+def swing(system, until, tick=TICK, tolerance=1e-6, budget=10_000):
+    """Return (states of the input, modes, energies, how each step went) after every tick."""
+    steps = Steps(system, tolerance, budget)
+    place, rows, modes, energies, went = steps.start, [], [], [], []
+    for _ in range(round(until / tick)):
+        done = steps.advance(place, tick)
+        place = done.place
+        rows.append(steps.state_of_input(place))
+        modes.append(place.mode)
+        energies.append(place.phase.energy(place.state))
+        went.append(done)
+    return np.array(rows).T, modes, np.array(energies), went
+
+
+@pytest.mark.parametrize('name', SWINGS)
+def test_a_released_linkage_swings_through_its_limits_as_simulate_says(name, monkeypatch):
+    """Steps of one length, of order 4: those of half the length err by 1/15 of what changes."""
+    monkeypatch.setattr(stepper, 'DIFFERENCE', 1e-8)     # its error is then below that of steps
+    mechanism, position, rate = CASES[name]
+    system, until, unit = System(mechanism, position, rate), 3.0, mechanism.input_unit
+    times = TICK * np.arange(1, 3001)
+    run = simulate(system, until, 1e-9, times=times)
+    assert np.count_nonzero(np.diff(run.modes)) >= 4 and set(run.modes.tolist()) == {1, 2}
+    whole, modes, energies, went = swing(system, until, tolerance=1e9)
+    half, modes_of_half, less, _ = swing(system, until, 0.5 * TICK, tolerance=1e9)
+    assert {done.status for done in went} == {DONE}
+    changes = np.abs(whole[0] - half[0, 1::2]).max()
+    # order 3 is granted, and 1e-8 to the difference and to the reference
+    assert np.abs(half[0, 1::2] - run.position).max() <= changes / 7.0 + 1e-8 * unit
+    assert np.abs(whole[0] - run.position).max() <= changes * 8.0 / 7.0 + 1e-8 * unit
+    assert modes == modes_of_half[1::2] == run.modes.tolist()
+    drift, drift_of_half = np.ptp(energies), np.ptp(less)
+    kinetic = np.ptp(energies) + 0.5 * rate**2 * float(system.equation.terms(position).inertia)
+    assert drift_of_half <= drift / 7.0 + 1e-8 * kinetic and drift <= 1e-5 * kinetic
+
+
+@pytest.mark.parametrize('drive', DRIVES)
+@pytest.mark.parametrize('name', ['rocker of a crank-rocker', 'driven slider'])
+def test_the_order_is_four_through_toggles_with_every_drive(name, drive, monkeypatch):
+    monkeypatch.setattr(stepper, 'DIFFERENCE', 1e-8)     # its error is then below that of steps
+    mechanism, position, rate = CASES[name]
+    system = System(mechanism, position, rate, drive=DRIVES[drive])
+    times = 0.1 * np.arange(1, 9)
+    run = simulate(system, 0.8, 1e-12, times=times, check=False)
+    assert len(set(run.modes.tolist())) == 2
+    errors = []
+    for tick in (4e-3, 2e-3, 1e-3):
+        states, *_ = swing(system, 0.8, tick, tolerance=1e9)
+        errors.append(np.abs(states[0, round(0.1 / tick) - 1::round(0.1 / tick)]
+                             - run.position).max())
+    assert np.log2(errors[0] / errors[2]) > 2 * 3.0 and errors[2] < 1e-7, errors
+
+
+@pytest.mark.parametrize('equations', [Rigid(), Elastic(Shaft(70.0, 3.0), 0.4)],
+                         ids=['rigid', 'elastic'])
+def test_the_linear_system_is_that_of_the_derivatives(equations):
+    """(g - d(dx/dt)/dx) y = b, with terms that vary with p, by differences of the derivatives."""
+    rng = np.random.default_rng(5)
+    piece = Piece(*rng.normal(size=6))
+
+    def terms_at(p):
+        return (2.0 + p * p, p, 3.0 - p + 0.4 * p * p, 0.5 + 0.1 * p, 0.0,
+                0.3 + 0.7 * p - 0.2 * p * p, 0.7 - 0.4 * p)      # the last two: r, dr/dp
+
+    x = np.array([0.4, 1.3, 0.2, -0.8, 0.6])
+
+    def rates(x):
+        return np.array(equations.derivative(terms_at(x[0]), tuple(x), piece))
+
+    step = 1e-5
+    jacobian = np.array([(rates(x + step * e) - rates(x - step * e)) / (2.0 * step)
+                         for e in np.eye(5)]).T
+    right = rng.normal(size=5)
+    if isinstance(equations, Rigid):
+        right[2:4] = 0.0
+    g = 3.0
+    solve = equations.linear(terms_at(x[0]), tuple(x), piece, jacobian[1, 0])(g)
+    assert (g * np.eye(5) - jacobian) @ solve(tuple(right)) == pytest.approx(right, abs=1e-8)
+
+
+def plain(equations, terms, state, piece, by_position, g, right):
+    """Return dx/dt and y of a step in the input itself, (N1) with r = 1, r' = 0 left out."""
+    inertia, half_slope, force, damping = terms[:4]
+    torque, t_w, t_z, own, z_w, z_z = piece
+    _, w, s, v, z = state
+    if isinstance(equations, Rigid):
+        change = (w, (force + torque + t_z * z + (t_w - damping - half_slope * w) * w) / inertia,
+                  0.0, 0.0, own + z_w * w + z_z * z)
+        by_rate, by_own = (t_w - damping - 2.0 * half_slope * w) / inertia, t_z / inertia
+        share = 1.0 / (g - z_z)
+        whole = 1.0 / (g - by_rate - by_position / g - by_own * z_w * share)
+        rate = (right[1] + by_position * right[0] / g + by_own * right[4] * share) * whole
+        return change, ((right[0] + rate) / g, rate, 0.0, 0.0, (right[4] + z_w * rate) * share)
+    k, c, rotor = 70.0, 3.0, 0.4
+    on_input = k * s + c * (v - w)
+    change = (w, (force + on_input - (damping + half_slope * w) * w) / inertia, v - w,
+              (torque + t_w * v + t_z * z - on_input) / rotor, own + z_w * v + z_z * z)
+    share, coupling = 1.0 / (g - z_z), c + k / g
+    by_rate = -(damping + c + 2.0 * half_slope * w) / inertia
+    m11 = g - by_rate - by_position / g + k / (g * inertia)
+    m12, m21 = -coupling / inertia, -coupling / rotor
+    m22 = g - (t_w - c) / rotor + k / (g * rotor) - t_z / rotor * z_w * share
+    whole = 1.0 / (m11 * m22 - m12 * m21)
+    pull = k * right[2] / g
+    r1 = right[1] + by_position * right[0] / g + pull / inertia
+    r2 = right[3] - pull / rotor + t_z / rotor * right[4] * share
+    rate, speed = (m22 * r1 - m12 * r2) * whole, (m11 * r2 - m21 * r1) * whole
+    return change, ((right[0] + rate) / g, rate, (right[2] + speed - rate) / g, speed,
+                    (right[4] + z_w * speed) * share)
+
+
+@pytest.mark.parametrize('equations', [Rigid(), Elastic(Shaft(70.0, 3.0), 0.4)],
+                         ids=['rigid', 'elastic'])
+def test_in_the_input_no_bit_comes_from_the_ratio(equations):
+    rng = np.random.default_rng(6)
+    for _ in range(1000):
+        terms, state = (*rng.normal(size=5).tolist(), 1.0, 0.0), tuple(rng.normal(size=5).tolist())
+        piece, right = Piece(*rng.normal(size=6).tolist()), tuple(rng.normal(size=5).tolist())
+        by_position, g = rng.normal(size=2).tolist()
+        change, found = plain(equations, terms, state, piece, by_position, g, right)
+        assert equations.derivative(terms, state, piece) == change
+        assert equations.linear(terms, state, piece, by_position)(g)(right) == found
+
+
+@pytest.mark.parametrize('budget', [12, 20, 60])
+@pytest.mark.parametrize('tick', [0.01, 0.03])
+def test_the_work_of_a_step_is_bounded_through_toggles(budget, tick):
+    """Long steps of little work: inaccurate, as their status says, and never out of range."""
+    for name in SWINGS:
+        mechanism, position, rate = CASES[name]
+        low, high = next(ends for ends in mechanism.input_ranges if ends[0] < position < ends[1])
+        states, modes, _, went = swing(System(mechanism, position, rate), 3.0, tick, 1e-9, budget)
+        assert max(done.evaluations for done in went) <= budget
+        assert {done.status for done in went} <= {DONE, BUDGET} and np.isfinite(states).all()
+        assert states[0].min() >= low - 1e-12 and states[0].max() <= high + 1e-12
+        assert set(modes) == {1, 2}, name
+
+
+ROCKER = {**PAPER, **RODS, 'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.source': 'torque',
+          'gravity.y': -9.81, 'drive.start': -0.5, 'outputs': ['state']}
+
+
+def moved(mover, commands, ahead=()):
+    """Return (status, mode, values) step by step."""
+    values, mode, found = mover.start(), mover.mode, []
+    for command in commands:
+        status, values = mover.next(values, TICK, command, mode=mode)
+        mode = mover.mode
+        found.append((status, mode, values))
+        for torque in ahead:
+            mover.work_ahead(values, TICK, torque)
+    return found
+
+
+def test_messages_tell_the_state_except_next_to_a_toggle():
+    """What another mover does from a message is what this one does, where it says so."""
+    mover, other = from_values(ROCKER).mover, from_values(ROCKER).mover
+    commands = [20.0 * np.sin(0.01 * i) for i in range(1500)]
+    found, told = moved(mover, commands), []
+    for (_, mode, values), command, (status, mode_then, then) in zip(found, commands[1:],
+                                                                     found[1:]):
+        copy = DriveValues(*values)
+        told.append(other.tells_all(copy, mode))
+        again = other.next(copy, TICK, command, mode=mode)
+        if told[-1]:
+            assert (again[0], other.mode, repr(again[1])) == (status, mode_then, repr(then))
+        else:
+            assert again[1].position == pytest.approx(then.position, abs=1e-9)
+    modes = [mode for _, mode, _ in found]
+    assert 0.5 < np.mean(told) < 0.95 and set(modes) == {1, 2}
+    # no message at a toggle itself tells the state
+    assert not any(told[i] for i in np.flatnonzero(np.diff(modes[:-1])))
+
+
+@pytest.mark.parametrize('ahead', [[0.0], [5.0], [5.0, 0.0], [0.0, 0.0]], ids=str)
+def test_steps_made_ahead_are_the_same_through_toggles(ahead):
+    commands = [0.0] * 900 + [5.0] * 100
+    found = [repr(row) for row in moved(from_values(ROCKER).mover, commands, ahead)]
+    assert found == [repr(row) for row in moved(from_values(ROCKER).mover, commands)]
+
+
+def test_a_controller_and_its_limit_through_toggles():
+    """Kinks of the source are found in the other coordinate too, by the speed of the input."""
+    mechanism, position, rate = CASES['rocker of a crank-rocker']
+    drive = Drive(SpeedController(6.0, 3.0, 0.0, 9.0), 0.02, 0.05)
+    system = System(mechanism, position, rate, drive=drive)
+    run = simulate(system, 1.5, 1e-7, times=TICK * np.arange(1, 1501))
+    states, modes, _, went = swing(system, 1.5, tolerance=1e-8)
+    torque = np.clip(3.0 * (6.0 - states[1]), -9.0, 9.0)
+    assert (np.abs(torque) == 9.0).any() and (np.abs(torque) < 9.0).any()
+    assert {done.status for done in went} == {DONE} and len(set(modes)) == 2
+    assert np.abs(states[0] - run.position).max() < 1e-4
+
+
+def test_the_end_of_a_stroke_is_a_limit_and_toggles_are_not():
+    slider = SliderCrank(0.5, 1.3, 0.1, input='slide', bodies=BODIES, gravity=(0.3, -9.81))
+    low = slider.input_ranges[-1][0]
+    with_stop = SliderCrank(0.5, 1.3, 0.1, input='slide', bodies=BODIES, gravity=(0.3, -9.81),
+                            stroke=(low - 0.2, 1.5))
+    states, modes, _, went = swing(System(with_stop, 1.2, -3.0), 2.0)
+    at = [done.status for done in went].index(LIMIT)
+    assert 1.4 < states[0, at] < 1.5 and states[1, at] == 0.0
+    assert len(set(modes[:at])) == 2 and min(states[0, :at]) < low + 0.01
+
+
+@pytest.mark.parametrize('turns', [0.0, 6.0])
+def test_whole_turns_of_an_input_are_kept(turns):
+    mechanism, position, rate = CASES['non-Grashof']
+    system = System(mechanism, position, rate)
+    steps = Steps(system, 1e-6, 60)
+    place = steps.place((position + turns * np.pi, rate, 0.0, 0.0, 0.0))
+    modes = set()
+    for _ in range(1000):
+        place = steps.advance(place, TICK).place
+        modes.add(place.mode)
+        assert abs(steps.state_of_input(place)[0] - turns * np.pi) < 2.0
+    assert modes == {1, 2}
+
+
+def test_names_of_integrators_tell_whether_they_go_through_toggles():
+    crank, rocker = (from_values({**ROCKER, **lengths}).linkage for lengths in (PAPER, {}))
+    assert (name_of(crank), name_of(rocker)) == (NAME, NAME_WITH_TOGGLES)
+    assert name_of(Alone(0.8, 1.2, 0.4, 1.0, bodies=BODIES)) == NAME
+    parallelogram = FourBar(0.5, 1.0, 0.5, 1.0, bodies=BODIES)
+    assert name_of(parallelogram) == NAME
+    for scene in ('motor', 'controlled', 'released', 'sundials'):
+        assert name_of(load(scene).linkage) == NAME
