@@ -137,8 +137,9 @@ class Steps:
     def advance(self, place: Place, length: float, command: float | None = None) -> Stepped:
         """Return what :meth:`OneStep.advance` does, from a place."""
         if not self.passes:
-            state, status, spent = self._one(place.phase).advance(place.state, length, command)
-            return Stepped(place._replace(state=state), status, spent)
+            phase, before, mode, rising, turns = place
+            state, status, spent = self._one(phase).advance(before, length, command)
+            return Stepped(Place(phase, state, mode, rising, turns), status, spent)
         held, self._spent = place._replace(state=OneStep.held(place.state)), 0
         try:
             new, is_good = self._passed(place, length, command)
@@ -153,9 +154,10 @@ class Steps:
         return Stepped(new, DONE if is_good else BUDGET, self._spent)
 
     def _one(self, phase: Phase) -> OneStep:
-        if phase not in self._ones:
-            self._ones[phase] = OneStep(*self._given, phase if self.passes else None)
-        return self._ones[phase]
+        one = self._ones.get(phase)
+        if one is None:
+            one = self._ones[phase] = OneStep(*self._given, phase if self.passes else None)
+        return one
 
     def _passed(self, place: Place, left: float, command: float | None) -> tuple[Place, bool]:
         """Return the place after a time, and whether it is as good as wanted."""
