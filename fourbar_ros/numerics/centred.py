@@ -13,19 +13,34 @@ arithmetic, 1975). Balls are those of Arb, by the optional package python-flint.
 """
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
-from fourbar_ros.numerics.duals import Derivatives, Dual, duals_of
-from fourbar_ros.numerics.number_types import choose, INFINITESIMAL, NumberType
+from fourbar_ros.numerics.duals import Derivatives, derivatives_of, Dual, duals_of
+from fourbar_ros.numerics.number_types import choose, Function, INFINITESIMAL, NumberType
+
+
+def _ball(value: Any) -> Any:
+    """Return a number as a ball: a formula may be asked of a constant of its own."""
+    if not isinstance(value, (float, int)):
+        return value
+    import flint
+
+    return flint.arb(value)
 
 
 def _atan2(y: Any, x: Any) -> Any:
-    return type(y).atan2(y, x)
+    y = _ball(y)
+    return type(y).atan2(y, _ball(x))
+
+
+def _sqrt(value: Any) -> Any:
+    return _ball(value).sqrt()
 
 
 # Balls need no scaling. Choices are made in the middle of the box, between forms that are right.
-BALLS = NumberType('balls', lambda v: v.sin(), lambda v: v.cos(), lambda v: v.sqrt(), _atan2,
-                   lambda x, y: (x * x + y * y).sqrt(), abs, choose, sum, lambda *lengths: 1.0,
+BALLS = NumberType('balls', lambda v: _ball(v).sin(), lambda v: _ball(v).cos(), _sqrt, _atan2,
+                   lambda x, y: _sqrt(x * x + y * y), abs, choose, sum, lambda *lengths: 1.0,
                    INFINITESIMAL)
 
 
@@ -69,4 +84,23 @@ def centred_on(radii: dict[str, Any]) -> tuple[type[Centred], NumberType]:
 
     """
     centred: type[Centred] = type('Centred', (Centred,), {'__slots__': (), 'radii': radii})
-    return centred, duals_of(BALLS, centred)
+    numbers = duals_of(BALLS, centred)
+    return centred, replace(numbers, hypot=_lipschitz(numbers.hypot, centred))
+
+
+def _lipschitz(hypot: Function, centred: type[Centred]) -> Function:
+    """
+    Return ``hypot`` over a box in which both may vanish: of a force that changes its sense.
+
+    There it has no derivative, and changes by no more than (x, y) does.
+    """
+    def call(x: Any, y: Any) -> Any:
+        found = hypot(x, y)
+        if all(part.is_finite() for part in found.by.values()):
+            return found
+        one, other = derivatives_of(x), derivatives_of(y)
+        either = _ball(0.0).union(_ball(1.0)) * 2.0 - 1.0
+        return centred(found.value, {name: either * BALLS.hypot(one.get(name, 0.0),
+                                                                other.get(name, 0.0))
+                                     for name in found.by})
+    return call

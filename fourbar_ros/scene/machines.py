@@ -3,6 +3,7 @@
 """The machine of dyads that the parameters of a scene describe."""
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from math import isnan
 from typing import Any
@@ -10,13 +11,18 @@ from typing import Any
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Applied, Body
 from fourbar_ros.mechanisms.machine.description import (
+    ANGLES,
     CYLINDER,
     Cylinder,
+    direction,
     Dyad,
     GROUND,
     Point,
 )
-from fourbar_ros.mechanisms.machine.machine import Machine
+from fourbar_ros.mechanisms.machine.description import DIMENSIONS as OF_KIND
+from fourbar_ros.mechanisms.machine.given import by_link
+from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
+from fourbar_ros.numerics.number_types import NumberType
 from fourbar_ros.scene.families import names_in
 
 DIMENSIONS = 'length_1', 'length_2', 'offset', 'direction_1', 'direction_2', 'slot'
@@ -50,6 +56,53 @@ def loaded(machine: Machine, bodies: dict[str, Body] | None, gravity: tuple[floa
            external: dict[str, Applied]) -> Machine:
     """Return a machine with bodies, gravity and forces; those of links that it has."""
     return replace(machine, bodies=bodies, gravity=gravity, external=external)
+
+
+def numbers_of(machine: Any, values: dict[str, Any],
+               numbers: NumberType) -> tuple[tuple[Any, ...], ...]:
+    """
+    Return :attr:`Dyad.numbers` of all dyads of a machine, from parameters of any type.
+
+    Parameters
+    ----------
+    machine : Machine
+        One like it: of the same dyads.
+    values : dict
+        All parameters: floats, or numbers of any type.
+    numbers : NumberType
+        That of what is no float.
+
+    """
+    def along(angle: Any) -> tuple[Any, Any]:
+        return (direction(angle) if isinstance(angle, float)         # exact at right angles
+                else (numbers.cos(angle), numbers.sin(angle)))
+
+    of_cylinder = machine.stages[0] if machine.cylinder else None
+    return tuple([tuple(_numbers(dyad, values, along, dyad is of_cylinder))
+                  for dyad in machine.stages])
+
+
+def bodies_of(machine: Any, given: dict[str, Body] | None) -> Any:
+    """Return the bodies of all links, without a mass those that are not given; None for None."""
+    return by_link('bodies', given, Body, machine.BODIES, NO_BODY)
+
+
+def _numbers(dyad: Dyad, values: dict[str, Any],
+             along: Callable[[Any], tuple[Any, Any]], is_cylinder: bool) -> Iterator[Any]:
+    """Yield the numbers of a dyad, or of the cylinder, which is one too."""
+    where, places = (('cylinder.', ('pin', 'base')) if is_cylinder else
+                     (f'dyads.{dyad.name}.', ('first', 'second')))
+    for place in places:
+        yield values[f'{where}{place}.along']
+        yield values[f'{where}{place}.across']
+    for name in OF_KIND[dyad.kind]:
+        value = values.get(where + name)
+        if value is None or isinstance(value, float) and isnan(value):
+            value = getattr(dyad, name)      # an offset that is not given
+        if name in ANGLES:
+            yield from along(value)
+        else:
+            yield value
 
 
 def _dyad(name: str, values: dict[str, Any]) -> Dyad:

@@ -14,21 +14,29 @@ where Q_xp and Q_xx come from a complex step of x through the same duals.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import nan
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.sampling import NoLoads
-from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.duals import derivatives_of, Dual, duals_of, value_of
 from fourbar_ros.numerics.number_types import ARRAY, COMPLEX_WITH_ANGLES, NumberType
 from fourbar_ros.scene.parameters import find
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.studies.designs import constants_of, point_quantities_of, with_lengths
+from fourbar_ros.studies.designs import (
+    constants_of,
+    dimensions_of,
+    point_quantities_of,
+    with_lengths,
+)
 from fourbar_ros.studies.measures import Measures
 import numpy as np
 
 INPUT, STEP = 'input', 2.0**-200
+# An extremum farther than this [rad] from where the slope vanishes is no smooth one: that of a
+# transmission angle where another dyad becomes the one that is nearest to its toggle.
+SHARP = 1e-5
 
 By = dict[str, Any]      # {parameter: derivative}
 
@@ -51,7 +59,7 @@ class Formulas(NamedTuple):
 
 def formulas_of(scene: Scene, numbers: NumberType, values: dict[str, Any]) -> Formulas:
     """Return the :class:`Formulas` of a scene for values of its parameters of any type."""
-    linkage, constants = scene.linkage, constants_of(scene, values)
+    linkage, constants = scene.linkage, constants_of(scene, values, numbers)
     many = with_lengths(linkage, constants.lengths)
     with np.errstate(all='ignore'):
         return Formulas(linkage.motion_formula(numbers, constants),
@@ -63,7 +71,7 @@ def formulas_of(scene: Scene, numbers: NumberType, values: dict[str, Any]) -> Fo
 def usable(scene: Scene) -> tuple[str, ...]:
     """Return the parameters that a scene gives and by which there are derivatives."""
     linkage = scene.linkage
-    places = (*[f'linkage.{name}' for name in linkage.length_names], 'bodies.rods.',
+    places = (*dimensions_of(scene), 'bodies.rods.',
               *[f'bodies.{link.name}.' for link in linkage.LINKS], 'gravity.',
               *[f'external.{link}.' for link in linkage.EXTERNAL._fields], 'points.',
               'drive.speed')
@@ -80,7 +88,7 @@ class Derivatives:
     Parameters
     ----------
     scene : Scene
-        Of one of the kinds of mechanisms.
+        Of any mechanism.
     names : sequence of str, optional
         Parameters of the scene; default: all numbers that it gives.
     acceleration : float
@@ -89,15 +97,11 @@ class Derivatives:
     Raises
     ------
     InvalidParameter
-        A parameter is no number of the scene, or the scene is a machine of dyads.
+        A parameter is no number that the scene gives.
 
     """
 
     def __init__(self, scene: Scene, names: Sequence[str] = (), acceleration: float = 0.0) -> None:
-        kind = scene.values['linkage.kind']
-        if kind not in KINDS:
-            raise InvalidParameter('linkage.kind', kind, 'has no derivatives by its dimensions: '
-                                   f'{", ".join(KINDS)} have')
         known = usable(scene)
         for name in names:
             if name not in known:
@@ -107,6 +111,7 @@ class Derivatives:
         values = scene.values | {name: Dual(scene.values[name], {name: 1.0})
                                  for name in self.names}
         self._real = formulas_of(scene, duals_of(ARRAY), values)
+        self._sharp = SHARP * scene.linkage.input_unit
         self._complex = formulas_of(scene, duals_of(COMPLEX_WITH_ANGLES), values)
         self.quantities = self._real.quantities
 
@@ -136,7 +141,11 @@ class Derivatives:
         return zero + value, {one: zero + by.get(one, 0.0) for one in self.names}
 
     def at_extremum(self, name: str, x: float) -> AtExtremum:
-        """Return how an extremum of a quantity inside the input range moves, (S1) and (S2)."""
+        """
+        Return how an extremum of a quantity inside the input range moves, (S1) and (S2).
+
+        NaN where the quantity has a kink or a jump; the place of what is constant is NaN.
+        """
         quantity = self._complex.quantities[name]
         there = Dual(np.array([x + 1j * STEP]), {INPUT: 1.0})
         with np.errstate(all='ignore'):
@@ -144,7 +153,10 @@ class Derivatives:
                                                          quantity.is_load)))
             parts = {one: np.ravel(by.get(one, 0.0) + 0j)[0] for one in (*self.names, INPUT)}
             slope = parts.pop(INPUT)
-            moves = {one: float(-part.imag / slope.imag) for one, part in parts.items()}
+            off = slope.real / slope.imag if slope else 0.0     # what is constant has no place
+            unknown = nan if STEP * abs(off) > self._sharp else 0.0
+            moves = {one: float(-part.imag / slope.imag) + unknown
+                     for one, part in parts.items()}
             # x is the place but for rounding: what slope is left there moves with it
-            return AtExtremum({one: float(part.real + slope.real * moves[one])
+            return AtExtremum({one: float(part.real - off * part.imag) + unknown
                                for one, part in parts.items()}, moves)

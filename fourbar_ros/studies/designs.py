@@ -29,7 +29,7 @@ from fourbar_ros.numerics.number_types import (
     NumberType,
 )
 from fourbar_ros.scene.linkage import Bodies, external_of
-from fourbar_ros.scene.parameters import find
+from fourbar_ros.scene.parameters import find, MACHINE
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 
@@ -52,31 +52,61 @@ class _Columns(Bodies):
         return unchecked(Body, *rod_numbers(length, density, radius))
 
 
-def constants_of(scene: Scene, values: dict[str, Any]) -> Constants:
+def is_machine(scene: Scene) -> bool:
+    """Return whether the mechanism of a scene is a machine of dyads, put together at run time."""
+    return bool(scene.values['linkage.kind'] == MACHINE)
+
+
+def constants_of(scene: Scene, values: dict[str, Any], numbers: NumberType = ARRAY) -> Constants:
     """
     Return what the formulas of a scene's mechanism are made for.
 
     Parameters
     ----------
     scene : Scene
-        One like it: of the same kind, in the same mode.
+        One like it: of the same kind or the same dyads, in the same mode.
     values : dict
         All parameters: floats, or numbers of any type.
+    numbers : NumberType
+        That type, for the directions of a machine.
 
     """
-    kind, names = type(scene.linkage), scene.linkage.length_names
-    lengths = tuple([values[f'linkage.{name}'] for name in names])
-    bodies = _Columns(values, kind.LINKS, dict(zip(names, lengths)))
-    external = external_of(values, kind, partial(unchecked, Applied))
-    return scene.linkage.constants._replace(
-        lengths=lengths, bodies=kind.BODIES(**bodies.every()) if bodies.are_given else None,
-        gravity=(values['gravity.x'], values['gravity.y']), external=kind.EXTERNAL(**external))
+    linkage = scene.linkage
+    external = external_of(values, linkage, partial(unchecked, Applied))
+    constants: Constants = linkage.constants._replace(
+        gravity=(values['gravity.x'], values['gravity.y']), external=linkage.EXTERNAL(**external))
+    if is_machine(scene):
+        from fourbar_ros.scene import machines  # only these scenes need its formulas
+
+        bodies = _Columns(values, linkage.LINKS, {link.length: values[f'dyads.{link.length}']
+                                                  for link in linkage.LINKS if link.length})
+        given = bodies.those_given() if bodies.are_given else None
+        return constants._replace(lengths=machines.numbers_of(linkage, values, numbers),
+                                  bodies=machines.bodies_of(linkage, given))
+    lengths = {name: values[f'linkage.{name}'] for name in linkage.length_names}
+    bodies = _Columns(values, linkage.LINKS, lengths)
+    return constants._replace(
+        lengths=tuple(lengths.values()),
+        bodies=linkage.BODIES(**bodies.every()) if bodies.are_given else None)
+
+
+def dimensions_of(scene: Scene) -> tuple[str, ...]:
+    """Return the beginnings of the names of the parameters that are dimensions of its links."""
+    if is_machine(scene):
+        return 'dyads.', *['cylinder.'] * (scene.linkage.input == 'cylinder')
+    return tuple([f'linkage.{name}' for name in scene.linkage.length_names])
 
 
 def with_lengths(linkage: Any, lengths: Sequence[Any]) -> Any:
-    """Return a linkage whose lengths are any numbers: quantities of points take them from it."""
-    many = copy(linkage)
-    for name, length in zip(linkage.length_names, lengths):
+    """
+    Return a linkage whose lengths are any numbers: quantities of points take them from it.
+
+    Those of a machine take all they need from its motion.
+    """
+    own = [(name, length) for name, length in zip(linkage.length_names, lengths)
+           if hasattr(linkage, name)]
+    many = copy(linkage) if own else linkage
+    for name, length in own:
         object.__setattr__(many, name, length)
     return many
 

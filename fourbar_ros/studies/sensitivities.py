@@ -150,8 +150,9 @@ class _Measured:
         margins = [sum((sign * size for sign, size in zip(signs, sizes)), start=Dual(0.0, {}))
                    for signs in linkage.MARGIN_SIGNS]
         given = np.abs([margin.value for margin in margins])
-        if not np.allclose(given, np.abs(linkage.margins), 1e-12, 1e-12 * sum(linkage.lengths)):
-            return self._none           # sums of other numbers
+        if not margins or not np.allclose(given, np.abs(linkage.margins), 1e-12,
+                                          1e-12 * sum(linkage.lengths)):
+            return self._none           # other numbers than sums of lengths
         least = margins[int(given.argmin())]
         share = (least if least.value > 0.0 else -least) / sum(sizes, start=Dual(0.0, {}))
         by = derivatives_of(share)

@@ -18,9 +18,11 @@ from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.boxes import Bounds, Box, enclosing, Make
 from fourbar_ros.mechanisms.quantities import is_position
 from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.duals import whole_of
 from fourbar_ros.numerics.number_types import NumberType
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.studies.derivatives import Derivatives, formulas_of
+from fourbar_ros.studies.designs import is_machine
 from fourbar_ros.studies.measures import (
     CLASS,
     LEAST_ANGLE,
@@ -42,6 +44,7 @@ ALL_CORNERS = 8
 # Pieces of the input to begin with, and samples of an angle that tell its turns.
 PIECES, SAMPLES = 64, 4096
 UNKNOWN = Bounds(-inf, inf)
+ANGLE = 'transmission_angle'
 
 
 class Tolerance(NamedTuple):
@@ -148,29 +151,36 @@ class _Proofs:
         self._design = Design(scene, acceleration)
         self._acceleration, self._tolerances = acceleration, box
         self._measures = {measure.name: measure for measure in measures}
-        self._rows = list(dict.fromkeys(filter(None, map(self._quantity, measures))))
-        self._design.search([measure._replace(quantity=name, part='max')
-                             for measure in measures if (name := self._quantity(measure))])
+        self._angles = _angles_of(scene)
+        self._rows = list(dict.fromkeys(name for measure in measures
+                                        for name in self._quantities(measure)))
+        self._design.search([measures[0]._replace(quantity=name, part='max')
+                             for name in self._rows])
         self._box = self._enclosed() if self._pieces() else None
 
     def __getitem__(self, name: str) -> Bounds:
         """Return the bounds of a measure."""
         measure = self._measures[name]
-        quantity = self._quantity(measure)
-        if not quantity or self._box is None:
-            return UNKNOWN
+        found = [self._of(quantity, measure) for quantity in self._quantities(measure)
+                 if self._box is not None]
+        return Bounds(min([one.low for one in found], default=-inf),
+                      min([one.high for one in found], default=inf))
+
+    def _of(self, quantity: str, measure: Measure) -> Bounds:
         part = 'span' if measure.part in (SWING, STROKE) else measure.part
         most = UNKNOWN if part == 'min' else self._part(quantity, 'max')
         least = UNKNOWN if part == 'max' else self._part(quantity, 'min')
         return _of_parts(part, most, least)
 
-    def _quantity(self, measure: Measure) -> str:
-        """Return the quantity whose extent a measure comes from, or nothing."""
+    def _quantities(self, measure: Measure) -> Sequence[str]:
+        """Return the quantities from whose extents a measure comes: the least of what they say."""
         if measure.part in (SWING, STROKE):
-            return self._design.output
+            return (self._design.output,)
         if measure.part == LEAST_ANGLE:
-            return 'transmission_angle'
-        return measure.quantity if measure.part in ('max', 'min', 'peak', 'span') else ''
+            return self._angles
+        if measure.quantity == ANGLE and self._angles != (ANGLE,):
+            return ()          # which dyad is nearest to its toggle, changes within a box
+        return (measure.quantity,) if measure.part in ('max', 'min', 'peak', 'span') else ()
 
     def _part(self, quantity: str, end: str) -> Bounds:
         assert self._box is not None
@@ -215,20 +225,39 @@ class _Proofs:
         return lambda place: float(np.interp(place, x, values))
 
 
+def _angles_of(scene: Scene) -> tuple[str, ...]:
+    """Return the quantities that are transmission angles: those of all dyads."""
+    found = tuple([name for name in Measures(scene).quantities if name.startswith(f'{ANGLE}_')])
+    return found or (ANGLE,)
+
+
 def make_of(scene: Scene, names: Sequence[str], acceleration: float) -> Make:
     """Return what makes, of a number type and parameters, the function of some quantities."""
     def make(numbers: NumberType, values: dict[str, Any]) -> Callable[[Any], Sequence[Any]]:
         formulas = formulas_of(scene, numbers, scene.values | values)
         quantities = [formulas.quantities[name] for name in names]
         linkage, needs_loads = scene.linkage, any(one.is_load for one in quantities)
+        of_machine = is_machine(scene)
 
         def rows(x: Any) -> Sequence[Any]:
             fields = formulas.motion(x, formulas.rate, acceleration)
             loads = linkage.LOADS(*formulas.loads(fields)) if needs_loads else None
             motion = linkage.MOTION(*fields)
+            if of_machine:
+                _require_closing(linkage.transmission_sine(motion))
             return [quantity.of(motion, loads) for quantity in quantities]
         return rows
     return make
+
+
+def _require_closing(sine: Any) -> None:
+    """
+    Refuse a piece and a box in which a dyad may not close, by the product of the sines of all.
+
+    A quantity of a machine may be one of other dyads, and known where this one does not close.
+    """
+    if not (1.0 / whole_of(sine)).is_finite():
+        raise ZeroDivisionError
 
 
 def _of_parts(part: str, most: Bounds, least: Bounds) -> Bounds:

@@ -28,7 +28,7 @@ RANGES, TOLERANCES = ('range', 'log_range'), ('uniform', 'normal')
 KINDS = (*RANGES, 'list', *TOLERANCES)
 LEVELS = 10
 # Parameters that change motion or loads, and those of them that are no numbers on a scale.
-ACTING, LISTED = ('linkage.', 'dyads.', 'bodies.', 'gravity.', 'external.', 'points.',
+ACTING, LISTED = ('linkage.', 'dyads.', 'cylinder.', 'bodies.', 'gravity.', 'external.', 'points.',
                   'drive.speed'), ('linkage.mode',)
 # The p next to 0 and 1 that designs give: a normal distribution reaches 8.2 deviations there.
 EDGE = 2.0**-53

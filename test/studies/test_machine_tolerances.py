@@ -1,0 +1,112 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Bounds of a tolerance box of a machine of dyads hold for random machines of the box."""
+from math import isinf, isnan, pi
+
+from fourbar_ros.numerics.number_types import ARRAY, columns_of
+from fourbar_ros.scene.scene import from_values
+from fourbar_ros.studies.derivatives import Derivatives
+from fourbar_ros.studies.designs import constants_of
+from fourbar_ros.studies.measures import LEAST_ANGLE, Measures, STROKE, SWING
+from fourbar_ros.studies.study import from_document
+from fourbar_ros.studies.tolerances import box_of, tolerances
+import numpy as np
+import pytest
+
+pytest.importorskip('scipy')
+MACHINES, SAMPLES = 600, 512
+BOXES = {
+    'jansen': ({'dyads.leg.first.along': 1e-4, 'dyads.lower.second.across': 1e-4,
+                'bodies.foot.mass': 1e-2},
+               ['driving_torque.peak', 'omega_foot.min', 'lower_inner.max',
+                'least_transmission_angle']),
+    'watt': ({'dyads.one.length_1': 1e-4, 'bodies.rods.radius': 5e-5, 'drive.speed': 0.1},
+             ['swing', 'shaking_moment.peak', 'two_first.max']),
+    'bucket': ({'cylinder.base.along': 1e-3, 'dyads.bucket.length_1': 1e-3,
+                'external.bucket.force_x': 100.0},
+               ['swing', 'driving_force.peak', 'bucket_first.max', 'least_transmission_angle']),
+    'quick_return': ({'dyads.lever.second.across': 1e-4, 'dyads.ram.direction_2': 1e-3,
+                      'dyads.ram.length_1': 1e-4},
+                     ['slide_ram_velocity.span', 'shaking_force.max']),
+}
+
+
+def study_of(name, vary, quantities):
+    return from_document({'scene': name, 'rows': 4, 'quantities': quantities,
+                          'vary': {one: {'uniform': size} for one, size in vary.items()}})
+
+
+def largest(values, is_turn):
+    """Return the largest of samples along the last axis, by a parabola through three."""
+    rows, i = np.arange(len(values)), values.argmax(axis=1)
+    last = values.shape[1] - 1
+    before, after = (values[rows, (i + way) % last if is_turn else np.clip(i + way, 0, last)]
+                     for way in (-1, 1))
+    top, bend = values[rows, i], before - 2.0 * values[rows, i] + after
+    is_inside = np.ones_like(i, bool) if is_turn else (i > 0) & (i < last)
+    return np.where(is_inside & (bend < 0.0), top - 0.125 * (after - before)**2 / bend, top)
+
+
+def sampled(study, drawn):
+    """Return {measure: its value in each machine}, by the formulas for columns on a grid."""
+    scene = from_values(study.values)
+    values = study.values | {name: column[:, None] for name, column in drawn.items()}
+    constants, numbers = constants_of(scene, values), columns_of(ARRAY)
+    linkage, (low, high) = scene.linkage, scene.linkage.input_ranges[0]
+    x = np.linspace(low, high, SAMPLES + 1)
+    fields = linkage.motion_formula(numbers, constants)(x, values['drive.speed'], 0.0)
+    motion = linkage.MOTION(*fields)
+    loads = linkage.LOADS(*linkage.loads_formula(numbers, constants)(fields))
+    known, found = Measures(scene).quantities, {}
+    for measure in study.measures:
+        name = {SWING: linkage.outputs[0].coordinate.position, STROKE: '',
+                LEAST_ANGLE: 'transmission_angle'}.get(measure.part, measure.quantity)
+        rows = np.broadcast_to(known[name].of(motion, loads), (MACHINES, x.size))
+        if known[name].unit == 'rad':
+            rows = np.unwrap(rows)
+        if measure.part == LEAST_ANGLE:
+            rows = np.minimum(rows, pi - rows)
+        most, least = (sign * largest(sign * rows, linkage.turns_fully) for sign in (1, -1))
+        found[measure.name] = {
+            'max': most, 'min': least, 'peak': np.maximum(abs(most), abs(least)),
+            LEAST_ANGLE: least}.get(measure.part, most - least)
+    return found
+
+
+@pytest.mark.parametrize('name', BOXES)
+def test_the_bounds_enclose_random_machines(name):
+    pytest.importorskip('flint')
+    study = study_of(name, *BOXES[name])
+    rng = np.random.default_rng(11)
+    drawn = {one.name: one.centre + one.size * rng.uniform(-1.0, 1.0, MACHINES)
+             for one in box_of(study)}
+    values = sampled(study, drawn)
+    for one in tolerances(study):
+        value, size, part = one.sensitivity.value, one.first_order, values[
+            one.sensitivity.measure.name]
+        # the first order is right to the second, and the proof is not much wider than it
+        assert abs(one.corners.high - value - size) < 0.05 * size, one
+        assert one.proven.low <= one.corners.low < value < one.corners.high <= one.proven.high
+        assert one.proven.high - one.proven.low < 12.0 * size, one
+        # for the error of the parabola
+        assert one.proven.low - 1e-4 * size <= part.min(), one
+        assert part.max() <= one.proven.high + 1e-4 * size, one
+        assert part.max() - part.min() > size, one
+
+
+def test_a_box_in_which_another_dyad_opens_is_not_said_to_be_bounded():
+    pytest.importorskip('flint')
+    # the rocker is the first dyad's, and the second does not close at every angle of it
+    one, = tolerances(study_of('watt', {'dyads.two.length_1': 0.3}, ['omega_rocker.max']))
+    assert isinf(one.proven.high)
+
+
+def test_where_another_dyad_is_nearest_to_its_toggle_an_angle_has_a_kink():
+    pytest.importorskip('flint')
+    name = 'dyads.right.length_1'
+    study = study_of('v_engine', {name: 1e-4}, ['transmission_angle.max'])
+    # both cylinders of the V are alike at theta1 = 0
+    moves = Derivatives(from_values(study.values), [name]).at_extremum('transmission_angle', 0.0)
+    assert isnan(moves.value[name]) and isnan(moves.place[name])
+    one, = tolerances(study)
+    assert isinf(one.proven.high) and not isnan(one.first_order)
