@@ -100,7 +100,6 @@ def _lipschitz(hypot: Function, centred: type[Centred]) -> Function:
             return found
         one, other = derivatives_of(x), derivatives_of(y)
         either = _ball(0.0).union(_ball(1.0)) * 2.0 - 1.0
-        return centred(found.value, {name: either * BALLS.hypot(one.get(name, 0.0),
-                                                                other.get(name, 0.0))
-                                     for name in found.by})
+        return centred(found.value, {name: either * BALLS.hypot(*[
+            abs(_ball(by.get(name, 0.0))).upper() for by in (one, other)]) for name in found.by})
     return call

@@ -140,7 +140,8 @@ def test_every_output_has_the_derivatives_of_fifty_digits(name):
 
 
 EXTREMA = [('jansen', 'omega_foot', ('dyads.leg.first.along', 'dyads.lower.second.across')),
-           ('jansen', 'driving_torque', ('dyads.upper.length_1', 'bodies.foot.cg_across')),
+           pytest.param('jansen', 'driving_torque', (
+               'dyads.upper.length_1', 'bodies.foot.cg_across'), marks=pytest.mark.slow),
            ('watt', 'alpha_output', ('dyads.one.length_1', 'dyads.two.first.across')),
            ('bucket', 'omega_bucket', ('cylinder.base.along', 'dyads.bucket.length_2')),
            ('quick_return', 'slide_ram_velocity', ('dyads.lever.second.across',
