@@ -204,6 +204,9 @@ def _vary(given: Any, scene: Scene) -> tuple[Variation, ...]:
     if not isinstance(given, dict) or not given:
         raise InvalidParameter('vary', given, 'must be a mapping of parameters of the scene, as '
                                               '{linkage.a1: {range: [0.2, 0.6]}}')
+    for name in given:
+        if str(name).startswith('cylinder.') and scene.values['linkage.input'] != 'cylinder':
+            raise InvalidParameter(f'vary.{name}', None, 'acts only with linkage.input cylinder')
     return tuple([variation(name, how, scene.values.get(name)) for name, how in given.items()])
 
 
