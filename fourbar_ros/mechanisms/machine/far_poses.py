@@ -41,6 +41,8 @@ class FarPoses(Poses):
             return None
         if (link, frame) in self._makers:
             return self._makers[link, frame]()
+        if (link, frame) in self.carrying:      # of a slide that does not run to infinity
+            return None
         base = self._base_of(link, frame)
         if base == frame:
             return None

@@ -44,6 +44,7 @@ class Poses:
         self._base_of = base_of
         self.known: dict[Place, Curve] = {(1, 0): driven}
         self.pinned: set[Place] = set()
+        self.carrying: set[Place] = set()       # (carrier, the link that slides in it)
 
     def of(self, link: int, frame: int) -> Curve:
         """Return the curve of a link in one of its frames."""
@@ -72,3 +73,4 @@ class Poses:
                                          change * c, change * s, c, s, 0.0, 0.0)
         self.known[carrier, link] = (-(x * c + y * s) - place, x * s - y * c, -rate, 0.0,
                                      -change, 0.0, c, -s, 0.0, 0.0)
+        self.carrying.add((carrier, link))

@@ -69,6 +69,26 @@ def test_bars_on_links_that_run_to_infinity_keep_their_digits(name, side):
                 assert abs(error) <= BOUND * EPS * max(cond[field], 1.0), (field, distance)
 
 
+def test_what_carries_a_near_slide_stays_near_beside_far_links():
+    """The ground is seen from a block on it, in the frame of which a rod and a bar are solved."""
+    on_block = [Dyad('yoke', 'RPP', Point('crank', -0.14, 0.46), Point('ground', 1.56, -0.85),
+                     ('slider', 'block'), direction_2=-0.22, slot=1.38),
+                slides('far', Point('slider', 0.64, 0.43), Point('crank', 0.93, -0.25), ('a', 'b'),
+                       (0.04, 1.96)),
+                Dyad('rod', 'RRP', Point('ground', -0.64, -0.56), Point('block', 0.02, 0.19),
+                     ('r', 's'), length_1=2.2, direction_2=-0.23, mode=1),
+                bar('bar', Point('s', -0.53, -0.8), Point('ground', 0.69, -0.86), 0.025)]
+    machine = Machine(on_block)
+    low, high = machine.input_ranges[0]
+    at = (low + 0.4 * (high - low), 1.3, -0.7)
+    motion, cond = machine.motion(*at), conditions(machine, at, False)
+    with mp.workdps(60):
+        truth = motion_of(machine, at)[0]
+        for field in ('omega_bar_bar', 'alpha_bar_bar', 'alpha_s'):
+            error = abs(mp.mpf(getattr(motion, field)) - truth[field])
+            assert error <= BOUND * EPS * max(cond[field], 1.0), field
+
+
 @pytest.mark.parametrize('name', ['from the ground', 'from the crank'])
 def test_no_extrema_of_rounding_noise(name):
     """There were more than a hundred for each of these quantities, within 3e-6 of the limits."""
