@@ -287,4 +287,3 @@ def _terms_of(equation: Equation) -> Callable[[float], Terms]:
         return equation.with_ratio.of_one
     of_one = equation.of_one
     return lambda position: (*of_one(position), 1.0, 0.0)
-

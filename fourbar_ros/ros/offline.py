@@ -74,9 +74,8 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
                        'which: simulate until then, or without a bag')
     topics = [DRIVEN, SCENE, *scene.drive_topics, *scene.topics.values()]
     names = {topic.name: _resolved(topic.topic) for topic in topics}
-    about = {**about_of(scene, names, NODE),
-             steps.KEY: f'{run.method}, tolerance {run.tolerance:g}, {run.status}, '
-                          f'error {run.error:.3g}'}
+    how = f'{run.method}, tolerance {run.tolerance:g}, {run.status}, error {run.error:.3g}'
+    about = {**about_of(scene, names, NODE), steps.KEY: how}
     clock = RunClock(time.time_ns())
     writer = BagWriter(str(path.parent), path.name,
                        [channel(topic, names[topic.name]) for topic in topics], about)

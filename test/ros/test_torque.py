@@ -201,8 +201,8 @@ SLIDE = {**RODS, 'bodies.output.mass': 2.0, 'linkage.kind': 'slider_crank',
          'drive.rate': 200.0, 'drive.when_silent': 'hold', 'outputs': ['state', 'loads']}
 
 
-def test_a_released_rocker_swings_through_its_toggles_as_simulate_says(run_node, client,
-                                                                      tmp_path):
+def test_a_released_rocker_swings_through_its_toggles_as_simulate_says(
+        run_node, client, tmp_path):
     node = run_node({**ROCKER, 'drive.rate': 500.0, 'outputs': ['state', 'loads', 'links'],
                      **recording(tmp_path)})
     heard, outputs = states(client), []

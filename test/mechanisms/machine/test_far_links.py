@@ -43,8 +43,8 @@ MACHINES = {
                         length_1=0.9, length_2=0.8),
         bar('bar', GROUND, Point('s', 0.3, 0.1))],
     'in a frame that turns': [
-        RAIL, slides('far', Point('crank', 0.3, 0.1), Point('rod', 0.5, 0.2), ('a', 'b'),
-               (0.1, 0.3)),
+        RAIL,
+        slides('far', Point('crank', 0.3, 0.1), Point('rod', 0.5, 0.2), ('a', 'b'), (0.1, 0.3)),
         bar('bar', GROUND, Point('a', 0.2, 0.1))],
     'between two far ones': [ON_GROUND, OTHER, bar('bar', Point('c', 0.2, 0.1), Point('a', 0.1))],
 }
