@@ -105,8 +105,8 @@ class Driven:
             text += (f' ({moved.integrator}), {moved.compared} of these states stepped again from '
                      'the one before')
             if moved.unknown:
-                text += (f', {moved.unknown} not: next to a toggle, the way to it is not in the '
-                         'bag')
+                text += (f', {moved.unknown} not compared: the bag begins next to a toggle, where '
+                         'it does not hold the whole state')
         if self.unknown:
             text += (f', {self.unknown} with rates estimated from samples before it or by another '
                      'version')

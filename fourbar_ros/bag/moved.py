@@ -5,8 +5,9 @@ Check the motion that a node computed from torque.
 
 Every DriveState is recomputed from the one before it, and the torque in effect from the messages
 on its topic. If another version of the integrator made the bag, accelerations and torques are
-recomputed from the states. Next to a toggle input and rate do not tell the state: the mover that
-has come there knows it, and what a bag that begins there holds until it is past is not compared.
+recomputed from the states. Next to a toggle, input and rate do not determine the state. A
+mover that came there by its own steps knows it; of a bag that begins there, the states up to the
+first one past the toggle are not compared.
 """
 from __future__ import annotations
 
@@ -39,7 +40,7 @@ class Moved:
         States that were stepped again from the one before; those of which the accelerations and
         torques alone were: at a start, after a gap, of another integrator.
     unknown : int
-        Those next to a toggle to which the bag does not hold the way.
+        States next to a toggle near which the bag begins: not compared.
 
     """
 

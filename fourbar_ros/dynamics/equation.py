@@ -174,6 +174,13 @@ class Equation:
         """Return q -> (J, J'/2, Q, D, of couples, r, r'), r the derivative of the input."""
         return self.in_both_modes(self.make_with_ratio)
 
+    @cached_property
+    def of_one_with_ratio(self) -> Function:
+        """Return the same of a single q, fast."""
+        of_one = self.of_one
+        return ((lambda position: (*of_one(position), 1.0, 0.0)) if self.is_input
+                else self.with_ratio.of_one)
+
     def make_with_ratio(self, coordinate: Any, n: NumberType) -> Function:
         """Return the formula of it for a coordinate and a number type."""
         terms = self.make_terms(coordinate, n)

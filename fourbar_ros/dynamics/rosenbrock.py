@@ -50,9 +50,7 @@ class Rosenbrock:
 
     def __init__(self, equation: Equation, equations: Elastic | Rigid, has_own: bool) -> None:
         self._equations, self._has_own, self._is_input = equations, has_own, equation.is_input
-        of_one = equation.of_one
-        self._formula = self._make((lambda position: (*of_one(position), 1.0, 0.0))
-                                   if equation.is_input else equation.with_ratio.of_one)
+        self._formula = self._make(equation.of_one_with_ratio)
         # in both modes of a change point there is no one formula
         self._line = (self._formula if equation.changes_mode else
                       straight_line(lambda n: self._make(

@@ -39,11 +39,6 @@ class Rigid:
     """Without a shaft: T_in is T."""
 
     @staticmethod
-    def speed(terms: Terms, state: State) -> float:
-        """Return the speed of the motor behind the gear."""
-        return terms[5] * state[1]
-
-    @staticmethod
     def on_input(terms: Terms, state: State, piece: Piece) -> float:
         """Return the torque on the input."""
         return piece.torque_at(terms[5] * state[1], state[4])
@@ -87,11 +82,6 @@ class Elastic:
 
     def __init__(self, shaft: Shaft, rotor: float) -> None:
         self._given = shaft.stiffness, shaft.damping, rotor
-
-    @staticmethod
-    def speed(terms: Terms, state: State) -> float:
-        """Return the speed of the motor behind the gear."""
-        return state[3]
 
     def on_input(self, terms: Terms, state: State, piece: Piece) -> float:
         """Return the torque on the input."""

@@ -12,12 +12,10 @@ again. :mod:`fourbar_ros.dynamics.steps` goes from one coordinate to the other a
 """
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import isfinite, nan
 from typing import NamedTuple
 
 from fourbar_ros.dynamics.drives import ConstantTorque, Drive
-from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.phase import Phase
 from fourbar_ros.dynamics.pieces import always, make_begin, Piece, PieceAt
 from fourbar_ros.dynamics.rosenbrock import EVALUATIONS, Rosenbrock
@@ -81,7 +79,7 @@ class OneStep:
         self._system, self._phase, self._count = system, phase, 0
         self._budget = budget - RESERVE if phase else budget
         equation = phase.equation if phase else system.equation
-        self._terms, self._unit = _terms_of(equation), equation.coordinate.input_unit
+        self._terms, self._unit = equation.of_one_with_ratio, equation.coordinate.input_unit
         self._tolerance = tolerance * self._unit
         self._drive = system.drive or Drive(ConstantTorque())
         self._begin = make_begin(self._drive.source)
@@ -279,11 +277,3 @@ class OneStep:
             is_same = piece_at(there, state[4] + part * (new[4] - state[4])) is piece
             low, high = (part, high) if is_same else (low, part)
         return max(high, SHORTEST) if high < 1.0 - SHORTEST else 1.0
-
-
-def _terms_of(equation: Equation) -> Callable[[float], Terms]:
-    """Return position -> Terms."""
-    if not equation.is_input:
-        return equation.with_ratio.of_one
-    of_one = equation.of_one
-    return lambda position: (*of_one(position), 1.0, 0.0)

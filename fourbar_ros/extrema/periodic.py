@@ -12,10 +12,11 @@ from collections.abc import Sequence
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
-# Of f(x + k h) - f(x - k h), k from 1, in the slope of f times h: of twelfth and of fourth order.
+# Weights of f(x + k h) - f(x - k h), k from 1, in h times the slope of f: orders twelve and four.
 FINE = (6.0 / 7.0, -15.0 / 56.0, 5.0 / 63.0, -1.0 / 56.0, 1.0 / 385.0, -1.0 / 5544.0)
 PLAIN = (2.0 / 3.0, -1.0 / 12.0)
-# Of the neighbours on either side at half a step, the next, ..., in the value between them.
+# Weights of the neighbours at half a step on either side, of the next ones, ..., in the value
+# between them.
 BETWEEN = tuple([part / 2.0**19 for part in (320166, -76230, 22869, -5445, 847, -63)])
 # Between every other sample and what the others say there, over the span: what is resolved.
 RESOLVED = 2.0**-9

@@ -24,6 +24,8 @@ from fourbar_ros.studies.rows import Chunk
 from fourbar_ros.studies.study import Study
 import numpy as np
 
+# Raise it when results change in their bits: a study begun before is then not resumed.
+KERNELS = '2'
 MANIFEST, PART = 'manifest.json', 'part-{:08d}.parquet'
 _PART = re.compile(r'part-(\d{8,})\.parquet')
 KEY = b'fourbar_ros'        # of our metadata in a part
@@ -57,7 +59,7 @@ def _plain(record: Any) -> dict[str, Any]:
 def made_with() -> dict[str, str]:
     """Return the versions of what decides about the bits of the results."""
     from importlib.metadata import version
-    return {'fourbar_ros': fourbar_ros.__version__,
+    return {'fourbar_ros': fourbar_ros.__version__, 'kernels': KERNELS,
             **{name: version(name) for name in ('numpy', 'scipy', 'pyarrow')}}
 
 

@@ -6,6 +6,7 @@ import re
 import signal
 import subprocess
 import sys
+import time
 
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recompute import compare
@@ -145,6 +146,21 @@ def test_points_are_compared_and_changes_of_the_scene_are_reported_and_taken_ove
     left = sum(raw.time >= first + 5 * 10**8 for raw in Bag(path).raw(['/fourbar/driven']))
     assert (0 < left < 100 and all(line[1:4] == [str(left), '0', '0'] for line in lines)
             and len(lines) == len(ALL_OUTPUTS) + 1), said
+
+
+def test_a_node_that_stands_still_for_a_while_loses_no_input(run_node, client, bag):
+    """The rest of the bag is more than its queue holds."""
+    node = run_node(FULL)
+    client.listen(['state'])
+    replay = fourbar('replay', bag, '--inputs-only')
+    client.until(lambda: client.received['state'], 'the first answer')
+    node.process.send_signal(signal.SIGSTOP)
+    try:
+        time.sleep(0.7)              # all the bag takes 0.6 s
+    finally:
+        node.process.send_signal(signal.SIGCONT)
+    code, said = finished(replay, client)
+    assert code == 0, said
 
 
 def test_readers_that_are_waited_for_hear_the_first_message(client, bag):

@@ -19,7 +19,7 @@ from typing import Any
 from fourbar_ros.mechanisms.machine.dyads import Curve, FIXED
 
 Place = tuple[int, int]        # a link and the frame in which it is seen
-# Of a link that slides: (its carrier, start and direction of the slide there).
+# How a link slides: (its carrier, start and direction of the slide there).
 Slide = tuple[int, tuple[Any, Any], tuple[Any, Any]]
 
 
