@@ -24,7 +24,7 @@ from support import bags, TEST
 from support.bags import MOTION, motion
 import yaml
 
-PATIENCE = 30.0
+PATIENCE = 120.0
 
 
 def open_bag(directory, name='run', **kwargs):

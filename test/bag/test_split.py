@@ -166,14 +166,15 @@ def numbers_of(path):
 
 
 SPLITS = {'duration': Split(duration=0.1, head=0), 'any message': Split(duration=0.0371),
-          'size': Split(size=30_000, head=0)}
+          'size': Split(size=10_000, head=0)}
 
 
 @pytest.mark.parametrize('split', SPLITS.values(), ids=SPLITS)
 def test_a_bag_is_split_without_losing_a_message(tmp_path, split):
     path = split_run(tmp_path, split)
     files = Bag(path).files
-    assert len(files) > 2 and [file.name for file in files] == [f'run_{k}.mcap'
+    # of size at least two: a busy machine flushes, and so ends parts, less often
+    assert len(files) > 1 and [file.name for file in files] == [f'run_{k}.mcap'
                                                                 for k in range(len(files))]
     for sequences in numbers_of(path).values():
         assert sequences == list(range(len(sequences)))

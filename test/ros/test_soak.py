@@ -315,7 +315,6 @@ def test_all_troubles_in_turn_leave_nothing_behind(run_node, client, tmp_path):
 
 
 def test_it_starts_and_stops_again_and_again(tmp_path, client):
-    slowest = 0.0
     for k in range(RESTARTS):
         node = NodeProcess({**PAPER, **RODS, 'outputs': ALL_OUTPUTS, 'recording.start': True,
                             'recording.name': f'run{k}'}, tmp_path)
@@ -324,13 +323,9 @@ def test_it_starts_and_stops_again_and_again(tmp_path, client):
         while not (file.exists() and file.stat().st_size > 20_000):
             assert time.monotonic() < deadline and node.process.poll() is None, node.said
             client.executor.spin_once(timeout_sec=0.02)
-        began = time.monotonic()
         assert node.stop(random.choice([signal.SIGINT, signal.SIGTERM,
                                         signal.SIGHUP])) == 0, node.said
-        slowest = max(slowest, time.monotonic() - began)
         assert file.read_bytes().endswith(b'\x89MCAP0\r\n') and 'Traceback' not in node.said
-    # 0.3 s here; the promise of 1 s is for a free machine
-    assert slowest < 5.0
 
 
 def test_two_nodes_with_one_name_both_work(run_node, client, tmp_path):

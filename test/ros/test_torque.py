@@ -220,7 +220,11 @@ def test_a_released_rocker_swings_through_its_toggles_as_simulate_says(
     there = in_bag(path, '/fourbar/drive_state')
     assert toggles(there) > 3 and {m.mode for m in there} == {m.mode for m in outputs} == {1, 2}
     assert {m.status for m in there} == {DriveState.STATUS_SILENT}
-    assert f'{len(there) - 1} of these states stepped again' in found.driven
+    # but after gaps, where a busy machine was more than a second late
+    stamps = [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in there]
+    follow = np.count_nonzero(np.diff(stamps) < 3_000_000)
+    assert follow > len(there) // 2
+    assert f'{follow} of these states stepped again' in found.driven
     assert [m.mode for m in in_bag(path, '/fourbar/state')] == [m.mode for m in there]
     released, count = scene.from_values(ROCKER), min(len(there), 2000)
     times = 0.002 * np.arange(1, count)

@@ -31,7 +31,8 @@ from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
-QUIET = 2.0             # [s] without an answer: no more will come
+QUIET = 2.0             # [s] without an answer after the last motion: no more will come
+HELD_UP = 20.0          # [s] without one before: the node does not answer these
 AHEAD = INPUT_DEPTH // 2        # motions without an answer: the queue of a busy node holds them
 OURS = ('drive.', 'recording.')         # parameters that a live node has its own of
 
@@ -139,6 +140,7 @@ class _Live(Client):
         self._first, self._last = b'', b''          # stamps of motions; empty before the first
         self._last_arrival = time.monotonic()
         self._unanswered = 0                        # and never will be
+        self._answers = True                        # since it was waited for in vain
         self._name, self._input = (name_on(node_name, INPUTS['motion']),
                                    self.publisher('motion', node_name))
         self._subscriptions = [self._listen(topic, type_name, recorded_node, node_name)
@@ -152,7 +154,7 @@ class _Live(Client):
         answers = self._topics[topic]
 
         def take(data: bytes) -> None:
-            self._last_arrival = time.monotonic()
+            self._last_arrival, self._answers = time.monotonic(), True
             answers.answer(stamp_of(data), data)
         return self.node.create_subscription(resolve(type_name), there, take,
                                              QoSProfile(depth=1000), raw=True)
@@ -195,10 +197,10 @@ class _Live(Client):
 
     def send(self, raw: Raw) -> None:
         """Send one motion of the driven joint, later than in the bag if the node is behind."""
-        if self._waiting() >= self._unanswered + AHEAD:
-            self.wait_for_the_rest(rest=self._unanswered + AHEAD - 1)
+        if self._answers and self._waiting() >= self._unanswered + AHEAD:
+            self.wait_for_the_rest(HELD_UP, self._unanswered + AHEAD - 1)
             if self._waiting() >= self._unanswered + AHEAD:
-                self._unanswered = self._waiting()
+                self._unanswered, self._answers = self._waiting(), False
         self._last = stamp_of(raw.data)
         self._first = self._first or self._last
         self._input.publish(raw.data)
