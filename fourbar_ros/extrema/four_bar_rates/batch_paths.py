@@ -9,12 +9,11 @@ from typing import Any
 
 from fourbar_ros.extrema.four_bar_rates.input_paths import (
     half_turn,
-    HalfTurn,
     phases,
     POINTS_PER_FEATURE,
 )
 from fourbar_ros.extrema.four_bar_rates.search import make_sines, SAMPLES
-from fourbar_ros.numerics.arrays import Array, Values
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import ARRAY
 from fourbar_ros.numerics.roots import find_brackets, first_guesses, turn_after
 import numpy as np
@@ -105,11 +104,6 @@ class Path:
         return self.row[columns], xa, xb, ga, first_guesses(xa, xb, ga, gb, step_a, step_b)
 
 
-def _half_turn(constants: Array, crosses: tuple[bool, bool]) -> tuple[Values, Values, HalfTurn]:
-    s1, s2, k, *_ = constants
-    return half_turn(s1, s2, k, *crosses)
-
-
 def paths_of(constants: Array, chosen: Array, limits: Array) -> Iterator[Path]:
     """Yield the :class:`Path` of each group with one kind of input range and sample count."""
     out, inside = constants[0] > 0.0, constants[1] > 0.0
@@ -117,7 +111,7 @@ def paths_of(constants: Array, chosen: Array, limits: Array) -> Iterator[Path]:
         rows = np.nonzero(chosen & (out == crosses[0]) & (inside == crosses[1]))[0]
         if not rows.size:
             continue
-        period, _, _ = _half_turn(constants[:, rows], crosses)
+        period = half_turn(*constants[:3, rows], *crosses).period
         count = (np.maximum(SAMPLES // 2,
                             2.0**(0.5 * np.ceil(2.0 * np.log2(POINTS_PER_FEATURE
                                                               * period)))).astype(int))
@@ -141,21 +135,22 @@ def _samples(constants: Array, number: int, crosses: tuple[bool, bool]) -> tuple
     out, inside = crosses
     of_u, cosines, step = phases(number, not inside, not out)
     positive = [True, False] if out and not inside else [False, True]
-    samples, steps = np.empty((8, 2, number, constants.shape[1])), []
-    for start in range(0, constants.shape[1], TOGETHER):
-        c = constants[:, start:start + TOGETHER]
-        period, unit, half = _half_turn(c, crosses)
-        up, down = half(of_u[:, None], cosines[:, None])
+    is_first, count = np.array(positive)[:, None, None], constants.shape[1]
+    half = half_turn(*constants[:3], *crosses)
+    samples = np.empty((8, 2, number, count))
+    for start in range(0, count, TOGETHER):
+        part = slice(start, start + TOGETHER)
+        c, (sh, ch, *found) = constants[:, part], samples[..., part]
+        up, down = half.part(part)(of_u[:, None], cosines[:, None])
         scale = 1.0 / np.sqrt(up * up + down * down)
-        sh, ch = up * scale, down * scale
-        low, high = (-sh[::-1], ch[::-1]), (sh, ch)
-        halves = [np.stack(pair) for pair in zip(*(high if side else low for side in positive))]
-        adds = np.array(positive)[:, None, None] == (c[-1] > 0.0)
-        found = *halves, *make_sines(ARRAY, tuple(c))(*halves, adds)
-        for whole, values in zip(samples, found):
-            whole[..., start:start + TOGETHER] = values
-        steps.append(c[-1] * step * period * unit * 0.5 / c[-2])
-    return samples, np.concatenate(steps)
+        for side, sine, cosine in zip(positive, sh, ch):
+            order = slice(None, None, 1 if side else -1)
+            np.multiply(up if side else -up, scale, out=sine[order])
+            np.multiply(down, scale, out=cosine[order])
+        sines = make_sines(ARRAY, tuple(c))(sh, ch, is_first == (c[-1] > 0.0))
+        for whole, values in zip(found, sines):
+            whole[...] = values
+    return samples, constants[-1] * step * half.period * half.unit * 0.5 / constants[-2]
 
 
 def stacked(tuples: Iterable[Sequence[Array]]) -> list[Array]:

@@ -7,9 +7,8 @@ With x = theta1 and du = dx / (a2 a3 sin mu), tan(x/2) is a Jacobi function of u
 
     (d tan(x/2) / du)^2 = (s1b + s1 tan^2(x/2)) (s2 + s2b tan^2(x/2)) / 16,
 
-s1 = (a2+a3)^2 - (a1+a4)^2, s1b = (a2+a3)^2 - (a1-a4)^2, s2 = (a1-a4)^2 - (a2-a3)^2 and s2b =
-(a1+a4)^2
-- (a2-a3)^2, products of the bilinear factors. All quantities of the linkage are smooth in u at one
+s1 = (a2+a3)^2 - (a1+a4)^2, s1b = (a2+a3)^2 - (a1-a4)^2, s2 = (a1-a4)^2 - (a2-a3)^2 and
+s2b = (a1+a4)^2 - (a2-a3)^2, products of the bilinear factors. All quantities of the linkage are smooth in u at one
 scale: near a change point, where they change within sqrt(gap) in x, equal steps in u need only
 log(1/gap) points; at a toggle, u passes from one assembly mode into the other without a root.
 
@@ -17,8 +16,8 @@ Input ranges are symmetric about theta1 = 0, so the points of 0 < theta1 < pi gi
 """
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import pi
+from typing import Any, NamedTuple
 
 from fourbar_ros.extrema.input_paths import closer_points, End, InputPath
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
@@ -33,19 +32,57 @@ CLEARANCE = 2.0**-6
 # Samples for each unit of u; counts.
 POINTS_PER_FEATURE = 4
 
-HalfTurn = Callable[[Values, Values], tuple[Values, Values]]
 
-
-def half_turn(s1: Values, s2: Values, k: Values, crosses_out: bool, crosses_in: bool
-              ) -> tuple[Values, Values, HalfTurn]:
+class HalfTurn(NamedTuple):
     """
-    Return K, one unit of it in u, and theta1/2 as a function.
+    theta1/2 as a function of u, over the range of theta1 in [0, pi].
 
-    Numerator and denominator of its tangent.
+    Parameters
+    ----------
+    period : float or ndarray
+        K, the length of the range in units of u in which quantities have features no narrower than
+        about one.
+    unit : float or ndarray
+        One unit of it in u.
+    up, down : float or ndarray
+        Factors of numerator and denominator of the tangent.
+    steps : list
+        Those of :func:`.landen_steps`.
+    crosses : tuple of 2 bools
+        Whether theta1 reaches pi, and whether it reaches 0.
 
-    Its arguments are the sine and cosine of pi t/2, t from 0 at the lower end of theta1 in [0, pi]
-    to 1 at the upper end, uniform in u. K is the length of that in units of u in which quantities
-    have features no narrower than about one.
+    """
+
+    period: Values
+    unit: Values
+    up: Values
+    down: Values
+    steps: list[tuple[Values, Values]]
+    crosses: tuple[bool, bool]
+
+    def __call__(self, sine: Values, cosine: Values) -> tuple[Values, Values]:
+        """
+        Return numerator and denominator of the tangent of theta1/2.
+
+        At the sine and cosine of pi t/2, t from 0 at the lower end of theta1 in [0, pi] to 1 at
+        the upper end, uniform in u.
+        """
+        up, down, (out, inside) = self.up, self.down, self.crosses
+        if not out:
+            _, cn, dn = jacobi(cosine, sine, self.steps)
+            return up * (cn if inside else dn), down
+        sn, cn, _ = jacobi(sine, cosine, self.steps)
+        return up * sn if inside else up, down * cn
+
+    def part(self, which: slice) -> HalfTurn:
+        """Return the function of some of many linkages."""
+        first: list[Any] = [v[which] for v in self[:4]]
+        return HalfTurn(*first, [(k[which], k1[which]) for k, k1 in self.steps], self.crosses)
+
+
+def half_turn(s1: Values, s2: Values, k: Values, crosses_out: bool, crosses_in: bool) -> HalfTurn:
+    """
+    Return theta1/2 as a function.
 
     Parameters
     ----------
@@ -57,30 +94,15 @@ def half_turn(s1: Values, s2: Values, k: Values, crosses_out: bool, crosses_in: 
     """
     s1b, s2b = s1 + k, s2 + k
     p, q = abs(s1 * s2), s1b * s2b
-    a, b, c, d = abs(s1)**0.5, s1b**0.5, abs(s2)**0.5, s2b**0.5
+    up = (abs(s2) if crosses_out else s1b)**0.5
+    down = (s2b if crosses_out else abs(s1))**0.5
     q = q if crosses_out == crosses_in else p + q
     steps, unit = landen_steps(p / q), 4.0 / q**0.5
 
     period: Values = 0.5 * pi
     for step, _ in steps:
         period = period * (1.0 + step)
-
-    def crank(sine: Values, cosine: Values) -> tuple[Values, Values]:
-        sn, cn, _ = jacobi(sine, cosine, steps)
-        return c * sn, d * cn
-
-    def through_zero(sine: Values, cosine: Values) -> tuple[Values, Values]:
-        return b * jacobi(cosine, sine, steps)[1], a
-
-    def through_pi(sine: Values, cosine: Values) -> tuple[Values, Values]:
-        return c, d * jacobi(sine, cosine, steps)[1]
-
-    def apart(sine: Values, cosine: Values) -> tuple[Values, Values]:
-        return b * jacobi(cosine, sine, steps)[2], a
-
-    if crosses_out:
-        return period, unit, crank if crosses_in else through_pi
-    return period, unit, through_zero if crosses_in else apart
+    return HalfTurn(period, unit, up, down, steps, (crosses_out, crosses_in))
 
 
 def phases(count: int, low_is_toggle: bool, high_is_toggle: bool) -> tuple[Array, Array, float]:
@@ -111,8 +133,8 @@ def input_paths(linkage: FourBar, points: int) -> list[InputPath]:
     high = End(min(high_end, pi), s1 == 0.0) if s1 <= 0.0 else None
     s1, s2 = s1 or CLEARANCE * k, s2 or CLEARANCE * k
 
-    period, _, half = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
-    count = int(max(points // 2, POINTS_PER_FEATURE * period))
+    half = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
+    count = int(max(points // 2, POINTS_PER_FEATURE * half.period))
     before, after = closer_points(low, count), closer_points(high, count)
     phase = 0.5 * pi * np.concatenate((before[::-1], (np.arange(count) + 0.5) / count,
                                        1.0 - after))

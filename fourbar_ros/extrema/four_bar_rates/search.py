@@ -250,11 +250,11 @@ def _paths(constants: Sequence[float], last_range: tuple[float, float],
            count: int) -> list[tuple[list[float], float, bool]]:
     """Return theta1 of each path's samples with toggles, their step in u, if it is closed."""
     s1, s2, k, *_, half, sign = constants
-    period, unit, at = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
-    count = int(max(count, POINTS_PER_FEATURE * period))
+    at = half_turn(s1, s2, k, s1 > 0.0, s2 > 0.0)
+    count = int(max(count, POINTS_PER_FEATURE * at.period))
     pairs, step = _phases(count, s2 < 0.0, s1 < 0.0)
     x = [2.0 * atan2(*at(*pair)) for pair in pairs]
-    step = sign * step * period * unit * 0.5 / half
+    step = sign * step * at.period * at.unit * 0.5 / half
     if s2 < 0.0:
         x[0] = last_range[0]
     if s1 < 0.0:
