@@ -44,22 +44,22 @@ def bilinear_factors(a1: Any, a2: Any, a3: Any, a4: Any, exact_sum: Function = f
                    D1=exact_sum((a1, a2, -a3, -a4)), D2=exact_sum((a1, -a2, -a3, -a4)))
 
 
-def half_angle_coefficients(a1: Any, a2: Any, a3: Any, a4: Any,
-                            exact_sum: Function = fsum) -> tuple[Any, Any, Any, Any, Any]:
+def half_angle_coefficients(f: Factors) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """
-    Return A, B, C, D, M of the half-angle quadratic of one angle of a loop.
+    Return A, B, C, D of the half-angle quadratics of y and of b - x in a loop.
 
     In |a4 - a1 e^{ix} + a3 e^{iy}| = a2 the half-angle t = tan(y/2) solves p t^2 - 2 m t + r = 0
-    with p = A sh^2 + C ch^2, r = B sh^2 + D ch^2, m = M sh ch, where sh, ch = sin, cos(x/2): Eq.
-    (16) of the slides, homogeneous in tan(x/2). Its discriminant is m^2 - p r = (2 a2 a3 sin
-    mu)^2. Negative or exchanged lengths turn the same equation into those of the other pairs of
-    angles.
+    with p = A sh^2 + C ch^2, r = B sh^2 + D ch^2, m = 4 a1 a3 sh ch, where sh, ch = sin,
+    cos(x/2): Eq. (16) of the slides, homogeneous in tan(x/2). Its discriminant is m^2 - p r =
+    (2 a2 a3 sin mu)^2. Negative or exchanged lengths turn the same equation into those of the
+    other pairs of angles, and their sums into the same but for signs: the lengths -a4, a3, -a2,
+    -a1 give b - x, and -a4, a2, a3, -a1 give y - x, with A and B of y exchanged.
 
     Returns
     -------
-    tuple of 5 floats
+    tuple of 2 tuples of 4 floats
         [m^2]
 
     """
-    f = bilinear_factors(a1, a2, a3, a4, exact_sum)
-    return f.A1 * f.A2, f.B1 * f.B2, f.C1 * f.C2, f.D1 * f.D2, 4.0 * a1 * a3
+    return ((f.A1 * f.A2, f.B1 * f.B2, f.C1 * f.C2, f.D1 * f.D2),
+            (f.A1 * f.B1, f.A2 * f.B2, f.C1 * f.D2, f.C2 * f.D1))

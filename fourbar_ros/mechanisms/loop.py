@@ -61,7 +61,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.half_angle import half_angle_coefficients
+from fourbar_ros.mechanisms.half_angle import bilinear_factors, half_angle_coefficients
 from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import Function, NumberType
 
@@ -99,10 +99,8 @@ def _shape(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any) -> _Shape:
     def squares(a: Any, b: Any, c: Any, d: Any) -> Any:
         return difference_of_squares(a, b, c, d, exact_sum)
 
-    p_s, r_s, p_c, r_c, m_y = half_angle_coefficients(a1, a2, a3, a4, exact_sum)
-    # Seen from the crank the ground turns by -x.
-    p_s_yx, r_s_yx, p_c_yx, r_c_yx, m_yx = half_angle_coefficients(-a4, a2, a3, -a1, exact_sum)
-    p_s_bx, r_s_bx, p_c_bx, r_c_bx, m_bx = half_angle_coefficients(-a4, a3, -a2, -a1, exact_sum)
+    factors = bilinear_factors(a1, a2, a3, a4, exact_sum)
+    (p_s, r_s, p_c, r_c), (p_s_bx, r_s_bx, p_c_bx, r_c_bx) = half_angle_coefficients(factors)
     f, low, high = (a2 - a3) * (a2 + a3), (a1 - a4)**2, (a1 + a4)**2
     # The odd one of three squares is paired with the larger of the others: what cancels then is
     # what the data make.
@@ -112,11 +110,11 @@ def _shape(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any) -> _Shape:
     is_near, is_far = fabs(a1 - a4) > a3, a1 + a4 > a3
     b_near = where(is_near, squares(a2, 0.0, a1, -a4) - a3 * a3, f - low)
     b_far = where(is_far, squares(a2, 0.0, a1, a4) - a3 * a3, f - high)
-    return _Shape(squares(a2, a3, a1, a4), squares(a2, a3, a1, -a4),
-                  squares(a1, -a4, a2, -a3), squares(a1, a4, a2, -a3),
-                  (r_s, r_c, r_s_yx, r_c_yx, r_s_bx, r_c_bx, 1.0),
-                  (p_s, p_c, p_s_yx, p_c_yx, p_s_bx, p_c_bx, -1.0), m_y, -m_yx, -m_bx,
-                  (a1 - a4) * (a1 + a4), f, 0.5 * y_near, 0.5 * y_far, 0.5 * b_near, 0.5 * b_far)
+    return _Shape(-factors.A1 * factors.B2, -factors.C2 * factors.D2,
+                  factors.C1 * factors.D1, factors.A2 * factors.B1,
+                  (r_s, r_c, p_s, r_c, r_s_bx, r_c_bx, 1.0),
+                  (p_s, p_c, r_s, p_c, p_s_bx, p_c_bx, -1.0),
+                  4.0 * a1 * a3, 4.0 * a4 * a3, -4.0 * a4 * a2, (a1 - a4) * (a1 + a4), f, 0.5 * y_near, 0.5 * y_far, 0.5 * b_near, 0.5 * b_far)
 
 
 def make_pose(n: NumberType, shape: _Shape, sign: Any) -> Function:

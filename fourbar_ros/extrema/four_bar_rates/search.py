@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 from fourbar_ros.extrema.four_bar_rates.input_paths import half_turn, phases, POINTS_PER_FEATURE
 from fourbar_ros.extrema.four_bar_rates.sensitivity import rate_changes
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
-from fourbar_ros.mechanisms.half_angle import bilinear_factors, Factors
+from fourbar_ros.mechanisms.half_angle import bilinear_factors, Factors, half_angle_coefficients
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.exact_sums import scaled
 from fourbar_ros.numerics.newton import newton_root
@@ -91,13 +91,12 @@ def sine_constants(lengths: Sequence[Any], factors: Factors, sign: Any) -> tuple
     Return the constants of :func:`make_sines`; the largest length should be about one.
 
     ``factors`` are the :func:`.bilinear_factors` of the lengths. Their products are s1, s2 of
-    :mod:`.input_paths` and the :func:`.half_angle_coefficients` of y and, of the lengths -a4, a3,
-    -a2, -a1 whose sums they are too but for the sign, of b - x.
+    :mod:`.input_paths` and the :func:`.half_angle_coefficients`.
     """
     (a1, a2, a3, a4), f = lengths, factors
+    of_y, of_bx = half_angle_coefficients(f)
     return (-f.A1 * f.B2, f.C1 * f.D1, 4.0 * a1 * a4,
-            f.A1 * f.A2, f.B1 * f.B2, f.C1 * f.C2, f.D1 * f.D2, 4.0 * a1 * a3,
-            f.A1 * f.B1, f.A2 * f.B2, f.C1 * f.D2, f.C2 * f.D1, -4.0 * a2 * a4,
+            *of_y, 4.0 * a1 * a3, *of_bx, -4.0 * a2 * a4,
             a1 / a3, a4 / a2, 0.5 / (a2 * a3), sign)
 
 
