@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Torque-driven steps at 1 kHz on the stiffest shaft, beside a bare timer."""
+"""Torque-driven steps at 1 kHz on the stiffest shaft, beside a bare timer and a bare loop."""
 import gc
 from os import getloadavg
 import sys
@@ -14,8 +14,10 @@ RATE = 1000.0
 BLOCK = 500                 # ticks of one kind in a row
 SWITCH = 0.001              # as in the node
 SHAFT = {'shaft.stiffness': 1e9, 'shaft.damping': 100.0, 'drive.rate': RATE}
-AHEAD, AT_ONCE, BARE = 'made before its tick', 'made at its tick', 'bare timer'
-KINDS = (AHEAD, AT_ONCE) * 4 + (AHEAD, BARE)      # of blocks
+AHEAD, AT_ONCE = 'made before its tick', 'made at its tick'
+BARE, LOOP = 'bare timer', 'a loop of additions as long as a step'
+KINDS = (AHEAD, AT_ONCE, AHEAD, LOOP, AHEAD, AT_ONCE, AHEAD, LOOP, AHEAD, BARE)      # of blocks
+OFTEN = 2000
 
 
 class Ticks:
@@ -33,6 +35,24 @@ class Ticks:
         return f'| {name} | {len(self.wall)} | {" | ".join(cells)} | {self.overruns} |'
 
 
+def add(count):
+    """Do nothing else than so many additions."""
+    total = 0.0
+    for _ in range(count):
+        total += 1.0
+    return total
+
+
+def least_time(function):
+    """Return the least CPU time of many calls in a row [ns]."""
+    times = []
+    for _ in range(OFTEN):
+        began = time.thread_time_ns()
+        function()
+        times.append(time.thread_time_ns() - began)
+    return min(times)
+
+
 def run(samples):
     """Return {kind: Ticks}, counts of statuses."""
     scene = scenes.from_values({**files.read_values('motor'), **SHAFT})
@@ -40,6 +60,8 @@ def run(samples):
     state, statuses = mover.start(), {}
     found = {kind: Ticks() for kind in KINDS}
     period = 1.0 / RATE
+    additions = round(OFTEN * least_time(lambda: mover.work_ahead(state, period))
+                      / least_time(lambda: add(OFTEN)))
     began, tick = time.perf_counter() + 0.1, 0
     while tick < samples:
         kind = KINDS[(tick // BLOCK) % len(KINDS)]
@@ -52,7 +74,9 @@ def run(samples):
         if wait > 0.0:
             time.sleep(wait)
         start, cpu = time.perf_counter(), time.thread_time_ns()
-        if kind != BARE:
+        if kind == LOOP:
+            add(additions)
+        elif kind != BARE:
             status, state = mover.next(state, period)
             statuses[status] = statuses.get(status, 0) + 1
         end = time.perf_counter()                # from here on it could be sent
@@ -78,7 +102,8 @@ def main(samples=20_000):
           'state can be sent,\nand how much CPU tick and step take together; median, 99th '
           'percentile, largest. The node makes a step\nbefore its tick while the torque does not '
           'change, with a motor always; otherwise at its tick.\nAn overrun is a step that takes '
-          'more CPU than its tick is long.\n')
+          'more CPU than its tick is long. What interrupts a loop of additions,\nwhich takes as '
+          'long as a step when both are repeated without a pause, is the machine.\n')
     print('| step, shaft 1e9 N m/rad | ticks | late p50 | p99 | max | clock p50 | p99 | max '
           '| CPU p50 | p99 | max | overruns |\n|' + ' --- |' * 12)
     for kind, ticks in found.items():
