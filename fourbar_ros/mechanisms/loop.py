@@ -114,7 +114,8 @@ def _shape(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any) -> _Shape:
                   factors.C1 * factors.D1, factors.A2 * factors.B1,
                   (r_s, r_c, p_s, r_c, r_s_bx, r_c_bx, 1.0),
                   (p_s, p_c, r_s, p_c, p_s_bx, p_c_bx, -1.0),
-                  4.0 * a1 * a3, 4.0 * a4 * a3, -4.0 * a4 * a2, (a1 - a4) * (a1 + a4), f, 0.5 * y_near, 0.5 * y_far, 0.5 * b_near, 0.5 * b_far)
+                  4.0 * a1 * a3, 4.0 * a4 * a3, -4.0 * a4 * a2, (a1 - a4) * (a1 + a4), f,
+                  0.5 * y_near, 0.5 * y_far, 0.5 * b_near, 0.5 * b_far)
 
 
 def make_pose(n: NumberType, shape: _Shape, sign: Any) -> Function:

@@ -9,6 +9,7 @@ from typing import Any
 
 from fourbar_ros.extrema.four_bar_rates.input_paths import (
     half_turn,
+    HalfTurn,
     phases,
     POINTS_PER_FEATURE,
 )
@@ -104,6 +105,11 @@ class Path:
         return self.row[columns], xa, xb, ga, first_guesses(xa, xb, ga, gb, step_a, step_b)
 
 
+def _half_turn(constants: Array, crosses: tuple[bool, bool]) -> HalfTurn:
+    s1, s2, k, *_ = constants
+    return half_turn(s1, s2, k, *crosses)
+
+
 def paths_of(constants: Array, chosen: Array, limits: Array) -> Iterator[Path]:
     """Yield the :class:`Path` of each group with one kind of input range and sample count."""
     out, inside = constants[0] > 0.0, constants[1] > 0.0
@@ -111,7 +117,7 @@ def paths_of(constants: Array, chosen: Array, limits: Array) -> Iterator[Path]:
         rows = np.nonzero(chosen & (out == crosses[0]) & (inside == crosses[1]))[0]
         if not rows.size:
             continue
-        period = half_turn(*constants[:3, rows], *crosses).period
+        period = _half_turn(constants[:, rows], crosses).period
         count = (np.maximum(SAMPLES // 2,
                             2.0**(0.5 * np.ceil(2.0 * np.log2(POINTS_PER_FEATURE
                                                               * period)))).astype(int))
@@ -136,7 +142,7 @@ def _samples(constants: Array, number: int, crosses: tuple[bool, bool]) -> tuple
     of_u, cosines, step = phases(number, not inside, not out)
     positive = [True, False] if out and not inside else [False, True]
     is_first, count = np.array(positive)[:, None, None], constants.shape[1]
-    half = half_turn(*constants[:3], *crosses)
+    half = _half_turn(constants, crosses)
     samples = np.empty((8, 2, number, count))
     for start in range(0, count, TOGETHER):
         part = slice(start, start + TOGETHER)

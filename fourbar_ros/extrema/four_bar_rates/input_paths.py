@@ -8,16 +8,17 @@ With x = theta1 and du = dx / (a2 a3 sin mu), tan(x/2) is a Jacobi function of u
     (d tan(x/2) / du)^2 = (s1b + s1 tan^2(x/2)) (s2 + s2b tan^2(x/2)) / 16,
 
 s1 = (a2+a3)^2 - (a1+a4)^2, s1b = (a2+a3)^2 - (a1-a4)^2, s2 = (a1-a4)^2 - (a2-a3)^2 and
-s2b = (a1+a4)^2 - (a2-a3)^2, products of the bilinear factors. All quantities of the linkage are smooth in u at one
-scale: near a change point, where they change within sqrt(gap) in x, equal steps in u need only
-log(1/gap) points; at a toggle, u passes from one assembly mode into the other without a root.
+s2b = (a1+a4)^2 - (a2-a3)^2, products of the bilinear factors. All quantities of the linkage are
+smooth in u at one scale: near a change point, where they change within sqrt(gap) in x, equal steps
+in u need only log(1/gap) points; at a toggle, u passes from one assembly mode into the other
+without a root.
 
 Input ranges are symmetric about theta1 = 0, so the points of 0 < theta1 < pi give all.
 """
 from __future__ import annotations
 
 from math import pi
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.extrema.input_paths import closer_points, End, InputPath
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
@@ -76,8 +77,9 @@ class HalfTurn(NamedTuple):
 
     def part(self, which: slice) -> HalfTurn:
         """Return the function of some of many linkages."""
-        first: list[Any] = [v[which] for v in self[:4]]
-        return HalfTurn(*first, [(k[which], k1[which]) for k, k1 in self.steps], self.crosses)
+        period, unit, up, down, steps, crosses = self
+        return HalfTurn(period[which], unit[which], up[which], down[which],
+                        [(k[which], k1[which]) for k, k1 in steps], crosses)
 
 
 def half_turn(s1: Values, s2: Values, k: Values, crosses_out: bool, crosses_in: bool) -> HalfTurn:
