@@ -14,7 +14,7 @@ from typing import Any, BinaryIO
 from fourbar_ros import __version__
 from fourbar_ros.bag.splitting import Split, Splitter
 from fourbar_ros.formats import rosbag2, rosbag2_folder
-from fourbar_ros.formats.file_lock import mark_as_being_written
+from fourbar_ros.formats.file_lock import mark_as_being_written, sync_folders
 from fourbar_ros.formats.mcap_records import OURS
 from fourbar_ros.formats.mcap_writer import Container
 from fourbar_ros.formats.rosbag2 import Channel
@@ -218,13 +218,3 @@ class Parts:
             in_part = self.container.counts.get(i + 1, 0) - (i in repeated)
             found[topic] = self._lost.get(topic, 0) + after - first - in_part
         return {topic: count for topic, count in found.items() if count}
-
-
-def sync_folders(path: Path) -> None:
-    """Bring the entries of a folder and of its parent to the disk: a file without one is lost."""
-    for folder in (path, path.parent):
-        number = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(number)
-        finally:
-            os.close(number)

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 import contextlib
-import fcntl
 import os
 from pathlib import Path
 import shutil
 import tempfile
 
 from fourbar_ros.errors import BagError
+from fourbar_ros.formats.file_lock import locked_folder
 
 MARK = '.fourbar-'          # in the name of a hidden folder, .NAME.fourbar-xxxxxxxx
 
@@ -31,7 +31,7 @@ def workshop(out: Path) -> Iterator[Path]:
         out.parent.mkdir(parents=True, exist_ok=True)
         remove_orphans(out.parent)
         folder = Path(tempfile.mkdtemp(dir=out.parent, prefix=f'.{out.name}{MARK}'))
-        lock = _locked(folder)
+        lock = locked_folder(folder)
         yield folder
     except OSError as error:
         name = out if not error.filename or str(folder) in str(error.filename) else error.filename
@@ -47,26 +47,9 @@ def remove_orphans(directory: Path) -> list[Path]:
     """Remove the hidden folders that killed processes left in a directory; return them."""
     removed = []
     for folder in directory.glob(f'.*{MARK}????????'):
-        lock = _locked(folder)
+        lock = locked_folder(folder)
         if lock is not None:
             shutil.rmtree(folder, ignore_errors=True)
             os.close(lock)
             removed.append(folder)
     return removed
-
-
-def _locked(folder: Path) -> int | None:
-    """
-    Lock a folder; return the descriptor that holds the lock, None if that cannot be had.
-
-    The lock ends with the process, so a folder that can be locked belongs to nobody.
-    """
-    number = None
-    try:
-        number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:             # locked, gone, or a file system without locks
-        if number is not None:
-            os.close(number)
-        return None
-    return number

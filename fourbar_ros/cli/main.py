@@ -98,6 +98,10 @@ def main(args: Sequence[str] | None = None) -> int:
     return 0
 
 
+# Windows has no SIGHUP
+_ENDING = [signal.Signals[name] for name in ('SIGTERM', 'SIGHUP') if hasattr(signal, name)]
+
+
 @contextlib.contextmanager
 def _terminable() -> Iterator[None]:
     """
@@ -110,7 +114,7 @@ def _terminable() -> Iterator[None]:
 
     old = {}
     if threading.current_thread() is threading.main_thread():
-        old = {number: signal.signal(number, end) for number in (signal.SIGTERM, signal.SIGHUP)
+        old = {number: signal.signal(number, end) for number in _ENDING
                if signal.getsignal(number) is signal.SIG_DFL}       # not under nohup
     try:
         yield

@@ -14,7 +14,9 @@ import sys
 import time
 from typing import Any
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+# Windows has no SIGHUP
+SIGNALS = tuple([signal.Signals[name] for name in ('SIGINT', 'SIGTERM', 'SIGHUP')
+                 if hasattr(signal, name)])
 
 
 class Stop:

@@ -70,7 +70,8 @@ def _begin_worker(alive: Any) -> None:
 
     def follow() -> None:
         alive.poll(None)           # nothing is ever sent
-        os.kill(os.getpid(), signal.SIGKILL)       # a chunk may hold the main thread for seconds
+        # a chunk may hold the main thread for seconds; Windows kills with any signal
+        os.kill(os.getpid(), getattr(signal, 'SIGKILL', signal.SIGTERM))
 
     threading.Thread(target=follow, daemon=True).start()
 
