@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
     from fourbar_ros.scene.scene import load as load_scene
 
-__version__ = '0.1.0'
+__version__ = '1.0.0'
 
 _FACE = {
     'errors': ('FourBarError', 'InvalidParameter', 'MissingBodies', 'OutOfRange', 'Toggle'),
