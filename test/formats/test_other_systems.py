@@ -77,8 +77,8 @@ def test_bags_are_written_checked_and_recovered(run):
 
 
 def test_verbs_run(run):
-    for arguments in (('show', 'paper', '--at', '1'), ('draw', 'paper', '--at', '60', '-o', 'one.png'),
-                      ('describe', 'paper')):
+    for arguments in (('show', 'paper', '--at', '1'), ('describe', 'paper'),
+                      ('draw', 'paper', '--at', '60', '-o', 'one.png')):
         done = run('-m', 'fourbar_ros', *arguments)
         assert done.returncode == 0, (arguments, done.stderr)
 
