@@ -5,6 +5,7 @@ SECONDS ?= 5
 MINUTES ?= 60
 WORKERS ?= 3
 ARGS ?=
+SPREAD = -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 export PYTHON
 
 env := . scripts/env.sh
@@ -48,16 +49,16 @@ run:
 
 test:
 	@scripts/setup.sh test
-	@$(env) && python -m pytest -m 'not slow' -n $(WORKERS) --dist loadfile $(ARGS)
+	@$(env) && python -m pytest -m 'not slow' $(SPREAD) $(ARGS)
 
 test-all:
 	@scripts/setup.sh test
-	@$(env) && python -m pytest -n $(WORKERS) --dist loadfile $(ARGS)
+	@$(env) && python -m pytest $(SPREAD) $(ARGS)
 
 coverage:
 	@scripts/setup.sh test
 	@$(env) && export COVERAGE_FILE=$(CURDIR)/.coverage && coverage erase && \
-	  { coverage run -m pytest -m 'not slow' -n $(WORKERS) --dist loadfile $(ARGS); status=$$?; coverage combine -q; \
+	  { coverage run -m pytest -m 'not slow' $(SPREAD) $(ARGS); status=$$?; coverage combine -q; \
 	    coverage report --sort=cover; exit $$status; }
 
 lint:

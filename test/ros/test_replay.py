@@ -248,13 +248,13 @@ def test_recording_from_the_command_line(run_node, client, tmp_path):
     run_node({**PAPER, 'outputs': ['state'], 'recording.directory': str(tmp_path / 'bags')})
     client.listen(['state'])
     client.until(lambda: client.received['state'], 'the stream')
-    code, said = finished(fourbar('record', 'start', 'named'), client)
+    code, said = finished(fourbar('record', 'start', 'named', '--wait', '120'), client)
     assert code == 0 and said.strip() == str(tmp_path / 'bags/named')
     count = len(client.received['state'])
     client.until(lambda: len(client.received['state']) > count + 20, 'samples')
-    code, said = finished(fourbar('record', 'stop'), client)
+    code, said = finished(fourbar('record', 'stop', '--wait', '120'), client)
     assert code == 0 and said.strip() == str(tmp_path / 'bags/named')
     found = compare(tmp_path / 'bags/named')
     assert found.inputs > 20 and max(d.largest for d in found.differences) == 0.0
-    code, said = finished(fourbar('record', 'stop'), client)
+    code, said = finished(fourbar('record', 'stop', '--wait', '120'), client)
     assert code == 1 and 'not recording' in said

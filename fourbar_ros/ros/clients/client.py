@@ -141,9 +141,10 @@ def opened(make: Callable[[Node], AnyClient], name: str) -> Iterator[AnyClient]:
         rclpy.try_shutdown()
 
 
-def record(what: str, name: str, node: str) -> str:
+def record(what: str, name: str, node: str, patience: float = PATIENCE) -> str:
     """Start or stop the bag of a node; return its path."""
     with opened(Client, 'fourbar_record') as client:
+        client.patience = patience
         if what == 'start':
             answer = client.call('start_recording', node, name=name)
         else:
