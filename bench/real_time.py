@@ -17,7 +17,7 @@ SHAFT = {'shaft.stiffness': 1e9, 'shaft.damping': 100.0, 'drive.rate': RATE}
 AHEAD, AT_ONCE = 'made before its tick', 'made at its tick'
 BARE, LOOP = 'bare timer', 'a loop of additions as long as a step'
 KINDS = (AHEAD, AT_ONCE, AHEAD, LOOP, AHEAD, AT_ONCE, AHEAD, LOOP, AHEAD, BARE)      # of blocks
-OFTEN = 2000
+OFTEN = ADDITIONS = 2000
 
 
 class Ticks:
@@ -60,8 +60,8 @@ def run(samples):
     state, statuses = mover.start(), {}
     found = {kind: Ticks() for kind in KINDS}
     period = 1.0 / RATE
-    additions = round(OFTEN * least_time(lambda: mover.work_ahead(state, period))
-                      / least_time(lambda: add(OFTEN)))
+    per_addition = least_time(lambda: add(ADDITIONS)) / ADDITIONS
+    additions = round(least_time(lambda: mover.work_ahead(state, period)) / per_addition)
     began, tick = time.perf_counter() + 0.1, 0
     while tick < samples:
         kind = KINDS[(tick // BLOCK) % len(KINDS)]

@@ -37,15 +37,15 @@ os.environ['ROS_DOMAIN_ID'] = str(_own_domain())
 os.environ['PYTHONFAULTHANDLER'] = '1'
 
 
-# Folders whose files take longest: they begin first, or a few of them would be left at the end.
-_LONGEST = ('ros', 'live', 'studies', 'docs', 'reproduction', 'bag')
+# Folders with the slowest files. They begin first, so that no long file is left for the end.
+_SLOWEST = ('ros', 'live', 'studies', 'docs', 'reproduction', 'bag')
 
 
 def pytest_collection_modifyitems(items):
-    """Put the files that take longest first."""
+    """Put the slowest folders first."""
     def place(item):
         folder = item.path.parent.name
-        return _LONGEST.index(folder) if folder in _LONGEST else len(_LONGEST)
+        return _SLOWEST.index(folder) if folder in _SLOWEST else len(_SLOWEST)
     items.sort(key=place)
 
 

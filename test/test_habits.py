@@ -51,7 +51,7 @@ def required(*files):
 
 def test_the_version_stands_in_one_place_and_its_copies_agree():
     version = re.search(r"^__version__ = '([^']+)'$", text('fourbar_ros/__init__.py'), re.M)[1]
-    for file in ('package.xml', 'msg_defs/package.xml'):
+    for file in ('package.xml', 'msg_defs/package.xml', 'tf2_defs/package.xml'):
         assert re.findall('<version>([^<]+)</version>', text(file)) == [version], file
     assert re.findall('^version: (.+)$', text('CITATION.cff'), re.M) == [version]
     done = subprocess.run([sys.executable, 'setup.py', '--version'], cwd=ROOT, check=True,

@@ -14,7 +14,7 @@ from typing import Any, BinaryIO
 from fourbar_ros import __version__
 from fourbar_ros.bag.splitting import Split, Splitter
 from fourbar_ros.formats import rosbag2, rosbag2_folder
-from fourbar_ros.formats.file_lock import mark_as_being_written, sync_folders
+from fourbar_ros.formats.file_system import mark_as_being_written, sync_folders
 from fourbar_ros.formats.mcap_records import OURS
 from fourbar_ros.formats.mcap_writer import Container
 from fourbar_ros.formats.rosbag2 import Channel

@@ -22,8 +22,8 @@ from fourbar_ros.bag.records import behind, Columns, Message, Progress, Raw, Rec
 from fourbar_ros.errors import BagError
 from fourbar_ros.formats import rosbag2, rosbag2_folder
 from fourbar_ros.formats.cdr import Decoder
-from fourbar_ros.formats.file_lock import is_being_written
 from fourbar_ros.formats.file_metadata import metadata_in
+from fourbar_ros.formats.file_system import is_being_written
 from fourbar_ros.formats.mcap_ending import ending
 from mcap.reader import make_reader, Summary
 import numpy as np

@@ -23,7 +23,7 @@ from fourbar_ros.bag.parts import Parts
 from fourbar_ros.bag.splitting import Split
 from fourbar_ros.errors import BagError
 from fourbar_ros.formats import rosbag2, rosbag2_folder
-from fourbar_ros.formats.file_lock import sync_folders
+from fourbar_ros.formats.file_system import sync_folders
 from fourbar_ros.formats.rosbag2 import Channel
 
 __all__ = ['BagError', 'BagWriter', 'Channel', 'Split']

@@ -17,7 +17,7 @@ from fourbar_ros.bag.recovered import Recovered
 from fourbar_ros.bag.whole import workshop
 from fourbar_ros.errors import BagError
 from fourbar_ros.formats import rosbag2, rosbag2_folder
-from fourbar_ros.formats.file_lock import is_being_written
+from fourbar_ros.formats.file_system import is_being_written
 from fourbar_ros.formats.mcap_records import Damaged, in_short, LARGEST, MESSAGE, OURS, parse, SEAL
 from fourbar_ros.formats.mcap_scan import Scan
 from fourbar_ros.formats.mcap_writer import Container

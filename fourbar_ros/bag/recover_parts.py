@@ -75,7 +75,8 @@ def _moved(folder: Path, whole: Path, name: str) -> dict[str, Any]:
     """Move the file of a recovered part under its name into the whole bag; return its metadata."""
     file, = folder.glob('*.mcap')
     file.rename(whole / name)
-    told = yaml.safe_load((folder / 'metadata.yaml').read_text())['rosbag2_bagfile_information']
+    text = (folder / 'metadata.yaml').read_text(encoding='utf-8')
+    told = yaml.safe_load(text)['rosbag2_bagfile_information']
     shutil.rmtree(folder)
     told['relative_file_paths'], told['files'][0]['path'] = [name], name
     return told

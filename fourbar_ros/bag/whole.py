@@ -11,7 +11,7 @@ import shutil
 import tempfile
 
 from fourbar_ros.errors import BagError
-from fourbar_ros.formats.file_lock import locked_folder
+from fourbar_ros.formats.file_system import locked_folder
 
 MARK = '.fourbar-'          # in the name of a hidden folder, .NAME.fourbar-xxxxxxxx
 

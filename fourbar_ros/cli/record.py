@@ -28,7 +28,8 @@ def add(verbs: Verbs) -> None:
                         help='name of the new bag; default: a new name from the clock')
     record.add_argument('--node', default='/fourbar', help='name of the node (default /fourbar)')
     record.add_argument('--wait', type=positive, default=10.0, metavar='S',
-                        help='how long to wait for the node and its answer [s] (default 10)')
+                        help='how long to wait for the node, and then for its answer [s] '
+                             '(default 10)')
     record.set_defaults(run=_record)
 
 

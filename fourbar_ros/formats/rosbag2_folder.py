@@ -17,7 +17,7 @@ from fourbar_ros.formats.yaml_text import dumped, loaded
 def write_metadata_file(folder: Path, metadata: Mapping[str, Any]) -> None:
     """Write metadata.yaml, at once or not at all."""
     part = folder / 'metadata.yaml.part'
-    part.write_text(dumped({'rosbag2_bagfile_information': metadata}))
+    part.write_text(dumped({'rosbag2_bagfile_information': metadata}), encoding='utf-8')
     part.replace(folder / 'metadata.yaml')
 
 
@@ -172,7 +172,8 @@ def _names(metadata: Mapping[str, Any]) -> list[str]:
 def _metadata_file(folder: Path) -> dict[str, Any]:
     """Return the content of metadata.yaml, an empty dict if there is none."""
     try:
-        found = loaded((folder / 'metadata.yaml').read_text())['rosbag2_bagfile_information']
+        text = (folder / 'metadata.yaml').read_text(encoding='utf-8')
+        found = loaded(text)['rosbag2_bagfile_information']
     except (OSError, UnicodeDecodeError, BagError, KeyError, TypeError):
         found = None
     return found if isinstance(found, dict) else {}

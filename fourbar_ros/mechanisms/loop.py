@@ -12,7 +12,7 @@ Positions. Every angle z of y, y - x and b - x comes from its own homogeneous ha
 
     (M1)  p t^2 - 2 m t + r = 0,   t = tan(z/2) = r / (m + root) = (m - root) / p
 
-with p, r, m of :func:`.half_angle_coefficients`. t is kept as a pair g, h, so that no angle is
+with p, r, m as in :func:`.half_angle_coefficients`. t is kept as a pair g, h, so that no angle is
 special (t = tan(pi/2) is just h = 0), and of its two forms the one without cancellation is taken:
 "side" is +1 for t = g/h, g = r, h = m + root, and -1 for t = h/g, g = p, h = m - root. Then
 
@@ -100,6 +100,7 @@ def _shape(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any) -> _Shape:
         return difference_of_squares(a, b, c, d, exact_sum)
 
     factors = bilinear_factors(a1, a2, a3, a4, exact_sum)
+    # y - x has the coefficients of y, p and r of sin^2(x/2) exchanged
     (p_s, r_s, p_c, r_c), (p_s_bx, r_s_bx, p_c_bx, r_c_bx) = half_angle_coefficients(factors)
     f, low, high = (a2 - a3) * (a2 + a3), (a1 - a4)**2, (a1 + a4)**2
     # The odd one of three squares is paired with the larger of the others: what cancels then is

@@ -246,6 +246,6 @@ def _kind(head: str) -> str:
 def write_page(sections: Sequence[Section], path: str | Path) -> None:
     """Write the page to a file."""
     try:
-        Path(path).write_text(page(sections))
+        Path(path).write_text(page(sections), encoding='utf-8')
     except OSError as error:
         raise CannotDraw(f'{path}: {error.strerror}') from None

@@ -57,7 +57,7 @@ class Section(NamedTuple):
 
 def reproduce(path: str | Path = DOCUMENTS) -> list[Section]:
     """Return every :class:`Section`, computed now."""
-    return [_section(entry) for entry in yaml.safe_load(Path(path).read_text())]
+    return [_section(entry) for entry in yaml.safe_load(Path(path).read_text(encoding='utf-8'))]
 
 
 def _section(entry: Mapping[str, Any]) -> Section:

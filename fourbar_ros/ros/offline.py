@@ -115,7 +115,7 @@ def _messages(simulated: SimulatedScene, topics: list[Topic],
         first.append((TORQUE.name, _torque(scene, simulated.torque, start)))
     nothing = [float('nan')] * len(scene.layout.place)
     places = [scene.layout.place[name] for name in scene.linkage.input_coordinate]
-    offsets = (simulated.run.time * 1e9).round().astype(int).tolist()
+    offsets = (simulated.run.time * 1e9).round().astype('int64').tolist()
     for offset, mode, values in zip(offsets, modes, simulated.drive_values()):
         motion = values.position, values.velocity, values.acceleration
         driven = list(nothing)

@@ -22,20 +22,20 @@ def channel(topic: Topic, name: str) -> Channel:
 
 def type_hash(type_name: str) -> str:
     """Return the RIHS01 hash of 'package/msg/Name'."""
-    hashes = json.loads(_share(type_name, 'json').read_text())['type_hashes']
+    hashes = json.loads(_share(type_name, 'json').read_text(encoding='utf-8'))['type_hashes']
     return next(item['hash_string'] for item in hashes if item['type_name'] == type_name)
 
 
 def definition(type_name: str) -> str:
     """Return the definition followed by those of all messages in it, as bags hold them."""
-    text = _share(type_name, 'msg').read_text()
+    text = _share(type_name, 'msg').read_text(encoding='utf-8')
     parts, done, todo = [text], {type_name}, types_in(type_name, text)
     while todo:
         name = todo.pop(0)
         if name in done:
             continue
         done.add(name)
-        text = _share(name, 'msg').read_text()
+        text = _share(name, 'msg').read_text(encoding='utf-8')
         package, _, short = name.split('/')
         parts.append(f'{"=" * 80}\nMSG: {package}/{short}\n{text}')
         todo += types_in(name, text)

@@ -15,8 +15,8 @@ import time
 from typing import Any
 
 # Windows has no SIGHUP
-SIGNALS = tuple([signal.Signals[name] for name in ('SIGINT', 'SIGTERM', 'SIGHUP')
-                 if hasattr(signal, name)])
+SIGNALS = tuple(signal.Signals[name] for name in ('SIGINT', 'SIGTERM', 'SIGHUP')
+                if hasattr(signal, name))
 
 
 class Stop:

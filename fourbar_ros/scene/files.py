@@ -108,7 +108,7 @@ def sections(path: str | Path) -> dict[str, dict[str, Any]]:
     Raises SceneError if the text is not a parameter file.
     """
     try:
-        document = yaml.load(Path(path).read_text(), _Loader)
+        document = yaml.load(Path(path).read_text(encoding='utf-8'), _Loader)
     except OSError as error:
         raise SceneError(f'{path}: {error.strerror}') from None
     except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:

@@ -32,7 +32,7 @@ def write_page(answers: Answers, path: str | Path) -> None:
     path = Path(path)
     hidden = path.with_name(f'.{path.name}.new')
     hidden.write_text(page(answers), encoding='utf-8')
-    hidden.rename(path)
+    hidden.replace(path)
 
 
 def page(answers: Answers) -> str:

@@ -144,7 +144,7 @@ class Folder:
     def manifest(self) -> dict[str, Any]:
         """Return the manifest; StudyError if there is none that can be read."""
         try:
-            found = json.loads((self.path / MANIFEST).read_text())
+            found = json.loads((self.path / MANIFEST).read_text(encoding='utf-8'))
         except OSError as error:
             raise StudyError(f'{self.path}: no study: {MANIFEST}: {error.strerror}') from None
         except ValueError:
@@ -160,7 +160,7 @@ class Folder:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
-        hidden.rename(self.path / name)
+        hidden.replace(self.path / name)
 
     def add(self, number: int, content: bytes) -> None:
         """Write the part of a chunk."""

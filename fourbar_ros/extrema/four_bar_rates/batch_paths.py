@@ -9,7 +9,6 @@ from typing import Any
 
 from fourbar_ros.extrema.four_bar_rates.input_paths import (
     half_turn,
-    HalfTurn,
     phases,
     POINTS_PER_FEATURE,
 )
@@ -105,11 +104,6 @@ class Path:
         return self.row[columns], xa, xb, ga, first_guesses(xa, xb, ga, gb, step_a, step_b)
 
 
-def _half_turn(constants: Array, crosses: tuple[bool, bool]) -> HalfTurn:
-    s1, s2, k, *_ = constants
-    return half_turn(s1, s2, k, *crosses)
-
-
 def paths_of(constants: Array, chosen: Array, limits: Array) -> Iterator[Path]:
     """Yield the :class:`Path` of each group with one kind of input range and sample count."""
     out, inside = constants[0] > 0.0, constants[1] > 0.0
@@ -117,7 +111,8 @@ def paths_of(constants: Array, chosen: Array, limits: Array) -> Iterator[Path]:
         rows = np.nonzero(chosen & (out == crosses[0]) & (inside == crosses[1]))[0]
         if not rows.size:
             continue
-        period = _half_turn(constants[:, rows], crosses).period
+        s1, s2, k, *_ = constants[:, rows]
+        period = half_turn(s1, s2, k, *crosses).period
         count = (np.maximum(SAMPLES // 2,
                             2.0**(0.5 * np.ceil(2.0 * np.log2(POINTS_PER_FEATURE
                                                               * period)))).astype(int))
@@ -141,8 +136,9 @@ def _samples(constants: Array, number: int, crosses: tuple[bool, bool]) -> tuple
     out, inside = crosses
     of_u, cosines, step = phases(number, not inside, not out)
     positive = [True, False] if out and not inside else [False, True]
-    is_first, count = np.array(positive)[:, None, None], constants.shape[1]
-    half = _half_turn(constants, crosses)
+    is_positive, count = np.array(positive)[:, None, None], constants.shape[1]
+    s1, s2, k, *_ = constants
+    half = half_turn(s1, s2, k, *crosses)
     samples = np.empty((8, 2, number, count))
     for start in range(0, count, TOGETHER):
         part = slice(start, start + TOGETHER)
@@ -150,10 +146,10 @@ def _samples(constants: Array, number: int, crosses: tuple[bool, bool]) -> tuple
         up, down = half.part(part)(of_u[:, None], cosines[:, None])
         scale = 1.0 / np.sqrt(up * up + down * down)
         for side, sine, cosine in zip(positive, sh, ch):
-            order = slice(None, None, 1 if side else -1)
+            order = slice(None, None, 1 if side else -1)   # theta1 < 0 mirrors the other half
             np.multiply(up if side else -up, scale, out=sine[order])
             np.multiply(down, scale, out=cosine[order])
-        sines = make_sines(ARRAY, tuple(c))(sh, ch, is_first == (c[-1] > 0.0))
+        sines = make_sines(ARRAY, tuple(c))(sh, ch, is_positive == (c[-1] > 0.0))
         for whole, values in zip(found, sines):
             whole[...] = values
     return samples, constants[-1] * step * half.period * half.unit * 0.5 / constants[-2]

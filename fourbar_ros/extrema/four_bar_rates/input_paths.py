@@ -41,10 +41,10 @@ class HalfTurn(NamedTuple):
     Parameters
     ----------
     period : float or ndarray
-        K, the length of the range in units of u in which quantities have features no narrower than
+        K: the length of the range in units in which quantities have features no narrower than
         about one.
     unit : float or ndarray
-        One unit of it in u.
+        Such a unit, in u.
     up, down : float or ndarray
         Factors of numerator and denominator of the tangent.
     steps : list
@@ -65,8 +65,8 @@ class HalfTurn(NamedTuple):
         """
         Return numerator and denominator of the tangent of theta1/2.
 
-        At the sine and cosine of pi t/2, t from 0 at the lower end of theta1 in [0, pi] to 1 at
-        the upper end, uniform in u.
+        They are taken at the sine and cosine of pi t/2, t from 0 at the lower end of theta1 in
+        [0, pi] to 1 at the upper end, uniform in u.
         """
         up, down, (out, inside) = self.up, self.down, self.crosses
         if not out:
@@ -76,7 +76,7 @@ class HalfTurn(NamedTuple):
         return up * sn if inside else up, down * cn
 
     def part(self, which: slice) -> HalfTurn:
-        """Return the function of some of many linkages."""
+        """Return that of some of many linkages."""
         period, unit, up, down, steps, crosses = self
         return HalfTurn(period[which], unit[which], up[which], down[which],
                         [(k[which], k1[which]) for k, k1 in steps], crosses)
@@ -84,7 +84,7 @@ class HalfTurn(NamedTuple):
 
 def half_turn(s1: Values, s2: Values, k: Values, crosses_out: bool, crosses_in: bool) -> HalfTurn:
     """
-    Return theta1/2 as a function.
+    Return the :class:`HalfTurn` of one or many linkages.
 
     Parameters
     ----------

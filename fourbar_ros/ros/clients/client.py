@@ -143,8 +143,7 @@ def opened(make: Callable[[Node], AnyClient], name: str) -> Iterator[AnyClient]:
 
 def record(what: str, name: str, node: str, patience: float = PATIENCE) -> str:
     """Start or stop the bag of a node; return its path."""
-    with opened(Client, 'fourbar_record') as client:
-        client.patience = patience
+    with opened(lambda own: Client(own, patience), 'fourbar_record') as client:
         if what == 'start':
             answer = client.call('start_recording', node, name=name)
         else:

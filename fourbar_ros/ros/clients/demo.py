@@ -137,7 +137,7 @@ def watch(client: Driver, node: subprocess.Popen[bytes], seconds: float, console
 def published_for(path: str | Path) -> list[dict[str, Any]]:
     """Return the published values for a scene file: the entries of published/NAME beside it."""
     file = Path(path).parent / 'published' / Path(path).name
-    return yaml.safe_load(file.read_text()) if file.exists() else []
+    return yaml.safe_load(file.read_text(encoding='utf-8')) if file.exists() else []
 
 
 def compare_extrema(client: Driver, published: Sequence[dict[str, Any]], console: Console) -> None:

@@ -32,7 +32,7 @@ from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
 QUIET = 2.0             # [s] without an answer after the last motion: no more will come
-HELD_UP = 20.0          # [s] without one before: the node does not answer these
+HELD_UP = 20.0          # [s] without an answer while motions are left: the node stands still
 AHEAD = INPUT_DEPTH // 2        # motions without an answer: the queue of a busy node holds them
 OURS = ('drive.', 'recording.')         # parameters that a live node has its own of
 
@@ -139,8 +139,7 @@ class _Live(Client):
         self._topics = {topic: Meeting(replayer.bag.decoder(topic)) for topic in outputs}
         self._first, self._last = b'', b''          # stamps of motions; empty before the first
         self._last_arrival = time.monotonic()
-        self._unanswered = 0                        # and never will be
-        self._answers = True                        # since it was waited for in vain
+        self._given_up, self._silent = 0, False     # motions without answers; nothing comes
         self._name, self._input = (name_on(node_name, INPUTS['motion']),
                                    self.publisher('motion', node_name))
         self._subscriptions = [self._listen(topic, type_name, recorded_node, node_name)
@@ -154,7 +153,7 @@ class _Live(Client):
         answers = self._topics[topic]
 
         def take(data: bytes) -> None:
-            self._last_arrival, self._answers = time.monotonic(), True
+            self._last_arrival, self._silent = time.monotonic(), False
             answers.answer(stamp_of(data), data)
         return self.node.create_subscription(resolve(type_name), there, take,
                                              QoSProfile(depth=1000), raw=True)
@@ -197,10 +196,12 @@ class _Live(Client):
 
     def send(self, raw: Raw) -> None:
         """Send one motion of the driven joint, later than in the bag if the node is behind."""
-        if self._answers and self._waiting() >= self._unanswered + AHEAD:
-            self.wait_for_the_rest(HELD_UP, self._unanswered + AHEAD - 1)
-            if self._waiting() >= self._unanswered + AHEAD:
-                self._unanswered, self._answers = self._waiting(), False
+        waiting = self._waiting()
+        # a node that stands still is not waited for again; what it answers late was not lost
+        self._given_up = waiting if self._silent else min(self._given_up, waiting)
+        if waiting >= self._given_up + AHEAD:
+            self.wait_for_the_rest(HELD_UP, self._given_up + AHEAD - 1)
+            self._silent = self._waiting() >= self._given_up + AHEAD
         self._last = stamp_of(raw.data)
         self._first = self._first or self._last
         self._input.publish(raw.data)
@@ -224,7 +225,7 @@ class _Live(Client):
         """Wait until nothing has come for some time, or all has but so many."""
         self._last_arrival = time.monotonic()
         while time.monotonic() - self._last_arrival < quiet and (
-                not self._last or self._waiting() > rest):
+                not self._last or self._waiting() > rest) and self._replayer.tick(0):
             self.executor.spin_once(timeout_sec=0.02)
 
     def compared(self) -> list[Answer]:

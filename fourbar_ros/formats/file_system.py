@@ -1,10 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Locks that show whether a file is being written, or to whom a folder belongs.
+Locks and syncs of files and folders, where the system has them: Windows has neither.
 
-A lock ends with the process, which shows whether it crashed. Windows has no such locks, and opens
-no folders: there, what is open cannot be removed, and no file looks as if it were being written.
+A lock ends with the process, which shows whether it crashed. Without locks no file looks as if it
+were being written, and no folder as if it had lost its owner.
 """
 from __future__ import annotations
 
@@ -17,9 +17,6 @@ try:
     import fcntl
 except ImportError:
     fcntl = None        # type: ignore[assignment]
-
-FOLDER = os.O_RDONLY | getattr(os, 'O_DIRECTORY', 0)
-OPENS_FOLDERS = hasattr(os, 'O_DIRECTORY')
 
 
 def mark_as_being_written(file: BinaryIO) -> None:
@@ -52,7 +49,7 @@ def locked_folder(folder: Path) -> int | None:
         return None
     number = None
     try:
-        number = os.open(folder, FOLDER)
+        number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
         fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:             # locked, gone, or a file system without locks
         if number is not None:
@@ -63,8 +60,10 @@ def locked_folder(folder: Path) -> int | None:
 
 def sync_folders(path: Path) -> None:
     """Bring the entries of a folder and of its parent to the disk: a file without one is lost."""
-    for folder in (path, path.parent) if OPENS_FOLDERS else ():
-        number = os.open(folder, FOLDER)
+    if not fcntl:               # nor can folders be opened
+        return
+    for folder in (path, path.parent):
+        number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
         try:
             os.fsync(number)
         finally:
