@@ -12,7 +12,7 @@ import sys
 
 import pytest
 
-HIDE = '''
+HIDE = """
 import os
 import signal
 import sys
@@ -33,8 +33,8 @@ def open_file(path, flags, *rest, **named):
 
 
 os.open = open_file
-'''
-BAG = '''
+"""
+BAG = """
 from pathlib import Path
 from support import bags
 from support.scenes import PAPER
@@ -45,7 +45,7 @@ from fourbar_ros.bag.info import info
 path = bags.run(Path('.'), 'bag', PAPER, [(0.05 * k, 25.0, 0.0) for k in range(100)])
 assert info(path, check=True).is_sound
 assert not compare(path).problems()
-'''
+"""
 
 
 @pytest.fixture
