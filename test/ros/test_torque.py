@@ -221,11 +221,12 @@ def test_a_released_rocker_swings_through_its_toggles_as_simulate_says(
     there = in_bag(path, '/fourbar/drive_state')
     assert toggles(there) > 3 and {m.mode for m in there} == {m.mode for m in outputs} == {1, 2}
     assert {m.status for m in there} == {DriveState.STATUS_SILENT}
-    # a state after a gap is not stepped again, nor the next one if it is next to a toggle
+    # after a gap of a late node no state is stepped again until it is away from toggles
     stamps = [m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for m in there]
-    gaps = np.count_nonzero(np.diff(stamps) > 3_000_000)
     again = int(re.search(r'(\d+) of these states stepped again', found.driven)[1])
-    assert len(there) - 1 - 2 * gaps <= again <= len(there) - 1 - gaps and again > len(there) // 2
+    if np.diff(stamps).max() < 3_000_000:
+        assert again == len(there) - 1
+    assert again > len(there) // 2
     assert [m.mode for m in in_bag(path, '/fourbar/state')] == [m.mode for m in there]
     released, count = scene.from_values(ROCKER), min(len(there), 2000)
     times = 0.002 * np.arange(1, count)
