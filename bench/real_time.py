@@ -10,12 +10,14 @@ from fourbar_ros.scene import files
 from fourbar_ros.scene import scene as scenes
 import numpy as np
 
+from .pages import best_time
+
 RATE = 1000.0
 BLOCK = 500                 # ticks of one kind in a row
 SWITCH = 0.001              # as in the node
 SHAFT = {'shaft.stiffness': 1e9, 'shaft.damping': 100.0, 'drive.rate': RATE}
 AHEAD, AT_ONCE = 'made before its tick', 'made at its tick'
-BARE, LOOP = 'bare timer', 'a loop of additions as long as a step'
+BARE, LOOP = 'bare timer', 'loop of additions'
 KINDS = (AHEAD, AT_ONCE, AHEAD, LOOP, AHEAD, AT_ONCE, AHEAD, LOOP, AHEAD, BARE)      # of blocks
 OFTEN = ADDITIONS = 2000
 
@@ -36,21 +38,11 @@ class Ticks:
 
 
 def add(count):
-    """Do nothing else than so many additions."""
+    """Do so many additions and nothing else."""
     total = 0.0
     for _ in range(count):
         total += 1.0
     return total
-
-
-def least_time(function):
-    """Return the least CPU time of many calls in a row [ns]."""
-    times = []
-    for _ in range(OFTEN):
-        began = time.thread_time_ns()
-        function()
-        times.append(time.thread_time_ns() - began)
-    return min(times)
 
 
 def run(samples):
@@ -60,8 +52,9 @@ def run(samples):
     state, statuses = mover.start(), {}
     found = {kind: Ticks() for kind in KINDS}
     period = 1.0 / RATE
-    per_addition = least_time(lambda: add(ADDITIONS)) / ADDITIONS
-    additions = round(least_time(lambda: mover.work_ahead(state, period)) / per_addition)
+    per_addition = best_time(lambda: add(ADDITIONS), OFTEN) / ADDITIONS
+    additions = round(best_time(lambda: mover.work_ahead(state, period), OFTEN)
+                      / per_addition)
     began, tick = time.perf_counter() + 0.1, 0
     while tick < samples:
         kind = KINDS[(tick // BLOCK) % len(KINDS)]

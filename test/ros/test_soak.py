@@ -9,6 +9,7 @@ import math
 import os
 from pathlib import Path
 import random
+import resource
 import shutil
 import signal
 import struct
@@ -41,6 +42,18 @@ def usage(process):
     shared = sum('/dev/shm/' in line for line in (proc / 'maps').read_text().splitlines())
     return (int(status['VmRSS'].split()[0]) / 1024.0, int(status['Threads']),
             len(os.listdir(proc / 'fd')), shared)
+
+
+def cpu_of(process):
+    """Return the CPU time that a process has taken [s]."""
+    fields = Path(f'/proc/{process.pid}/stat').read_text().rpartition(')')[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
+
+
+def cpu_of_ended():
+    """Return the CPU time that all children took which have ended [s]."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def check_alive(client, publisher, linkage):
@@ -323,8 +336,11 @@ def test_it_starts_and_stops_again_and_again(tmp_path, client):
         while not (file.exists() and file.stat().st_size > 20_000):
             assert time.monotonic() < deadline and node.process.poll() is None, node.said
             client.executor.spin_once(timeout_sec=0.02)
+        until_now, ended = cpu_of(node.process), cpu_of_ended()
         assert node.stop(random.choice([signal.SIGINT, signal.SIGTERM,
                                         signal.SIGHUP])) == 0, node.said
+        # of all that it took, its end is the smaller part, on a machine of any speed
+        assert cpu_of_ended() - ended < 2.0 * until_now
         assert file.read_bytes().endswith(b'\x89MCAP0\r\n') and 'Traceback' not in node.said
 
 

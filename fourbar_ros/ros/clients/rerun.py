@@ -139,7 +139,8 @@ class _Live(Client):
         self._topics = {topic: Meeting(replayer.bag.decoder(topic)) for topic in outputs}
         self._first, self._last = b'', b''          # stamps of motions; empty before the first
         self._last_arrival = time.monotonic()
-        self._given_up, self._silent = 0, False     # motions without answers; nothing comes
+        self._given_up = 0          # motions whose answers are not waited for any more
+        self._silent = False        # nothing has come since it was waited for in vain
         self._name, self._input = (name_on(node_name, INPUTS['motion']),
                                    self.publisher('motion', node_name))
         self._subscriptions = [self._listen(topic, type_name, recorded_node, node_name)
