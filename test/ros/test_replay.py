@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 
+from fourbar_msgs.msg import Motion
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recompute import compare
 from fourbar_ros.bag.recorder import BagWriter
@@ -152,8 +153,10 @@ def test_a_node_that_stands_still_for_a_while_loses_no_input(run_node, client, b
     """The rest of the bag is more than its queue holds."""
     node = run_node(FULL)
     client.listen(['state'])
+    publisher = client.publisher()
+    client.handshake(lambda: publisher.publish(Motion(position=0.1)))
     replay = fourbar('replay', bag, '--inputs-only')
-    client.until(lambda: client.received['state'], 'the first answer')
+    client.until(lambda: client.received['state'] or replay.poll() is not None, 'an answer')
     node.process.send_signal(signal.SIGSTOP)
     try:
         time.sleep(0.7)              # all the bag takes 0.6 s
