@@ -12,6 +12,8 @@ from fourbar_msgs.msg import Motion
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recompute import compare
 from fourbar_ros.bag.recorder import BagWriter
+from fourbar_ros.ros.clients.answers import stamp_of
+from fourbar_ros.ros.messages import resolve
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rosgraph_msgs.msg import Clock
@@ -164,6 +166,30 @@ def test_a_node_that_stands_still_for_a_while_loses_no_input(run_node, client, b
         node.process.send_signal(signal.SIGCONT)
     code, said = finished(replay, client)
     assert code == 0, said
+
+
+def test_a_node_that_does_not_know_its_publisher_yet_misses_no_motion(client, bag):
+    """It is played by a subscription that does not take the first messages, and by the bag."""
+    recorded = {}
+    for raw in Bag(bag).raw():
+        if raw.topic != '/fourbar/scene':
+            recorded.setdefault(stamp_of(raw.data), []).append(raw)
+    types = {topic['topic_metadata']['name']: topic['topic_metadata']['type']
+             for topic in Bag(bag).metadata()['topics_with_message_count']}
+    publishers = {topic: client.node.create_publisher(resolve(types[topic]),
+                                                      topic.replace('/fourbar/', '/late/'), 1000)
+                  for topic in {raw.topic for raws in recorded.values() for raw in raws}}
+    heard = []
+
+    def take(motion):
+        heard.append(stamp_of(motion))
+        if len(heard) > 3:
+            for raw in recorded[heard[-1]]:
+                publishers[raw.topic].publish(bytes(raw.data))
+    client.node.create_subscription(Motion, '/late/input', take, 1000, raw=True)
+    code, said = finished(fourbar('replay', bag, '--inputs-only', '--node', '/late'), client)
+    assert code == 0, said
+    assert heard[:4] == [heard[0]] * 4 and set(heard) == set(recorded)
 
 
 def test_readers_that_are_waited_for_hear_the_first_message(client, bag):

@@ -33,6 +33,8 @@ from rclpy.subscription import Subscription
 
 QUIET = 2.0             # [s] without an answer after the last motion: no more will come
 HELD_UP = 20.0          # [s] without an answer while motions are left: the node stands still
+AGAIN = 0.1             # [s] after which the first motion is sent again if nothing answers it
+UNKNOWN = 5.0           # [s] in which a node comes to know its publisher
 AHEAD = INPUT_DEPTH // 2        # motions without an answer: the queue of a busy node holds them
 OURS = ('drive.', 'recording.')         # parameters that a live node has its own of
 
@@ -138,6 +140,7 @@ class _Live(Client):
         self._in_order, recorded_node = origin.in_order, origin.node
         self._topics = {topic: Meeting(replayer.bag.decoder(topic)) for topic in outputs}
         self._first, self._last = b'', b''          # stamps of motions; empty before the first
+        self._is_known = False      # the first motion is answered
         self._last_arrival = time.monotonic()
         self._given_up = 0          # motions whose answers are not waited for any more
         self._silent = False        # nothing has come since it was waited for in vain
@@ -155,7 +158,9 @@ class _Live(Client):
 
         def take(data: bytes) -> None:
             self._last_arrival, self._silent = time.monotonic(), False
-            answers.answer(stamp_of(data), data)
+            stamp = stamp_of(data)
+            self._is_known |= stamp == self._first
+            answers.answer(stamp, data)
         return self.node.create_subscription(resolve(type_name), there, take,
                                              QoSProfile(depth=1000), raw=True)
 
@@ -204,8 +209,25 @@ class _Live(Client):
             self.wait_for_the_rest(HELD_UP, self._given_up + AHEAD - 1)
             self._silent = self._waiting() >= self._given_up + AHEAD
         self._last = stamp_of(raw.data)
-        self._first = self._first or self._last
         self._input.publish(raw.data)
+        if not self._first:
+            self._first = self._last
+            self._introduce(raw.data)
+
+    def _introduce(self, motion: bytes) -> None:
+        """
+        Send the first motion again until it is answered.
+
+        A node that does not know its publisher yet misses what comes; whether it does is known only
+        to itself.
+        """
+        end = time.monotonic() + UNKNOWN
+        while not self._is_known and time.monotonic() < end and self._replayer.tick(0):
+            again = time.monotonic() + AGAIN
+            while not self._is_known and time.monotonic() < again:
+                self.executor.spin_once(timeout_sec=AGAIN / 10.0)
+            if not self._is_known:
+                self._input.publish(motion)
 
     def expect(self, raw: Raw) -> None:
         """
