@@ -18,11 +18,11 @@ from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.given import array
-from fourbar_ros.numerics.roots import EPS
+from fourbar_ros.numerics.roots import EPS, fold
 import numpy as np
 
 # Linkages searched at a time, at most 2^16.
-CHUNK = 8192
+CHUNK = 16384
 # Values nearer to each other than this part of them may be equal, as far as their conditions tell.
 NEARLY = 1e-8
 
@@ -114,9 +114,10 @@ def _collected(rows: Rows) -> tuple[Extrema, Array]:
     """
     if not rows:
         return NOTHING, NOTHING.index
-    columns = [np.concatenate(arrays) for arrays in zip(*rows)]
-    order = _order(*columns[:2])
-    index, theta1, value, is_maximum, side = (column[order] for column in columns)
+    index, theta1, *others = (np.concatenate(arrays) for arrays in zip(*rows))
+    theta1 = fold(theta1)
+    order = _order(index, theta1)
+    index, theta1, value, is_maximum, side = (v[order] for v in (index, theta1, *others))
     best = _best(index, value, is_maximum)
     with np.errstate(invalid='ignore'):
         beyond, size = np.abs(best - value), np.where(np.isfinite(best), np.abs(best), np.nan)

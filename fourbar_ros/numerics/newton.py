@@ -73,8 +73,9 @@ def newton_roots_and_states(function: Function, row: Array, xa: Array, xb: Array
             return _in_order(found)
         last, x = np.abs(taken), better
         if done.any():
-            found.append([v[done] for v in (todo, better, taken, *state)])
-            going = ~done
+            ready: Any = np.nonzero(done)[0]
+            going: Any = np.nonzero(~done)[0]
+            found.append([v[ready] for v in (todo, better, taken, *state)])
             todo, row, xa, xb, x, last, width, positive = (
                 v[going] for v in (todo, row, xa, xb, x, last, width, positive))
 

@@ -236,10 +236,11 @@ def find_brackets(function: Function, x: Function, f: Array, rise: Array,
     i, row, is_plain = intervals_with_roots(f, rise, is_closed)
     j = (i + 1) % len(f)
     (xa, turn_a), (xb, turn_b) = x(i, row), x(j, row)
-    xb, fa, fb = turn_after(xb, xa), f[i, row], f[j, row]
+    xb = turn_after(xb, xa)
+    (fa, rise_a), (fb, rise_b) = ([v.ravel().take(k * f.shape[1] + row) for v in (f, rise)]
+                                  for k in (i, j))
     with np.errstate(all='ignore'):
-        guess = first_guesses(xa, xb, fa, fb, fa * turn_a / rise[i, row],
-                              fb * turn_b / rise[j, row])
+        guess = first_guesses(xa, xb, fa, fb, fa * turn_a / rise_a, fb * turn_b / rise_b)
     brackets = i, row, xa, xb, fa, guess
     if is_plain.all():
         return brackets

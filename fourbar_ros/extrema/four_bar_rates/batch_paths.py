@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import product
 from math import pi
-from typing import Any
+from typing import ClassVar
 
 from fourbar_ros.extrema.four_bar_rates.input_paths import (
     half_turn,
@@ -19,7 +20,7 @@ from fourbar_ros.numerics.roots import find_brackets, first_guesses, turn_after
 import numpy as np
 
 # Linkages whose samples are computed together, so that they stay in the cache.
-TOGETHER = 256
+TOGETHER = 512
 
 
 class Path:
@@ -27,62 +28,63 @@ class Path:
     Samples of linkages ``row`` along one path each.
 
     ``samples``: sin and cos(theta1/2) and what :func:`.make_sines` gives there, each of shape
-    (samples, linkages).
+    (samples, linkages); Y only where the path has ends.
 
     ``step``: of u between samples, with the sign of X: shape (linkages,).
     """
 
-    def __init__(self, row: Array, samples: Array, step: Array, is_closed: bool,
-                 limits: Array) -> None:
+    NAMES: ClassVar[tuple[str, ...]] = 'sh', 'ch', 'g', 'gu', 'k', 'ku', 'X', 'Y'
+
+    def __init__(self, row: Array, samples: Array, step: Array, is_closed: bool) -> None:
         self.row, self.third, self.is_closed = row, step / 3.0, is_closed
-        self.sh, self.ch, self.g, self.gu, self.k, self.ku, self.X, self.Y = samples
+        self._samples = dict(zip(self.NAMES, samples))
         self._column = row[:0]      # of each root of k
-        self._limits = limits[:, row]
 
     @property
     def number(self) -> int:
         """Return the number of roots of k."""
         return self._column.size
 
-    def angle(self, i: Any, column: Any) -> Array:
-        angles: Array = 2.0 * np.arctan2(self.sh[i, column], self.ch[i, column])
-        return angles
+    def _at(self, i: Array, column: Array, *names: str) -> list[Array]:
+        """Return theta1 at samples, and what has these names there."""
+        place = i * self.row.size + column
+        sh, ch, *others = (self._samples[name].ravel().take(place)
+                           for name in ('sh', 'ch', *names))
+        return [2.0 * np.arctan2(sh, ch), *others]
 
-    def toggles(self) -> list[tuple[Array, int, Array, Array]]:
-        """Return (theta1, side, g, Y) at the ends."""
-        return ([] if self.is_closed else [(self._end(i), side, self.g[i], self.Y[i])
-                                           for i, side in ((0, 1), (-1, -1))])
-
-    def _end(self, i: int) -> Array:
-        """Return theta1 at an end from the lengths, without the roundings of the sample there."""
-        x, (near, far) = self.angle(i, slice(None)), self._limits
-        is_near = np.isnan(far) | (np.abs(np.abs(x) - near) < np.abs(np.abs(x) - far))
-        return np.copysign(np.where(is_near, near, far), x)
+    def ends(self) -> list[Array]:
+        """Return (row, side, theta1, g, Y) at the toggles where a path that is not closed ends."""
+        number, count = self._samples['g'].shape
+        return [np.tile(self.row, 2), np.repeat((1, -1), count),
+                *self._at(np.repeat((0, number - 1), count), np.tile(np.arange(count), 2),
+                          'g', 'Y')]
 
     def brackets_of_k(self, k_at: Callable[[Array, Array], Array]) -> tuple[Array, ...]:
         """Return (interval, row, xa, xb, fa, guess) of all roots of k."""
-        i, column, *bracket = find_brackets(
-            lambda x, column: k_at(x, self.row[column]),
-            lambda i, column: (self.angle(i, column), self.third[column] * self.X[i, column]),
-            self.k, self.third * self.ku, self.is_closed)
+        def at(i: Array, column: Array) -> tuple[Array, Array]:
+            x, X = self._at(i, column, 'X')
+            return x, self.third[column] * X
+        i, column, *bracket = find_brackets(lambda x, column: k_at(x, self.row[column]), at,
+                                            self._samples['k'],
+                                            self.third * self._samples['ku'], self.is_closed)
         self._column = column
         return i, self.row[column], *bracket
 
     def _g(self, i: Array, column: Array) -> tuple[Array, Array, Array]:
         """Return theta1, g and the step of Newton's method at samples."""
-        g = self.g[i, column]
-        return self.angle(i, column), g, g * self.X[i, column] / self.gu[i, column]
+        x, g, gu, X = self._at(i, column, 'g', 'gu', 'X')
+        return x, g, g * X / gu
 
     def brackets_of_g(self, i: Array, root: Array, *g_there: Array) -> tuple[Array, ...]:
         """Return (row, xa, xb, fa, guess) of sign changes of g between samples, roots of k."""
-        column, number = self._column, len(self.g)
-        positive = self.g >= 0.0
+        column, number = self._column, len(self._samples['g'])
+        positive = self._samples['g'] >= 0.0
         if self.is_closed:
             positive = np.concatenate((positive, positive[:1]))
         changes = positive[1:] != positive[:-1]
         # Intervals with roots of k are gone through root by root, from sample to sample.
         changes[i, column] = False
-        start = self.angle(i, column)
+        start, = self._at(i, column)
         root = np.maximum(root + 2.0 * pi * np.round((start - root) / (2.0 * pi)), start)
         order = _grouped(column * number + i, root)
         i, column = i[order], column[order]
@@ -104,42 +106,49 @@ class Path:
         return self.row[columns], xa, xb, ga, first_guesses(xa, xb, ga, gb, step_a, step_b)
 
 
-def paths_of(constants: Array, chosen: Array, limits: Array) -> Iterator[Path]:
-    """Yield the :class:`Path` of each group with one kind of input range and sample count."""
-    out, inside = constants[0] > 0.0, constants[1] > 0.0
-    for crosses in ((False, False), (False, True), (True, False), (True, True)):
-        rows = np.nonzero(chosen & (out == crosses[0]) & (inside == crosses[1]))[0]
+def paths_of(constants: Array, chosen: Array, is_unequal: Array) -> Iterator[Path]:
+    """
+    Yield the :class:`Path` of each group of one kind of input range and one number of samples.
+
+    Linkages with unequal links are in groups of their own: see :func:`.make_sines`.
+    """
+    crosses_out, crosses_in = constants[:2] > 0.0
+    for out, inside, unequal in product((False, True), repeat=3):
+        rows = np.nonzero(chosen & (crosses_out == out) & (crosses_in == inside)
+                          & (is_unequal == unequal))[0]
         if not rows.size:
             continue
-        s1, s2, k, *_ = constants[:, rows]
-        period = half_turn(s1, s2, k, *crosses).period
+        s1, s2, k = constants[:3, rows]
+        period = half_turn(s1, s2, k, out, inside).period
         count = (np.maximum(SAMPLES // 2,
                             2.0**(0.5 * np.ceil(2.0 * np.log2(POINTS_PER_FEATURE
                                                               * period)))).astype(int))
         for number in np.unique(count).tolist():
             group = rows[count == number]
-            samples, step = _samples(constants[:, group], number, crosses)
-            if any(crosses):
-                whole = samples.reshape(8, 2 * number, group.size)
-                yield Path(group, whole, step, all(crosses), limits)
+            samples, step = _samples(constants[:, group], number, out, inside, not unequal)
+            if out or inside:
+                whole = samples.reshape(-1, 2 * number, group.size)
+                yield Path(group, whole, step, out and inside)
             else:
                 for half in range(2):
-                    yield Path(group, samples[:, half], step, False, limits)
+                    yield Path(group, samples[:, half], step, False)
 
 
-def _samples(constants: Array, number: int, crosses: tuple[bool, bool]) -> tuple[Array, Array]:
+def _samples(constants: Array, number: int, out: bool, inside: bool,
+             by_loop: bool) -> tuple[Array, Array]:
     """
-    Return samples of both halves of the range, shape (8, 2, number, linkages), and their step.
+    Return samples of both halves of the range, and their step.
+
+    They are those of :class:`Path`, of shape (8 or 7, 2, number, linkages).
 
     The half of theta1 < 0 comes first, except where the range is around pi.
     """
-    out, inside = crosses
     of_u, cosines, step = phases(number, not inside, not out)
     positive = [True, False] if out and not inside else [False, True]
     is_positive, count = np.array(positive)[:, None, None], constants.shape[1]
     s1, s2, k, *_ = constants
-    half = half_turn(s1, s2, k, *crosses)
-    samples = np.empty((8, 2, number, count))
+    half = half_turn(s1, s2, k, out, inside)
+    samples = np.empty((7 if out and inside else 8, 2, number, count))
     for start in range(0, count, TOGETHER):
         part = slice(start, start + TOGETHER)
         c, (sh, ch, *found) = constants[:, part], samples[..., part]
@@ -149,8 +158,8 @@ def _samples(constants: Array, number: int, crosses: tuple[bool, bool]) -> tuple
             order = slice(None, None, 1 if side else -1)   # theta1 < 0 mirrors the other half
             np.multiply(up if side else -up, scale, out=sine[order])
             np.multiply(down, scale, out=cosine[order])
-        sines = make_sines(ARRAY, tuple(c))(sh, ch, is_positive == (c[-1] > 0.0))
-        for whole, values in zip(found, sines):
+        sines = make_sines(ARRAY, tuple(c), by_loop)
+        for whole, values in zip(found, sines(sh, ch, is_positive == (c[-1] > 0.0))):
             whole[...] = values
     return samples, constants[-1] * step * half.period * half.unit * 0.5 / constants[-2]
 

@@ -27,7 +27,6 @@ from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.exact_sums import exact_sum_of_four
 from fourbar_ros.numerics.newton import newton_roots_and_states
 from fourbar_ros.numerics.number_types import ARRAY, power_of_two_of_arrays
-from fourbar_ros.numerics.roots import fold
 import numpy as np
 
 # Ratio of the longest link to the shortest from which values are computed again by the more
@@ -48,10 +47,10 @@ def search_chunk(lengths: Array, sign: Array, rate: Array) -> tuple[Rows, Rows]:
     is_flat = closes & ((constants[0] == 0.0) | (constants[1] == 0.0))
     upward, forward = sign > 0.0, rate > 0.0
     found = _at_change_points(np.nonzero(is_flat)[0].tolist(), lengths, sign, rate)
-    paths = list(paths_of(constants, closes & ~is_flat, limits))
-    _add_toggles(found, paths, upward, forward)
+    paths = list(paths_of(constants, closes & ~is_flat, unequal))
     if not paths:
         return found
+    _add_toggles(found, paths, limits, upward, forward)
     sines = _Sines(constants)
 
     # All roots of k at once; then those of g between them and the samples.
@@ -59,9 +58,10 @@ def search_chunk(lengths: Array, sign: Array, rate: Array) -> tuple[Rows, Rows]:
         cells, *brackets = stacked(path.brackets_of_k(sines.k) for path in paths)
         rows, falls = brackets[0], brackets[3] >= 0.0
         x, step, g, gu, k, X = newton_roots_and_states(sines.k_and_step, *brackets)
-        value = g / X**3 - 0.5 * step * k / X**5        # g/X^3, of slope k/X^5, at the root
+        square = X * X
+        value = (g - 0.5 * step * k / square) / (X * square)    # g/X^3, of slope k/X^5
         _improve(scaled, sign, unequal, (rows, x.copy()), value)
-        found[1].append((rows, fold(x), rate[rows]**2 * value, falls == upward[rows],
+        found[1].append((rows, x, rate[rows]**2 * value, falls == upward[rows],
                          np.zeros(x.size, int)))
         ends = np.cumsum([path.number for path in paths])
         g -= gu / X * step
@@ -69,10 +69,11 @@ def search_chunk(lengths: Array, sign: Array, rate: Array) -> tuple[Rows, Rows]:
         brackets = stacked(path.brackets_of_g(*part) for path, *part in zip(paths, *parts))
         rows, falls = brackets[0], brackets[3] >= 0.0
         x, step, g, k, X, Y = newton_roots_and_states(sines.g_and_step, *brackets)
-        value = Y / X - 0.5 * step * g / X**3
-        _improve(scaled, sign, unequal, (rows, x), value, k / X**5)
-        found[0].append((rows, fold(x), rate[rows] * value, (falls == upward[rows])
-                         == forward[rows], np.zeros(x.size, int)))
+        square = X * X
+        value = (Y - 0.5 * step * g / square) / X
+        _improve(scaled, sign, unequal, (rows, x), value, k / (X * square * square))
+        found[0].append((rows, x, rate[rows] * value, (falls == upward[rows]) == forward[rows],
+                         np.zeros(x.size, int)))
     return found
 
 
@@ -130,15 +131,20 @@ def _at_change_points(indices: list[int], lengths: Array, sign: Array,
     return found
 
 
-def _add_toggles(found: tuple[Rows, Rows], paths: list[Path], upward: Array,
+def _add_toggles(found: tuple[Rows, Rows], paths: list[Path], limits: Array, upward: Array,
                  forward: Array) -> None:
     """Add the infinite ends of all paths to the rows of both quantities."""
-    for path in paths:
-        for x, side, g, Y in path.toggles():
-            for quantity, up in zip(found, ((Y > 0.0) == (upward == forward)[path.row],
-                                            (g > 0.0) == upward[path.row])):
-                quantity.append((path.row, fold(x), np.where(up, np.inf, -np.inf), up,
-                                 np.full(x.size, side)))
+    ends = [path.ends() for path in paths if not path.is_closed]
+    if not ends:
+        return
+    rows, side, x, g, Y = stacked(ends)
+    # theta1 from the lengths, without the roundings of the sample there
+    near, far = limits.take(rows, axis=1)
+    is_near = np.isnan(far) | (np.abs(np.abs(x) - near) < np.abs(np.abs(x) - far))
+    x = np.copysign(np.where(is_near, near, far), x)
+    for quantity, up in zip(found, ((Y > 0.0) == (upward == forward)[rows],
+                                    (g > 0.0) == upward[rows])):
+        quantity.append((rows, x, np.where(up, np.inf, -np.inf), up, side))
 
 
 def _limits(f: Factors, s1: Array, s2: Array) -> Array:

@@ -46,14 +46,15 @@ State = tuple[Any, ...]     # what the function of make_sines returns
 POLISH = 2.0**-12
 
 
-def make_sines(n: NumberType, constants: Sequence[Any]) -> Sines:
+def make_sines(n: NumberType, constants: Sequence[Any], by_loop: bool = False) -> Sines:
     """
     Return the function (sh, ch) -> g, g_u, k, k_u, X, Y at sh, ch = sin, cos(theta1/2).
 
     ``constants`` are those of :func:`sine_constants`; the pose is found as in
     :func:`~fourbar_ros.mechanisms.four_bar.motion.make_motion`. u is in units of 1/(a2 a3): X =
     sin(y-b). A third argument says, for many samples with theta1/2 in one quadrant, whether sh ch
-    has the sign of X in all of them.
+    has the sign of X in all of them. ``by_loop``: Y and the cosine that belongs to it follow from
+    the others by the loop, which costs less and, where lengths are unequal, digits.
     """
     sqrt, fabs, where = n.sqrt, n.fabs, n.where
     s1, s2, k, yA, yB, yC, yD, yM, bA, bB, bC, bD, bM, r13, r42, half, sign = constants
@@ -61,6 +62,8 @@ def make_sines(n: NumberType, constants: Sequence[Any]) -> Sines:
     adding, other = (yB, yD, bB, bD, 1.0), (yA, yC, bA, bC, -1.0)
     half_k, half_cX = half * k, 0.5 * half
     half_cx = half_cX * k
+    if by_loop:     # (a3^2 + a4^2 - a1^2 - a2^2) / (2 a2 a3)
+        excess = 0.25 * half * (yM * (1.0 / r13 - r13) + bM * (1.0 / r42 - r42))
 
     def sines(sh: Any, ch: Any, adds: Any = None) -> tuple[Any, ...]:
         ss, cc, sc = sh * sh, ch * ch, sh * ch
@@ -71,11 +74,14 @@ def make_sines(n: NumberType, constants: Sequence[Any]) -> Sines:
         p, q = y_s * ss + y_c * cc, yM * sc + signed
         scale = side * r42 / (p * p + q * q)
         cy, XB = (q - p) * (q + p) * scale, 2.0 * side * p * q * scale     # a3 a4 cos(y), X - B
-        p, q = b_s * ss + b_c * cc, bM * sc - signed
-        scale = side * r13 / (p * p + q * q)
-        cY, Y = (q - p) * (q + p) * scale, -2.0 * side * p * q * scale     # a1 a2 cos(x-b)
         cX, X = half_cX * (u - w), half * root                         # a2 a3 cos(y-b)
         cx, YB = half_cx * (cc - ss), half_k * sc                      # a1 a4 cos(x), Y - B
+        if by_loop:
+            cY, Y = cy + excess, YB + (X - XB)                         # a1 a2 cos(x-b)
+        else:
+            p, q = b_s * ss + b_c * cc, bM * sc - signed
+            scale = side * r13 / (p * p + q * q)
+            cY, Y = (q - p) * (q + p) * scale, -2.0 * side * p * q * scale
         Xu = cX * YB
         Yu = cY * XB
         P, Q = cY * cy - XB * XB, cX * cx - YB * YB                    # Y_uu/Y, X_uu/X

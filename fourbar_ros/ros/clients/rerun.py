@@ -218,8 +218,7 @@ class _Live(Client):
         """
         Send the first motion again until it is answered.
 
-        A node that does not know its publisher yet misses what comes; whether it does is known only
-        to itself.
+        A node that does not know its publisher yet misses what comes, and only the node knows.
         """
         end = time.monotonic() + UNKNOWN
         while not self._is_known and time.monotonic() < end and self._replayer.tick(0):
