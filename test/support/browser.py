@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A real browser in front of a real ``fourbar live``."""
 from contextlib import contextmanager
+from itertools import count
 import os
 import re
 import shutil
@@ -73,9 +74,8 @@ def live(*arguments):
         stop(process)
 
 
-@contextmanager
-def browser(folder, width=1280, height=1000):
-    """Give a headless Chromium with an empty profile that asks nothing of the network."""
+def _chromium(folder, width, height):
+    """Return a driver of a browser with a profile in this folder."""
     from selenium import webdriver
     options = webdriver.ChromeOptions()
     options.binary_location = CHROMIUM
@@ -85,7 +85,26 @@ def browser(folder, width=1280, height=1000):
                      f'--window-size={width},{height}', f'--user-data-dir={folder}'):
         options.add_argument(argument)
     options.set_capability('goog:loggingPrefs', {'browser': 'ALL', 'performance': 'ALL'})
-    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    return webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+
+
+def _patiently(start, patience=3.0 * PATIENCE):
+    """Return what ``start(attempt)`` returns: the driver waits only 60 s for its browser."""
+    from selenium.common.exceptions import SessionNotCreatedException
+    end = time.monotonic() + patience
+    for attempt in count():
+        try:
+            return start(attempt)
+        except SessionNotCreatedException:
+            if time.monotonic() > end:
+                raise
+    return None
+
+
+@contextmanager
+def browser(folder, width=1280, height=1000):
+    """Give a headless Chromium with an empty profile that asks nothing of the network."""
+    driver = _patiently(lambda attempt: _chromium(f'{folder}/{attempt}', width, height))
     try:
         driver.set_script_timeout(PATIENCE)
         driver.set_page_load_timeout(PATIENCE / 2.0)        # Tab loads again after it
