@@ -34,10 +34,12 @@ def sines():
     factors = bilinear_factors(*lengths, exact_sum_of_four)
     constants = np.array(sine_constants(lengths, factors, np.ones(LINKAGES)))
     x = np.pi * (np.arange(SAMPLES) + 0.5) / SAMPLES
-    grid = [np.broadcast_to(v[:, None], (SAMPLES, LINKAGES)) for v in (np.sin(x), np.cos(x))]
+    sine, cosine = np.sin(x), np.cos(x)
+    grid = [np.broadcast_to(v[:, None], (SAMPLES, LINKAGES))
+            for v in (sine * sine, cosine * cosine, sine * cosine)]
 
     def formula(n):
-        return lambda *given: make_sines(n, given[2:])(*given[:2])
+        return lambda *given: make_sines(n, given[3:])(*given[:3])
 
     def with_numpy():       # in blocks that stay in the cache, as the search computes
         for start in range(0, LINKAGES, TOGETHER):
@@ -45,7 +47,7 @@ def sines():
             make_sines(ARRAY, tuple(constants[:, part]))(*(v[:, part] for v in grid))
 
     columns = [*grid, *(np.broadcast_to(c, grid[0].shape) for c in constants)]
-    return with_numpy, straight_line(formula, 19), columns
+    return with_numpy, straight_line(formula, 20), columns
 
 
 def loads():

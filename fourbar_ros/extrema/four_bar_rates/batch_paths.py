@@ -27,13 +27,14 @@ class Path:
     """
     Samples of linkages ``row`` along one path each.
 
-    ``samples``: sin and cos(theta1/2) and what :func:`.make_sines` gives there, each of shape
-    (samples, linkages); Y only where the path has ends.
+    ``samples``: the product of sine and cosine of theta1/2, the square of this cosine and what
+    :func:`.make_sines` gives there, each of shape (samples, linkages); Y only where the path has
+    ends.
 
     ``step``: of u between samples, with the sign of X: shape (linkages,).
     """
 
-    NAMES: ClassVar[tuple[str, ...]] = 'sh', 'ch', 'g', 'gu', 'k', 'ku', 'X', 'Y'
+    NAMES: ClassVar[tuple[str, ...]] = 'sc', 'cc', 'g', 'gu', 'k', 'ku', 'X', 'Y'
 
     def __init__(self, row: Array, samples: Array, step: Array, is_closed: bool) -> None:
         self.row, self.third, self.is_closed = row, step / 3.0, is_closed
@@ -48,9 +49,9 @@ class Path:
     def _at(self, i: Array, column: Array, *names: str) -> list[Array]:
         """Return theta1 at samples, and what has these names there."""
         place = i * self.row.size + column
-        sh, ch, *others = (self._samples[name].ravel().take(place)
-                           for name in ('sh', 'ch', *names))
-        return [2.0 * np.arctan2(sh, ch), *others]
+        sc, cc, *others = (self._samples[name].ravel().take(place)
+                           for name in ('sc', 'cc', *names))
+        return [2.0 * np.arctan2(sc, cc), *others]
 
     def ends(self) -> list[Array]:
         """Return (row, side, theta1, g, Y) at the toggles where a path that is not closed ends."""
@@ -144,23 +145,21 @@ def _samples(constants: Array, number: int, out: bool, inside: bool,
     The half of theta1 < 0 comes first, except where the range is around pi.
     """
     of_u, cosines, step = phases(number, not inside, not out)
-    positive = [True, False] if out and not inside else [False, True]
-    is_positive, count = np.array(positive)[:, None, None], constants.shape[1]
+    sides = (1, -1) if out and not inside else (-1, 1)
+    signs, count = np.array(sides)[:, None, None], constants.shape[1]
     s1, s2, k, *_ = constants
     half = half_turn(s1, s2, k, out, inside)
     samples = np.empty((7 if out and inside else 8, 2, number, count))
     for start in range(0, count, TOGETHER):
         part = slice(start, start + TOGETHER)
-        c, (sh, ch, *found) = constants[:, part], samples[..., part]
+        c = constants[:, part]
         up, down = half.part(part)(of_u[:, None], cosines[:, None])
-        scale = 1.0 / np.sqrt(up * up + down * down)
-        for side, sine, cosine in zip(positive, sh, ch):
-            order = slice(None, None, 1 if side else -1)   # theta1 < 0 mirrors the other half
-            np.multiply(up if side else -up, scale, out=sine[order])
-            np.multiply(down, scale, out=cosine[order])
-        sines = make_sines(ARRAY, tuple(c), by_loop)
-        for whole, values in zip(found, sines(sh, ch, is_positive == (c[-1] > 0.0))):
-            whole[...] = values
+        scale = 1.0 / (up * up + down * down)
+        ss, cc, sc = up * up * scale, down * down * scale, signs * (up * down * scale)
+        found = make_sines(ARRAY, tuple(c), by_loop)(ss, cc, sc, signs * c[-1] > 0.0)
+        for whole, values in zip(samples[..., part], (sc, cc, *found)):
+            for i, side in enumerate(sides):        # theta1 < 0 mirrors the other half
+                whole[i, ::side] = values[i] if values.ndim == 3 else values
     return samples, constants[-1] * step * half.period * half.unit * 0.5 / constants[-2]
 
 

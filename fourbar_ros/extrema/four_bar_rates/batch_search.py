@@ -90,7 +90,8 @@ class _Sines:
             self._row, self._at = row, make_sines(
                 ARRAY, tuple(self._constants.take(row, axis=1)))
         x = 0.5 * x
-        return self._at(np.sin(x), np.cos(x))
+        s, c = np.sin(x), np.cos(x)
+        return self._at(s * s, c * c, s * c)
 
     def k(self, x: Array, row: Array) -> Array:
         return self._of(x, row)[2]

@@ -48,11 +48,13 @@ POLISH = 2.0**-12
 
 def make_sines(n: NumberType, constants: Sequence[Any], by_loop: bool = False) -> Sines:
     """
-    Return the function (sh, ch) -> g, g_u, k, k_u, X, Y at sh, ch = sin, cos(theta1/2).
+    Return the function (ss, cc, sc) -> g, g_u, k, k_u, X, Y.
+
+    At the squares and the product of s, c = sin, cos(theta1/2).
 
     ``constants`` are those of :func:`sine_constants`; the pose is found as in
     :func:`~fourbar_ros.mechanisms.four_bar.motion.make_motion`. u is in units of 1/(a2 a3): X =
-    sin(y-b). A third argument says, for many samples with theta1/2 in one quadrant, whether sh ch
+    sin(y-b). A fourth argument says, for many samples with theta1/2 in one quadrant, whether sc
     has the sign of X in all of them. ``by_loop``: Y and the cosine that belongs to it follow from
     the others by the loop, which costs less and, where lengths are unequal, digits.
     """
@@ -65,8 +67,7 @@ def make_sines(n: NumberType, constants: Sequence[Any], by_loop: bool = False) -
     if by_loop:     # (a3^2 + a4^2 - a1^2 - a2^2) / (2 a2 a3)
         excess = 0.25 * half * (yM * (1.0 / r13 - r13) + bM * (1.0 / r42 - r42))
 
-    def sines(sh: Any, ch: Any, adds: Any = None) -> tuple[Any, ...]:
-        ss, cc, sc = sh * sh, ch * ch, sh * ch
+    def sines(ss: Any, cc: Any, sc: Any, adds: Any = None) -> tuple[Any, ...]:
         u, w = s1 + k * cc, s2 + k * ss
         root = sign * sqrt(fabs(u * w))       # at a toggle u or w may round to less than zero
         y_s, y_c, b_s, b_c, side = where(sc * root > 0.0 if adds is None else adds, adding, other)
@@ -159,7 +160,7 @@ def rate_extrema(linkage: FourBar, samples: int = SAMPLES, with_conditions: bool
     extrema: tuple[list[RateExtremum], list[RateExtremum]] = [], []
     toggles: list[tuple[float, int, bool, bool]] = []
     for x, step, is_closed in _paths(constants, linkage.input_ranges[-1], samples // 2):
-        states = [sines(sin(0.5 * v), cos(0.5 * v)) for v in x]
+        states = [_at(sines, v) for v in x]
         if not is_closed:
             for i, side in ((0, 1), (-1, -1)):
                 g, Y = states[i][0], states[i][-1]
@@ -175,6 +176,11 @@ def rate_extrema(linkage: FourBar, samples: int = SAMPLES, with_conditions: bool
     return extrema, toggles
 
 
+def _at(sines: Sines, x: float) -> State:
+    s, c = sin(0.5 * x), cos(0.5 * x)
+    return sines(s * s, c * c, s * c)
+
+
 def _node(x: float, which: int, state: State) -> Node:
     """Return the :class:`Node` of g (which = 0) or k (2)."""
     value, slope, X = state[which], state[which + 1], state[4]
@@ -184,7 +190,7 @@ def _node(x: float, which: int, state: State) -> Node:
 def _root(sines: Sines, which: int, a: Node, b: Node) -> tuple[float, State]:
     """Return the root of g or k between nodes of different sign, and the sines there."""
     def at(x: float) -> tuple[float, float, State]:
-        state = sines(sin(0.5 * x), cos(0.5 * x))
+        state = _at(sines, x)
         value, slope = state[which], state[which + 1]
         return value, value * state[4] / slope if slope else inf, state
 
@@ -200,7 +206,7 @@ def _roots_of_k(sines: Sines, x: list[float], states: list[State], third: float,
     ``third``: of a step of u.
     """
     def k_at(x: Array, _: Array) -> Array:
-        return np.array([sines(sin(0.5 * v), cos(0.5 * v))[2] for v in x.tolist()])
+        return np.array([_at(sines, v)[2] for v in x.tolist()])
 
     k, rise = [state[2] for state in states], [third * state[3] for state in states]
     for i, is_plain in intervals_of_one(k, rise, is_closed):
