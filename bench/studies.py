@@ -67,7 +67,7 @@ def rates(samples):
               f'{one_by_one(study) / each:.0f} times as long |')
     rng = np.random.default_rng(0)
     lengths = [rng.uniform(*VARY[f'linkage.a{i}']['range'], samples * 8) for i in (1, 2, 3)]
-    each = best_time(lambda: find_extrema_many(*lengths, 1.0, rate=25.0)) / (samples * 8)
+    each = best_time(lambda: find_extrema_many(*lengths, 1.0, rate=25.0), 10) / (samples * 8)
     print(f'| `find_extrema_many`: omega4 and alpha4 | {1.0 / each:.0f} | {each / unit:.0f} | |')
 
 
