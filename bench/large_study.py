@@ -57,8 +57,8 @@ def workers():
     print(f'\nOn {os.cpu_count()} processors:\n')
     print('| study | designs | one worker [s] | two [s] | times as fast | the same bytes |\n'
           '| --- | --- | --- | --- | --- | --- |')
-    for text, quantities, rows in (('omega4 and alpha4', ['omega4', 'alpha4'], 400_000),
-                                   ('shaking force', ['shaking_force'], 65_536)):
+    for text, quantities, rows in (('omega4 and alpha4', ['omega4', 'alpha4'], 1_600_000),
+                                   ('shaking force', ['shaking_force'], 131_072)):
         with tempfile.TemporaryDirectory() as folder:
             (one, slow, _), (other, fast, _) = (run_study(folder, rows, quantities, number, 2048)
                                                 for number in (1, 2))
