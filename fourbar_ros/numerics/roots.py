@@ -237,8 +237,8 @@ def find_brackets(function: Function, x: Function, f: Array, rise: Array,
     j = (i + 1) % len(f)
     (xa, turn_a), (xb, turn_b) = x(i, row), x(j, row)
     xb = turn_after(xb, xa)
-    (fa, rise_a), (fb, rise_b) = ([v.ravel().take(k * f.shape[1] + row) for v in (f, rise)]
-                                  for k in (i, j))
+    here, there = i * f.shape[1] + row, j * f.shape[1] + row
+    fa, fb, rise_a, rise_b = f.take(here), f.take(there), rise.take(here), rise.take(there)
     with np.errstate(all='ignore'):
         guess = first_guesses(xa, xb, fa, fb, fa * turn_a / rise_a, fb * turn_b / rise_b)
     brackets = i, row, xa, xb, fa, guess

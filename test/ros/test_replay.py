@@ -169,7 +169,7 @@ def test_a_node_that_stands_still_for_a_while_loses_no_input(run_node, client, b
 
 
 def test_a_node_that_does_not_know_its_publisher_yet_misses_no_motion(client, bag):
-    """It is played by a subscription that does not take the first messages, and by the bag."""
+    """A subscription that ignores the first messages and answers from the bag plays the node."""
     recorded = {}
     for raw in Bag(bag).raw():
         if raw.topic != '/fourbar/scene':

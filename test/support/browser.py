@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A real browser in front of a real ``fourbar live``."""
 from contextlib import contextmanager
-from itertools import count
 import os
 import re
 import shutil
@@ -88,23 +87,21 @@ def _chromium(folder, width, height):
     return webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
 
 
-def _patiently(start, patience=3.0 * PATIENCE):
-    """Return what ``start(attempt)`` returns: the driver waits only 60 s for its browser."""
+def _started(folder, width, height):
+    """Start a browser, again if it does not come up: the driver waits only 60 s."""
     from selenium.common.exceptions import SessionNotCreatedException
-    end = time.monotonic() + patience
-    for attempt in count():
+    for attempt in range(4):
         try:
-            return start(attempt)
+            return _chromium(f'{folder}/{attempt}', width, height)
         except SessionNotCreatedException:
-            if time.monotonic() > end:
-                raise
-    return None
+            pass
+    return _chromium(f'{folder}/last', width, height)
 
 
 @contextmanager
 def browser(folder, width=1280, height=1000):
     """Give a headless Chromium with an empty profile that asks nothing of the network."""
-    driver = _patiently(lambda attempt: _chromium(f'{folder}/{attempt}', width, height))
+    driver = _started(folder, width, height)
     try:
         driver.set_script_timeout(PATIENCE)
         driver.set_page_load_timeout(PATIENCE / 2.0)        # Tab loads again after it

@@ -49,7 +49,7 @@ class Path:
     def _at(self, i: Array, column: Array, *names: str) -> list[Array]:
         """Return theta1 at samples, and what has these names there."""
         place = i * self.row.size + column
-        sc, cc, *others = (self._samples[name].ravel().take(place)
+        sc, cc, *others = (self._samples[name].take(place)
                            for name in ('sc', 'cc', *names))
         return [2.0 * np.arctan2(sc, cc), *others]
 
@@ -140,7 +140,7 @@ def _samples(constants: Array, number: int, out: bool, inside: bool,
     """
     Return samples of both halves of the range, and their step.
 
-    They are those of :class:`Path`, of shape (8 or 7, 2, number, linkages).
+    As :class:`Path` takes them, of shape (8, 2, number, linkages); 7 where the range has no ends.
 
     The half of theta1 < 0 comes first, except where the range is around pi.
     """
@@ -158,7 +158,8 @@ def _samples(constants: Array, number: int, out: bool, inside: bool,
         ss, cc, sc = up * up * scale, down * down * scale, signs * (up * down * scale)
         found = make_sines(ARRAY, tuple(c), by_loop)(ss, cc, sc, signs * c[-1] > 0.0)
         for whole, values in zip(samples[..., part], (sc, cc, *found)):
-            for i, side in enumerate(sides):        # theta1 < 0 mirrors the other half
+            # theta1 < 0 mirrors the other half; what has no axis for them is the same in both
+            for i, side in enumerate(sides):
                 whole[i, ::side] = values[i] if values.ndim == 3 else values
     return samples, constants[-1] * step * half.period * half.unit * 0.5 / constants[-2]
 

@@ -3,7 +3,8 @@
 """
 The search of :mod:`fourbar_ros.extrema.batch` for one chunk of linkages.
 
-Rows of what is found are tuples of arrays (index, theta1, value, is_maximum, side).
+Rows of what is found are tuples of arrays (index, theta1, value, is_maximum, side);
+theta1 may be a turn away from [0, 2 pi).
 """
 from __future__ import annotations
 
@@ -29,8 +30,8 @@ from fourbar_ros.numerics.newton import newton_roots_and_states
 from fourbar_ros.numerics.number_types import ARRAY, power_of_two_of_arrays
 import numpy as np
 
-# Ratio of the longest link to the shortest from which values are computed again by the more
-# accurate formulas.
+# Above this ratio of the longest link to the shortest, samples do without the loop and values are
+# computed again by the more accurate formulas.
 UNEQUAL = 10.0
 Rows = list[tuple[Array, ...]]
 
@@ -59,7 +60,8 @@ def search_chunk(lengths: Array, sign: Array, rate: Array) -> tuple[Rows, Rows]:
         rows, falls = brackets[0], brackets[3] >= 0.0
         x, step, g, gu, k, X = newton_roots_and_states(sines.k_and_step, *brackets)
         square = X * X
-        value = (g - 0.5 * step * k / square) / (X * square)    # g/X^3, of slope k/X^5
+        # g/X^3 at the root; its slope is k/X^5
+        value = (g - 0.5 * step * k / square) / (X * square)
         _improve(scaled, sign, unequal, (rows, x.copy()), value)
         found[1].append((rows, x, rate[rows]**2 * value, falls == upward[rows],
                          np.zeros(x.size, int)))

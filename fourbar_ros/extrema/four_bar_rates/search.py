@@ -54,9 +54,9 @@ def make_sines(n: NumberType, constants: Sequence[Any], by_loop: bool = False) -
 
     ``constants`` are those of :func:`sine_constants`; the pose is found as in
     :func:`~fourbar_ros.mechanisms.four_bar.motion.make_motion`. u is in units of 1/(a2 a3): X =
-    sin(y-b). A fourth argument says, for many samples with theta1/2 in one quadrant, whether sc
-    has the sign of X in all of them. ``by_loop``: Y and the cosine that belongs to it follow from
-    the others by the loop, which costs less and, where lengths are unequal, digits.
+    sin(y-b). A fourth argument tells whether sc has the sign of X, where that is known beforehand.
+    ``by_loop``: Y and the cosine that belongs to it follow from the others by the loop. This is
+    faster, but loses digits where lengths are unequal.
     """
     sqrt, fabs, where = n.sqrt, n.fabs, n.where
     s1, s2, k, yA, yB, yC, yD, yM, bA, bB, bC, bD, bM, r13, r42, half, sign = constants

@@ -47,6 +47,10 @@ class Meeting:
         """Return how many answers are still to come."""
         return len(self._expected)
 
+    def is_waiting_for(self, stamp: bytes) -> bool:
+        """Return whether the answer of this stamp is still to come."""
+        return stamp in self._expected
+
     def _meet(self, stamp: bytes, data: bytes, own: dict[bytes, bytes], others: dict[bytes, bytes],
               is_answer: bool) -> None:
         other = others.pop(stamp, None)

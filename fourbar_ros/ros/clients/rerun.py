@@ -33,8 +33,9 @@ from rclpy.subscription import Subscription
 
 QUIET = 2.0             # [s] without an answer after the last motion: no more will come
 HELD_UP = 20.0          # [s] without an answer while motions are left: the node stands still
-AGAIN = 0.1             # [s] after which the first motion is sent again if nothing answers it
-UNKNOWN = 5.0           # [s] in which a node comes to know its publisher
+# [s] between copies of the first motion until it is answered, and after which no more are sent.
+# All copies and AHEAD motions fit in the queue of a node that wakes up late.
+AGAIN, INTRODUCTION = 0.1, 5.0
 AHEAD = INPUT_DEPTH // 2        # motions without an answer: the queue of a busy node holds them
 OURS = ('drive.', 'recording.')         # parameters that a live node has its own of
 
@@ -73,7 +74,7 @@ def drive_live(path: str | Path, node_name: str | None = None, rate: float = 1.0
             raise BagError(f'{path}: {topic}: {why}')
     pace = Pace(rate)
     with Replayer(bag, ros_args=ros_args) as replayer:
-        live = _Live(replayer, outputs, origin, node_name or origin.node)
+        live = _Live(replayer, outputs, origin, node_name or origin.node, pace)
         live.wait_until_found()
         changes = _Changes(live, bag, origin.scene, scene_topic, pace)
         changes.before(start)
@@ -134,13 +135,13 @@ class _Live(Client):
     """The live node, seen from the replay's own node."""
 
     def __init__(self, replayer: Replayer, outputs: Mapping[str, str], origin: Origin,
-                 node_name: str) -> None:
+                 node_name: str, pace: Pace) -> None:
         super().__init__(replayer.node)
-        self._replayer = replayer
+        self._replayer, self._pace = replayer, pace
         self._in_order, recorded_node = origin.in_order, origin.node
         self._topics = {topic: Meeting(replayer.bag.decoder(topic)) for topic in outputs}
         self._first, self._last = b'', b''          # stamps of motions; empty before the first
-        self._is_known = False      # the first motion is answered
+        self._unanswered = b''      # the first motion, until it is answered
         self._last_arrival = time.monotonic()
         self._given_up = 0          # motions whose answers are not waited for any more
         self._silent = False        # nothing has come since it was waited for in vain
@@ -158,9 +159,7 @@ class _Live(Client):
 
         def take(data: bytes) -> None:
             self._last_arrival, self._silent = time.monotonic(), False
-            stamp = stamp_of(data)
-            self._is_known |= stamp == self._first
-            answers.answer(stamp, data)
+            answers.answer(stamp_of(data), data)
         return self.node.create_subscription(resolve(type_name), there, take,
                                              QoSProfile(depth=1000), raw=True)
 
@@ -202,6 +201,7 @@ class _Live(Client):
 
     def send(self, raw: Raw) -> None:
         """Send one motion of the driven joint, later than in the bag if the node is behind."""
+        self._introduce()
         waiting = self._waiting()
         # a node that stands still is not waited for again; what it answers late was not lost
         self._given_up = waiting if self._silent else min(self._given_up, waiting)
@@ -211,22 +211,31 @@ class _Live(Client):
         self._last = stamp_of(raw.data)
         self._input.publish(raw.data)
         if not self._first:
-            self._first = self._last
-            self._introduce(raw.data)
+            self._first, self._unanswered = self._last, raw.data
 
-    def _introduce(self, motion: bytes) -> None:
+    def _introduce(self) -> None:
         """
-        Send the first motion again until it is answered.
+        Send the first motion again until all its answers have come.
 
-        A node that does not know its publisher yet misses what comes, and only the node knows.
+        A node that has not matched our publisher yet drops what we send, and so do we with its
+        answers before we have matched theirs; neither can be seen from here.
         """
-        end = time.monotonic() + UNKNOWN
-        while not self._is_known and time.monotonic() < end and self._replayer.tick(0):
+        motion, self._unanswered = self._unanswered, b''
+        if not motion:
+            return
+        was_paused = self._pace.is_paused
+        self._pace.pause()
+        end = time.monotonic() + INTRODUCTION
+        while self._is_first_missing() and time.monotonic() < end and self._replayer.tick(0):
             again = time.monotonic() + AGAIN
-            while not self._is_known and time.monotonic() < again:
+            while self._is_first_missing() and time.monotonic() < again:
                 self.executor.spin_once(timeout_sec=AGAIN / 10.0)
-            if not self._is_known:
+            if self._is_first_missing():
                 self._input.publish(motion)
+        self._pace.pause(was_paused)
+
+    def _is_first_missing(self) -> bool:
+        return any(topic.is_waiting_for(self._first) for topic in self._topics.values())
 
     def expect(self, raw: Raw) -> None:
         """
@@ -245,6 +254,7 @@ class _Live(Client):
 
     def wait_for_the_rest(self, quiet: float = QUIET, rest: int = 0) -> None:
         """Wait until nothing has come for some time, or all has but so many."""
+        self._introduce()
         self._last_arrival = time.monotonic()
         while time.monotonic() - self._last_arrival < quiet and (
                 not self._last or self._waiting() > rest) and self._replayer.tick(0):
