@@ -41,7 +41,7 @@ def sines():
     def formula(n):
         return lambda *given: make_sines(n, given[3:])(*given[:3])
 
-    def with_numpy():       # in blocks that stay in the cache; samples use the loop too
+    def with_numpy():       # in blocks that stay in the cache
         for start in range(0, LINKAGES, TOGETHER):
             part = slice(start, start + TOGETHER)
             make_sines(ARRAY, tuple(constants[:, part]))(*(v[:, part] for v in grid))

@@ -14,6 +14,7 @@ sys.path.insert(0, sys.argv[1])
 from fourbar_ros import (  # noqa: E402, I100
     Bodies,
     find_extrema,
+    find_extrema_many,
     FourBar,
     InvertedSlider,
     round_rod,
@@ -25,6 +26,8 @@ LENGTHS, OMEGA, COUNT, TIMES = (0.4, 1.2, 0.8, 1.0), 25.0, 1000, 5
 bodies = Bodies(*(round_rod(length, 7750.0, 0.01) for length in LENGTHS[:3]))
 angles = [2.0 * math.pi * k / COUNT for k in range(COUNT)]
 many = np.tile(angles, 10)
+four_bars = [np.random.default_rng(0).uniform(low, high, 8192)
+             for low, high in ((0.2, 0.4), (1.0, 1.2), (0.7, 0.9))]
 
 
 def make(kind, lengths, **options):
@@ -51,7 +54,9 @@ WORK = {
     'a batch of 10000': (lambda: linkage.step(many, OMEGA, 0.0), len(many)),
     'a batch of 1000': (lambda: linkage.step(many[:COUNT], OMEGA, 0.0), COUNT),
     'extrema of omega4 and alpha4': (
-        lambda: find_extrema(make(FourBar, LENGTHS), ('omega4', 'alpha4'), OMEGA), 1)}
+        lambda: find_extrema(make(FourBar, LENGTHS), ('omega4', 'alpha4'), OMEGA), 1),
+    'the same of one of 8192 four-bars': (
+        lambda: find_extrema_many(*four_bars, 1.0, rate=OMEGA), len(four_bars[0]))}
 
 
 def best(work, count, least=2e-3):

@@ -54,8 +54,9 @@ def newton_roots_and_states(function: Function, row: Array, xa: Array, xb: Array
 
     """
     x = np.where(fa == 0.0, 0.5 * (xa + xb), x)      # a zero at xa lies before the change of sign
-    todo, found = np.arange(x.size), []
-    width, positive, last = xb - xa, fa >= 0.0, xb - xa
+    todo: Array = np.arange(x.size)
+    positive: Array = fa >= 0.0
+    found, width, last = [], xb - xa, xb - xa
     while True:
         f, step, *state = function(x, row)
         before = (f >= 0.0) == positive
@@ -73,8 +74,8 @@ def newton_roots_and_states(function: Function, row: Array, xa: Array, xb: Array
             return _in_order(found)
         last, x = np.abs(taken), better
         if done.any():
-            ready: Any = np.nonzero(done)[0]
-            going: Any = np.nonzero(~done)[0]
+            # indices: a mask would be counted again for each array
+            ready, going = np.nonzero(done)[0], np.nonzero(~done)[0]
             found.append([v[ready] for v in (todo, better, taken, *state)])
             todo, row, xa, xb, x, last, width, positive = (
                 v[going] for v in (todo, row, xa, xb, x, last, width, positive))

@@ -5,10 +5,13 @@ from dataclasses import replace
 from math import inf, isinf, pi
 
 from fourbar_ros import Bodies, Body, FourBar, InvalidParameter, MissingBodies, round_rod
+from fourbar_ros.errors import OutOfRange
 from fourbar_ros.extrema import batch as many_module
 from fourbar_ros.extrema.batch import find_extrema_many
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.extrema.four_bar_rates.exact_count import count_extrema
+from fourbar_ros.extrema.four_bar_rates.search import make_sines, sine_constants
+from fourbar_ros.mechanisms.half_angle import bilinear_factors
 from fourbar_ros.mechanisms.quantities import (
     known,
     point_acceleration,
@@ -16,6 +19,8 @@ from fourbar_ros.mechanisms.quantities import (
     Quantity,
     UnknownQuantity,
 )
+from fourbar_ros.numerics.exact_sums import exact_sum_of_four
+from fourbar_ros.numerics.number_types import ARRAY
 import mpmath
 import numpy as np
 import pytest
@@ -599,3 +604,27 @@ def test_many_refuses_rates_and_modes_it_cannot_use():
         find_extrema_many(*PAPER, rate=0.0)
     with pytest.raises(InvalidParameter):
         find_extrema_many(*PAPER, mode=3)
+
+
+@pytest.mark.parametrize('by_loop', [False, True])
+def test_both_ways_to_the_sines_agree_with_the_motion(by_loop):
+    """Errors by the loop are those of its terms, for links up to ten times as long as others."""
+    rng = np.random.default_rng(8)
+    lengths = rng.uniform(0.1, 1.0, (4, 4000))
+    x = rng.uniform(-3.1, 3.1, 4000)
+    constants = sine_constants(lengths, bilinear_factors(*lengths, exact_sum_of_four),
+                               np.ones(4000))
+    s, c = np.sin(0.5 * x), np.cos(0.5 * x)
+    g, *_, X, Y = make_sines(ARRAY, constants, by_loop)(s * s, c * c, s * c)
+    compared = 0
+    for j in np.nonzero(2.0 * lengths.max(axis=0) < lengths.sum(axis=0))[0]:
+        a1, a2, a3, a4 = lengths[:, j].tolist()
+        try:
+            motion = FourBar(a1, a2, a3, a4).motion(float(x[j]), 1.0)
+        except OutOfRange:
+            continue
+        size = (a1 * a4 + a2 * a3 + a3 * a4 + a1 * a2) / (a2 * a3)
+        assert abs(Y[j] / X[j] - motion.omega4) <= EPS * size**2 / abs(X[j])**3
+        assert abs(g[j] / X[j]**3 - motion.alpha4) <= EPS * size**4 / abs(X[j])**5
+        compared += 1
+    assert compared > 2000

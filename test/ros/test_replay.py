@@ -176,9 +176,9 @@ def test_a_node_that_does_not_know_its_publisher_yet_misses_no_motion(client, ba
             recorded.setdefault(stamp_of(raw.data), []).append(raw)
     types = {topic['topic_metadata']['name']: topic['topic_metadata']['type']
              for topic in Bag(bag).metadata()['topics_with_message_count']}
-    publishers = {topic: client.node.create_publisher(resolve(types[topic]),
+    publishers = {topic: client.node.create_publisher(resolve(kind),
                                                       topic.replace('/fourbar/', '/late/'), 1000)
-                  for topic in {raw.topic for raws in recorded.values() for raw in raws}}
+                  for topic, kind in types.items()}
     heard = []
 
     def take(motion):

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import product
 from math import pi
-from typing import ClassVar
 
 from fourbar_ros.extrema.four_bar_rates.input_paths import (
     half_turn,
@@ -21,24 +20,22 @@ import numpy as np
 
 # Linkages whose samples are computed together, so that they stay in the cache.
 TOGETHER = 512
+# What is kept of a sample: products of s, c = sin, cos(theta1/2), and what make_sines gives.
+NAMES = 'sc', 'cc', 'g', 'gu', 'k', 'ku', 'X', 'Y'
 
 
 class Path:
     """
     Samples of linkages ``row`` along one path each.
 
-    ``samples``: the product of sine and cosine of theta1/2, the square of this cosine and what
-    :func:`.make_sines` gives there, each of shape (samples, linkages); Y only where the path has
-    ends.
+    ``samples``: :data:`NAMES`, each of shape (samples, linkages); Y only where the path has ends.
 
     ``step``: of u between samples, with the sign of X: shape (linkages,).
     """
 
-    NAMES: ClassVar[tuple[str, ...]] = 'sc', 'cc', 'g', 'gu', 'k', 'ku', 'X', 'Y'
-
     def __init__(self, row: Array, samples: Array, step: Array, is_closed: bool) -> None:
         self.row, self.third, self.is_closed = row, step / 3.0, is_closed
-        self._samples = dict(zip(self.NAMES, samples))
+        self._samples = dict(zip(NAMES, samples))
         self._column = row[:0]      # of each root of k
 
     @property
@@ -49,8 +46,7 @@ class Path:
     def _at(self, i: Array, column: Array, *names: str) -> list[Array]:
         """Return theta1 at samples, and what has these names there."""
         place = i * self.row.size + column
-        sc, cc, *others = (self._samples[name].take(place)
-                           for name in ('sc', 'cc', *names))
+        sc, cc, *others = (self._samples[name].take(place) for name in ('sc', 'cc', *names))
         return [2.0 * np.arctan2(sc, cc), *others]
 
     def ends(self) -> list[Array]:
