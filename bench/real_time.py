@@ -1,32 +1,34 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Torque-driven steps at 1 kHz on the stiffest shaft, beside a bare timer and a bare loop."""
+from array import array
 import gc
 from os import getloadavg
 import sys
+import threading
 import time
 
 from fourbar_ros.scene import files
 from fourbar_ros.scene import scene as scenes
 import numpy as np
 
-from .pages import best_time
-
 RATE = 1000.0
 BLOCK = 500                 # ticks of one kind in a row
 SWITCH = 0.001              # as in the node
 SHAFT = {'shaft.stiffness': 1e9, 'shaft.damping': 100.0, 'drive.rate': RATE}
-AHEAD, AT_ONCE = 'made before its tick', 'made at its tick'
-BARE, LOOP = 'bare timer', 'loop of additions'
-KINDS = (AHEAD, AT_ONCE, AHEAD, LOOP, AHEAD, AT_ONCE, AHEAD, LOOP, AHEAD, BARE)      # of blocks
-OFTEN = ADDITIONS = 2000
+AHEAD, COMES, AT_ONCE, LOOP, BARE = (
+    'made after the one before', 'made when its torque comes', 'made at its tick',
+    'loop of additions', 'bare timer')
+KINDS = (AHEAD, LOOP, COMES, LOOP, AT_ONCE, LOOP, BARE)              # of blocks, in turns
+MOMENTS = 0.5 * (5.0**0.5 - 1.0)     # its multiples, less whole numbers, are uniform in [0, 1)
+ADDITIONS = 2000            # of a loop at first; it becomes as long as a step at its tick
 
 
 class Ticks:
     """What was measured of the ticks of one kind [us]."""
 
     def __init__(self):
-        self.late, self.wall, self.cpu = [], [], []
+        self.late, self.wall, self.cpu = array('d'), array('d'), array('d')
         self.overruns = 0
 
     def row(self, name):
@@ -45,43 +47,73 @@ def add(count):
     return total
 
 
-def run(samples):
-    """Return {kind: Ticks}, counts of statuses."""
-    scene = scenes.from_values({**files.read_values('motor'), **SHAFT})
-    mover = scene.mover
-    state, statuses = mover.start(), {}
-    found = {kind: Ticks() for kind in KINDS}
-    period = 1.0 / RATE
-    per_addition = best_time(lambda: add(ADDITIONS), OFTEN) / ADDITIONS
-    additions = round(best_time(lambda: mover.work_ahead(state, period), OFTEN)
-                      / per_addition)
-    began, tick = time.perf_counter() + 0.1, 0
-    while tick < samples:
-        kind = KINDS[(tick // BLOCK) % len(KINDS)]
-        ticks = found[kind]
-        due = began + tick * period
-        wait = due - time.perf_counter()
-        if wait < -1.0:                      # as the node: a second late is not made up for
-            began -= wait
-            continue
-        if wait > 0.0:
-            time.sleep(wait)
-        start, cpu = time.perf_counter(), time.thread_time_ns()
-        if kind == LOOP:
-            add(additions)
-        elif kind != BARE:
-            status, state = mover.next(state, period)
-            statuses[status] = statuses.get(status, 0) + 1
+def sleep_until(moment):
+    """Sleep until a moment of perf_counter()."""
+    wait = moment - time.perf_counter()
+    if wait > 0.0:
+        time.sleep(wait)
+
+
+def used(work, *given):
+    """Return the CPU time [ns] that work takes in this thread, and what it returns."""
+    begin = time.thread_time_ns()
+    found = work(*given)
+    return time.thread_time_ns() - begin, found
+
+
+class Bench:
+    """The parts of a node that make steps: one thread for ticks, one for torques, a lock."""
+
+    def __init__(self):
+        scene = scenes.from_values({**files.read_values('motor'), **SHAFT})
+        self.mover, self.period, self.lock = scene.mover, 1.0 / RATE, threading.Lock()
+        self.state, self.statuses, self.most = self.mover.start(), {}, 0.0
+        self.found = {kind: Ticks() for kind in KINDS}
+        self.additions = ADDITIONS
+
+    def run(self, kind):
+        """Measure a block of ticks of one kind."""
+        first = time.perf_counter() + 2.0 * self.period
+        dues, spent = [first + i * self.period for i in range(BLOCK)], {}
+        other = threading.Thread(target=self._torques_come, args=(dues, spent))
+        if kind == COMES:
+            other.start()
+        rows = [self._tick(kind, due) for due in dues]
+        if kind == COMES:
+            other.join()
+        ticks = self.found[kind]
+        for due, (late, wall, cpu) in zip(dues, rows):
+            cpu += spent.get(due, 0)
+            ticks.late.append(1e6 * late)
+            ticks.wall.append(1e6 * wall)
+            ticks.cpu.append(1e-3 * cpu)
+            ticks.overruns += cpu * 1e-9 > self.period
+        if kind == LOOP and self.found[AT_ONCE].cpu:
+            step, loop = (np.median(self.found[one].cpu[-BLOCK:]) for one in (AT_ONCE, LOOP))
+            self.additions = round(self.additions * (step / loop)**0.5)
+
+    def _tick(self, kind, due):
+        """Return how late it begins [s], how long it takes [s], its CPU time [ns]."""
+        sleep_until(due)
+        start = time.perf_counter()
+        if kind in (LOOP, BARE):
+            cpu, _ = used(add, self.additions if kind == LOOP else 0)
+        else:
+            with self.lock:
+                cpu, (status, self.state) = used(self.mover.next, self.state, self.period)
+            self.statuses[status] = self.statuses.get(status, 0) + 1
+            self.most = max(self.most, self.state.evaluations)
         end = time.perf_counter()                # from here on it could be sent
         if kind == AHEAD:
-            mover.work_ahead(state, period)
-        cpu = time.thread_time_ns() - cpu
-        ticks.late.append(1e6 * (start - due))
-        ticks.wall.append(1e6 * (end - start))
-        ticks.cpu.append(1e-3 * cpu)
-        ticks.overruns += cpu * 1e-9 > period
-        tick += 1
-    return found, statuses
+            cpu += used(self.mover.work_ahead, self.state, self.period)[0]
+        return start - due, end - start, cpu
+
+    def _torques_come(self, dues, spent):
+        """Work ahead once between any two ticks; note the CPU time of each."""
+        for i, due in enumerate(dues):
+            sleep_until(due - MOMENTS * i % 1.0 * self.period)
+            with self.lock:
+                spent[due], _ = used(self.mover.work_ahead, self.state, self.period)
 
 
 def main(samples=20_000):
@@ -89,21 +121,26 @@ def main(samples=20_000):
     sys.setswitchinterval(SWITCH)
     gc.freeze()
     load = getloadavg()[0]
-    found, statuses = run(samples)
+    bench = Bench()
+    for block in range(samples // BLOCK):
+        bench.run(KINDS[block % len(KINDS)])
     from fourbar_ros.dynamics.mover import STATUS_NAMES
     print('Times in us: how late a tick begins, how long it then takes by the clock until the '
           'state can be sent,\nand how much CPU tick and step take together; median, 99th '
-          'percentile, largest. The node makes a step\nbefore its tick while the torque does not '
-          'change, with a motor always; otherwise at its tick.\nAn overrun is a step that takes '
-          'more CPU than its tick is long. What interrupts a loop of additions,\nwhich takes as '
-          'long as a step when both are repeated without a pause, is the machine.\n')
+          'percentile, largest. The node makes a step\nbefore its tick: with a motor, or while '
+          'the torque does not change, right after the one before; otherwise\nwhen a torque '
+          'comes, here at any moment between two ticks; at its tick only where more torques come '
+          'than\nticks. An overrun is a tick whose work takes more CPU than it is long. What '
+          'interrupts a loop of additions, which\ntakes as much CPU time as a step at its tick, '
+          'is the machine.\n')
     print('| step, shaft 1e9 N m/rad | ticks | late p50 | p99 | max | clock p50 | p99 | max '
           '| CPU p50 | p99 | max | overruns |\n|' + ' --- |' * 12)
-    for kind, ticks in found.items():
+    for kind, ticks in bench.found.items():
         print(ticks.row(kind))
-    print(f'\nLoad of the machine at the start: {load:.1f}. Steps: '
-          + ', '.join(f'{count} {STATUS_NAMES[status]}' for status, count in statuses.items())
-          + '.')
+    ended = ', '.join(f'{count} {STATUS_NAMES[status]}'
+                      for status, count in bench.statuses.items())
+    print(f'\nLoad of the machine at the start: {load:.1f}. Steps: {ended}.'
+          f' Most evaluations of the equation of motion in one of them: {bench.most:.0f}.')
 
 
 if __name__ == '__main__':

@@ -138,12 +138,15 @@ class Mover:
 
     def work_ahead(self, values: DriveValues, step: float, command: float = 0.0,
                    mode: int | None = None) -> _Ahead:
-        """Make the next step now; :meth:`next` then only gives it, if it is asked for this one."""
-        torque, origin = command if self._takes_commands else None, self._place(values, mode)
-        place, status, evaluations = self._steps.advance(origin, step, torque)
-        self._ahead = _Ahead(values, origin, step, torque, _STATUS[status],
-                             self._values(place, step, command, evaluations), place)
-        return self._ahead
+        """Make the next step, unless it is made; :meth:`next` then only gives it, if it is it."""
+        ahead, torque = self._ahead, command if self._takes_commands else None
+        if (ahead is None or ahead.start is not values
+                or (ahead.step, ahead.torque) != (step, torque)):
+            origin = self._place(values, mode)
+            place, status, evaluations = self._steps.advance(origin, step, torque)
+            ahead = self._ahead = _Ahead(values, origin, step, torque, _STATUS[status],
+                                         self._values(place, step, command, evaluations), place)
+        return ahead
 
     def next(self, values: DriveValues, step: float, command: float = 0.0,
              is_silent: bool = False, mode: int | None = None) -> tuple[int, DriveValues]:
@@ -152,9 +155,6 @@ class Mover:
 
         ``mode``: assembly mode of values that are not this mover's own; None: that of the system.
         """
-        ahead, torque = self._ahead, command if self._takes_commands else None
-        if (ahead is None or ahead.start is not values
-                or (ahead.step, ahead.torque) != (step, torque)):
-            ahead = self.work_ahead(values, step, command, mode)
+        ahead = self.work_ahead(values, step, command, mode)
         self.mode = in_message(ahead.place.mode)
         return (SILENT if ahead.status == OK and is_silent else ahead.status), ahead.values

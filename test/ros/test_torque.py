@@ -14,13 +14,15 @@ from fourbar_ros.bag.recompute import compare
 from fourbar_ros.dynamics import mover
 from fourbar_ros.dynamics.drives import MotorLine
 from fourbar_ros.dynamics.simulate import simulate
+from fourbar_ros.dynamics.steps import Steps
 from fourbar_ros.ros.node.drives import TimerDrive
 from fourbar_ros.ros.node.torque import TorqueDrive
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.topics import DRIVE_STATE, TORQUE
-from geometry_msgs.msg import WrenchStamped
+from geometry_msgs.msg import Vector3, Wrench, WrenchStamped
 import numpy as np
 import pytest
+from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 from support.harness import set_parameters
 from support.scenes import PAPER, RODS
@@ -56,6 +58,18 @@ def torques(client, axis='z'):
         publisher.publish(message)
         return True
     return send
+
+
+def without_its_thread(node, first, monkeypatch):
+    """Return a drive of a scene, its stream, and the growing list of where it moves."""
+    moved = []
+    stream = SimpleNamespace(
+        scene=first, step_by=lambda stamp, move: moved.append(move()),
+        work_ahead=lambda work: work(), between_steps=lambda topic, data, take: take())
+    drive = TorqueDrive(node, stream, None)
+    monkeypatch.setattr(TimerDrive, 'start', lambda drive: None)
+    drive.start()
+    return drive, stream, moved
 
 
 def in_bag(path, topic):
@@ -169,10 +183,7 @@ def test_parameters_change_while_it_runs_and_the_state_goes_on(run_node, client,
 def test_the_equation_of_another_scene_is_made_before_it_holds(monkeypatch):
     first, then = (scene.from_values({**MOTOR_DRIVEN, 'motor.stall_torque': torque})
                    for torque in (400.0, 100.0))
-    stream = SimpleNamespace(scene=first, step_by=lambda stamp, move: moved.append(move()))
-    moved, drive = [], TorqueDrive(None, stream, None)
-    monkeypatch.setattr(TimerDrive, 'start', lambda drive: None)
-    drive.start()
+    drive, stream, moved = without_its_thread(None, first, monkeypatch)
     drive._sample((0, 0), first.drive, 0.0)
     drive.prepare(then)
     monkeypatch.setattr(scene.Scene, 'mover', property(lambda _: pytest.fail('made in a step')))
@@ -180,6 +191,30 @@ def test_the_equation_of_another_scene_is_made_before_it_holds(monkeypatch):
         drive._sample((0, 0), stream.scene.drive, 0.0)
     torques = [values.motor_torque for _, _, values in moved]
     assert torques[0] == 400.0 and torques[2] == pytest.approx(0.25 * torques[1], rel=0.1)
+
+
+def test_a_step_is_made_when_its_torque_comes(client, monkeypatch):
+    first = scene.from_values(TORQUE_DRIVEN)
+    drive, _, moved = without_its_thread(client.node, first, monkeypatch)
+    advance, made = Steps.advance, []
+    monkeypatch.setattr(Steps, 'advance', lambda steps, place, length, torque: made.append(torque)
+                        or advance(steps, place, length, torque))
+
+    def sampled(*torques):
+        made.clear()
+        for torque in torques:
+            drive._command._receive(serialize_message(
+                WrenchStamped(wrench=Wrench(torque=Vector3(z=float(torque))))))
+        before = len(made)
+        drive._sample((0, 0), first.drive, 0.0)
+        assert moved[-1][-1].command == torques[-1]
+        return made[:before], made[before:]
+    sampled(5.0)
+    assert sampled(1.0) == ([1.0], []) and sampled(2.0) == ([2.0], [])
+    assert sampled(2.0) == ([2.0], [2.0])            # steady: the next one too
+    assert sampled(2.0) == ([], [2.0])
+    assert sampled(3.0, 4.0) == ([3.0, 4.0], [])
+    assert sampled(*range(30)) == ([0.0, 1.0], [29.0])       # more than a sample has time for
 
 
 def test_topics_of_other_drives_are_not_there(run_node, client):

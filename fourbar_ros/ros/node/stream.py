@@ -155,6 +155,11 @@ class Stream:
             self._recording.write(topic, data)
             take()
 
+    def work_ahead(self, work: Callable[[], object]) -> None:
+        """Do what a coming step needs, ``work()``, between two steps."""
+        with self._lock:
+            work()
+
     def _step(self, stamp: Stamp, position: float, rate: float, acceleration: float, wanted: Wanted
               ) -> int | None:
         """Send what is wanted; return the status, None if nothing was computed."""

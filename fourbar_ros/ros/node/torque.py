@@ -3,6 +3,7 @@
 """Move the input by torque, of a topic or of a motor, on the grid of the clock."""
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf, isfinite, isnan, nan
 import time
 from typing import Any
@@ -31,6 +32,7 @@ COUNTED = ('late', 'missed', 'clock_steps', 'torques', 'malformed', 'not_finite'
            'silences', 'budgets_used_up', 'stops_at_a_limit', 'failures')
 _COUNTER = {OUT_OF_BUDGET: 'budgets_used_up', AT_LIMIT: 'stops_at_a_limit',
             NOT_FINITE: 'failures'}
+MOST_AHEAD = 2         # torques for which one sample is made ahead: more may come than samples
 
 
 class Command:
@@ -43,11 +45,15 @@ class Command:
     stream : Stream
     counts : dict
         To count in.
+    has_come : callable
+        Called between two steps, after a torque has come.
 
     """
 
-    def __init__(self, node: Base, stream: Stream, counts: dict[str, int]) -> None:
+    def __init__(self, node: Base, stream: Stream, counts: dict[str, int],
+                 has_come: Callable[[], None]) -> None:
         self._node, self._stream, self._counts = node, stream, counts
+        self._has_come = has_come
         self._type, self._torque, self._received = resolve(TORQUE.type), 0.0, -inf
         self._was_silent = True
         profile = QoSProfile(depth=INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -87,6 +93,7 @@ class Command:
         def take() -> None:
             if isfinite(torque):
                 self._torque, self._received = self._limited(torque, scene.drive), time.monotonic()
+                self._has_come()
         if not isfinite(torque):
             self._note('not_finite', 'a torque that is not finite: ignored')
         self._stream.between_steps(TORQUE.name, data, take)
@@ -115,12 +122,15 @@ class Moving(Drive):
         self._torque, self._is_steady = nan, False
         self._status, scene = OK, self._stream.scene
         self.prepare(scene)
-        self._command = (Command(self._node, self._stream, self.counts)
+        self._command = (Command(self._node, self._stream, self.counts, self._torque_has_come)
                          if scene.drive.source == TORQUE.name else None)
 
     def prepare(self, scene: Scene) -> None:
         """Make the equation of motion of a scene, which takes as long as hundreds of steps."""
         self._prepared = scene, _ready(scene)
+
+    def _torque_has_come(self) -> None:                 # noqa: B027 # steps of any length: nothing
+        """Do what the next step needs under the torque of now."""
 
     def age(self) -> float:
         """Return the time since the newest torque [s], NaN if there is none to wait for."""
@@ -172,9 +182,12 @@ class TorqueDrive(Moving, TimerDrive):
     Torque on the wall clock: sample k belongs to start + k / rate.
 
     Every sample moves the state by one period. Samples that a machine misses are not made up for:
-    the motion stands still meanwhile. While the torque does not change, the step is made before
-    its sample is due, right after the one before: it then goes out as early as a timer allows.
+    the motion stands still meanwhile. A step is made before its sample is due, which then goes out
+    as early as a timer allows: right after the one before while the torque does not change,
+    otherwise when a torque comes.
     """
+
+    _left = 0              # torques for which the next sample may still be made ahead
 
     def start(self) -> None:
         """Subscribe, start the thread."""
@@ -191,10 +204,19 @@ class TorqueDrive(Moving, TimerDrive):
         """Begin at the start of the scene."""
 
     def _sample(self, stamp: Stamp, settings: DriveSettings, elapsed: float) -> None:
-        step = 1.0 / settings.rate
-        self._stream.step_by(stamp, lambda: self._move(step))
-        if self._is_steady and self._values:
-            self._mover.work_ahead(self._values, step, self._torque)
+        self._step, self._left = 1.0 / settings.rate, MOST_AHEAD
+        self._stream.step_by(stamp, lambda: self._move(self._step))
+        if self._is_steady:
+            self._stream.work_ahead(lambda: self._work_ahead(self._torque))
+
+    def _torque_has_come(self) -> None:
+        if self._command and self._left:
+            self._left -= 1
+            self._work_ahead(self._command.now(self.settings)[0])
+
+    def _work_ahead(self, torque: float) -> None:
+        if self._values:
+            self._mover.work_ahead(self._values, self._step, torque, self._mode)
 
     def _go_on(self, settings: DriveSettings, elapsed: float) -> None:
         """Go on from the state of now."""
