@@ -1,6 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Torque-driven motion: error against CPU time of simulate and scipy's integrators."""
+from functools import partial
 import time
 from typing import NamedTuple
 import warnings
@@ -27,11 +28,12 @@ from support.dynamics_problems import (
     sundials_slider_crank,
 )
 
-from .pages import figure, save
+from .pages import best_time, figure, save, table
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
 METHODS = ('RK45', 'DOP853', 'LSODA', 'Radau', 'BDF')
 BUDGET = 60_000            # evaluations after which a method counts as stuck
+ROUNDS = 15
 ALLOWED = 10.0             # times the tolerance: errors above it are called wrong
 
 
@@ -165,6 +167,20 @@ def cell(outcome, tolerance):
     return f'**{text}**' if outcome.error > ALLOWED * tolerance else text
 
 
+def sundials():
+    """Print what P2 costs at each tolerance, without and with the check of a run."""
+    def cells(check, tolerance):
+        run = partial(simulate, system, 10.0, tolerance, check=check)
+        error = abs(run().position[-1] - float(P2_POSITION))
+        return f'{error:.0e}', f'{1e3 * best_time(run, ROUNDS):.1f}'
+    system = sundials_slider_crank()
+    print(f'\n## P2\n\nError of q(10) [rad] and CPU time [ms], the least of {ROUNDS}, of '
+          '`simulate`.\n')
+    table(('tolerance', 'one run', 'time', 'checked', 'time'),
+          [(f'{tolerance:.0e}', *cells(False, tolerance), *cells(True, tolerance))
+           for tolerance in (1e-6, 1e-8, 1e-9, 1e-10, 1e-12)])
+
+
 def summary(results):
     """Print for each method how often it was right, wrong without saying so, and stuck."""
     print('\n| | right | success reported, error > 10 tolerances | stuck or gave up |\n'
@@ -223,6 +239,7 @@ def main():
                          for method in ('simulate', *METHODS)]
                 print(f'| {scene.name} ({scene.source}) | {tolerance:.0e} | {" | ".join(cells)} |',
                       flush=True)
+    sundials()
     print('\n## All of them')
     summary(results)
     draw(results, names)
