@@ -16,8 +16,9 @@ RATE = 1000.0
 BLOCK = 500                 # ticks of one kind in a row
 SWITCH = 0.001              # as in the node
 SHAFT = {'shaft.stiffness': 1e9, 'shaft.damping': 100.0, 'drive.rate': RATE}
+STALL, FREE = 400.0, 26.0   # of the law of the torques that come [N m, rad/s]
 AHEAD, COMES, AT_ONCE, LOOP, BARE = (
-    'made after the one before', 'made when its torque comes', 'made at its tick',
+    'motor: made after the one before', 'torque: made when it comes', 'torque: made at its tick',
     'loop of additions', 'bare timer')
 KINDS = (AHEAD, LOOP, COMES, LOOP, AT_ONCE, LOOP, BARE)              # of blocks, in turns
 MOMENTS = 0.5 * (5.0**0.5 - 1.0)     # its multiples, less whole numbers, are uniform in [0, 1)
@@ -28,14 +29,14 @@ class Ticks:
     """What was measured of the ticks of one kind [us]."""
 
     def __init__(self):
-        self.late, self.wall, self.cpu = array('d'), array('d'), array('d')
+        self.late, self.wall, self.ready, self.cpu = (array('d') for _ in range(4))
         self.overruns = 0
 
     def row(self, name):
         """Return a line of a table in Markdown."""
-        cells = [f'{np.percentile(values, share):.0f}' for values in (self.late, self.wall,
-                                                                      self.cpu)
-                 for share in (50, 99, 100)]
+        columns = self.late, self.wall, self.ready, self.cpu
+        cells = [f'{np.percentile(values, share):.0f}'
+                 for values in columns for share in (50, 99, 100)]
         return f'| {name} | {len(self.wall)} | {" | ".join(cells)} | {self.overruns} |'
 
 
@@ -61,13 +62,36 @@ def used(work, *given):
     return time.thread_time_ns() - begin, found
 
 
+class Driven:
+    """A mover and its state."""
+
+    def __init__(self, source):
+        values = {**files.read_values('motor'), **SHAFT, 'drive.source': source}
+        self.mover = scenes.from_values(values).mover
+        self.state, self.torque = self.mover.start(), 0.0
+
+    def work_ahead(self):
+        """Make the next step."""
+        self.mover.work_ahead(self.state, 1.0 / RATE, self.torque)
+
+    def step(self):
+        """Give the next step; return its status."""
+        status, self.state = self.mover.next(self.state, 1.0 / RATE, self.torque)
+        return status
+
+    def change_torque(self):
+        """Let a torque come that depends on the state, as that of a controller does."""
+        self.torque = STALL * (1.0 - self.state.motor_velocity / FREE)
+
+
 class Bench:
     """The parts of a node that make steps: one thread for ticks, one for torques, a lock."""
 
     def __init__(self):
-        scene = scenes.from_values({**files.read_values('motor'), **SHAFT})
-        self.mover, self.period, self.lock = scene.mover, 1.0 / RATE, threading.Lock()
-        self.state, self.statuses, self.most = self.mover.start(), {}, 0.0
+        self.driven, by_torque = {AHEAD: Driven('motor')}, Driven('torque')
+        self.driven[COMES] = self.driven[AT_ONCE] = by_torque
+        self.period, self.lock = 1.0 / RATE, threading.Lock()
+        self.statuses, self.most = {}, 0.0
         self.found = {kind: Ticks() for kind in KINDS}
         self.additions = ADDITIONS
 
@@ -81,11 +105,13 @@ class Bench:
         rows = [self._tick(kind, due) for due in dues]
         if kind == COMES:
             other.join()
+            assert len(spent) == BLOCK
         ticks = self.found[kind]
         for due, (late, wall, cpu) in zip(dues, rows):
             cpu += spent.get(due, 0)
             ticks.late.append(1e6 * late)
             ticks.wall.append(1e6 * wall)
+            ticks.ready.append(1e6 * (late + wall))
             ticks.cpu.append(1e-3 * cpu)
             ticks.overruns += cpu * 1e-9 > self.period
         if kind == LOOP and self.found[AT_ONCE].cpu:
@@ -94,29 +120,34 @@ class Bench:
 
     def _tick(self, kind, due):
         """Return how late it begins [s], how long it takes [s], its CPU time [ns]."""
+        driven = self.driven.get(kind)
+        if kind == AT_ONCE:
+            driven.change_torque()
         sleep_until(due)
         start = time.perf_counter()
-        if kind in (LOOP, BARE):
-            cpu, _ = used(add, self.additions if kind == LOOP else 0)
-        else:
+        if driven:
             with self.lock:
-                cpu, (status, self.state) = used(self.mover.next, self.state, self.period)
+                cpu, status = used(driven.step)
             self.statuses[status] = self.statuses.get(status, 0) + 1
-            self.most = max(self.most, self.state.evaluations)
+            self.most = max(self.most, driven.state.evaluations)
+        else:
+            cpu, _ = used(add, self.additions if kind == LOOP else 0)
         end = time.perf_counter()                # from here on it could be sent
         if kind == AHEAD:
-            cpu += used(self.mover.work_ahead, self.state, self.period)[0]
+            cpu += used(driven.work_ahead)[0]
         return start - due, end - start, cpu
 
     def _torques_come(self, dues, spent):
-        """Work ahead once between any two ticks; note the CPU time of each."""
+        """Let a torque come between any two ticks; note the CPU time of the step made then."""
+        driven = self.driven[COMES]
         for i, due in enumerate(dues):
             sleep_until(due - MOMENTS * i % 1.0 * self.period)
             with self.lock:
-                spent[due], _ = used(self.mover.work_ahead, self.state, self.period)
+                driven.change_torque()
+                spent[due], _ = used(driven.work_ahead)
 
 
-def main(samples=20_000):
+def main(samples=21_000):
     """Print a table in Markdown."""
     sys.setswitchinterval(SWITCH)
     gc.freeze()
@@ -126,15 +157,13 @@ def main(samples=20_000):
         bench.run(KINDS[block % len(KINDS)])
     from fourbar_ros.dynamics.mover import STATUS_NAMES
     print('Times in us: how late a tick begins, how long it then takes by the clock until the '
-          'state can be sent,\nand how much CPU tick and step take together; median, 99th '
-          'percentile, largest. The node makes a step\nbefore its tick: with a motor, or while '
-          'the torque does not change, right after the one before; otherwise\nwhen a torque '
-          'comes, here at any moment between two ticks; at its tick only where more torques come '
-          'than\nticks. An overrun is a tick whose work takes more CPU than it is long. What '
-          'interrupts a loop of additions, which\ntakes as much CPU time as a step at its tick, '
-          'is the machine.\n')
+          'state can be sent,\nhow long after the tick is due that is, and how much CPU tick and '
+          'step take together; median, 99th percentile,\nlargest. Torques come from another '
+          'thread, one between two ticks, at any moment; each depends on the state.\nAn overrun '
+          'is a tick whose work takes more CPU time than a tick is long. What interrupts a loop '
+          'of additions,\nwhich takes as much CPU time as a step at its tick, is the machine.\n')
     print('| step, shaft 1e9 N m/rad | ticks | late p50 | p99 | max | clock p50 | p99 | max '
-          '| CPU p50 | p99 | max | overruns |\n|' + ' --- |' * 12)
+          '| ready p50 | p99 | max | CPU p50 | p99 | max | overruns |\n|' + ' --- |' * 15)
     for kind, ticks in bench.found.items():
         print(ticks.row(kind))
     ended = ', '.join(f'{count} {STATUS_NAMES[status]}'

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Runs the tests that need no ROS on arm64: a Debian for it in a folder, emulated by qemu, with the numpy and scipy
 # that PyPI has for it. Takes root, debootstrap, qemu-user-static and an hour; a later call uses the folder again.
+# The kernel of this machine knows the emulator afterwards, until it starts again (binfmt_misc).
 #
-#   scripts/check_arm64.sh FOLDER [ARGUMENTS OF PYTEST]
+#   scripts/check_arm64.sh FOLDER [TESTS AND ARGUMENTS OF PYTEST]
 set -euo pipefail
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 fail() { echo "check-arm64: $*" >&2; exit 1; }

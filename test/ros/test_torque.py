@@ -3,6 +3,8 @@
 """A real node that is driven by torque, of a topic or of a motor; its bags are stepped again."""
 from math import inf, isnan, nan
 import re
+from threading import Lock
+import time
 from types import SimpleNamespace
 
 from builtin_interfaces.msg import Time
@@ -62,10 +64,16 @@ def torques(client, axis='z'):
 
 def without_its_thread(node, first, monkeypatch):
     """Return a drive of a scene, its stream, and the growing list of where it moves."""
-    moved = []
+    moved, lock = [], Lock()
+
+    def alone(*work):
+        assert lock.acquire(blocking=False)          # that of a stream is held once at most
+        for part in work:
+            part()
+        lock.release()
     stream = SimpleNamespace(
-        scene=first, step_by=lambda stamp, move: moved.append(move()),
-        work_ahead=lambda work: work(), between_steps=lambda topic, data, take: take())
+        scene=first, between_steps=lambda topic, data, take: alone(take),
+        step_by=lambda stamp, move, then: alone(lambda: moved.append(move()), then))
     drive = TorqueDrive(node, stream, None)
     monkeypatch.setattr(TimerDrive, 'start', lambda drive: None)
     drive.start()
@@ -138,6 +146,21 @@ def test_a_torque_topic_with_gaps_nan_and_jumps(run_node, client, tmp_path):
     assert len(in_bag(tmp_path / 'run', '/fourbar/torque')) >= 7
 
 
+def test_a_torque_that_changes_as_often_as_samples(run_node, client, tmp_path):
+    node = run_node({**TORQUE_DRIVEN, **recording(tmp_path), 'drive.rate': 1000.0})
+    heard = states(client)
+    send = torques(client)
+    client.until(lambda: heard and heard[-1].command == 5.0 or not send(5.0), 'the torque')
+    for i in range(1500):
+        send(5.0 + 0.01 * i)
+        time.sleep(0.0007)
+    client.until(lambda: heard[-1].command == 5.0 + 0.01 * 1499, 'the last torque')
+    assert node.stop() == 0
+    found = compare(tmp_path / 'run')
+    assert not found.problems() and found.largest == 0.0
+    assert len({m.command for m in in_bag(tmp_path / 'run', '/fourbar/drive_state')}) > 100
+
+
 def test_silence_may_hold_the_torque(run_node, client, tmp_path):
     run_node({**TORQUE_DRIVEN, 'drive.timeout': 0.2, 'drive.when_silent': 'hold'})
     heard = states(client)
@@ -193,7 +216,7 @@ def test_the_equation_of_another_scene_is_made_before_it_holds(monkeypatch):
     assert torques[0] == 400.0 and torques[2] == pytest.approx(0.25 * torques[1], rel=0.1)
 
 
-def test_a_step_is_made_when_its_torque_comes(client, monkeypatch):
+def test_a_step_is_made_before_its_tick(client, monkeypatch):
     first = scene.from_values(TORQUE_DRIVEN)
     drive, _, moved = without_its_thread(client.node, first, monkeypatch)
     advance, made = Steps.advance, []
@@ -201,20 +224,25 @@ def test_a_step_is_made_when_its_torque_comes(client, monkeypatch):
                         or advance(steps, place, length, torque))
 
     def sampled(*torques):
+        """Return torques for which steps were made before a sample, with it and after it."""
         made.clear()
         for torque in torques:
             drive._command._receive(serialize_message(
                 WrenchStamped(wrench=Wrench(torque=Vector3(z=float(torque))))))
-        before = len(made)
+        ahead = len(made)
         drive._sample((0, 0), first.drive, 0.0)
-        assert moved[-1][-1].command == torques[-1]
-        return made[:before], made[before:]
+        assert moved[-1][-1].command == (torques[-1] if torques else moved[-2][-1].command)
+        return made[:ahead], made[ahead:]
     sampled(5.0)
-    assert sampled(1.0) == ([1.0], []) and sampled(2.0) == ([2.0], [])
-    assert sampled(2.0) == ([2.0], [2.0])            # steady: the next one too
-    assert sampled(2.0) == ([], [2.0])
+    assert sampled() == ([], [5.0])                  # after it: that of the next one
+    assert sampled(1.0) == ([1.0], [1.0])
+    assert sampled(2.0) == ([2.0], [])               # one more will come
     assert sampled(3.0, 4.0) == ([3.0, 4.0], [])
+    assert sampled(4.0, 4.0, 4.0) == ([4.0], [])
     assert sampled(*range(30)) == ([0.0, 1.0], [29.0])       # more than a sample has time for
+    assert sampled() == ([], [29.0, 29.0])           # none came
+    assert sampled() == ([], [29.0])
+    assert sampled(7.0) == ([7.0], [7.0]) and sampled() == ([], [7.0])     # every other sample
 
 
 def test_topics_of_other_drives_are_not_there(run_node, client):

@@ -32,6 +32,10 @@ if TYPE_CHECKING:      # only some scenes need these
     from fourbar_ros.ros.node.applied import Applied
 
 
+def _nothing() -> None:
+    """Do nothing."""
+
+
 class Stream:
     """
     The steps of a node, one at a time; a scene, a wrench and a recording change between two steps.
@@ -134,11 +138,13 @@ class Stream:
             status = self._step(stamp, position, rate, acceleration, self.outputs.wanted())
         self._note(status, position)
 
-    def step_by(self, stamp: Stamp, move: Callable[[], tuple[int, int, DriveValues]]) -> None:
+    def step_by(self, stamp: Stamp, move: Callable[[], tuple[int, int, DriveValues]],
+                then: Callable[[], None] = _nothing) -> None:
         """
         Step to where a drive moves: ``move()`` gives its status, assembly mode and DriveValues.
 
-        Nothing else happens meanwhile: what a bag holds before a step had a say in it.
+        Nothing else happens meanwhile, and until ``then()``, which is called when the outputs are
+        sent, returns: what a bag holds before a step had a say in it.
         """
         with self._lock:
             wanted, (drive_status, mode, values) = self.outputs.wanted(), move()
@@ -147,6 +153,7 @@ class Stream:
                 self.outputs.send_drive_state(stamp, drive_status, values)
             status = self._step(stamp, values.position, values.velocity, values.acceleration,
                                 wanted)
+            then()
         self._note(status, values.position)
 
     def between_steps(self, topic: str, data: bytes, take: Callable[[], None]) -> None:
@@ -154,11 +161,6 @@ class Stream:
         with self._lock:
             self._recording.write(topic, data)
             take()
-
-    def work_ahead(self, work: Callable[[], object]) -> None:
-        """Do what a coming step needs, ``work()``, between two steps."""
-        with self._lock:
-            work()
 
     def _step(self, stamp: Stamp, position: float, rate: float, acceleration: float, wanted: Wanted
               ) -> int | None:

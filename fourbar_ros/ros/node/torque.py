@@ -32,7 +32,7 @@ COUNTED = ('late', 'missed', 'clock_steps', 'torques', 'malformed', 'not_finite'
            'silences', 'budgets_used_up', 'stops_at_a_limit', 'failures')
 _COUNTER = {OUT_OF_BUDGET: 'budgets_used_up', AT_LIMIT: 'stops_at_a_limit',
             NOT_FINITE: 'failures'}
-MOST_AHEAD = 2         # torques for which one sample is made ahead: more may come than samples
+MOST_AHEAD = 2         # steps made ahead for one sample: torques may come faster than samples
 
 
 class Command:
@@ -45,15 +45,15 @@ class Command:
     stream : Stream
     counts : dict
         To count in.
-    has_come : callable
-        Called between two steps, after a torque has come.
+    on_torque : callable
+        Called between two steps with a torque that has come into effect.
 
     """
 
     def __init__(self, node: Base, stream: Stream, counts: dict[str, int],
-                 has_come: Callable[[], None]) -> None:
+                 on_torque: Callable[[float], None]) -> None:
         self._node, self._stream, self._counts = node, stream, counts
-        self._has_come = has_come
+        self._on_torque = on_torque
         self._type, self._torque, self._received = resolve(TORQUE.type), 0.0, -inf
         self._was_silent = True
         profile = QoSProfile(depth=INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -93,7 +93,7 @@ class Command:
         def take() -> None:
             if isfinite(torque):
                 self._torque, self._received = self._limited(torque, scene.drive), time.monotonic()
-                self._has_come()
+                self._on_torque(self._torque)
         if not isfinite(torque):
             self._note('not_finite', 'a torque that is not finite: ignored')
         self._stream.between_steps(TORQUE.name, data, take)
@@ -119,18 +119,18 @@ class Moving(Drive):
         self._scene: Scene | None = None
         self._values: DriveValues | None = None
         self._mode: int | None = None
-        self._torque, self._is_steady = nan, False
+        self._torque = nan
         self._status, scene = OK, self._stream.scene
         self.prepare(scene)
-        self._command = (Command(self._node, self._stream, self.counts, self._torque_has_come)
+        self._command = (Command(self._node, self._stream, self.counts, self._on_torque)
                          if scene.drive.source == TORQUE.name else None)
 
     def prepare(self, scene: Scene) -> None:
         """Make the equation of motion of a scene, which takes as long as hundreds of steps."""
         self._prepared = scene, _ready(scene)
 
-    def _torque_has_come(self) -> None:                 # noqa: B027 # steps of any length: nothing
-        """Do what the next step needs under the torque of now."""
+    def _on_torque(self, torque: float) -> None:        # noqa: B027 # a step of unknown length
+        """Make the next step under a torque that has come."""
 
     def age(self) -> float:
         """Return the time since the newest torque [s], NaN if there is none to wait for."""
@@ -154,7 +154,6 @@ class Moving(Drive):
             self._scene, self._mover = scene, mover if prepared is scene else _ready(scene)
         command, is_silent = (self._command.now(scene.drive) if self._command
                               else (nan, False))
-        self._is_steady = self._command is None or command == self._torque
         self._torque = command
         if self._values is None:
             self._values = self._mover.start(command)
@@ -183,11 +182,11 @@ class TorqueDrive(Moving, TimerDrive):
 
     Every sample moves the state by one period. Samples that a machine misses are not made up for:
     the motion stands still meanwhile. A step is made before its sample is due, which then goes out
-    as early as a timer allows: right after the one before while the torque does not change,
-    otherwise when a torque comes.
+    as early as a timer allows: right after the one before, and again when a torque comes; only
+    then, where torques come between all samples.
     """
 
-    _left = 0              # torques for which the next sample may still be made ahead
+    _came, _came_before = 0, 0        # torques since the last sample, and before it
 
     def start(self) -> None:
         """Subscribe, start the thread."""
@@ -204,15 +203,18 @@ class TorqueDrive(Moving, TimerDrive):
         """Begin at the start of the scene."""
 
     def _sample(self, stamp: Stamp, settings: DriveSettings, elapsed: float) -> None:
-        self._step, self._left = 1.0 / settings.rate, MOST_AHEAD
-        self._stream.step_by(stamp, lambda: self._move(self._step))
-        if self._is_steady:
-            self._stream.work_ahead(lambda: self._work_ahead(self._torque))
+        self._step = 1.0 / settings.rate
+        self._stream.step_by(stamp, lambda: self._move(self._step), self._after_sample)
 
-    def _torque_has_come(self) -> None:
-        if self._command and self._left:
-            self._left -= 1
-            self._work_ahead(self._command.now(self.settings)[0])
+    def _after_sample(self) -> None:
+        if not (self._came and self._came_before):       # else one more will come
+            self._work_ahead(self._torque)
+        self._came, self._came_before = 0, self._came
+
+    def _on_torque(self, torque: float) -> None:
+        if self._came < MOST_AHEAD:
+            self._work_ahead(torque)
+        self._came += 1
 
     def _work_ahead(self, torque: float) -> None:
         if self._values:
