@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 
+from fourbar_ros.ros.node.drives import wake_on_time
 from fourbar_ros.scene import files
 from fourbar_ros.scene import scene as scenes
 import numpy as np
@@ -139,6 +140,7 @@ class Bench:
 
     def _torques_come(self, dues, spent):
         """Let a torque come between any two ticks; note the CPU time of the step made then."""
+        wake_on_time()
         driven = self.driven[COMES]
         for i, due in enumerate(dues):
             sleep_until(due - MOMENTS * i % 1.0 * self.period)
@@ -151,6 +153,7 @@ def main(samples=21_000):
     """Print a table in Markdown."""
     sys.setswitchinterval(SWITCH)
     gc.freeze()
+    wake_on_time()
     load = getloadavg()[0]
     bench = Bench()
     for block in range(samples // BLOCK):
