@@ -28,8 +28,9 @@ if [ ! -e "$root/ready" ]; then
 fi
 certificates=etc/ssl/certs/ca-certificates.crt        # those that this machine trusts
 if [ -e /$certificates ]; then cp /$certificates "$root/$certificates"; fi
-mountpoint -q "$root/proc" || mount -t proc none "$root/proc"
-trap 'umount "$root/proc"' EXIT
+mounted() { mountpoint -q "$root/$2" || mount -t "$1" none "$root/$2"; }
+mounted proc proc && mounted sysfs sys && mounted devpts dev/pts
+trap 'umount "$root"/{proc,sys,dev/pts}' EXIT
 
 step 'installing'
 rm -rf "$root/source"
@@ -38,9 +39,10 @@ tar -C "$source" --exclude='./.venv*' --exclude=./.git --exclude=./build --exclu
   --exclude=./bags --exclude='*.egg-info' --exclude=__pycache__ -cf - . | tar -C "$root/source" -xf -
 in_it() { chroot "$root" /usr/bin/env -i PATH=/venv/bin:/usr/bin:/bin HOME=/root LANG=C.UTF-8 PIP_CERT=/$certificates "$@"; }
 [ -e "$root/venv" ] || in_it python3 -m venv /venv
-in_it pip -q install '/source[test]' pytest-xdist
+in_it pip -q install '/source[test,live]' pytest-xdist
 
 step "testing on $(in_it python -c 'import numpy, platform, scipy; print(platform.machine(), "with Python",
   platform.python_version(), "numpy", numpy.__version__, "scipy", scipy.__version__)')"
-in_it sh -c 'cd /source && python -m pytest -m "not slow" "$@"' check "${@:-test}"
+in_it sh -c 'cd /source && python -m pytest -m "not slow" -n 2 --dist loadfile --ignore=test/ros --ignore=test/live \
+  --ignore=test/docs "$@"' check "$@"
 step good

@@ -23,6 +23,7 @@ from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 STEPS, ENOUGH, NOTHING = 500, 1e-9, 1e-13
+EPS = 2.0**-52
 
 
 Name = Union[tuple[str, float, float], None]     # of a corner: link, along, across; None: nothing
@@ -158,18 +159,20 @@ def nearest_to_zero(places: Places, root: Array, mass: float,
     for _ in range(STEPS):
         x = weights @ np.array(corners)
         slope, spot = places.lowest(root.T @ x)
-        least = float(x @ given) + min(0.0, mass * slope)
-        size = float(np.linalg.norm(x))
+        is_lower = slope < 0.0
+        lowest = given + mass * (root @ places.column(*spot)) if is_lower else given
+        least, size = float(x @ lowest), float(np.linalg.norm(x))
         if size <= NOTHING * scale or float(x @ x) - least <= ENOUGH * size * size:
             break
-        corners.append(given + mass * (root @ places.column(*spot)))
-        kept.append(spot)
+        corners.append(lowest)
+        kept.append(spot if is_lower else None)
         corners, weights, kept = _nearest(corners, np.append(weights, 0.0), kept)
     weighted = [Counterweight(spot[0], mass * weight, *spot[1:])
                 for spot, weight in zip(kept, weights.tolist()) if spot and weight > 0.0]
     numbers = places.loads.given + sum((one.mass * places.column(one.link, one.along, one.across)
                                         for one in weighted), np.zeros(len(places.loads.given)))
-    bound = max(least / size, 0.0) if size > NOTHING * scale else 0.0
+    rounding = 2.0 * len(x) * EPS * float(np.linalg.norm(lowest))         # of x . v / |x|
+    bound = max(least / size - rounding, 0.0) if size > NOTHING * scale else 0.0
     return Balance(tuple(weighted), float(np.linalg.norm(root @ numbers)), bound, numbers)
 
 

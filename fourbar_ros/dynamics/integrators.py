@@ -89,6 +89,7 @@ class Task(NamedTuple):
     also: Array | None
     most: float
     is_projected: bool
+    step: float = 0.0       # the first one [s]; 0: the integrator chooses
 
 
 class _UsedUp(Exception):
@@ -119,7 +120,7 @@ def integrate(system: System, until: float, method: str, tolerance: float, wante
     breaks = system.drive.source.breaks if system.drive else ()
     ends = [*sorted(t for t in breaks if 0.0 < t < until), until]
     (phase, state), first, has_ended = system.course.at(system.start), 0.0, False
-    evaluations, given = 0, 0.0
+    evaluations, given, step = 0, 0.0, 0.0
     parts: list[Part] = []
     energy = phase.energy(state) if system.is_conservative else None
     while ends:
@@ -129,7 +130,7 @@ def integrate(system: System, until: float, method: str, tolerance: float, wante
         part = _run(Task(phase, _before(phase.derivative, last) if breaks else phase.derivative,
                          system.events(phase), state, first, last, method, tolerance,
                          _inside(wanted, first, last), _inside(also, first, last),
-                         most - evaluations, energy is not None))
+                         most - evaluations, energy is not None, step))
         evaluations += part.evaluations
         stands = part.end == HANDED_OVER and part.time[-1] <= nextafter(first, inf)
         part = part._replace(given=given)
@@ -139,6 +140,8 @@ def integrate(system: System, until: float, method: str, tolerance: float, wante
         if energy is not None:
             before, state = phase.energy(state), phase.with_energy(state, energy)
             given += phase.energy(state) - before
+        # a projection changes the state by less than the tolerance: the step before it stands
+        step = float(part.time[-1] - part.time[-2]) if part.end == PROJECTED else 0.0
         if parts[-1].end == COMPLETE:
             ends.pop(0)
         elif not has_ended and parts[-1].end != PROJECTED:
@@ -208,8 +211,10 @@ def _run_compiled(task: Task) -> Part:
                 end = PROJECTED
         return 0 if end == COMPLETE else -1
 
+    # the longest step is the default of scipy but for its version 1.17.0, which takes 1 s
     solver = ode(counted).set_integrator('dop853', rtol=task.tolerance, atol=task.tolerance,
-                                         nsteps=MOST_STEPS)
+                                         nsteps=MOST_STEPS, first_step=task.step,
+                                         max_step=task.last - task.first)
     solver.set_solout(keep)
     solver.set_initial_value(task.start, task.first)
     for time in [*(() if task.also is None else task.also), task.last]:
