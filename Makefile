@@ -3,6 +3,7 @@ SHELL := /bin/bash
 SCENE ?= config/paper.yaml
 SECONDS ?= 5
 MINUTES ?= 60
+FOLDER ?= /tmp/fourbar_arm64
 WORKERS ?= 3
 ARGS ?=
 SPREAD = -n $(WORKERS) --dist loadfile --no-loadscope-reorder
@@ -11,7 +12,7 @@ export PYTHON
 env := . scripts/env.sh
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all coverage lint check-pip check-clean check-oldest check-loaded soak bench clean
+.PHONY: help setup run test test-all coverage lint check-pip check-clean check-oldest check-loaded check-arm64 soak bench clean
 
 help:
 	@echo 'fourbar_ros: exact motion, loads and extrema of planar linkages;'
@@ -28,6 +29,7 @@ help:
 	@echo '  make check-clean   make run and make test in a fresh clone with a bare environment'
 	@echo '  make check-oldest  the same with numpy 1.26 and scipy 1.11, as in Ubuntu 24.04'
 	@echo '  make check-loaded  make test three times while six busy loops take the processor'
+	@echo '  make check-arm64   the tests without ROS on an emulated arm64; takes root and an hour    FOLDER=$(FOLDER)'
 	@echo '  make soak       flood the node: garbage, clock steps, a slow disk, restarts    MINUTES=60'
 	@echo '  make bench      measure accuracy, speed, extrema, node and recorder   ARGS="speed"'
 	@echo '  make setup      only set up: .venv, ROS 2, build'
@@ -75,6 +77,9 @@ check-oldest:
 
 check-loaded:
 	@scripts/check_loaded.sh
+
+check-arm64:
+	@scripts/check_arm64.sh '$(FOLDER)' $(ARGS)
 
 soak:
 	@scripts/setup.sh test
