@@ -61,7 +61,8 @@ def main():
         if arguments.write:
             page = ROOT / 'docs' / 'bench' / f'{name}.md'
             page.parent.mkdir(exist_ok=True)
-            page.write_text(f'# {about[name]}\n\nWritten by `make bench ARGS="{name} --write"`: '
+            asked = f'{name} --samples {arguments.samples}' if arguments.samples else name
+            page.write_text(f'# {about[name]}\n\nWritten by `make bench ARGS="{asked} --write"`: '
                             f'{machine()}.\n\n'
                             + kept.getvalue())
 

@@ -9,7 +9,7 @@ source=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 fail() { echo "check-arm64: $*" >&2; exit 1; }
 step() { echo "check-arm64: $*"; }
 [ $# -ge 1 ] || fail 'name a folder for the system, of 2 GB'
-root=$1
+root=${1%/}
 shift
 [ "$(id -u)" = 0 ] || fail 'needs root, for chroot'
 command -v debootstrap >/dev/null || fail 'needs debootstrap: sudo apt install debootstrap'
@@ -29,8 +29,11 @@ fi
 certificates=etc/ssl/certs/ca-certificates.crt        # those that this machine trusts
 if [ -e /$certificates ]; then cp /$certificates "$root/$certificates"; fi
 mounted() { mountpoint -q "$root/$2" || mount -t "$1" none "$root/$2"; }
-mounted proc proc && mounted sysfs sys && mounted devpts dev/pts
-trap 'umount "$root"/{proc,sys,dev/pts}' EXIT
+unmount() { for at in dev/pts sys proc; do if mountpoint -q "$root/$at"; then umount "$root/$at"; fi; done; }
+trap unmount EXIT
+mounted proc proc
+mounted sysfs sys
+mounted devpts dev/pts
 
 step 'installing'
 rm -rf "$root/source"
@@ -39,7 +42,7 @@ tar -C "$source" --exclude='./.venv*' --exclude=./.git --exclude=./build --exclu
   --exclude=./bags --exclude='*.egg-info' --exclude=__pycache__ -cf - . | tar -C "$root/source" -xf -
 in_it() { chroot "$root" /usr/bin/env -i PATH=/venv/bin:/usr/bin:/bin HOME=/root LANG=C.UTF-8 PIP_CERT=/$certificates "$@"; }
 [ -e "$root/venv" ] || in_it python3 -m venv /venv
-in_it pip -q install '/source[test,live]' pytest-xdist
+in_it pip -q install --upgrade --upgrade-strategy eager '/source[test,live]' pytest-xdist
 
 step "testing on $(in_it python -c 'import numpy, platform, scipy; print(platform.machine(), "with Python",
   platform.python_version(), "numpy", numpy.__version__, "scipy", scipy.__version__)')"

@@ -46,7 +46,7 @@ runs 0 fourbar reproduce
 for command in 'fourbar bag info x' 'fourbar record start' 'fourbar replay x' 'fourbar draw paper --at 60 -o x.png' \
   fourbar_node 'fourbar_demo paper'; do
   runs 1 $command
-  grep -qE 'needs .*: (pip install|source a ROS 2)' err || { cat err >&2; fail "$command does not say what to install"; }
+  grep -qE 'requires .*: (pip install|source a ROS 2)' err || { cat err >&2; fail "$command does not say what to install"; }
   echo "  $(cat err)"
 done
 python - "$work/source/README.md" <<'PY'

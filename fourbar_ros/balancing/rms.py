@@ -171,7 +171,8 @@ def nearest_to_zero(places: Places, root: Array, mass: float,
                 for spot, weight in zip(kept, weights.tolist()) if spot and weight > 0.0]
     numbers = places.loads.given + sum((one.mass * places.column(one.link, one.along, one.across)
                                         for one in weighted), np.zeros(len(places.loads.given)))
-    rounding = 2.0 * len(x) * EPS * float(np.linalg.norm(lowest))         # of x . v / |x|
+    # of v, a sum of what is there and what is added, and of x . v / |x|
+    rounding = 2.0 * sum(root.shape) * EPS * (2.0 * scale + float(np.linalg.norm(lowest)))
     bound = max(least / size - rounding, 0.0) if size > NOTHING * scale else 0.0
     return Balance(tuple(weighted), float(np.linalg.norm(root @ numbers)), bound, numbers)
 

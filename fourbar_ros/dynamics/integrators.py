@@ -140,7 +140,7 @@ def integrate(system: System, until: float, method: str, tolerance: float, wante
         if energy is not None:
             before, state = phase.energy(state), phase.with_energy(state, energy)
             given += phase.energy(state) - before
-        # a projection changes the state by less than the tolerance: the step before it stands
+        # a projection changes the state by some tolerances: the step before it is still right
         step = float(part.time[-1] - part.time[-2]) if part.end == PROJECTED else 0.0
         if parts[-1].end == COMPLETE:
             ends.pop(0)
@@ -211,10 +211,9 @@ def _run_compiled(task: Task) -> Part:
                 end = PROJECTED
         return 0 if end == COMPLETE else -1
 
-    # the longest step is the default of scipy but for its version 1.17.0, which takes 1 s
     solver = ode(counted).set_integrator('dop853', rtol=task.tolerance, atol=task.tolerance,
                                          nsteps=MOST_STEPS, first_step=task.step,
-                                         max_step=task.last - task.first)
+                                         max_step=task.last - task.first)   # in 1.17.0 else 1 s
     solver.set_solout(keep)
     solver.set_initial_value(task.start, task.first)
     for time in [*(() if task.also is None else task.also), task.last]:

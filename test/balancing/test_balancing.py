@@ -145,6 +145,16 @@ def test_the_least_rms_is_proven_and_no_other_optimiser_finds_less(names):
     assert best >= found.bound * (1.0 - 1e-12)
 
 
+@pytest.mark.parametrize('names', [('force',), ('moment',), ('f21',)])
+def test_no_rms_is_below_its_bound(names):
+    """Up to masses that balance the linkage, where rounding is all that is left."""
+    places = places_of(loads_of('paper'))
+    found = front(places, names, np.geomspace(0.01, 100.0, 25))
+    assert all(0.0 <= one.bound <= one.value for one in found)
+    values = np.array([one.value for one in found])
+    assert (values[1:] <= values[:-1] * (1.0 + 1e-8) + 1e-12 * values[0]).all()
+
+
 def test_rms_is_that_of_the_mechanism():
     loads = loads_of('paper')
     found = least_rms(places_of(loads), ('moment',), 2.0)

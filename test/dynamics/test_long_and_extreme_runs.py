@@ -4,9 +4,11 @@
 from math import pi
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar
+from fourbar_ros.dynamics import integrators
 from fourbar_ros.dynamics.drives import DCMotor, Drive
 from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
 from fourbar_ros.dynamics.free_motion import FreeMotion, NotResolved
+from fourbar_ros.dynamics.phase import PROJECTED
 from fourbar_ros.dynamics.simulate import (
     energy_drift,
     NOT_CHECKED,
@@ -55,6 +57,19 @@ def test_a_wrong_energy_is_seen_and_projections_hide_nothing():
     wrong = [part._replace(states=part.states * [[1.0], [1.0 + 1e-6 * part.time[0]]])
              for part in run.parts]
     assert energy_drift(system, wrong) > 1e-5
+
+
+def test_a_run_goes_on_with_its_step_after_a_projection(monkeypatch):
+    run, done = integrators._run, []
+
+    def watched(task):
+        done.append((task.step, run(task)))
+        return done[-1][1]
+    monkeypatch.setattr(integrators, '_run', watched)
+    simulate(free(), 5.0, 1e-8, check=False)
+    assert len(done) > 3 and done[0][0] == 0.0
+    for (_, before), (step, _) in zip(done, done[1:]):
+        assert before.end == PROJECTED and step == before.time[-1] - before.time[-2] > 0.0
 
 
 @pytest.mark.parametrize('method, order', [('RK45', 5), ('Radau', 5), ('DOP853', 8)])

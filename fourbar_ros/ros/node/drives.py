@@ -24,7 +24,7 @@ CHECK_CLOCK = 1.0      # [s] how often that is looked at
 
 
 def wake_on_time() -> None:
-    """Let sleeps of this thread end when they are due: Linux joins them with others of 50 us."""
+    """Let sleeps of this thread end when due: Linux may delay them by 50 us, to join some."""
     with suppress(OSError):                              # another system
         Path(f'/proc/{threading.get_native_id()}/timerslack_ns').write_text('1')
 
@@ -86,8 +86,8 @@ class TimerDrive(Drive):
         self._thread.join()
 
     def _guarded(self) -> None:
-        wake_on_time()
         try:
+            wake_on_time()
             self._run()
         # a fault of ours: never a silent end of the stream
         except Exception as error:

@@ -182,8 +182,8 @@ class TorqueDrive(Moving, TimerDrive):
 
     Every sample moves the state by one period. Samples that a machine misses are not made up for:
     the motion stands still meanwhile. A step is made before its sample is due, which then goes out
-    as early as a timer allows: right after the one before, and again when a torque comes; only
-    then, where torques come between all samples.
+    as early as a timer allows: right after the one before, and again when a torque comes. Where
+    torques came before the last two samples, it waits for the next one.
     """
 
     _came, _came_before = 0, 0        # torques since the last sample, and before it
@@ -207,7 +207,7 @@ class TorqueDrive(Moving, TimerDrive):
         self._stream.step_by(stamp, lambda: self._move(self._step), self._after_sample)
 
     def _after_sample(self) -> None:
-        if not (self._came and self._came_before):       # else one more will come
+        if not (self._came and self._came_before):       # else one more is expected
             self._work_ahead(self._torque)
         self._came, self._came_before = 0, self._came
 
