@@ -89,7 +89,7 @@ class Task(NamedTuple):
     also: Array | None
     most: float
     is_projected: bool
-    step: float = 0.0       # the first one [s]; 0: the integrator chooses
+    step: float             # the first one [s]; 0: the integrator chooses
 
 
 class _UsedUp(Exception):
@@ -140,7 +140,7 @@ def integrate(system: System, until: float, method: str, tolerance: float, wante
         if energy is not None:
             before, state = phase.energy(state), phase.with_energy(state, energy)
             given += phase.energy(state) - before
-        # a projection changes the state by some tolerances: the step before it is still right
+        # a projection changes the state by a few tolerances: the last step still fits
         step = float(part.time[-1] - part.time[-2]) if part.end == PROJECTED else 0.0
         if parts[-1].end == COMPLETE:
             ends.pop(0)
@@ -213,7 +213,7 @@ def _run_compiled(task: Task) -> Part:
 
     solver = ode(counted).set_integrator('dop853', rtol=task.tolerance, atol=task.tolerance,
                                          nsteps=MOST_STEPS, first_step=task.step,
-                                         max_step=task.last - task.first)   # in 1.17.0 else 1 s
+                                         max_step=task.last - task.first)   # scipy 1.17.0: else 1 s
     solver.set_solout(keep)
     solver.set_initial_value(task.start, task.first)
     for time in [*(() if task.also is None else task.also), task.last]:

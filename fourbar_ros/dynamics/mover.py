@@ -138,7 +138,7 @@ class Mover:
 
     def work_ahead(self, values: DriveValues, step: float, command: float = 0.0,
                    mode: int | None = None) -> _Ahead:
-        """Make the next step unless it is there; :meth:`next` then gives it if asked for it."""
+        """Make the next step if it is not made yet; :meth:`next` returns it if asked for it."""
         ahead, torque = self._ahead, command if self._takes_commands else None
         if (ahead is None or ahead.start is not values
                 or (ahead.step, ahead.torque) != (step, torque)):
