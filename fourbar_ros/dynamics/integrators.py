@@ -213,7 +213,7 @@ def _run_compiled(task: Task) -> Part:
 
     solver = ode(counted).set_integrator('dop853', rtol=task.tolerance, atol=task.tolerance,
                                          nsteps=MOST_STEPS, first_step=task.step,
-                                         max_step=task.last - task.first)   # scipy 1.17.0: else 1 s
+                                         max_step=task.last - task.first)  # scipy 1.17.0: else 1 s
     solver.set_solout(keep)
     solver.set_initial_value(task.start, task.first)
     for time in [*(() if task.also is None else task.also), task.last]:
