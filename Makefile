@@ -6,13 +6,13 @@ MINUTES ?= 60
 FOLDER ?= /var/cache/fourbar_arm64
 WORKERS ?= 3
 ARGS ?=
-SPREAD = -n $(WORKERS) --dist loadfile --no-loadscope-reorder
+SPREAD = -n $(WORKERS) --dist loadfile --no-loadscope-reorder --durations=12
 export PYTHON
 
 env := . scripts/env.sh
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all coverage lint check-pip check-clean check-oldest check-loaded check-arm64 soak bench clean
+.PHONY: help setup run test test-slow test-all coverage lint check-pip check-clean check-oldest check-loaded check-arm64 soak bench docs clean
 
 help:
 	@echo 'fourbar_ros: exact motion, loads and extrema of planar linkages;'
@@ -20,7 +20,8 @@ help:
 	@echo
 	@echo '  make run        run a linkage in the node: live table, extrema, recorded bag, bag recomputed'
 	@echo '                    SCENE=$(SCENE)  SECONDS=$(SECONDS)'
-	@echo '  make test       run the tests, except the slow ones    ARGS="-k loads" is passed to pytest'
+	@echo '  make test       run the tests, except the slow ones: four minutes    ARGS="-k loads" is passed to pytest'
+	@echo '  make test-slow  run the slow ones, as long as MINUTES=60 allow'
 	@echo '  make test-all   run all tests'
 	@echo '                    WORKERS=$(WORKERS) processes, of which many wait; 0: one that prints'
 	@echo '  make coverage   run the tests as make test does; lines and branches covered, in all processes'
@@ -32,6 +33,7 @@ help:
 	@echo '  make check-arm64   the tests without ROS on an emulated arm64; takes root and an hour    FOLDER=$(FOLDER)'
 	@echo '  make soak       flood the node: garbage, clock steps, a slow disk, restarts    MINUTES=60'
 	@echo '  make bench      measure accuracy, speed, extrema, node and recorder   ARGS="speed"'
+	@echo '  make docs       build the site into build/site; a broken link or an undocumented name fails'
 	@echo '  make setup      only set up: .venv, ROS 2, build'
 	@echo '  make clean      remove .venv build install log'
 	@echo
@@ -52,6 +54,10 @@ run:
 test:
 	@scripts/setup.sh test
 	@$(env) && python -m pytest -m 'not slow' $(SPREAD) $(ARGS)
+
+test-slow:
+	@scripts/setup.sh test
+	@$(env) && python -m pytest -m slow --minutes $(MINUTES) $(SPREAD) $(ARGS)
 
 test-all:
 	@scripts/setup.sh test
@@ -89,5 +95,12 @@ bench:
 	@scripts/setup.sh test
 	@$(env) && python -m bench $(ARGS)
 
+docs:
+	@scripts/setup.sh
+	@[ -x .venv-docs/bin/mkdocs ] || { .venv/bin/python -m venv .venv-docs && .venv-docs/bin/pip -q install -r requirements/docs.txt; }
+	@site=$$(.venv/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))') && \
+	  PYTHONPATH=$(CURDIR):$$site NO_MKDOCS_2_WARNING=1 .venv-docs/bin/mkdocs build -q --strict -f scripts/mkdocs.yml
+	@echo 'built: build/site/index.html'
+
 clean:
-	rm -rf .venv/setup install/*/.built .venv .venv-lint .venv-peers build install log
+	rm -rf .venv-docs .venv/setup install/*/.built .venv .venv-lint .venv-peers build install log

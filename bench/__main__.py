@@ -1,6 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Run measurements and print their tables; ``--write`` puts them into docs/."""
+"""
+Run measurements and print their tables; ``--write`` puts them into docs/bench.
+
+A page there is a subject, and has a section for each measurement: of the main one the first table
+and figure are in sight, all else is folded. The text around the sections is written by hand.
+"""
 import argparse
 import contextlib
 import importlib
@@ -8,6 +13,7 @@ import inspect
 import io
 from pathlib import Path
 import platform
+import re
 import sys
 import time
 
@@ -15,6 +21,11 @@ from . import ROOT
 
 MODULES = {file.stem: file for file in sorted(Path(__file__).parent.glob('[a-z]*.py'))
            if 'def main(' in file.read_text()}
+# the page of a measurement, where it is not a page of its own
+PAGE_OF = {'atlas': 'studies', 'before': 'speed', 'chains': 'node', 'compiled': 'speed',
+           'engines': 'dynamics', 'large_study': 'studies', 'live_memory': 'live',
+           'machines': 'speed', 'motor': 'dynamics', 'real_time': 'dynamics', 'relay': 'node',
+           'rivals_balancing': 'studies', 'shaking': 'studies'}
 
 
 class Tee(io.StringIO):
@@ -33,6 +44,34 @@ def machine():
             f'{numpy.__version__}, {platform.system()} {platform.machine()}')
 
 
+def folded(title, *blocks):
+    """Return Markdown that is closed until a reader opens it."""
+    return '\n\n'.join([f'<details markdown="1"><summary>{title}</summary>', *blocks,
+                        '</details>'])
+
+
+def section(name, about, how, text):
+    """Return the Markdown of a measurement: its first table and figure, the rest folded."""
+    blocks = re.sub('^#', '##', text.strip(), flags=re.M).split('\n\n')
+    if name in PAGE_OF:
+        return folded(about, how, *blocks)
+    table, figure = (next((place for place, block in enumerate(blocks) if block.startswith(mark)),
+                          -1) for mark in ('|', '!['))
+    shown = [*blocks[:table + 1], *([blocks[figure]] if figure > table else [])]
+    rest = [block for block in blocks[table + 1:] if block not in shown]
+    return '\n\n'.join([f'## {about}', how, *shown, *([folded('more', *rest)] if rest else [])])
+
+
+def write(name, about, how, text):
+    """Write the section of a measurement on the page of its subject, in docs/bench."""
+    page = ROOT / 'docs' / 'bench' / f'{PAGE_OF.get(name, name)}.md'
+    before = page.read_text(encoding='utf-8') if page.exists() else f'# {about}\n'
+    new = f'<!-- {name} -->\n{section(name, about, how, text)}\n<!-- end -->'
+    after, known = re.subn(rf'<!-- {name} -->\n.*?<!-- end -->', lambda _: new, before,
+                           flags=re.S)
+    page.write_text(after if known else f'{before.rstrip()}\n\n{new}\n', encoding='utf-8')
+
+
 def main():
     """Parse arguments and run."""
     about = {name: importlib.import_module(f'bench.{name}').__doc__.strip().splitlines()[0]
@@ -43,7 +82,7 @@ def main():
         epilog='\n'.join(f'{name:12} {text}' for name, text in about.items()),
         formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('names', nargs='*', metavar='NAME', help='which (default: all)')
-    parser.add_argument('--write', action='store_true', help='also write docs/bench/NAME.md')
+    parser.add_argument('--write', action='store_true', help='also write docs/bench')
     parser.add_argument('--samples', type=int, metavar='N',
                         help='how many, where a measurement takes samples')
     parser.add_argument('--against', metavar='COMMIT',
@@ -59,12 +98,9 @@ def main():
             run(**{option: value for option in ('samples', 'against') if option in known
                    and (value := getattr(arguments, option)) is not None})
         if arguments.write:
-            page = ROOT / 'docs' / 'bench' / f'{name}.md'
-            page.parent.mkdir(exist_ok=True)
             asked = f'{name} --samples {arguments.samples}' if arguments.samples else name
-            page.write_text(f'# {about[name]}\n\nWritten by `make bench ARGS="{asked} --write"`: '
-                            f'{machine()}.\n\n'
-                            + kept.getvalue())
+            write(name, about[name], f'Written by `make bench ARGS="{asked} --write"`: '
+                  f'{machine()}.', kept.getvalue())
 
 
 if __name__ == '__main__':

@@ -8,11 +8,10 @@ from math import pi
 from pathlib import Path
 import tempfile
 
-from fourbar_ros.studies.answers import Answers
-from fourbar_ros.studies.engine import run
-from fourbar_ros.studies.executors import Local
-from fourbar_ros.studies.parts import Folder
-from fourbar_ros.studies.study import read
+from fourbar_lab.studies.engine import Local, run
+from fourbar_lab.studies.folder import Folder
+from fourbar_lab.studies.results import Results
+from fourbar_lab.studies.study import read
 import numpy as np
 
 from . import ROOT
@@ -31,30 +30,30 @@ def answers_of(name, rows, folder):
         run(study, path, executor)
     finally:
         executor.close()
-    return Answers(path.path)
+    return Results(path.path)
 
 
-def columns_of(answers):
+def columns_of(results):
     """Return all columns of the designs that were kept."""
     from pyarrow import parquet
-    names = ['class', *answers.varied, *answers.measures]
-    tables = [parquet.read_table(path) for path in answers.parts.values()]
+    names = ['class', *results.varied, *results.measures]
+    tables = [parquet.read_table(path) for path in results.parts.values()]
     return {name: np.concatenate([np.asarray(table[name]) for table in tables])
             for name in names if name in tables[0].column_names}
 
 
-def print_counts(answers):
+def print_counts(results):
     """Print how many designs were drawn and kept."""
-    counts = ', '.join(f'{reason} {number}' for reason, number in answers.counts.items())
-    print(f'{answers.designs} designs: {counts}.\n')
+    counts = ', '.join(f'{reason} {number}' for reason, number in results.counts.items())
+    print(f'{results.designs} designs: {counts}.\n')
 
 
 def atlas(rows, folder):
     """Print and draw the atlas."""
-    answers = answers_of('atlas', rows, folder)
-    columns = columns_of(answers)
+    results = answers_of('atlas', rows, folder)
+    columns = columns_of(results)
     print('## Atlas (config/studies/atlas.yaml)\n')
-    print_counts(answers)
+    print_counts(results)
     columns['peak of omega4'] = np.maximum(abs(columns['omega4.max']), abs(columns['omega4.min']))
     columns['peak of alpha4'] = np.maximum(abs(columns['alpha4.max']), abs(columns['alpha4.min']))
     print('| class | designs | measure | unit | 5 % | 50 % | 95 % |')
@@ -104,10 +103,10 @@ def distances(columns):
 
 def shaking(rows, folder):
     """Print and draw how far the peaks of the shaking loads are from extreme rates."""
-    answers = answers_of('shaking', rows, folder)
-    columns = columns_of(answers)
+    results = answers_of('shaking', rows, folder)
+    columns = columns_of(results)
     print('## Shaking (config/studies/shaking.yaml)\n')
-    print_counts(answers)
+    print_counts(results)
     found = distances(columns)
     good = columns['least_transmission_angle'] > GOOD
     print('| peak of the shaking | to the nearer of largest and least | transmission angle | '

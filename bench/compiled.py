@@ -7,8 +7,8 @@ from dataclasses import replace
 import time
 
 from fourbar_ros import Bodies, FourBar, round_rod
-from fourbar_ros.extrema.four_bar_rates.batch_paths import TOGETHER
-from fourbar_ros.extrema.four_bar_rates.search import make_sines, SAMPLES, sine_constants
+from fourbar_ros.extrema.four_bar_rates.paths import SAMPLES, TOGETHER
+from fourbar_ros.extrema.four_bar_rates.sines import make_sines, sine_constants
 from fourbar_ros.mechanisms.four_bar.motion import make_motion
 from fourbar_ros.mechanisms.half_angle import bilinear_factors
 from fourbar_ros.numerics.exact_sums import exact_sum_of_four

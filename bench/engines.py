@@ -9,8 +9,8 @@ import sys
 import tempfile
 
 from fourbar_ros import Bodies, Body, SliderCrank
-from fourbar_ros.dynamics.elements import Spring
-from fourbar_ros.dynamics.system import System
+from fourbar_ros.dynamics.model.elements import Spring
+from fourbar_ros.dynamics.model.system import System
 import mpmath as mp
 from support.dynamics_problems import (
     near_lock_up,

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 
-from fourbar_ros.studies.answers import Answers
+from fourbar_lab.studies.results import Results
 
 SMALL = 100_000
 # Runs a command and prints the memory of the largest process that it or its workers were [KiB].
@@ -46,7 +46,7 @@ def sizes(largest):
     while rows <= largest:
         with tempfile.TemporaryDirectory() as folder:
             out, seconds, memory = run_study(folder, rows, ['omega4', 'alpha4'], 2)
-            assert Answers(out).designs == rows
+            assert Results(out).designs == rows
             disk = sum(path.stat().st_size for path in out.iterdir()) / 1e6
         print(f'| {rows} | 2 | {seconds:.1f} | {rows / seconds:.0f} | {memory:.0f} | {disk:.0f} |')
         rows *= 10

@@ -7,10 +7,10 @@ from time import process_time
 from timeit import repeat
 
 from fourbar_ros import Body, FourBar, load_scene
-from fourbar_ros.dynamics.drives import ConstantTorque, Drive
-from fourbar_ros.dynamics.simulate import simulate
-from fourbar_ros.dynamics.system import System
-from fourbar_ros.mechanisms.machine.description import Dyad, Point
+from fourbar_ros.dynamics.model.drives import ConstantTorque, Drive
+from fourbar_ros.dynamics.model.system import System
+from fourbar_ros.dynamics.solve.simulate import simulate
+from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import numpy as np
 

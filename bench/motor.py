@@ -4,11 +4,11 @@
 from typing import NamedTuple
 
 from fourbar_ros import Bodies, FourBar, round_rod
-from fourbar_ros.dynamics.drives import DCMotor, Drive
-from fourbar_ros.dynamics.equation import Equation
-from fourbar_ros.dynamics.flywheel import flywheel_for
-from fourbar_ros.dynamics.simulate import REACHED, simulate
-from fourbar_ros.dynamics.system import System
+from fourbar_ros.dynamics.analysis.flywheel import flywheel_for
+from fourbar_ros.dynamics.model.drives import DCMotor, Drive
+from fourbar_ros.dynamics.model.equation import Equation
+from fourbar_ros.dynamics.model.system import System
+from fourbar_ros.dynamics.solve.simulate import REACHED, simulate
 import numpy as np
 
 from .pages import figure, save

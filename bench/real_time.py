@@ -18,11 +18,8 @@ BLOCK = 500                 # ticks of one kind in a row
 SWITCH = 0.001              # as in the node
 SHAFT = {'shaft.stiffness': 1e9, 'shaft.damping': 100.0, 'drive.rate': RATE}
 STALL, FREE = 400.0, 26.0   # of the law of the torques that come [N m, rad/s]
-AHEAD, COMES, AT_ONCE, LOOP, BARE = (
-    'motor: made after the one before', 'torque: made when it comes', 'torque: made at its tick',
-    'loop of additions', 'bare timer')
-KINDS = (AHEAD, LOOP, COMES, LOOP, AT_ONCE, LOOP, BARE)              # of blocks, in turns
-MOMENTS = 0.5 * (5.0**0.5 - 1.0)     # its multiples, less whole numbers, are uniform in [0, 1)
+MOTOR, TORQUE, LOOP, BARE = 'motor', 'torque that changes', 'loop of additions', 'bare timer'
+KINDS = (MOTOR, LOOP, TORQUE, LOOP, BARE)       # of blocks, in turns
 ADDITIONS = 2000            # of a loop at first; it becomes as long as a step at its tick
 
 
@@ -71,12 +68,8 @@ class Driven:
         self.mover = scenes.from_values(values).mover
         self.state, self.torque = self.mover.start(), 0.0
 
-    def work_ahead(self):
-        """Make the next step."""
-        self.mover.work_ahead(self.state, 1.0 / RATE, self.torque)
-
     def step(self):
-        """Give the next step; return its status."""
+        """Make the next step; return its status."""
         status, self.state = self.mover.next(self.state, 1.0 / RATE, self.torque)
         return status
 
@@ -86,11 +79,10 @@ class Driven:
 
 
 class Bench:
-    """The parts of a node that make steps: one thread for ticks, one for torques, a lock."""
+    """The parts of a node that make steps: a thread for ticks, a lock."""
 
     def __init__(self):
-        self.driven, by_torque = {AHEAD: Driven('motor')}, Driven('torque')
-        self.driven[COMES] = self.driven[AT_ONCE] = by_torque
+        self.driven = {MOTOR: Driven('motor'), TORQUE: Driven('torque')}
         self.period, self.lock = 1.0 / RATE, threading.Lock()
         self.statuses, self.most = {}, 0.0
         self.found = {kind: Ticks() for kind in KINDS}
@@ -99,30 +91,21 @@ class Bench:
     def run(self, kind):
         """Measure a block of ticks of one kind."""
         first = time.perf_counter() + 2.0 * self.period
-        dues, spent = [first + i * self.period for i in range(BLOCK)], {}
-        other = threading.Thread(target=self._torques_come, args=(dues, spent))
-        if kind == COMES:
-            other.start()
-        rows = [self._tick(kind, due) for due in dues]
-        if kind == COMES:
-            other.join()
-            assert len(spent) == BLOCK
         ticks = self.found[kind]
-        for due, (late, wall, *steps) in zip(dues, rows):
-            steps.append(spent.get(due, 0))
+        for late, wall, cpu in [self._tick(kind, first + i * self.period) for i in range(BLOCK)]:
             ticks.late.append(1e6 * late)
             ticks.wall.append(1e6 * wall)
             ticks.ready.append(1e6 * (late + wall))
-            ticks.cpu.append(1e-3 * sum(steps))
-            ticks.overruns += max(steps) * 1e-9 > self.period
-        if kind == LOOP and self.found[AT_ONCE].cpu:
-            step, loop = (np.median(self.found[one].cpu[-BLOCK:]) for one in (AT_ONCE, LOOP))
+            ticks.cpu.append(1e-3 * cpu)
+            ticks.overruns += cpu * 1e-9 > self.period
+        if kind == LOOP and self.found[MOTOR].cpu:
+            step, loop = (np.median(self.found[one].cpu[-BLOCK:]) for one in (MOTOR, LOOP))
             self.additions = round(self.additions * (step / loop)**0.5)
 
     def _tick(self, kind, due):
-        """Return how late it begins [s], how long it takes [s], CPU times of work [ns]."""
+        """Return how late it begins [s], how long it takes [s], CPU time of its work [ns]."""
         driven = self.driven.get(kind)
-        if kind == AT_ONCE:
+        if kind == TORQUE:
             driven.change_torque()
         sleep_until(due)
         start = time.perf_counter()
@@ -134,18 +117,7 @@ class Bench:
         else:
             cpu, _ = used(add, self.additions if kind == LOOP else 0)
         end = time.perf_counter()                # from here on it could be sent
-        ahead, _ = used(driven.work_ahead) if kind == AHEAD else (0, None)
-        return start - due, end - start, cpu, ahead
-
-    def _torques_come(self, dues, spent):
-        """Let a torque come between any two ticks; note the CPU time of the step made then."""
-        wake_on_time()
-        driven = self.driven[COMES]
-        for i, due in enumerate(dues):
-            sleep_until(due - MOMENTS * i % 1.0 * self.period)
-            with self.lock:
-                driven.change_torque()
-                spent[due], _ = used(driven.work_ahead)
+        return start - due, end - start, cpu
 
 
 def main(samples=21_000):
@@ -157,15 +129,13 @@ def main(samples=21_000):
     bench = Bench()
     for block in range(samples // BLOCK):
         bench.run(KINDS[block % len(KINDS)])
-    from fourbar_ros.dynamics.mover import STATUS_NAMES
+    from fourbar_ros.dynamics.step.mover import STATUS_NAMES
     print('Times in us: how late a tick begins, how long it then takes by the clock until the '
           'state can be sent,\nhow long after the tick is due that is, and how much CPU tick and '
-          'step take together; median, 99th percentile,\nlargest. Torques come from another '
-          'thread, one between two ticks, at any moment; each depends on the state.\nAn overrun '
-          'is a step that takes more CPU time than a tick is long. What interrupts a loop of '
-          'additions, which takes\nas much CPU time as a step at its tick, is the machine. A '
-          'torque that comes too late for its tick jumps at\nthe next one, by which the stiff '
-          'shaft may ring: such a step is divided as far as the budget allows.\n')
+          'step take together; median, 99th percentile,\nlargest. The torque that changes depends '
+          'on the state. An overrun is a step that takes more CPU time than a\ntick is long. What '
+          'interrupts a loop of additions, which takes as much CPU time as a step, is the '
+          'machine.\n')
     print('| step, shaft 1e9 N m/rad | ticks | late p50 | p99 | max | clock p50 | p99 | max '
           '| ready p50 | p99 | max | CPU p50 | p99 | max | overruns |\n|' + ' --- |' * 15)
     for kind, ticks in bench.found.items():

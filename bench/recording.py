@@ -55,7 +55,7 @@ def stamped(step, k):
 
 def fill_ours(folder, channels, about, messages):
     """Write messages as the node does; return CPU seconds a message: in the caller, in all."""
-    from fourbar_ros.bag.recorder import BagWriter
+    from fourbar_ros.bag.write.recorder import BagWriter
     writer = BagWriter(folder, '', channels, about, sync_period=0.0)
     begin, caller = time.process_time(), 0.0
     for step in messages:
@@ -153,8 +153,7 @@ def measured(what, count, rows):
 
 def write_long(folder, channels, about, messages, total):
     """Write a long bag as fast as it goes; return (path, memory at each tenth [MB])."""
-    from fourbar_ros.bag.intake import QUEUE_MESSAGES
-    from fourbar_ros.bag.recorder import BagWriter
+    from fourbar_ros.bag.write.recorder import BagWriter, QUEUE_MESSAGES
     # A chunk in 5 ms here is about one in 0.1 s of the run.
     writer = BagWriter(folder, 'long', channels, about, flush_period=0.005, sync_period=0.0)
     memory = []
@@ -172,10 +171,10 @@ def write_long(folder, channels, about, messages, total):
 
 def long_table(channels, about, messages):
     """Print speed and memory of a long bag: written, read, checked, recomputed, exported."""
-    from fourbar_ros.bag.export import export
-    from fourbar_ros.bag.info import info
-    from fourbar_ros.bag.recompute import compare
-    from fourbar_ros.bag.recover import recover
+    from fourbar_ros.bag.comparison.recompute import compare
+    from fourbar_ros.bag.exports.export import export
+    from fourbar_ros.bag.read.info import info
+    from fourbar_ros.bag.repair import recover
     total, rows = int(60 * MINUTES * RATE), []
     count = total * len(channels)
     with tempfile.TemporaryDirectory() as name:

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import time
 
+from fourbar_lab.balancing.loads import Loads, NUMBERS
+from fourbar_lab.balancing.rms import front, Places
 from fourbar_ros import load_scene
-from fourbar_ros.balancing.loads import Loads, NUMBERS
-from fourbar_ros.balancing.rms import front, Places
 import numpy as np
 
 RADIUS, MOST, POPULATION = 0.6, 10.0, 100

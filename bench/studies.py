@@ -10,13 +10,13 @@ import subprocess
 import sys
 import tempfile
 
+from fourbar_lab.balancing.loads import Loads
+from fourbar_lab.balancing.rms import front, Places
+from fourbar_lab.studies.chunks import compute
+from fourbar_lab.studies.derivatives import Derivatives
+from fourbar_lab.studies.study import from_document
 from fourbar_ros import find_extrema, find_extrema_many, load_scene
-from fourbar_ros.balancing.loads import Loads
-from fourbar_ros.balancing.rms import front, Places
 from fourbar_ros.scene.scene import from_values
-from fourbar_ros.studies.derivatives import Derivatives
-from fourbar_ros.studies.rows import compute
-from fourbar_ros.studies.study import from_document
 import numpy as np
 
 from .pages import best_time
@@ -73,7 +73,7 @@ def rates(samples):
 
 def atlas():
     """Print the time of 7300 coupler curves with all loads at their points."""
-    from fourbar_ros.studies.designs import Designs
+    from fourbar_lab.studies.block import Designs
     study = study_of(CURVES, ['omega4.max'])
     scene = load_scene('paper')
     x = 2.0 * np.pi * np.arange(OF_A_CURVE) / OF_A_CURVE

@@ -1,11 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Errors of the usual approximations of a linkage, for the tables of mimic.md, transmission.md."""
+"""Errors of the usual approximations of a linkage, for the tables of robots.md."""
 from math import degrees
 
 from fourbar_ros import load_scene
-from fourbar_ros.transmission.branches import ratio_of
-from fourbar_ros.transmission.transmission import trajectory, Transmission
+from fourbar_ros.transmission import ratio_of, trajectory, Transmission
 import numpy as np
 
 SAMPLES = 20001

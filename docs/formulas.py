@@ -9,6 +9,7 @@ source documents are named in docstrings and comments: ``slides, Eqs. (9)-(15)``
 """
 import ast
 from collections import defaultdict
+from functools import cache
 import io
 from pathlib import Path
 import re
@@ -92,6 +93,7 @@ def in_one_line(text):
     return first
 
 
+@cache
 def modules():
     """Return the Modules of the package, but those that compute nothing."""
     return [read(path) for path in sorted(PACKAGE.rglob('*.py'))

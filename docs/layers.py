@@ -18,10 +18,15 @@ from matplotlib.patches import FancyArrowPatch, FancyBboxPatch  # noqa: E402, I1
 import matplotlib.pyplot as plt  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
-PACKAGE = ROOT / 'fourbar_ros'
+PACKAGES = ROOT / 'fourbar_ros', ROOT / 'fourbar_lab'
 OUTPUT = ROOT / 'docs' / 'layers.svg'
 WIDTH, HEIGHT, ROW = 3.1, 0.72, 1.25            # [inch] of a box; from row to row
 COLORS = ('#eef3fa', '#e3ecf7', '#d7e5f4', '#ccdef0', '#c1d7ed', '#b5d0e9', '#aac9e6', '#9ec2e2')
+
+
+def place(folder):
+    """Return the path of a folder of either package, or None."""
+    return next((package / folder for package in PACKAGES if (package / folder).is_dir()), None)
 
 
 def layers():
@@ -29,17 +34,17 @@ def layers():
     tree = ast.parse((ROOT / 'test' / 'test_architecture.py').read_text(encoding='utf-8'))
     found = next(ast.literal_eval(node.value) for node in tree.body if isinstance(node, ast.Assign)
                  and getattr(node.targets[0], 'id', '') == 'LAYERS')
-    rows = [[name for name in row if (PACKAGE / name).is_dir()] for row in found]
+    rows = [[name for name in row if place(name)] for row in found]
     return [row for row in rows if row]
 
 
 def imports(folder, folders):
     """Return the folders that the modules of a folder import from."""
     found = set()
-    for path in (PACKAGE / folder).rglob('*.py'):
+    for path in place(folder).rglob('*.py'):
         for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
             module = getattr(node, 'module', None) if isinstance(node, ast.ImportFrom) else None
-            if module and module.startswith('fourbar_ros.'):
+            if module and module.startswith(('fourbar_ros.', 'fourbar_lab.')):
                 found.add(module.split('.')[1])
     return (found & set(folders)) - {folder}
 
@@ -58,7 +63,7 @@ def arrows(folders):
 
 def text_of(folder):
     """Return the first sentence of a folder's docstring, without its full stop."""
-    doc = ast.get_docstring(ast.parse((PACKAGE / folder / '__init__.py').read_text('utf-8')))
+    doc = ast.get_docstring(ast.parse((place(folder) / '__init__.py').read_text('utf-8')))
     return (doc or '').split('\n')[0].rstrip('.').replace('``', '')
 
 

@@ -7,6 +7,7 @@ Text between ``<!-- NAME -->`` and ``<!-- end -->`` is replaced; a test checks t
 of date.
 """
 import argparse
+from collections import Counter
 from math import isnan
 from pathlib import Path
 import re
@@ -17,14 +18,18 @@ sys.path[:0] = [str(ROOT), str(ROOT / 'docs')]
 
 import approximations  # noqa: E402
 import formulas  # noqa: E402, I100
+from fourbar_lab.studies.measures import INPUT, OF_MECHANISM, PARTS, QUANTITY  # noqa: E402
 from fourbar_ros.cli import main  # noqa: E402, I100
 from fourbar_ros.mechanisms.kinds import KINDS  # noqa: E402
 from fourbar_ros.mechanisms.quantities import known, POSITIONS, positions, QUANTITIES  # noqa: E402
-from fourbar_ros.scene.families import NAMED  # noqa: E402
-from fourbar_ros.scene.parameter import REQUIRED  # noqa: E402
-from fourbar_ros.scene.parameters import PARAMETERS  # noqa: E402
+from fourbar_ros.scene.parameter_table import (  # noqa: E402
+    FAMILIES,
+    LINKS,
+    PARAMETERS,
+    REQUIRED,
+)
 from fourbar_ros.scene.topics import (  # noqa: E402
-    APPLIED,
+    applied_topic,
     DRIVE_STATE,
     DRIVEN,
     FIND_EXTREMA,
@@ -35,11 +40,11 @@ from fourbar_ros.scene.topics import (  # noqa: E402
     SERVICES,
     TORQUE,
     TRAJECTORIES,
-    WRENCHES,
+    wrench_topic,
 )
-from fourbar_ros.studies.measures import INPUT, OF_MECHANISM, PARTS, QUANTITY  # noqa: E402
 
 DOCS = ROOT / 'docs'
+COMMON = 3              # so many verbs share an argument that is listed once
 
 
 def default(parameter):
@@ -65,8 +70,16 @@ def having(quantity):
     return 'all' if found == list(KINDS) else ', '.join(found)
 
 
-def node_tables():
-    """Return {name: Markdown table} of node.md."""
+def messages():
+    """Return Markdown: each message, service and action as its definition has it."""
+    files = [file for part in ('msg', 'srv', 'action')
+             for file in sorted((ROOT / 'msg_defs' / part).iterdir())]
+    return '\n\n'.join(f'### {file.parent.name}/{file.stem}\n\n```text\n'
+                       f'{file.read_text(encoding="utf-8").strip()}\n```' for file in files)
+
+
+def reference_tables():
+    """Return {name: Markdown} of reference.md."""
     table = formulas.table
     return {
         'inputs': table(('`drive.source`', 'topic', 'type', 'what'),
@@ -81,10 +94,14 @@ def node_tables():
                            for t in PICTURES.values()]),
         'wrenches': table(('topic', 'type', 'what'),
                           [(f'`{t.topic}`', f'`{t.type}`', t.text)
-                           for topics in (WRENCHES, APPLIED) for t in topics.values()]),
+                           for topic in (wrench_topic, applied_topic)
+                           for t in map(topic, LINKS)]),
         'always': table(('topic', 'type', 'what'),
                         [(f'`{t.topic}`', f'`{t.type}`', t.text)
                          for t in (DRIVEN, SCENE, DRIVE_STATE)]),
+        'trajectories': table(('topic', 'type', 'what'),
+                              [(f'`{t.topic}`', f'`{t.type}`', t.text)
+                               for t in TRAJECTORIES.values()]),
         'services': table(('service', 'type', 'what'),
                           [(f'`{s.service}`', f'`{s.type}`', s.text) for s in SERVICES.values()]),
         'actions': table(('action', 'type', 'what'),
@@ -93,7 +110,7 @@ def node_tables():
         'parameters': table(('parameter', 'type', 'unit', 'default', 'allowed', 'live', 'what'),
                             [(f'`{p.name}`', p.type, p.unit, default(p), p.allowed, 'yes' if p.live
                               else '', p.text)
-                             for table_of in (PARAMETERS, *NAMED.values())
+                             for table_of in (PARAMETERS, *FAMILIES.values())
                              for p in table_of.values()]),
         'joints': table(('`linkage.kind`', 'joints in this order: place, coordinate'),
                         [(f'`{name}`', '; '.join(f'{joint.place} `{joint.coordinate.position}`'
@@ -102,6 +119,7 @@ def node_tables():
         'quantities': table(('quantity', 'unit', 'what', 'of'),
                             [(f'`{q.name}`', q.unit, q.text, having(q.name))
                              for q in (*QUANTITIES.values(), *POSITIONS.values())]),
+        'messages': messages(),
     }
 
 
@@ -134,10 +152,15 @@ def command_tables():
     """Return {name: Markdown} of command_line.md."""
     overview = formulas.table(('command', 'what it does'),
                               [(f'`{name}`', text) for name, text, _ in _verbs()])
-    arguments = [f'### {name}\n\n' + formulas.table(('argument', 'meaning'), [
-        _option(action) for action in sub._actions if action.dest != 'help'])
-        for name, _, sub in _verbs()]
-    return {'verbs': overview, 'arguments': '\n\n'.join(arguments)}
+    rows = {name: [_option(action) for action in sub._actions if action.dest != 'help']
+            for name, _, sub in _verbs()}
+    times = Counter(row for found in rows.values() for row in found)
+    common = [row for row, count in times.items() if count >= COMMON]
+    arguments = [f'### {name}\n\n' + formulas.table(('argument', 'meaning'), own)
+                 for name, found in rows.items()
+                 if (own := [row for row in found if row not in common])]
+    return {'verbs': overview, 'common': formulas.table(('argument', 'meaning'), common),
+            'arguments': '\n\n'.join(arguments)}
 
 
 def study_tables():
@@ -153,25 +176,22 @@ def study_tables():
 
 
 def approximation_tables():
-    """Return {name: Markdown table} of mimic.md, and of transmission.md."""
+    """Return {name: Markdown table} of robots.md."""
     table = formulas.table
-    return ({'mimic': table(('scene', 'output', 'travel', 'line', 'cubic', 'rate of the line'),
-                            list(approximations.mimic_rows()))},
-            {'static_map': table(('rate', 'largest torque', 'of the static map', 'error'),
-                                 list(approximations.static_rows())),
-             'trajectories': table(('topic', 'type', 'what'),
-                                   [(f'`{t.topic}`', f'`{t.type}`', t.text)
-                                    for t in TRAJECTORIES.values()])})
+    return {'mimic': table(('scene', 'output', 'travel', 'line', 'cubic', 'rate of the line'),
+                           list(approximations.mimic_rows())),
+            'static_map': table(('rate', 'largest torque', 'of the static map', 'error'),
+                                list(approximations.static_rows()))}
 
 
 def pages():
     """Return {path: text as it should be} of the pages with tables."""
     return {DOCS / name: filled(DOCS / name, tables)
-            for name, tables in (('node.md', node_tables()), ('formulas.md', formulas.tables()),
+            for name, tables in (('reference.md', reference_tables()),
+                                 ('formulas.md', formulas.tables()),
                                  ('command_line.md', command_tables()),
                                  ('studies.md', study_tables()),
-                                 ('mimic.md', approximation_tables()[0]),
-                                 ('transmission.md', approximation_tables()[1]))}
+                                 ('robots.md', approximation_tables()))}
 
 
 def filled(page, tables):

@@ -3,12 +3,24 @@
 """
 Planar linkages: exact motion, loads and extrema. The library needs numpy only.
 
-The names below are imported when they are first used: the node catches signals before numpy loads.
+>>> from fourbar_ros import Bodies, find_extrema, FourBar, round_rod
+>>> rods = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8)))
+>>> linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=rods)      # a1 to a4 [m]
+>>> motion, loads = linkage.step(1.0, 25.0)                 # theta1 [rad], omega1 [rad/s]
+>>> f'{motion.omega4:.6f} rad/s, {loads.shaking_force:.3f} N'
+'11.032049 rad/s, 874.370 N'
+>>> for extremum in find_extrema(linkage, ('omega4',), rate=25.0):
+...     print(f'{extremum.kind} {extremum.value:.6f} rad/s at {extremum.theta1:.6f} rad')
+maximum 13.513437 rad/s at 1.667165 rad
+minimum -23.959382 rad/s at 5.913850 rad
+
+Names are imported when they are first used: the node catches signals before numpy loads.
 """
 from __future__ import annotations
 
-from importlib import import_module
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
+
+from fourbar_ros.lazy import lazily
 
 if TYPE_CHECKING:
     from fourbar_ros.errors import (
@@ -20,12 +32,20 @@ if TYPE_CHECKING:
     )
     from fourbar_ros.extrema.batch import find_extrema_many
     from fourbar_ros.extrema.find import find_extrema
-    from fourbar_ros.mechanics.bodies import Applied, Bodies, Body, External, round_rod
+    from fourbar_ros.mechanics.bodies import (
+        Applied,
+        Bodies,
+        Body,
+        External,
+        flat_bar,
+        round_rod,
+    )
     from fourbar_ros.mechanisms.contract import CROSSED, OPEN
     from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
     from fourbar_ros.mechanisms.four_bar.loads import Loads
     from fourbar_ros.mechanisms.four_bar.motion import Motion
     from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
+    from fourbar_ros.mechanisms.mechanism import Mechanism
     from fourbar_ros.mechanisms.points import point_motion
     from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
     from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
@@ -33,40 +53,26 @@ if TYPE_CHECKING:
 
 __version__ = '1.0.0'
 
-_FACE = {
-    'errors': ('FourBarError', 'InvalidParameter', 'MissingBodies', 'OutOfRange', 'Toggle'),
-    'extrema.batch': ('find_extrema_many',),
-    'extrema.find': ('find_extrema',),
-    'mechanics.bodies': ('Applied', 'Bodies', 'Body', 'External', 'round_rod'),
-    'mechanisms.four_bar.four_bar': ('FourBar',),
-    'mechanisms.four_bar.loads': ('Loads',),
-    'mechanisms.four_bar.motion': ('Motion',),
-    'mechanisms.inverted_slider_crank.inverted_slider_crank': ('InvertedSlider',),
-    'mechanisms.contract': ('CROSSED', 'OPEN'),
-    'mechanisms.points': ('point_motion',),
-    'mechanisms.scotch_yoke.scotch_yoke': ('ScotchYoke',),
-    'mechanisms.slider_crank.slider_crank': ('SliderCrank',),
-}
-_MODULE_OF = {name: module for module, names in _FACE.items() for name in names}
-
 __all__ = [
     'CROSSED', 'OPEN', 'Applied', 'Bodies', 'Body', 'External', 'FourBar', 'FourBarError',
-    'InvalidParameter', 'InvertedSlider', 'Loads', 'MissingBodies', 'Motion', 'OutOfRange',
-    'ScotchYoke', 'SliderCrank', 'Toggle', 'find_extrema', 'find_extrema_many', 'load_scene',
-    'point_motion',
-    'round_rod',
+    'InvalidParameter', 'InvertedSlider', 'Loads', 'Mechanism', 'MissingBodies', 'Motion',
+    'OutOfRange', 'ScotchYoke', 'SliderCrank', 'Toggle', 'find_extrema', 'find_extrema_many',
+    'flat_bar', 'load_scene', 'point_motion', 'round_rod',
 ]
 
-
-def __getattr__(name: str) -> Any:
-    """Import the module that defines a public name when the name is first used."""
-    if name == 'load_scene':
-        return import_module('fourbar_ros.scene.scene').load
-    if name not in _MODULE_OF:
-        raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
-    return getattr(import_module(f'fourbar_ros.{_MODULE_OF[name]}'), name)
-
-
-def __dir__() -> list[str]:
-    """Return the public names."""
-    return sorted([*globals(), *__all__])
+__getattr__, __dir__ = lazily(__name__, {
+    'fourbar_ros.errors': 'FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle',
+    'fourbar_ros.extrema.batch': 'find_extrema_many',
+    'fourbar_ros.extrema.find': 'find_extrema',
+    'fourbar_ros.mechanics.bodies': 'Applied, Bodies, Body, External, flat_bar, round_rod',
+    'fourbar_ros.mechanisms.contract': 'CROSSED, OPEN',
+    'fourbar_ros.mechanisms.four_bar.four_bar': 'FourBar',
+    'fourbar_ros.mechanisms.four_bar.loads': 'Loads',
+    'fourbar_ros.mechanisms.four_bar.motion': 'Motion',
+    'fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank': 'InvertedSlider',
+    'fourbar_ros.mechanisms.mechanism': 'Mechanism',
+    'fourbar_ros.mechanisms.points': 'point_motion',
+    'fourbar_ros.mechanisms.scotch_yoke.scotch_yoke': 'ScotchYoke',
+    'fourbar_ros.mechanisms.slider_crank.slider_crank': 'SliderCrank',
+    'fourbar_ros.scene.scene': 'load as load_scene',
+})

@@ -24,14 +24,15 @@ class FourBarError(Exception):
     """Base of every error this package raises on purpose; they pass from process to process."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _again, (type(self), self.args, self.__dict__)
+        return _unpickled, (type(self), self.args, self.__dict__)
 
 
-def _again(kind: type[FourBarError], args: tuple[Any, ...], kept: dict[str, Any]) -> FourBarError:
+def _unpickled(kind: type[FourBarError], args: tuple[Any, ...], kept: dict[str, Any]
+               ) -> FourBarError:
     """
-    Return an error that was pickled, from its message and what it keeps.
+    Return an error that was pickled, without calling ``__init__``.
 
-    Not from what it was made of.
+    Its arguments are other ones than ``args``.
     """
     error = kind.__new__(kind, *args)
     error.args = args

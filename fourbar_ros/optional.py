@@ -10,7 +10,8 @@ from fourbar_ros.errors import FourBarError
 
 BAGS = 'pip install mcap lz4 zstandard'
 INSTALL = {'mcap': BAGS, 'lz4': BAGS, 'zstandard': BAGS, 'matplotlib': 'pip install matplotlib',
-           'pyarrow': 'pip install pyarrow', 'flint': 'pip install python-flint',
+           'pyarrow': 'pip install pyarrow', 'openpyxl': 'pip install openpyxl',
+           'flint': 'pip install python-flint',
            'scipy': 'pip install scipy', 'distributed': 'pip install distributed',
            'nicegui': 'pip install nicegui',
            'rich': 'pip install rich', 'yaml': 'pip install pyyaml'}

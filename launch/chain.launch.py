@@ -9,7 +9,7 @@ lists what can be given.
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
-from fourbar_ros.scene.chain import remappings
+from fourbar_ros.scene import find, remappings
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
@@ -22,15 +22,14 @@ def nodes(context):
     """Return the nodes, each with its remappings."""
     given = {name: LaunchConfiguration(name).perform(context)
              for name in ('file', 'nodes', 'namespace', 'use_sim_time', 'log_level')}
-    shipped = CHAINS / f'{given["file"]}.yaml'
-    file = shipped if shipped.is_file() and not Path(given['file']).is_file() else given['file']
+    file, names = find(given['file'], CHAINS), given['nodes'].replace(',', ' ').split()
     return [Node(
         package='fourbar_ros', executable='fourbar_node', output='screen',
         name=name, namespace=given['namespace'], remappings=rules,
         arguments=['--ros-args', '--params-file', str(file),
                    '-p', f'use_sim_time:={given["use_sim_time"]}',
                    '--log-level', given['log_level']])
-            for name, rules in remappings(file, given['nodes'].split(',')).items()]
+            for name, rules in remappings(file, names).items()]
 
 
 def generate_launch_description():

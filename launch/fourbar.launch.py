@@ -8,6 +8,7 @@ Start the node with a scene: ``ros2 launch fourbar_ros fourbar.launch.py scene:=
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
+from fourbar_ros.scene import find
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
@@ -17,24 +18,12 @@ from launch_ros.parameter_descriptions import ParameterValue
 SCENES = Path(get_package_share_directory('fourbar_ros')) / 'config'
 
 
-def scene_file(scene):
-    """Return the path of a scene: a file, or the name of one in the share folder."""
-    shipped = SCENES / f'{scene}.yaml'
-    if Path(scene).is_file() or not shipped.is_file():
-        shipped = Path(scene)
-    if not shipped.is_file():
-        known = ', '.join(sorted(file.stem for file in SCENES.glob('*.yaml')))
-        raise FileNotFoundError(f'scene:={scene}: no such file, and no scene of this name; '
-                                f'known: {known}')
-    return str(shipped)
-
-
 def node(context):
     """Return the node, its scene found."""
     return [Node(
         package='fourbar_ros', executable='fourbar_node', output='screen',
         name=LaunchConfiguration('name'), namespace=LaunchConfiguration('namespace'),
-        parameters=[scene_file(LaunchConfiguration('scene').perform(context)), {
+        parameters=[str(find(LaunchConfiguration('scene').perform(context), SCENES)), {
             'use_sim_time': ParameterValue(LaunchConfiguration('use_sim_time'), value_type=bool)}],
         arguments=['--ros-args', '--log-level', LaunchConfiguration('log_level')])]
 

@@ -239,8 +239,9 @@ fi
 # fourbar_ros is installed as links into this tree, so an edited .py or .yaml needs no build; what
 # does is a change of its metadata or of the list of files it shares. (A plain `colcon build` turns
 # the links into copies: setup.py in build/ is then no link any more.)
-msgs_hash=$(find msg_defs -type f -print0 | sort -z | xargs -0 sha256sum | cat - "${run_files[0]}" | hash_of -)
-tf2_hash=$(find tf2_defs -type f -print0 | sort -z | xargs -0 sha256sum | cat - "${run_files[0]}" | hash_of -)
+build_files=("${run_files[0]}" scripts/only_python.cmake)
+msgs_hash=$(find msg_defs -type f -print0 | sort -z | xargs -0 sha256sum | cat - "${build_files[@]}" | hash_of -)
+tf2_hash=$(find scripts/tf2_msgs -type f -print0 | sort -z | xargs -0 sha256sum | cat - "${build_files[@]}" | hash_of -)
 package_hash=$({ find config launch -type f 2>/dev/null || true; } | sort | cat - setup.py setup.cfg package.xml | hash_of -)
 
 stale=()
@@ -261,14 +262,23 @@ if [ "${#stale[@]}" -gt 0 ]; then
     rm -f "install/$package/.built"
     rm -rf "build/$package" "install/$package"
   done
-  if [ "$ros" = wheels ]; then export AMENT_PREFIX_PATH=$venv CMAKE_PREFIX_PATH=$venv; fi
+  # A copy: scripts/tf2_msgs is hidden from colcon, so that it never stands before a real tf2_msgs.
+  rm -rf build/sources
+  mkdir -p build/sources
+  cp -r scripts/tf2_msgs build/sources/tf2_msgs
+  rm build/sources/tf2_msgs/COLCON_IGNORE
+  only=()
+  if [ "$ros" = wheels ]; then
+    export AMENT_PREFIX_PATH=$venv CMAKE_PREFIX_PATH=$venv
+    only=("-DCMAKE_PROJECT_INCLUDE=$root/scripts/only_python.cmake")
+  fi
   # VIRTUAL_ENV and PATH as when activated, for what CMake runs.
   # BUILD_TESTING is off because the message package has no tests and its linters are no wheels.
   VIRTUAL_ENV=$venv PATH=$venv/bin:$PATH step "building ${stale[*]}" build \
     "$py" -c 'import sys; from colcon_core.command import main; sys.exit(main())' \
-    --log-base log build --base-paths . msg_defs tf2_defs --packages-select "${stale[@]}" \
+    --log-base log build --base-paths . msg_defs build/sources/tf2_msgs --packages-select "${stale[@]}" \
     --symlink-install --event-handlers console_direct+ \
-    --cmake-args -DCMAKE_BUILD_TYPE=Release -DBUILD_TESTING=OFF "-DPython3_EXECUTABLE=$py" ||
+    --cmake-args -DCMAKE_BUILD_TYPE=Release -DBUILD_TESTING=OFF "-DPython3_EXECUTABLE=$py" "${only[@]}" ||
     die "the build failed; its first error:" "$(grep -m1 -iE '(^|[^a-z])error( |:)' "$logs/build.log" || echo unknown)" \
       'All of its output: log/setup/build.log'
   for package in "${stale[@]}"; do

@@ -2,12 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Isolation: every test run has its own ROS domain on this machine only, and its own folders."""
 import atexit
+from collections import Counter
 import contextlib
+from math import inf
 import os
 import shutil
+import signal
 import socket
 import subprocess
+import sys
 import tempfile
+import time
+
+import pytest
 
 _held = []      # a socket that is bound for as long as this run has its domain
 
@@ -35,18 +42,73 @@ os.environ['ROS_PYTHON_CHECK_FIELDS'] = '1'
 os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 os.environ['ROS_DOMAIN_ID'] = str(_own_domain())
 os.environ['PYTHONFAULTHANDLER'] = '1'
+# Without bytecode every worker, node and command of a run would compile all that it imports.
+os.environ.pop('PYTHONDONTWRITEBYTECODE', None)
+sys.dont_write_bytecode = False
 
 
-# Folders with the slowest files. They begin first, so that no long file is left for the end.
-_SLOWEST = ('ros', 'live', 'studies', 'docs', 'reproduction', 'bag')
+def _let_children_have_signals():
+    """
+    Give children the default actions of signals that this run ignores, as under nohup.
+
+    What is ignored is inherited, what is handled is not: this run goes on ignoring them.
+    """
+    for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM):
+        if signal.getsignal(number) is signal.SIG_IGN:
+            signal.signal(number, lambda *_: None)
+
+
+_let_children_have_signals()
+
+
+# Folders of tests that wait for processes, browsers and clocks, and of those that compute longest.
+_WAIT = ('live', 'ros', 'studies', 'bag', 'cli')
+_COMPUTE = ('docs', 'machine', 'extrema', 'dynamics')
+_NO_TIME = 'no time was left'
+
+
+def pytest_addoption(parser):
+    """Add the limit of the second part of .ci/run."""
+    parser.addoption('--minutes', type=float, default=inf,
+                     help='begin no test after so many minutes, and name those left')
+
+
+def pytest_configure(config):
+    """Note when the last test may begin."""
+    config.end = time.monotonic() + 60.0 * config.getoption('minutes')
 
 
 def pytest_collection_modifyitems(items):
-    """Put the slowest folders first."""
-    def place(item):
-        folder = item.path.parent.name
-        return _SLOWEST.index(folder) if folder in _SLOWEST else len(_SLOWEST)
-    items.sort(key=place)
+    """Mix files that wait with files that compute, the long first: both cores have work always."""
+    files = {}
+    for item in items:
+        files.setdefault(item.path, []).append(item)
+
+    def rank(path, folders):
+        name = path.parent.name
+        return folders.index(name) if name in folders else len(folders)
+    waiting = sorted((path for path in files if path.parent.name in _WAIT),
+                     key=lambda path: rank(path, _WAIT))
+    computing = sorted(files.keys() - set(waiting), key=lambda path: (rank(path, _COMPUTE), path))
+    order = sorted((k / len(kind), path) for kind in (waiting, computing)
+                   for k, path in enumerate(kind))
+    items[:] = [item for _, path in order for item in files[path]]
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item):
+    """Leave out a test for which no time is left."""
+    if time.monotonic() > item.config.end:
+        pytest.skip(_NO_TIME)
+
+
+def pytest_terminal_summary(terminalreporter):
+    """Name the files whose tests were left out, and how many."""
+    left = Counter(report.nodeid.partition('::')[0]
+                   for report in terminalreporter.stats.get('skipped', ())
+                   if _NO_TIME in str(report.longrepr))
+    for file, number in sorted(left.items()):
+        terminalreporter.write_line(f'not run, {_NO_TIME}: {file}, {number} tests')
 
 
 def pytest_sessionfinish(session, exitstatus):

@@ -1,6 +1,8 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The core needs numpy alone, and nothing is loaded before it is needed."""
+import importlib
+import re
 import subprocess
 import sys
 
@@ -33,7 +35,7 @@ assert len(find_extrema(linkage, (), 25.0)) > 20
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize('name', ['mechanisms.kinds', 'scene.scene', 'pipeline.message_fields',
+@pytest.mark.parametrize('name', ['mechanisms.kinds', 'scene.scene', 'pipeline.status',
                                   'cli.main', 'scene.topics', 'scene.parameters'])
 def test_ros_scipy_mcap_and_matplotlib_are_not_imported_by(name):
     done = run(f"""
@@ -44,7 +46,8 @@ print([m for m in ('rclpy', 'scipy', 'mcap', 'matplotlib') if m in sys.modules])
     assert done.stdout.strip() == '[]', done.stdout + done.stderr
 
 
-@pytest.mark.parametrize('name', ['bag.recorder', 'bag.reader', 'bag.recompute', 'report.tables'])
+@pytest.mark.parametrize('name', ['bag.write.recorder', 'bag.read.reader',
+                                  'bag.comparison.recompute', 'report.tables'])
 def test_bags_and_tables_need_no_ros(name):
     done = run(f'import sys; sys.modules["rclpy"] = None; import fourbar_ros.{name}')
     assert done.returncode == 0, done.stderr
@@ -62,10 +65,46 @@ def test_only_modules_in_ros_name_ros_packages():
                 assert words[1].split('.')[0] not in packages, f'{file.name}: {line}'
 
 
-def test_every_public_name_exists():
-    import fourbar_ros
-    for name in fourbar_ros.__all__:
-        assert hasattr(fourbar_ros, name)
+PUBLIC = ('fourbar_ros', 'fourbar_ros.bag', 'fourbar_ros.description', 'fourbar_ros.dynamics',
+          'fourbar_ros.extrema', 'fourbar_ros.machine', 'fourbar_ros.scene',
+          'fourbar_ros.transmission', 'fourbar_lab.balancing', 'fourbar_lab.reproduction',
+          'fourbar_lab.studies')
+
+IMPORT = r'^(?:>>> |\.\.\. )?from (fourbar_(?:ros|lab)[\w.]*) import (\([^)]*\)|.*)'
+
+
+@pytest.mark.parametrize('name', PUBLIC)
+def test_every_public_name_exists_and_the_docstring_shows_it_at_work(name):
+    package = importlib.import_module(name)
+    for public in package.__all__:
+        assert hasattr(package, public), public
+    assert set(package.__all__) <= set(dir(package))
+    assert f'>>> from {name} import ' in package.__doc__
+
+
+def test_public_faces_and_the_help_of_every_verb_load_nothing_heavy():
+    done = run(f"""
+import sys
+import {', '.join(name for name in PUBLIC if name != 'fourbar_ros.machine')}
+from fourbar_ros.cli.main import parser
+parser()
+print([name for name in {HEAVY!r} if name in sys.modules and name not in ('rich', 'yaml')])
+""")
+    assert done.stdout == '[]\n', done.stdout + done.stderr
+
+
+def test_what_users_read_imports_public_names_alone():
+    wrong = []
+    for path in [ROOT / 'README.md', *sorted((ROOT / 'docs').rglob('*.md')),
+                 *sorted((ROOT / 'launch').glob('*.py')),
+                 *sorted((ROOT / 'examples').glob('*.py'))]:
+        text = path.read_text(encoding='utf-8')
+        for module, names in re.findall(IMPORT, text, re.M):
+            face = importlib.import_module(module) if module in PUBLIC else None
+            words = re.findall(r'\w+', re.sub('#.*', '', names))
+            wrong += [f'{path.name}: {module}.{name}' for name in words
+                      if name not in getattr(face, '__all__', ())]
+    assert not wrong, '\n'.join(wrong)
 
 
 def test_the_node_catches_signals_before_anything_long_is_imported():

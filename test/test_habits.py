@@ -14,7 +14,7 @@ ROOT = Path(__file__).parent.parent
 # Distribution or package.xml name of each import that has another name than its package.
 NAMES = {'yaml': 'pyyaml', 'flint': 'python-flint', 'mcap_ros2': 'mcap-ros2-support',
          'axe_core_python': 'axe-core-python'}
-OURS = ('fourbar_ros', 'bench', 'support')
+OURS = ('fourbar_ros', 'fourbar_lab', 'bench', 'support')
 
 
 def text(path):
@@ -51,7 +51,7 @@ def required(*files):
 
 def test_the_version_stands_in_one_place_and_its_copies_agree():
     version = re.search(r"^__version__ = '([^']+)'$", text('fourbar_ros/__init__.py'), re.M)[1]
-    for file in ('package.xml', 'msg_defs/package.xml', 'tf2_defs/package.xml'):
+    for file in ('package.xml', 'msg_defs/package.xml', 'scripts/tf2_msgs/package.xml'):
         assert re.findall('<version>([^<]+)</version>', text(file)) == [version], file
     assert re.findall('^version: (.+)$', text('CITATION.cff'), re.M) == [version]
     done = subprocess.run([sys.executable, 'setup.py', '--version'], cwd=ROOT, check=True,
@@ -62,21 +62,21 @@ def test_the_version_stands_in_one_place_and_its_copies_agree():
 
 def test_what_the_product_imports_is_declared():
     ros, pip = ros_depends(), required('python', 'ros', 'test')
-    for name in third_party('fourbar_ros', 'launch'):
+    for name in third_party('fourbar_ros', 'fourbar_lab', 'launch'):
         distribution = NAMES.get(name, name)
         assert (name in ros or f'python3-{name}' in ros or distribution in pip
                 or distribution in text('setup.py')), name
 
 
 def test_every_message_package_that_is_imported_is_in_package_xml():
-    packages = {name for name in third_party('fourbar_ros', 'launch')
+    packages = {name for name in third_party('fourbar_ros', 'fourbar_lab', 'launch')
                 if name.endswith(('_msgs', '_interfaces')) or name in ('rclpy', 'launch_ros')}
     assert packages <= ros_depends(), packages - ros_depends()
 
 
 @pytest.mark.parametrize(('list_name', 'folders'),
-                         [('python', ('fourbar_ros',)),
-                          ('test', ('test', 'bench', 'docs', 'fourbar_ros'))])
+                         [('python', ('fourbar_ros', 'fourbar_lab')),
+                          ('test', ('test', 'bench', 'docs', 'fourbar_ros', 'fourbar_lab'))])
 def test_no_requirement_is_dead(list_name, folders):
     imported = {NAMES.get(name, name) for name in third_party(*folders)}
     tools = {'ruff', 'pytest-xdist', 'coverage'}        # commands and plugins, not imported

@@ -39,8 +39,8 @@ from pathlib import Path
 from support import bags
 from support.scenes import PAPER
 
-from fourbar_ros.bag.recompute import compare
-from fourbar_ros.bag.info import info
+from fourbar_ros.bag.comparison.recompute import compare
+from fourbar_ros.bag.read.info import info
 
 path = bags.run(Path('.'), 'bag', PAPER, [(0.05 * k, 25.0, 0.0) for k in range(100)])
 assert info(path, check=True).is_sound
@@ -95,7 +95,7 @@ def test_studies_run_in_two_workers(run, tmp_path):
 def test_the_modules_of_the_node_import(run):
     pytest.importorskip('rclpy')
     done = run('-c', 'import fourbar_ros.ros.node.node\n'
-               'from fourbar_ros.ros.clients.keyboard import Keyboard\n'
+               'from fourbar_ros.cli.replay import Keyboard\n'
                'with Keyboard() as keys:\n'
                '    assert not keys.is_there and not keys.pressed()')
     assert done.returncode == 0, done.stderr

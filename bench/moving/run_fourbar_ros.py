@@ -9,9 +9,9 @@ from common import problems, report
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, SliderCrank  # noqa: E402, I100
-from fourbar_ros.dynamics.elements import Attachment, Spring  # noqa: E402
-from fourbar_ros.dynamics.simulate import REACHED, simulate  # noqa: E402
-from fourbar_ros.dynamics.system import System  # noqa: E402
+from fourbar_ros.dynamics.model.elements import Attachment, Spring  # noqa: E402
+from fourbar_ros.dynamics.model.system import System  # noqa: E402
+from fourbar_ros.dynamics.solve.simulate import REACHED, simulate  # noqa: E402
 
 KINDS = {'slider_crank': SliderCrank, 'four_bar': FourBar}
 FIELDS = ('theta1', 'beta', 'slide')

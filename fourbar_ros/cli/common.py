@@ -6,10 +6,13 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from itertools import groupby
 from pathlib import Path
+from textwrap import wrap
 from typing import Any, Protocol
 
-from fourbar_ros.scene.arguments import finite, not_negative
+from fourbar_ros.scene.arguments import not_negative
+from fourbar_ros.scene.units import of
 
 
 class Verbs(Protocol):
@@ -17,6 +20,33 @@ class Verbs(Protocol):
 
     def add_parser(self, *args: Any, **kwargs: Any) -> argparse.ArgumentParser:
         """Return the parser of a new verb."""
+
+
+class HelpFormatter(argparse.HelpFormatter):
+    """Fills paragraphs to the terminal; of examples, which are indented, it keeps the lines."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        lines: list[str] = []
+        for is_example, part in groupby(text.splitlines(), lambda line: line[:1] in ('', ' ')):
+            if is_example:
+                lines += [filled for line in part for filled in self._example(line, width)]
+            else:
+                lines += wrap(' '.join(part), width, break_on_hyphens=False)
+        return '\n'.join(indent + line for line in lines)
+
+    @staticmethod
+    def _example(line: str, width: int) -> list[str]:
+        """Return the lines of an example: a long one goes on in the next, its remark below it."""
+        if len(line) <= width:
+            return [line]
+        start = ' ' * (len(line) - len(line.lstrip()))
+        example, _, remark = line.strip().partition('   ')
+        parts = wrap(example, width - 2, initial_indent=start, subsequent_indent=start + '    ',
+                     break_on_hyphens=False, break_long_words=False)
+        goes_on = ' \\' if example.startswith('fourbar') else ''       # as a shell wants it
+        return [*(part + goes_on for part in parts[:-1]), parts[-1],
+                *wrap(remark.strip(), width, initial_indent=start + '      ',
+                      subsequent_indent=start + '      ')]
 
 
 BAD = 3         # exit code: the verb has done its work, but the result is not good
@@ -27,21 +57,36 @@ PICTURE_HELP = 'picture to write: .png, .svg or .pdf'
 
 def add_verb(verbs: Verbs, name: str, text: str, description: str, epilog: str = ''
              ) -> argparse.ArgumentParser:
-    """Add a verb whose description and epilog keep their line breaks; return its parser."""
+    """Add a verb; return its parser."""
     return verbs.add_parser(name, help=text, description=description, epilog=epilog,
-                            formatter_class=argparse.RawDescriptionHelpFormatter)
+                            formatter_class=HelpFormatter)
 
 
 def add_pose(parser: argparse.ArgumentParser, what_at: str, is_required: bool = False) -> None:
     """Add the arguments for input, speed, acceleration and assembly mode."""
-    parser.add_argument('--at', type=finite, required=is_required, metavar='INPUT', help=what_at)
-    parser.add_argument('--speed', type=finite, metavar='SPEED',
-                        help='input speed [rad/s], for a slide [m/s]; default: drive.speed of the '
-                             'scene')
-    parser.add_argument('--acceleration', type=finite, default=0.0, metavar='ACCELERATION',
+    parser.add_argument('--at', type=of('angle', 'length'), required=is_required, metavar='INPUT',
+                        help=what_at + '; or with a unit: 60deg, 1.2rad, 50mm')
+    add_rates(parser)
+
+
+def add_rates(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments for speed, acceleration and assembly mode."""
+    parser.add_argument('--speed', type=of('angular speed', 'speed'), metavar='SPEED',
+                        help='input speed [rad/s], for a slide [m/s], or with a unit: 300rpm; '
+                             'default: drive.speed of the scene')
+    parser.add_argument('--acceleration', type=of('angular acceleration', 'acceleration'),
+                        default=0.0, metavar='ACCELERATION',
                         help='input acceleration [rad/s^2], for a slide [m/s^2]; default 0')
-    parser.add_argument('--mode', type=int, choices=(1, 2),
-                        help='assembly mode; default: that of the scene')
+    parser.add_argument('--mode', type=assembly_mode, metavar='MODE',
+                        help='assembly mode: 1 (crossed) or 2 (open); default: that of the scene')
+
+
+def assembly_mode(text: str) -> int:
+    """Return an assembly mode of its number or name; for ``type=`` of an argument."""
+    modes = {'1': 1, '2': 2, 'crossed': 1, 'open': 2}
+    if text not in modes:
+        raise argparse.ArgumentTypeError(f'{text!r}: must be 1 or crossed, 2 or open')
+    return modes[text]
 
 
 def add_json(parser: argparse.ArgumentParser) -> None:
@@ -81,6 +126,6 @@ def bar(text: str, total: int) -> Iterator[Callable[[int], None]]:
 @contextmanager
 def reading(path: str | Path, text: str) -> Iterator[Callable[[int], None]]:
     """Show how much of a bag is read; gives the function to call with the bytes read."""
-    from fourbar_ros.formats.rosbag2_folder import files_of
+    from fourbar_ros.bag.rosbag2 import files_of
     with bar(text, sum(file.stat().st_size for file in files_of(path))) as step:
         yield step

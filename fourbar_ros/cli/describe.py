@@ -19,7 +19,7 @@ examples:
 URDF cannot close a loop: the tree is cut at one joint of each loop, and two frames there,
 closing_NAME_1 and closing_NAME_2, coincide as long as the joint states belong together. Publish
 those of the node (output joint_states), which has all joints; never joint_state_publisher's.
-docs/descriptions.md has the rest.
+docs/robots.md has the rest.
 """
 
 
@@ -38,7 +38,7 @@ def add(verbs: Verbs) -> None:
 
 
 def _describe(arguments: Namespace) -> None:
-    from fourbar_ros.description.describe import describe
+    from fourbar_ros.description.formats import describe
     from fourbar_ros.scene.scene import load
     suffix = arguments.out.suffix if arguments.out else ''
     text = describe(load(arguments.scene), arguments.format or SUFFIXES.get(suffix, 'urdf'))

@@ -10,7 +10,7 @@ from fourbar_ros.cli.common import add_pose, add_verb, PICTURE_HELP, SCENE_HELP,
 
 if TYPE_CHECKING:      # verbs import when they run
     from fourbar_ros.mechanisms.mechanism import Mechanism
-    from fourbar_ros.report.mechanism_panel import Points
+    from fourbar_ros.mechanisms.picture import Points
 
 EPILOG = """\
 examples:
@@ -54,12 +54,16 @@ def _draw(arguments: Namespace) -> None:
     elif arguments.over:
         from fourbar_ros.report.cycles import make_cycle_figure
         from fourbar_ros.report.drawing import save
+        if arguments.over == 'forces' and scene.why_no_loads:
+            raise InvalidParameter('--over', arguments.over, scene.why_no_loads)
         print(save(make_cycle_figure(arguments.over, linkage, speed, arguments.acceleration,
                                      points), arguments.out))
     elif arguments.at is None:
         raise InvalidParameter('--at', None, 'must be given, or --animate, or --over')
     else:
-        _draw_pose(arguments, linkage, speed, points)
+        from fourbar_ros.report.poses import position_of
+        here = scene.linkage_at(linkage, position_of(linkage, arguments.at), speed)
+        _draw_pose(arguments, here, speed, points)
 
 
 def _draw_pose(arguments: Namespace, linkage: Mechanism, speed: float, points: Points) -> None:

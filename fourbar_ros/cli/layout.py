@@ -38,16 +38,14 @@ def add(verbs: Verbs) -> None:
 
 
 def _layout(arguments: Namespace) -> None:
-    from importlib import import_module
-
+    from fourbar_ros.description import layouts
     from fourbar_ros.errors import InvalidParameter
     from fourbar_ros.scene.scene import load
-    module = import_module(f'fourbar_ros.description.layouts.{arguments.tool}')
     scene, node = load(arguments.scene), '/' + arguments.node.strip('/')
     if arguments.tool == 'rviz' and not scene.pictures:
         raise InvalidParameter('outputs', list(scene.outputs), 'RViz shows robot_description, tf, '
                                                                'markers and traces: name some')
-    text = getattr(module, arguments.tool)(scene, node)
+    text = getattr(layouts, arguments.tool)(scene, node)
     if arguments.out is None:
         sys.stdout.write(text)
     else:

@@ -1,41 +1,48 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The ``fourbar`` command; each verb is a module of :mod:`fourbar_ros.cli`."""
+"""
+The ``fourbar`` command: each verb is a module of :mod:`fourbar_ros.cli`, or an entry point.
+
+Another package adds a verb by an entry point of the group ``fourbar.verbs`` that names a module
+with ``add(verbs)``, as ``fourbar_lab`` does.
+"""
 from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Sequence
 import contextlib
+from importlib.metadata import entry_points
 import signal
 import sys
 import threading
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from fourbar_ros import __version__
 from fourbar_ros.cli import (
     bag,
-    balance,
+    catalogue,
     describe,
     draw,
     layout,
-    live,
+    new,
     record,
     replay,
-    reproduce,
     scene,
     show,
     simulate,
-    study,
+    table,
 )
+from fourbar_ros.cli.common import HelpFormatter
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.optional import MissingPackage
 from fourbar_ros.scene.arguments import Parser
 
-VERBS = (show, live, draw, scene, simulate, bag, record, replay, describe, layout, study, balance,
-         reproduce)
+GROUP = 'fourbar.verbs'
+VERBS = (show, catalogue, new, table, draw, scene, simulate, bag, record, replay, describe, layout)
 DESCRIPTION = """\
-Motion, loads and extrema of planar four-bars, slider-cranks and inverted slider-cranks, and tools
-for recorded runs. Works without ROS, except for record and replay, which talk to a node.
+Motion, loads and extrema of planar linkages, and tools for recorded runs: four-bars,
+slider-cranks, inverted slider-cranks, Scotch yokes and machines of dyads. Works without ROS,
+except for record and replay, which talk to a node.
 
 A scene is a ROS 2 parameter file or the name of a shipped one, e.g. paper. The same file starts
 the node:
@@ -48,6 +55,9 @@ examples:
   fourbar show my.yaml --at 60                 your own scene, with its state at 60 degrees
   fourbar show slides_7_6 --at 60 --acceleration 100
   fourbar show cylinder --at 1.5               a boom and its cylinder, 1.5 m long
+  fourbar new my.yaml --a1 50mm --a2 150mm --a3 100mm --a4 125mm --bar 20x5mm
+  fourbar table paper f41 -o paper.csv         a load over the crank angle, for a spreadsheet
+  fourbar plot paper f41 -o paper.png          the same as a picture
   fourbar scene check paper                    what a node with this scene does, and what it costs
   fourbar simulate motor --until 2             a motor starts a linkage: extrema over the run
   fourbar bag info bags/run                    what a bag contains
@@ -65,12 +75,22 @@ is not good (see the help of the verb)
 def parser() -> argparse.ArgumentParser:
     """Return the argument parser; every verb sets ``run``, which returns an exit code or None."""
     top = Parser(prog='fourbar', description=DESCRIPTION, epilog=EPILOG,
-                 formatter_class=argparse.RawDescriptionHelpFormatter)
+                 formatter_class=HelpFormatter)
     top.add_argument('--version', action='version', version=f'fourbar {__version__}')
     verbs = top.add_subparsers(dest='verb', required=True, metavar='VERB')
-    for verb in VERBS:
+    for verb in (*VERBS, *_of_other_packages()):
         verb.add(verbs)
     return top
+
+
+def _of_other_packages() -> Iterator[Any]:
+    """Yield the modules of verbs by name; one that cannot be imported is left out, with a line."""
+    found = {entry.name: entry for entry in entry_points(group=GROUP)}
+    for name in sorted(found):
+        try:
+            yield found[name].load()
+        except ImportError as error:
+            print(f'fourbar: no verb {name}: {error}', file=sys.stderr)
 
 
 def main(args: Sequence[str] | None = None) -> int:

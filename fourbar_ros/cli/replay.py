@@ -6,14 +6,18 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
+import os
+import select
+import sys
 import time
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_tolerance, add_topics, add_verb, BAD, BAG_HELP, Verbs
 from fourbar_ros.scene.arguments import not_negative, positive
 
-if TYPE_CHECKING:      # verbs import when they run
-    from fourbar_ros.bag.playback import Pace
+if TYPE_CHECKING:
+    from fourbar_ros.bag.read.playback import Pace
+
 
 REFRESH = 0.1       # [s] between two looks at the clock of the bag
 DESCRIPTION = """\
@@ -75,8 +79,7 @@ def _replay(arguments: argparse.Namespace) -> int:
     ros_args = ['--ros-args', *arguments.ros_args] if arguments.ros_args else []
     if arguments.inputs_only:
         return _inputs_only(arguments, ros_args)
-    from fourbar_ros.bag.playback import FASTER, Pace, span
-    from fourbar_ros.ros.clients.keyboard import Keyboard
+    from fourbar_ros.bag.read.playback import FASTER, Pace, span
     from fourbar_ros.ros.clients.replay import replay
     pace = Pace(arguments.rate)
     first, last = span(arguments.bag)
@@ -150,3 +153,65 @@ def _inputs_only(arguments: argparse.Namespace, ros_args: Sequence[str]) -> int:
     good = all(not answer.missing and answer.largest <= arguments.tolerance
                for answer in found.answers)
     return 0 if any(answer.messages for answer in found.answers) and good else BAD
+
+
+KEYS = {b'\x1b[A': 'up', b'\x1b[B': 'down', b'\x1b[C': 'right', b'\x1b[D': 'left', b' ': 'space'}
+
+
+class Keyboard:
+    """
+    Reads keys as they are pressed, in a ``with`` block; from what is no terminal, nothing.
+
+    Attributes
+    ----------
+    is_there : bool
+        Whether keys can be read: standard input is a terminal and this program is in its
+        foreground.
+
+    """
+
+    _old: list[Any]         # settings of the terminal, to be restored
+
+    def __init__(self) -> None:
+        self.is_there = False
+        self._rest = b''
+
+    def __enter__(self) -> Keyboard:
+        try:
+            import termios
+            import tty
+            self._number = sys.stdin.fileno()
+            # the terminal would stop a program in the background that changes its settings
+            if os.isatty(self._number) and os.tcgetpgrp(self._number) == os.getpgrp():
+                self._old = termios.tcgetattr(self._number)
+                tty.setcbreak(self._number)
+                self.is_there = True
+        # no terminals here, or stdin is closed or replaced
+        except (ImportError, OSError, ValueError):
+            pass
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.is_there:
+            import termios
+            termios.tcsetattr(self._number, termios.TCSADRAIN, self._old)
+
+    def pressed(self) -> list[str]:
+        """Return the names of the keys pressed since the last call."""
+        while self.is_there and select.select([self._number], [], [], 0.0)[0]:
+            data = os.read(self._number, 1024)
+            if not data:
+                self.is_there = False                   # it was closed
+                break
+            self._rest += data
+        return self._named()
+
+    def _named(self) -> list[str]:
+        found = []
+        while self._rest:
+            key = next((key for key in KEYS if self._rest.startswith(key)), None)
+            if key is None and any(other.startswith(self._rest) for other in KEYS):
+                break                                   # the rest of it is still to come
+            found += [KEYS[key]] if key else []
+            self._rest = self._rest[len(key or b'x'):]
+        return found

@@ -1,21 +1,32 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""``fourbar scene check``: whether a scene is valid, what its node does, what a step costs."""
+"""
+``fourbar scene check``: whether a scene is valid, what its node does, what a step costs.
+
+The SROS2 policy of a scene's node: what it may publish, subscribe, serve, and no more.
+
+Made of the tables of topics and services, so it cannot fall behind them. No ROS is imported.
+"""
 from __future__ import annotations
 
 from argparse import Namespace
 from timeit import repeat
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
+from xml.etree import ElementTree
 
 from fourbar_ros.cli.common import SCENE_HELP, Verbs
+from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.topics import FIND_EXTREMA, SERVICES
 
-if TYPE_CHECKING:      # verbs import when they run
+if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Mechanism
     from fourbar_ros.report.terminal import PlainTable
-    from fourbar_ros.scene.parameter import Parameter
+    from fourbar_ros.scene.parameter_table import Parameter
     from fourbar_ros.scene.scene import DriveSettings, Scene
 
+
 STEPS, ROUNDS = 2000, 5        # of the measurement: some 50 ms
+LONG = 20                      # numbers of a table that is shown by its ends
 
 
 def add(verbs: Verbs) -> None:
@@ -43,7 +54,6 @@ def add(verbs: Verbs) -> None:
 
 
 def _policy(arguments: Namespace) -> None:
-    from fourbar_ros.scene.policy import policy
     from fourbar_ros.scene.scene import load
     print(policy(load(arguments.scene), '/' + arguments.node.strip('/'), arguments.use_sim_time),
           end='')
@@ -56,7 +66,7 @@ def _check(arguments: Namespace) -> None:
     scene, console = load(arguments.scene), make_console()
     linkage, drive = scene.linkage, scene.drive
     if scene.pictures:
-        from fourbar_ros.description.describe import check_pictures
+        from fourbar_ros.description.formats import check_pictures
         check_pictures(scene)
     console.print(f'{arguments.scene}: valid. {class_name(linkage)}, mode {linkage.mode}.')
     console.print(_drive_in_words(scene))
@@ -127,8 +137,15 @@ def _changed_table(scene: Scene) -> PlainTable:
     for name, value in scene.values.items():
         parameter = of_name(name)
         if value != parameter.default and value == value:
-            table.add_row(name, str(value), _unit(parameter, scene.linkage))
+            table.add_row(name, _shown(value), _unit(parameter, scene.linkage))
     return table
+
+
+def _shown(value: Any) -> str:
+    """Return a value as text, a long table by its ends."""
+    if isinstance(value, list) and len(value) > LONG:
+        return f'{len(value)} numbers: {value[0]}, {value[1]}, ... {value[-1]}'
+    return str(value)
 
 
 def _unit(parameter: Parameter, linkage: Mechanism) -> str:
@@ -137,11 +154,7 @@ def _unit(parameter: Parameter, linkage: Mechanism) -> str:
 
 
 def step_cost(scene: Scene) -> float:
-    """
-    Return the computing time of one step of a scene on this machine [s].
-
-    The best of some rounds.
-    """
+    """Return the computing time of one step of a scene on this machine [s], the least of some."""
     from fourbar_ros.pipeline.status import evaluate
     low, high = scene.linkage.input_ranges[0]
     angle, speed = 0.5 * (low + high) + 0.1 * (high - low), scene.drive.speed
@@ -157,3 +170,42 @@ def _cost_in_words(scene: Scene) -> str:
     return (f'A step computes {computed}: {cost * 1e6:.1f} us on this machine{rate}. Each topic '
             'with a subscriber or a recorder costs more than that (see docs/bench/node.md), each '
             'one without costs nothing.')
+
+
+# What every rclpy node has: its log, its parameters' changes, its type descriptions.
+OF_ALL = ('/rosout', '/parameter_events')
+PARAMETER_SERVICES = ('describe_parameters', 'get_parameter_types', 'get_parameters',
+                      'list_parameters', 'set_parameters', 'set_parameters_atomically',
+                      'get_type_description')
+DIAGNOSTICS = '/diagnostics'
+
+
+def policy(scene: Scene, node: str = '/fourbar', use_sim_time: bool = False) -> str:
+    """Return the policy, XML, of a node by its full name."""
+    namespace, _, name = node.rpartition('/')
+    root = ElementTree.Element('policy', version='0.2.0')
+    enclave = ElementTree.SubElement(ElementTree.SubElement(root, 'enclaves'), 'enclave',
+                                     path=node)
+    profile = ElementTree.SubElement(ElementTree.SubElement(enclave, 'profiles'), 'profile',
+                                     ns=namespace or '/', node=name)
+    for verb, names in _allowed(scene).items():
+        kind = {'publish': 'topic', 'subscribe': 'topic', 'reply': 'service',
+                'execute': 'action'}[verb]
+        if verb == 'subscribe' and use_sim_time:
+            names = [*names, '/clock']
+        if not names:
+            continue
+        group = ElementTree.SubElement(profile, f'{kind}s', {verb: 'ALLOW'})
+        for each in sorted(set(names)):
+            ElementTree.SubElement(group, kind).text = each.replace('~/', f'{name}/')
+    ElementTree.indent(root)
+    return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, encoding='unicode') + '\n'
+
+
+def _allowed(scene: Scene) -> dict[str, list[str]]:
+    """Return {what the node does: names of topics, services or actions}."""
+    return {'publish': [*OF_ALL, DIAGNOSTICS, *(topic.topic for topic in scene.published)],
+            'subscribe': [topic.topic for topic in scene.received],
+            'reply': [*(f'~/{name}' for name in PARAMETER_SERVICES),
+                      *(SERVICES[name].service for name in scene.values['services'])],
+            'execute': [FIND_EXTREMA.service] * (FIND_EXTREMA.name in scene.values['services'])}

@@ -4,20 +4,23 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from math import nan
+from math import inf, nan
 from pathlib import Path
 import time
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
-from fourbar_ros.cli.common import add_verb, BAD, bar, SCENE_HELP
+from fourbar_ros.cli.common import add_verb, BAD, bar, SCENE_HELP, Verbs
+from fourbar_ros.report.terminal import make_console, plain_table
 from fourbar_ros.scene.arguments import finite, positive
 
 if TYPE_CHECKING:
     from fourbar_ros.scene.simulated import SimulatedScene
 
+
 METHODS = ('auto', 'DOP853', 'LSODA', 'Radau', 'RK45', 'BDF')
+MOST = 3_000_000
 EPILOG = """\
 examples:
   fourbar simulate motor --until 2                 a motor starts the paper's crank-rocker
@@ -28,12 +31,12 @@ examples:
 
 The scene has drive.source: torque or motor; docs/dynamics.md lists what a drive can be. Every run
 is compared with one at a tighter tolerance, and its energy must be constant but for the work of
-drive and dampers. Exit code 3: it ends early at a limit of the input, or does not converge; the
-summary says which.
+drive and dampers. Exit code 3: it ends early at a limit of the input, does not converge, or gives
+up as it needs more evaluations or time than allowed; the summary says which.
 """
 
 
-def add(verbs: Any) -> None:
+def add(verbs: Verbs) -> None:
     """Add the verb."""
     simulate = add_verb(verbs, 'simulate', 'run a scene whose motion follows from torque; extrema '
                                            'of speed and loads over the run',
@@ -47,8 +50,14 @@ def add(verbs: Any) -> None:
                           help='largest error of the position [rad], for a slide relative to its '
                                'size, and of the energy, relative (default 1e-8)')
     simulate.add_argument('--method', choices=METHODS, default='auto',
-                          help='integrator of scipy; auto: the energy integral where it holds, '
-                               'else DOP853, for stiff systems LSODA')
+                          help='integrator of scipy; auto: an integral over the input where one '
+                               'holds, else DOP853, and LSODA from where the system is stiff')
+    simulate.add_argument('--evaluations', type=positive, default=MOST, metavar='N',
+                          help='most evaluations of the equation of motion in all runs '
+                               f'(default {MOST:g}); a run that needs more gives up')
+    simulate.add_argument('--seconds', type=positive, default=inf, metavar='T',
+                          help='most time of this machine that the runs may take [s] '
+                               '(default: any)')
     simulate.add_argument('--torque', type=finite, default=nan, metavar='T',
                           help='constant torque [N m], for a slide force [N], for a scene with '
                                'drive.source: torque; default: none')
@@ -58,15 +67,15 @@ def add(verbs: Any) -> None:
 
 
 def _simulate(arguments: Namespace) -> int:
-    from fourbar_ros.dynamics.simulate import REACHED
-    from fourbar_ros.report.simulated import print_summary
+    from fourbar_ros.dynamics.solve.simulate import REACHED
     from fourbar_ros.scene.scene import load
     from fourbar_ros.scene.simulated import simulate_scene
     scene, began = load(arguments.scene), time.process_time()
     _check_output(arguments.output)
-    with _busy('integrating'):
+    with _shown() as progress:
         simulated = simulate_scene(scene, arguments.until, arguments.tolerance, arguments.method,
-                                   arguments.torque)
+                                   arguments.torque, evaluations=arguments.evaluations,
+                                   seconds=arguments.seconds, progress=progress)
     took = time.process_time() - began
     written = _written(simulated, arguments.output)
     print_summary(simulated, arguments.scene, arguments.tolerance, took)
@@ -92,12 +101,57 @@ def _check_output(path: Path | None) -> None:
 
 
 @contextmanager
-def _busy(text: str) -> Iterator[None]:
-    """Show on a terminal that there is work."""
+def _shown() -> Iterator[Callable[[float], None]]:
+    """Give a function that shows how much of a run is done, and the time left of it."""
     from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        TaskProgressColumn,
+        TextColumn,
+        TimeRemainingColumn,
+    )
     console = Console(stderr=True)
-    if not console.is_terminal:
-        yield
-        return
-    with console.status(text):
-        yield
+    with Progress(TextColumn('{task.description}'), BarColumn(), TaskProgressColumn(),
+                  TimeRemainingColumn(), console=console, transient=True,
+                  disable=not console.is_terminal) as shown:
+        task, run, before = shown.add_task('integrating, run 1', total=1.0), 1, 0.0
+
+        def report(share: float) -> None:
+            nonlocal run, before
+            if share < before - 0.01:      # the next run, at a tighter tolerance
+                run, before = run + 1, share
+                shown.reset(task, description=f'integrating, run {run}')
+            if share > before + 1e-3:
+                before = share
+                shown.update(task, completed=share)
+        yield report
+
+
+def print_summary(simulated: SimulatedScene, name: str, tolerance: float, took: float) -> None:
+    """Print how a run ended, how well it is known, its ripple and its extrema."""
+    run, console = simulated.run, make_console()
+    unit = simulated.scene.linkage.input_coordinate.unit
+    end = float(run.time[-1])
+    console.print(f'{name}: {end:g} s in {took:.2g} s of CPU time ({end / took:.3g} times real '
+                  f'time), {run.time.size} samples.')
+    checked = (f'error of the position up to {run.error:.2g} {unit}, energy constant within '
+               f'{run.drift:.2g}; asked for {tolerance:g}')
+    reason = f'{run.reason}; ' if run.reason else ''
+    console.print(f'{run.status}: {reason}{run.method}, {checked}.')
+    console.print(f'At the end the input is at {run.position[-1]:.10g} {unit} with '
+                  f'{run.rate[-1]:.10g} {unit}/s.')
+    ripple = simulated.ripple()
+    if ripple:
+        console.print(f'Speed over the last turn: {ripple.low:.6g} to {ripple.high:.6g} {unit}/s, '
+                      f'coefficient of fluctuation {ripple.coefficient:.4g}.')
+    modes = sorted(set(run.modes.tolist()))
+    if len(modes) > 1:
+        console.print(f'The motion goes through both assembly modes, {modes[0]} and {modes[1]}.')
+    console.print()
+    table = plain_table('extrema over the run', ('quantity', 'unit', 'lowest>', 'at [s]>',
+                                                 'highest>', 'at [s]>'))
+    for peak in simulated.peaks():
+        table.add_row(peak.name, peak.unit, f'{peak.low:.6g}', f'{peak.low_at:g}',
+                      f'{peak.high:.6g}', f'{peak.high_at:g}')
+    console.print(table)

@@ -1,3 +1,26 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""A scene as a description for other programs: URDF, SDF, MJCF."""
+"""
+A scene as URDF, SDF or MJCF, and as layouts of RViz, Foxglove and PlotJuggler.
+
+>>> from fourbar_ros import load_scene
+>>> from fourbar_ros.description import describe
+>>> describe(load_scene('paper'), 'urdf').splitlines()[1]
+'<robot name="fourbar">'
+"""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fourbar_ros.lazy import lazily
+
+if TYPE_CHECKING:
+    from fourbar_ros.description.formats import describe
+
+__all__ = [
+    'describe',
+]
+
+__getattr__, __dir__ = lazily(__name__, {
+    'fourbar_ros.description.formats': 'describe',
+})

@@ -10,13 +10,10 @@ pose in which the loops are closed; the plane of the mechanism is x-y, gravity i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
-from fourbar_ros.description.elements import add, as_text, colour, comment, Element
-from fourbar_ros.description.inertia import inertia_of
-from fourbar_ros.description.model import Model, ModelLink
-from fourbar_ros.description.shapes import Block, Pin, Rod
-from fourbar_ros.description.tree import NoDescription
+from fourbar_ros.description.model import inertia_of, Model, ModelJoint, ModelLink, NoDescription
+from fourbar_ros.description.shapes import Pin, Rod, Shape
+from fourbar_ros.description.xml import add, as_text, colour, comment, Element
 
 TIMESTEP = 0.0005      # [s]
 SOLREF = (2.0 * TIMESTEP, 1.0)                 # time constant [s], damping ratio
@@ -71,20 +68,19 @@ def _body(parent: Element, link: ModelLink, place: int, size: float) -> Element:
     return body
 
 
-def _geoms(body: Element, shapes: Sequence[Any], place: int) -> None:
+def _geoms(body: Element, shapes: Sequence[Shape], place: int) -> None:
     """Add shapes that touch nothing; without masses in the scene, they give the body its mass."""
     for shape in shapes:
         add(body, 'geom', **_geometry(shape), rgba=colour(place), contype='0', conaffinity='0')
 
 
-def _geometry(shape: Any) -> dict[str, Any]:
+def _geometry(shape: Shape) -> dict[str, str | float | tuple[float, ...]]:
     if isinstance(shape, Rod):
         return {'type': 'capsule', 'size': shape.radius,
                 'fromto': (*shape.start, 0.0, *shape.end, 0.0)}
     if isinstance(shape, Pin):
         return {'type': 'cylinder', 'size': (shape.radius, 0.5 * shape.length),
                 'pos': (*shape.at, 0.0)}
-    assert isinstance(shape, Block)
     length, width, height = shape.size
     return {'type': 'box', 'size': (0.5 * length, 0.5 * width, 0.5 * height),
             'pos': (*shape.at, 0.0), 'euler': (0.0, 0.0, shape.angle)}
@@ -103,13 +99,13 @@ def _equality(root: Element, model: Model, bodies: dict[str, Element]) -> None:
             solimp=SOLIMP)
 
 
-def _in_depth(model: Model) -> list[Any]:
+def _in_depth(model: Model) -> list[ModelJoint]:
     """Return the joints in MuJoCo's order: each body's, then those of the bodies in it."""
     below: dict[str, list[ModelLink]] = {}
     for link in model.links:
         below.setdefault(link.parent, []).append(link)
 
-    def of(frame: str) -> list[Any]:
+    def of(frame: str) -> list[ModelJoint]:
         return [joint for link in below.get(frame, ())
                 for joint in (link.joint, *of(link.frame))]
     return of(model.root)

@@ -5,24 +5,28 @@ A scene as links, joints and shapes in one plane, with the names that it has in 
 
 URDF, SDF and MJCF are written from it. Frames are those of the node: the root is the scene's
 ``frame_id`` in O1, each link has its frame at its first joint, x along the link; joints have the
-names, senses and zeros of ``joint_states``.
+names, senses and zeros of ``joint_states``. URDF knows trees only: every link hangs on one joint,
+and each joint beyond that closes a loop.
 """
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import nan, pi
-from typing import Any, NamedTuple
+from math import nan
+from typing import NamedTuple
 
 from fourbar_ros.description.shapes import Shape, shapes_of
-from fourbar_ros.description.tree import NoDescription, tree_of
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanics.bodies import Body
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Connection, Coordinate, GROUND
+from fourbar_ros.mechanisms.points import LinkMotion
+from fourbar_ros.numerics.number_types import direction
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 
 SAMPLES = 721          # over the range of the input, for the limits of passive slides
 MARGIN = 0.01          # by which these limits are wider than what the samples show
+LEAST = 1e-9           # of mass times size squared: for a body that has none, as a slider's
 
 
 class ModelJoint(NamedTuple):
@@ -63,6 +67,14 @@ class ModelJoint(NamedTuple):
         return self.connection.axis is not None
 
     @property
+    def travel(self) -> tuple[float, float] | None:
+        """Return how far a slide goes along the axis of its connection [m]; None of a pin."""
+        if self.connection.axis is None or self.limits is None:
+            return None
+        low, high = sorted(self.ratio * (end - self.offset) for end in self.limits)
+        return low, high
+
+    @property
     def at_zero(self) -> tuple[float, float, float]:
         """Return (x, y, angle) of the child's frame in the parent's at joint position zero."""
         (x, y), q = self.connection.on_parent, -self.ratio * self.offset + 0.0
@@ -77,7 +89,7 @@ class ModelJoint(NamedTuple):
         if self.connection.axis is None:
             return 0.0, 0.0, self.ratio
         (a_x, a_y), turn = self.connection.axis, self.connection.turn
-        cosine, sine = _direction(turn)
+        cosine, sine = direction(turn)
         return (self.ratio * (a_x * cosine + a_y * sine),
                 self.ratio * (a_y * cosine - a_x * sine), 0.0)
 
@@ -157,7 +169,8 @@ def model_of(scene: Scene) -> Model:
     tree, position = tree_of(mechanism), start_of(scene)
     motion = mechanism.motion(position, 0.0, 0.0)
     joints = [_joint(scene, place, motion) for place in range(len(mechanism.JOINTS))]
-    shapes = shapes_of(mechanism, joints, scene.points.values(), _radius(scene))
+    shapes = shapes_of(mechanism, [(joint.connection, joint.travel) for joint in joints],
+                       scene.points.values(), _radius(scene))
     frames = {link.name: frame_of(scene, link.name) for link in mechanism.LINKS}
     frames[GROUND] = scene.frame_id
     bodies = mechanism.bodies._asdict() if mechanism.bodies else {}
@@ -199,7 +212,7 @@ def start_of(scene: Scene) -> float:
         return 0.5 * (low + high)
 
 
-def _joint(scene: Scene, place: int, motion: Any) -> ModelJoint:
+def _joint(scene: Scene, place: int, motion: NamedTuple) -> ModelJoint:
     """Return the joint at a place of JOINTS."""
     mechanism, shown = scene.linkage, scene.joint_states
     coordinate, name = mechanism.JOINTS[place].coordinate, scene.joint_names[place]
@@ -213,7 +226,7 @@ def _joint(scene: Scene, place: int, motion: Any) -> ModelJoint:
                       ratio * getattr(motion, coordinate.position) + offset, is_driven)
 
 
-def _limits(mechanism: Any, coordinate: Any, connection: Connection,
+def _limits(mechanism: Mechanism, coordinate: Coordinate, connection: Connection,
             is_driven: bool) -> tuple[float, float] | None:
     """Return the range of a joint's coordinate, None if it may turn without end."""
     if is_driven:
@@ -237,16 +250,8 @@ def _radius(scene: Scene) -> float:
     return radius if radius == radius else 0.02 * max(map(abs, scene.linkage.lengths))
 
 
-def _pose(link: Any) -> tuple[float, float, float]:
+def _pose(link: LinkMotion) -> tuple[float, float, float]:
     return link.x, link.y, float(np.arctan2(link.sine, link.cosine))
-
-
-def _direction(turn: float) -> tuple[float, float]:
-    """Return (cos, sin); exact for quarter turns."""
-    quarters = turn / (0.5 * pi)
-    if quarters == round(quarters):
-        return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[round(quarters) % 4]
-    return float(np.cos(turn)), float(np.sin(turn))
 
 
 def _check_names(model: Model) -> None:
@@ -257,3 +262,88 @@ def _check_names(model: Model) -> None:
         if names.count(name) > 1:
             raise NoDescription(f'two frames would be named {name!r}: change frame_id, '
                                 'joint_states.prefix or the name of a point')
+
+
+class NoDescription(FourBarError):
+    """A mechanism or a scene cannot be written in a format."""
+
+
+class Tree(NamedTuple):
+    """
+    Which joints hold the links, by their places in ``JOINTS``.
+
+    Parameters
+    ----------
+    holding : dict
+        {name of a link: its joint}, each link after the one that carries it.
+    cut : tuple of int
+        The joints that close the loops.
+
+    """
+
+    holding: dict[str, int]
+    cut: tuple[int, ...]
+
+
+def tree_of(mechanism: Mechanism) -> Tree:
+    """
+    Return the :class:`Tree` of a mechanism.
+
+    A link hangs on the driven joint if that is at its first joint, else on a joint that slides,
+    else on one that turns: so loops are cut at pins wherever they have one.
+
+    Raises
+    ------
+    NoDescription
+        Its joints do not reach every link from the ground.
+
+    """
+    connections, driven = mechanism.connections, mechanism.input_coordinate
+    if not connections:
+        raise NoDescription(f'a {mechanism.TITLE} does not state which links its joints connect')
+
+    def preference(joint: int) -> tuple[bool, bool, int]:
+        is_driven = mechanism.JOINTS[joint].coordinate == driven
+        return not is_driven, connections[joint].axis is None, joint
+
+    chosen = {}
+    for link in mechanism.LINKS:
+        at_its_first_joint = [joint for joint, its in enumerate(connections)
+                              if its.child == link.name and its.on_child == (0.0, 0.0)]
+        if not at_its_first_joint:
+            raise NoDescription(f'no joint at the first joint of the link {link.name}')
+        chosen[link.name] = min(at_its_first_joint, key=preference)
+    ordered: dict[str, int] = {}
+    while len(ordered) < len(chosen):
+        reached = {link: joint for link, joint in chosen.items() if link not in ordered
+                   and connections[joint].parent in (GROUND, *ordered)}
+        if not reached:
+            raise NoDescription('these links hang on each other in a circle: '
+                                f'{", ".join(sorted(chosen.keys() - ordered.keys()))}')
+        ordered |= reached
+    cut = tuple(sorted(set(range(len(connections))) - set(ordered.values())))
+    return Tree(ordered, cut)
+
+
+class Inertia(NamedTuple):
+    """Mass [kg], centre of gravity in the frame of the link [m], moments [kg m^2]."""
+
+    mass: float
+    x: float
+    y: float
+    about_x: float
+    about_y: float
+    about_z: float
+
+
+def inertia_of(body: Body, size: float) -> Inertia:
+    """
+    Return the :class:`Inertia` of a body.
+
+    A planar mechanism gives the moment about z alone, and nothing in its plane depends on the
+    other two: those of a flat body are written, I_xx = I_yy = I_zz / 2. No program takes a body
+    without mass or inertia; ``size`` is that of the mechanism [m].
+    """
+    mass = max(body.mass, LEAST)
+    about_z = max(body.inertia, LEAST * (body.mass or 1.0) * size * size)
+    return Inertia(mass, body.cg_along, body.cg_across, 0.5 * about_z, 0.5 * about_z, about_z)

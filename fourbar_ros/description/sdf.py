@@ -11,12 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import atan2, pi
-from typing import Any
 
-from fourbar_ros.description.elements import add, as_text, colour, comment, Element, numbers
-from fourbar_ros.description.inertia import inertia_of
-from fourbar_ros.description.model import Model, ModelLink
-from fourbar_ros.description.shapes import Block, Pin, Rod
+from fourbar_ros.description.model import inertia_of, Model, ModelLink
+from fourbar_ros.description.shapes import Shape
+from fourbar_ros.description.xml import add, as_text, colour, comment, Element, numbers
+from fourbar_ros.mechanisms.parts import Connection
 
 VERSION = '1.8'        # Fortress to Ionic read it
 WORLD = 'world'
@@ -78,17 +77,17 @@ def _link(element: Element, link: ModelLink, place: int, model: Model) -> None:
     _visuals(its, link.shapes, place)
 
 
-def _joint(element: Element, name: str, parent: str, child: str, connection: Any, ratio: float,
-           start: float, limits: tuple[float, float] | None) -> None:
+def _joint(element: Element, name: str, parent: str, child: str, connection: Connection,
+           ratio: float, start: float, limits: tuple[float, float] | None) -> None:
     """Add a joint at its place on the child; its axis is given in the frame of the parent."""
-    slides = connection.axis is not None
-    joint = add(element, 'joint', name=name, type='prismatic' if slides else 'revolute')
+    joint = add(element, 'joint', name=name,
+                type='prismatic' if connection.axis else 'revolute')
     comment(joint, f'position in joint_states: {start:.17g}')
     add(joint, 'pose', numbers(*connection.on_child, 0.0, 0.0, 0.0, 0.0), relative_to=child)
     add(joint, 'parent', parent)
     add(joint, 'child', child)
     axis = add(joint, 'axis')
-    along = (ratio * connection.axis[0], ratio * connection.axis[1], 0.0) if slides else (
+    along = (ratio * connection.axis[0], ratio * connection.axis[1], 0.0) if connection.axis else (
         0.0, 0.0, ratio)
     add(axis, 'xyz', numbers(*along), expressed_in=parent)
     if limits:
@@ -97,26 +96,14 @@ def _joint(element: Element, name: str, parent: str, child: str, connection: Any
         add(limit, 'upper', numbers(limits[1] - start))
 
 
-def _visuals(link: Element, shapes: Sequence[Any], place: int) -> None:
+def _visuals(link: Element, shapes: Sequence[Shape], place: int) -> None:
     for number, shape in enumerate(shapes):
         visual = add(link, 'visual', name=f'{link.get("name")}_visual_{number}')
-        pose, tag, size = _geometry(shape)
-        add(visual, 'pose', numbers(*pose))
-        geometry = add(add(visual, 'geometry'), tag)
-        for name, value in size.items():
-            add(geometry, name, numbers(*value))
+        form, sizes = shape.form
+        add(visual, 'pose', numbers(*shape.pose))
+        geometry = add(add(visual, 'geometry'), form)
+        for name, value in sizes.items():
+            add(geometry, name, numbers(*(value if isinstance(value, tuple) else (value,))))
         material = add(visual, 'material')
         for name in ('ambient', 'diffuse'):
             add(material, name, numbers(*colour(place)))
-
-
-def _geometry(shape: Any) -> tuple[tuple[float, ...], str, dict[str, tuple[float, ...]]]:
-    """Return (pose, tag, sizes) of a shape; cylinders are along z."""
-    if isinstance(shape, Rod):
-        return ((*shape.middle, 0.0, 0.0, 0.5 * pi, shape.angle), 'cylinder',
-                {'radius': (shape.radius,), 'length': (shape.length,)})
-    if isinstance(shape, Pin):
-        return ((*shape.at, 0.0, 0.0, 0.0, 0.0), 'cylinder',
-                {'radius': (shape.radius,), 'length': (shape.length,)})
-    assert isinstance(shape, Block)
-    return (*shape.at, 0.0, 0.0, 0.0, shape.angle), 'box', {'size': shape.size}

@@ -1,21 +1,25 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What links look like: rods between their joints, pins, blocks, arms to centres of gravity.
+The solids that links are drawn as: rods between their joints, pins, blocks on rails.
 
 From the connections alone, so that a mechanism of any kind has a look. Sizes are in proportion to
-the radius of the rods.
+the radius of the rods. Each solid has a ``pose`` (x, y, z, roll, pitch, yaw) in the frame of its
+link, a ``form`` in the words of URDF and SDF, and the ``sizes`` of that form.
 """
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from math import atan2, hypot
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
+from math import atan2, hypot, pi
+from typing import NamedTuple, Union
 
-from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Connection, GROUND
 import numpy as np
 
 Place = tuple[float, float]
+Pose = tuple[float, float, float, float, float, float]
+Sizes = Mapping[str, Union[float, tuple[float, ...]]]
 
 
 class Rod(NamedTuple):
@@ -26,19 +30,20 @@ class Rod(NamedTuple):
     radius: float
 
     @property
-    def middle(self) -> Place:
-        """Return its middle."""
-        return 0.5 * (self.start[0] + self.end[0]), 0.5 * (self.start[1] + self.end[1])
-
-    @property
     def length(self) -> float:
         """Return its length [m]."""
         return hypot(self.end[0] - self.start[0], self.end[1] - self.start[1])
 
     @property
-    def angle(self) -> float:
-        """Return its direction [rad]."""
-        return atan2(self.end[1] - self.start[1], self.end[0] - self.start[0])
+    def pose(self) -> Pose:
+        """Return the pose of a cylinder along z that it is."""
+        (x, y), (u, v) = self.start, self.end
+        return 0.5 * (x + u), 0.5 * (y + v), 0.0, 0.0, 0.5 * pi, atan2(v - y, u - x)
+
+    @property
+    def form(self) -> tuple[str, Sizes]:
+        """Return its form and sizes."""
+        return 'cylinder', {'radius': self.radius, 'length': self.length}
 
 
 class Pin(NamedTuple):
@@ -48,6 +53,16 @@ class Pin(NamedTuple):
     radius: float
     length: float
 
+    @property
+    def pose(self) -> Pose:
+        """Return its pose."""
+        return (*self.at, 0.0, 0.0, 0.0, 0.0)
+
+    @property
+    def form(self) -> tuple[str, Sizes]:
+        """Return its form and sizes."""
+        return 'cylinder', {'radius': self.radius, 'length': self.length}
+
 
 class Block(NamedTuple):
     """A box: ``size`` along, across and out of the plane, turned by ``angle``."""
@@ -56,21 +71,32 @@ class Block(NamedTuple):
     angle: float
     size: tuple[float, float, float]
 
+    @property
+    def pose(self) -> Pose:
+        """Return its pose."""
+        return (*self.at, 0.0, 0.0, 0.0, self.angle)
+
+    @property
+    def form(self) -> tuple[str, Sizes]:
+        """Return its form and sizes."""
+        return 'box', {'size': self.size}
+
 
 Shape = Rod | Pin | Block
+Joint = tuple[Connection, tuple[float, float] | None]     # with the travel of a slide [m]
 
 
-def shapes_of(mechanism: Any, joints: Sequence[Any], points: Iterable[Any],
-              radius: float) -> dict[str, list[Any]]:
+def shapes_of(mechanism: Mechanism, joints: Iterable[Joint],
+              points: Iterable[tuple[str, float, float]], radius: float) -> dict[str, list[Shape]]:
     """
     Return {link, or GROUND: list of shapes in its frame}.
 
     Parameters
     ----------
     mechanism : Mechanism
-    joints : sequence of ModelJoint
-        In the order of its ``JOINTS``.
-    points : iterable of Point
+    joints : iterable of (Connection, travel)
+        Its joints; of one that slides how far it goes along its axis, (low, high).
+    points : iterable of (link, along, across)
         Links reach as far as the points on them.
     radius : float
         Radius of the rods [m].
@@ -78,32 +104,26 @@ def shapes_of(mechanism: Any, joints: Sequence[Any], points: Iterable[Any],
     """
     places: dict[str, list[Place]] = {GROUND: [], **{link.name: [(0.0, 0.0)]
                                                      for link in mechanism.LINKS}}
-    found: dict[str, list[Any]] = {name: [] for name in places}
-    for joint in joints:
-        its = joint.connection
-        if its.axis is None:
+    found: dict[str, list[Shape]] = {name: [] for name in places}
+    for its, travel in joints:
+        if its.axis is None or travel is None:
             places[its.parent].append(its.on_parent)
             places[its.child].append(its.on_child)
             found[its.parent].append(Pin(its.on_parent, 1.3 * radius, 3.0 * radius))
         else:
-            found[its.parent].append(_rail(joint, 0.6 * radius))
+            (x, y), (u, v) = its.on_parent, its.axis
+            ends = [(x + way * u, y + way * v) for way in travel]
+            found[its.parent].append(Rod(ends[0], ends[1], 0.6 * radius))
             angle = atan2(its.axis[1], its.axis[0]) - its.turn
             found[its.child].append(Block(its.on_child, angle,
                                           (6.0 * radius, 3.5 * radius, 3.0 * radius)))
-    for link, along, across in points:
-        places[link].append((along, across))
+    for name, along, across in points:
+        places[name].append((along, across))
     for link in mechanism.LINKS:
         found[link.name] += _rods(places[link.name], radius)
     found[GROUND] = [shape for shape in found[GROUND] if not isinstance(shape, Rod)
                      or shape.length > 0.0]
     return found
-
-
-def _rail(joint: Any, radius: float) -> Rod:
-    """Return the rod that a slide moves along, as far as it goes."""
-    (x, y), (a_x, a_y) = joint.connection.on_parent, joint.connection.axis
-    low, high = sorted(joint.ratio * (end - joint.offset) for end in joint.limits)
-    return Rod((x + low * a_x, y + low * a_y), (x + high * a_x, y + high * a_y), radius)
 
 
 def _rods(places: Sequence[Place], radius: float) -> list[Rod]:

@@ -10,13 +10,10 @@ states belong together, as those of the node do. Joints have the names in ``join
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import pi
-from typing import Any
 
-from fourbar_ros.description.elements import add, as_text, colour, comment, Element
-from fourbar_ros.description.inertia import inertia_of
-from fourbar_ros.description.model import Closure, Model, ModelJoint, ModelLink
-from fourbar_ros.description.shapes import Block, Pin, Rod
+from fourbar_ros.description.model import Closure, inertia_of, Model, ModelJoint, ModelLink
+from fourbar_ros.description.shapes import Shape
+from fourbar_ros.description.xml import add, as_text, colour, comment, Element
 
 UNLIMITED = 1e9        # URDF wants an effort and a rate that a limited joint does not exceed
 
@@ -83,23 +80,11 @@ def _fixed(robot: Element, name: str, frame: str, place: tuple[float, float, flo
     add(joint, 'origin', xyz=place)
 
 
-def _visuals(link: Element, shapes: Sequence[Any], place: int) -> None:
+def _visuals(link: Element, shapes: Sequence[Shape], place: int) -> None:
     for shape in shapes:
         visual = add(link, 'visual')
-        at, angles, tag, size = _geometry(shape)
-        add(visual, 'origin', xyz=(*at, 0.0), rpy=angles)
-        add(add(visual, 'geometry'), tag, **size)
+        form, sizes = shape.form
+        add(visual, 'origin', xyz=shape.pose[:3], rpy=shape.pose[3:])
+        add(add(visual, 'geometry'), form, **sizes)
         add(add(visual, 'material', name=f'{link.get("name")}_colour'), 'color',
             rgba=colour(place))
-
-
-def _geometry(shape: Any) -> tuple[Any, Any, str, dict[str, Any]]:
-    """Return (place, roll pitch yaw, tag, attributes) of a shape; cylinders are along z."""
-    if isinstance(shape, Rod):
-        return (shape.middle, (0.0, 0.5 * pi, shape.angle), 'cylinder',
-                {'radius': shape.radius, 'length': shape.length})
-    if isinstance(shape, Pin):
-        return (shape.at, (0.0, 0.0, 0.0), 'cylinder',
-                {'radius': shape.radius, 'length': shape.length})
-    assert isinstance(shape, Block)
-    return shape.at, (0.0, 0.0, shape.angle), 'box', {'size': shape.size}

@@ -1,3 +1,81 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Motion that follows from torque: the equation of motion, drives, statics, integration."""
+"""
+Motion that follows from torque: drives, springs, forces over a position, statics, flywheels.
+
+>>> from fourbar_ros import load_scene
+>>> from fourbar_ros.dynamics import Drive, MotorLine, simulate, System
+>>> linkage = load_scene('paper').linkage
+>>> run = simulate(System(linkage, 0.0, drive=Drive(MotorLine(400.0, 26.0))), until=1.0)
+>>> run.status, f'{run.at(1.0)[1]:.4f}'             # its rate [rad/s]
+('reached the end', '18.2322')
+"""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fourbar_ros.lazy import lazily
+
+if TYPE_CHECKING:
+    from fourbar_ros.dynamics.analysis.flywheel import Flywheel, flywheel_for
+    from fourbar_ros.dynamics.analysis.free_motion import FreeMotion
+    from fourbar_ros.dynamics.analysis.statics import equilibria, Equilibrium
+    from fourbar_ros.dynamics.model.drives import (
+        ConstantTorque,
+        DCMotor,
+        Drive,
+        MotorLine,
+        Shaft,
+        SpeedController,
+        TorqueTable,
+    )
+    from fourbar_ros.dynamics.model.element_forces import loads_with
+    from fourbar_ros.dynamics.model.elements import (
+        Attachment,
+        LinkAngle,
+        PositionForce,
+        Spring,
+        TorsionSpring,
+        Way,
+    )
+    from fourbar_ros.dynamics.model.equation import Equation
+    from fourbar_ros.dynamics.model.force_table import ForceTable
+    from fourbar_ros.dynamics.model.induction_motor import InductionMotor
+    from fourbar_ros.dynamics.model.system import System
+    from fourbar_ros.dynamics.solve.simulate import (
+        CHANGE_POINT,
+        EVENT,
+        LIMIT,
+        NOT_CHECKED,
+        NOT_CONVERGED,
+        REACHED,
+        Run,
+        simulate,
+        STOPPED,
+    )
+
+__all__ = [
+    'CHANGE_POINT', 'EVENT', 'LIMIT', 'NOT_CHECKED', 'NOT_CONVERGED', 'REACHED', 'STOPPED',
+    'Attachment', 'ConstantTorque', 'DCMotor', 'Drive', 'Equation', 'Equilibrium', 'Flywheel',
+    'ForceTable', 'FreeMotion', 'InductionMotor', 'LinkAngle', 'MotorLine', 'PositionForce', 'Run',
+    'Shaft', 'SpeedController', 'Spring', 'System', 'TorqueTable', 'TorsionSpring', 'Way',
+    'equilibria', 'flywheel_for', 'loads_with', 'simulate',
+]
+
+__getattr__, __dir__ = lazily(__name__, {
+    'fourbar_ros.dynamics.analysis.flywheel': 'Flywheel, flywheel_for',
+    'fourbar_ros.dynamics.analysis.free_motion': 'FreeMotion',
+    'fourbar_ros.dynamics.analysis.statics': 'Equilibrium, equilibria',
+    'fourbar_ros.dynamics.model.drives':
+        'ConstantTorque, DCMotor, Drive, MotorLine, Shaft, SpeedController, TorqueTable',
+    'fourbar_ros.dynamics.model.element_forces': 'loads_with',
+    'fourbar_ros.dynamics.model.elements':
+        'Attachment, LinkAngle, PositionForce, Spring, TorsionSpring, Way',
+    'fourbar_ros.dynamics.model.equation': 'Equation',
+    'fourbar_ros.dynamics.model.force_table': 'ForceTable',
+    'fourbar_ros.dynamics.model.induction_motor': 'InductionMotor',
+    'fourbar_ros.dynamics.model.system': 'System',
+    'fourbar_ros.dynamics.solve.simulate':
+        'CHANGE_POINT, EVENT, LIMIT, NOT_CHECKED, NOT_CONVERGED, REACHED, Run, simulate, '
+        'STOPPED',
+})

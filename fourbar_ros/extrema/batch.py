@@ -3,7 +3,8 @@
 """
 Extrema of the output's rate and acceleration of many linkages at once.
 
-:mod:`fourbar_ros.extrema.four_bar_rates.search` on arrays.
+The search of :mod:`fourbar_ros.extrema.four_bar_rates.search`, in chunks; exact change points and
+ties that only conditions decide are searched one by one.
 """
 from __future__ import annotations
 
@@ -11,17 +12,17 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.extrema.four_bar_rates.batch_search import Rows, search_chunk
+from fourbar_ros.extrema.find import CONSTANT, find_extrema, MAXIMUM
+from fourbar_ros.extrema.four_bar_rates.search import Linkages, RateExtrema, search
 from fourbar_ros.extrema.methods import RATES
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
-from fourbar_ros.numerics.arrays import Array, Values
+from fourbar_ros.numerics.arrays import Array, EPS, Values
 from fourbar_ros.numerics.given import array
-from fourbar_ros.numerics.roots import EPS, fold
+from fourbar_ros.numerics.roots import fold
 import numpy as np
 
-# Linkages searched at a time, at most 2^16.
+# Linkages searched at a time.
 CHUNK = 16384
 # Values nearer to each other than this part of them may be equal, as far as their conditions tell.
 NEARLY = 1e-8
@@ -95,10 +96,12 @@ def find_extrema_many(a1: Values, a2: Values, a3: Values, a4: Values, mode: Valu
     parts = {name: [NOTHING] for name in RATES}
     for start in range(0, sign.size, CHUNK):
         chunk = slice(start, start + CHUNK)
-        found = search_chunk(lengths[:, chunk], sign[chunk], rate[chunk])
-        for name, rows in zip(RATES, found):
-            part, in_doubt = _collected(rows)
-            _decide_ties(name, part, in_doubt, lengths[:, chunk], mode[chunk], rate[chunk])
+        own = lengths[:, chunk], mode[chunk], rate[chunk]
+        linkages = Linkages.of(lengths[:, chunk], sign[chunk])
+        flat = _at_change_points(np.nonzero(linkages.is_flat)[0].tolist(), *own)
+        for order, (name, found) in enumerate(zip(RATES, search(linkages))):
+            part, in_doubt = _collected(_scaled(found, own[2], order), flat[name])
+            _decide_ties(name, part, in_doubt, *own)
             parts[name].append(part._replace(index=part.index + start))
         if progress is not None:
             progress(min(start + CHUNK, sign.size) / sign.size)
@@ -106,40 +109,52 @@ def find_extrema_many(a1: Values, a2: Values, a3: Values, a4: Values, mode: Valu
             for name, found_there in parts.items()}
 
 
-def _collected(rows: Rows) -> tuple[Extrema, Array]:
+Columns = tuple[Array, ...]     # index, theta1, value, is_maximum, side
+
+
+def _scaled(found: RateExtrema, rate: Array, order: int) -> Columns:
+    """Return the extrema of omega4 (order 0) or alpha4 (1) from those at unit input rate."""
+    row, theta1, value, is_maximum, side, _ = found
+    factor = rate[row]**(order + 1)
+    return row, theta1, factor * value, is_maximum == (factor > 0.0), side
+
+
+def _at_change_points(indices: list[int], lengths: Array, mode: Array,
+                      rate: Array) -> dict[str, list[Columns]]:
+    """Return the extrema of both quantities of linkages at exact change points, one by one."""
+    rows: dict[str, list[Columns]] = {name: [] for name in RATES}
+    for index in indices:
+        a1, a2, a3, a4 = lengths[:, index].tolist()
+        linkage = FourBar(a1, a2, a3, a4, int(mode[index]))
+        found = find_extrema(linkage, RATES, float(rate[index]))
+        for name in RATES:
+            extrema = [e for e in found if e.quantity == name]
+            largest = max([e.value for e in extrema], default=0.0)
+            rows[name].append((
+                np.full(len(extrema), index), np.array([e.theta1 for e in extrema]),
+                np.array([e.value for e in extrema]),
+                np.array([e.kind == MAXIMUM or e.kind == CONSTANT and e.value == largest
+                          for e in extrema], bool),
+                np.array([e.side for e in extrema], int)))
+    return rows
+
+
+def _collected(found: Columns, others: list[Columns]) -> tuple[Extrema, Array]:
     """
-    Return :class:`Extrema` of lists of arrays, sorted, the global ones marked.
+    Return :class:`Extrema` of columns, sorted, the global ones marked.
 
     Also return the linkages of which others may be global too, as far as their conditions tell.
     """
-    if not rows:
-        return NOTHING, NOTHING.index
-    index, theta1, *others = (np.concatenate(arrays) for arrays in zip(*rows))
+    index, theta1, *rest = (np.concatenate(arrays) for arrays in zip(found, *others))
     theta1 = fold(theta1)
-    order = _order(index, theta1)
-    index, theta1, value, is_maximum, side = (v[order] for v in (index, theta1, *others))
+    order = np.lexsort((theta1, index))
+    index, theta1, value, is_maximum, side = (v[order] for v in (index, theta1, *rest))
     best = _best(index, value, is_maximum)
     with np.errstate(invalid='ignore'):
         beyond, size = np.abs(best - value), np.where(np.isfinite(best), np.abs(best), np.nan)
         is_global = (value == best) | (beyond <= 64 * EPS * size)
         is_near = ~is_global & (beyond <= NEARLY * size)
     return (Extrema(index, theta1, value, is_maximum, is_global, side), np.unique(index[is_near]))
-
-
-def _order(index: Array, theta1: Array) -> Array:
-    """
-    Return the order by index, then theta1.
-
-    Two stable sorts of 16 bits, which numpy does digit by digit, leave only neighbours in theta1
-    to be sorted by comparison.
-    """
-    steps = (theta1 * (2**16 / 6.5)).astype(np.uint16)
-    order = np.argsort(steps, kind='stable')
-    order = order[np.argsort(index[order].astype(np.uint16), kind='stable')]
-    i, x = index[order], theta1[order]
-    if ((i[1:] == i[:-1]) & (x[1:] < x[:-1])).any():
-        return np.lexsort((theta1, index))
-    return order
 
 
 def _best(index: Array, value: Array, is_maximum: Array) -> Array:

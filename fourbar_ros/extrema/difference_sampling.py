@@ -3,13 +3,14 @@
 """Quantities without a complex step (abs, max, a table): derivatives by differences."""
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import repeat
 from math import sqrt
-from typing import Any
+from numbers import Real
 
-from fourbar_ros.extrema.sampling import Sampler, State
-from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.roots import EPS
+from fourbar_ros.extrema.sampling import Asked, not_real, Sampler, State
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.numerics.arrays import Array, EPS
 import numpy as np
 
 # Step of real differences of fourth order, in samples: their error is about that of rounding.
@@ -17,18 +18,14 @@ DIFFERENCE = 2.0**-6
 
 
 class DifferenceSampler(Sampler):
-    """
-    The same for functions without a complex step (abs, max, a table).
-
-    Derivatives by differences.
-    """
+    """The same for functions without a complex step: derivatives by differences."""
 
     IS_COMPLEX = False
     TURN = DIFFERENCE
 
     _x: Array                # samples of the path in rising order
 
-    def of(self, linkage: Any) -> DifferenceSampler:
+    def of(self, linkage: Mechanism) -> DifferenceSampler:
         other = DifferenceSampler(linkage, self.quantities, self.rates, self.takes_columns)
         other._x = self._x
         return other
@@ -42,8 +39,20 @@ class DifferenceSampler(Sampler):
             states = [(self.linkage.MOTION(*v), self.linkage.LOADS(*w) if isinstance(w, tuple)
                        else w)
                       for v, w in zip(motions, loads)]
-            return np.reshape([[q.of(*s) for s in states] for q in self.quantities],
-                              (-1, *x.shape)).astype(float)
+            rows = [self._one_by_one(q, states) for q in self.quantities]
+            return np.reshape(rows, (-1, *x.shape))
+
+    @staticmethod
+    def _one_by_one(quantity: Asked, states: Sequence[State]) -> list[float]:
+        """Return the values of a function, InvalidParameter where it gives no real number."""
+        values = [quantity.of(*state) for state in states]
+        for value in values:
+            if not isinstance(value, Real) and np.ndim(value) + np.iscomplexobj(value):
+                raise not_real(quantity, 'complex' if np.iscomplexobj(value) else repr(value))
+        try:
+            return [float(value) for value in values]
+        except (TypeError, ValueError):
+            raise not_real(quantity, repr(values[0])) from None
 
     def sample(self, x: Array) -> tuple[Array, Array]:
         self._x = x[np.argsort(x)]
@@ -51,11 +60,7 @@ class DifferenceSampler(Sampler):
                                          for row in range(len(self.quantities))])
 
     def step(self, x: Array) -> Array:
-        """
-        Return the step of differences at x.
-
-        A part of the distance between the samples around it.
-        """
+        """Return the step of differences at x: a part of the distance of the samples there."""
         i = np.clip(np.searchsorted(self._x, x), 1, self._x.size - 1)
         return DIFFERENCE * (self._x[i] - self._x[i - 1])
 

@@ -11,17 +11,20 @@ positions of change points, where they have one-sided values.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from math import isfinite, nan
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.methods import Methods
 from fourbar_ros.extrema.path_search import Found
+from fourbar_ros.extrema.sampling import Asked
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.quantities import Function, select
+from fourbar_ros.mechanisms.parts import Quantity
+from fourbar_ros.mechanisms.quantities import Function, select, UnknownQuantity
+from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.given import number
-from fourbar_ros.numerics.roots import EPS, fold
+from fourbar_ros.numerics.roots import fold
 import numpy as np
 
 MINIMUM, MAXIMUM, CONSTANT = 'minimum', 'maximum', 'constant'
@@ -82,9 +85,10 @@ class Extremum(NamedTuple):
     slide: float = nan
 
 
-def find_extrema(linkage: Any, quantities: Any = (), rate: float = 1.0, acceleration: float = 0.0,
-                 certify: bool = False, conditions: bool = True,
-                 check: Callable[[], None] = lambda: None) -> list[Extremum]:
+def find_extrema(linkage: Mechanism, quantities: Any = (), rate: float = 1.0,
+                 acceleration: float = 0.0, certify: bool = False, conditions: bool = True,
+                 check: Callable[[], None] = lambda: None, seconds: float = 5.0,
+                 progress: Callable[[float], None] = lambda share: None) -> list[Extremum]:
     """
     Return all extrema over the input, in the mode of the linkage.
 
@@ -102,13 +106,17 @@ def find_extrema(linkage: Any, quantities: Any = (), rate: float = 1.0, accelera
         Rate and acceleration of the input, the same everywhere: [rad/s] and [rad/s^2], or [m/s]
         and [m/s^2] of a driven slide.
     certify : bool
-        Also prove that none is missing, see :mod:`fourbar_ros.extrema.proof`: milliseconds for
-        omega4 and alpha4, a second or more for each other quantity.
+        Also prove that none is missing, see :mod:`fourbar_ros.extrema.proof`: tenths of a second
+        for all quantities together.
     conditions : bool
         Also compute condition numbers, which takes a quarter of the time; else they are NaN.
     check : callable
-        Called between the pieces of the work, during a proof every few milliseconds; what it
-        raises ends the search.
+        Called between the pieces of the work, during a proof every tenth of a second or so; what
+        it raises ends the search.
+    seconds : float
+        Time of a processor that a proof may take, for each quantity [s]; then it says so.
+    progress : callable
+        Called like ``check``, during a proof, with the share of it that is done.
 
     Returns
     -------
@@ -125,36 +133,28 @@ def find_extrema(linkage: Any, quantities: Any = (), rate: float = 1.0, accelera
     methods = Methods(linkage, quantities, (rate, acceleration))
     found, proofs = methods.search(1, conditions), [''] * len(quantities)
     if certify:
-        found, proofs = _proved(methods, found, conditions, check)
+        def tell(share: float) -> None:
+            check()
+            progress(share)
+        found, proofs = methods.proved(found, conditions, tell, seconds)
     return [extremum for quantity, part, proof in zip(quantities, found, proofs)
             for extremum in _extrema(quantity, linkage, part, proof)]
 
 
-def _proved(methods: Methods, found: list[list[Found]], conditions: bool,
-            check: Callable[[], None]) -> tuple[list[list[Found]], list[str]]:
-    """Return the extrema, searched again if a count differs from the proof, and the proofs."""
-    from fourbar_ros.extrema.proof import NOT_PROVED
-
-    counts, texts = zip(*methods.prove(found, check))
-    if any(count not in (None, _interior_count(part)) for count, part in zip(counts, found)):
-        found = methods.search(8, conditions)
-    return found, [text if count in (None, _interior_count(part))
-                   else f'{NOT_PROVED}: {_interior_count(part)} found, {count} exist'
-                   for text, count, part in zip(texts, counts, found)]
-
-
-def _interior_count(found: Sequence[Found]) -> int:
-    return sum(part.side == 0 and part.sense != 0 for part in found)
-
-
-def _resolve(quantities: Any, linkage: Mechanism) -> list[Any]:
+def _resolve(quantities: Any, linkage: Mechanism) -> list[Asked]:
     """Return the quantities meant."""
-    if isinstance(quantities, str) or hasattr(quantities, 'of') or callable(quantities):
+    if _is_one(quantities):
         quantities = (quantities,)
+    if not isinstance(quantities, Collection) or not all(map(_is_one, quantities)):
+        raise InvalidParameter('quantities', quantities, 'must be names of quantities, Quantity '
+                               'or functions (motion, loads) -> value: one, or a list of them')
     if not len(quantities):
         return select((), linkage)
-    names = [quantity for quantity in quantities
-             if not (hasattr(quantity, 'of') or callable(quantity))]
+    fields = linkage.MOTION._fields + linkage.LOADS._fields
+    for quantity in quantities:
+        if isinstance(quantity, Quantity) and quantity.name not in fields:
+            raise UnknownQuantity(quantity.name, fields)
+    names = [quantity for quantity in quantities if isinstance(quantity, str)]
     named = iter(select(names, linkage) if names else ())
     return [quantity if hasattr(quantity, 'of') else next(named) if not callable(quantity)
             else Function(getattr(quantity, '__name__', 'quantity'), getattr(quantity, 'unit', ''),
@@ -162,15 +162,21 @@ def _resolve(quantities: Any, linkage: Mechanism) -> list[Any]:
             for quantity in quantities]
 
 
-def _extrema(quantity: Any, linkage: Any, found: list[Found], proof: str) -> list[Extremum]:
+def _is_one(quantity: Any) -> bool:
+    return isinstance(quantity, str) or hasattr(quantity, 'of') or callable(quantity)
+
+
+def _extrema(quantity: Asked, linkage: Mechanism, found: list[Found],
+             proof: str) -> list[Extremum]:
     """Return the extrema of one quantity by place, the global ones marked."""
     if not found:
         return []
     found = sorted(found, key=lambda part: (part.place, part.side))
     bounds, values = [_bounds(part) for part in found], [part.value for part in found]
-    lowest, highest = min(values), max(values)
-    low = max([top for (_, top), value in zip(bounds, values) if value == lowest])
-    high = min([bottom for (bottom, _), value in zip(bounds, values) if value == highest])
+    lowest, highest = np.fmin.reduce(values), np.fmax.reduce(values)     # without NaN
+    low = max([top for (_, top), value in zip(bounds, values) if value == lowest], default=nan)
+    high = min([bottom for (bottom, _), value in zip(bounds, values) if value == highest],
+               default=nan)
     name, symbol, mode, unit = quantity.name, quantity.unit, linkage.mode, linkage.input_unit
     is_slide = linkage.is_driven_by_slide
     angles = _crank_angles(linkage, found) if is_slide else [part.place for part in found]
@@ -184,11 +190,7 @@ def _extrema(quantity: Any, linkage: Any, found: list[Found], proof: str) -> lis
 
 
 def _bounds(part: Found) -> tuple[float, float]:
-    """
-    Return between which values the value of a :class:`Found` may be.
-
-    Two that overlap are equal.
-    """
+    """Return between which values that of a :class:`Found` may be: two that overlap are equal."""
     if not isfinite(part.value):
         return part.value, part.value
     condition = part.value_condition if part.value_condition < TRUSTED else 0.0
@@ -196,12 +198,8 @@ def _bounds(part: Found) -> tuple[float, float]:
     return part.value - error, part.value + error
 
 
-def _crank_angles(linkage: Any, found: Sequence[Found]) -> list[float]:
-    """
-    Return the crank's angles where the slide is driven.
-
-    Next to a limit that rounding has put outside.
-    """
+def _crank_angles(linkage: Mechanism, found: Sequence[Found]) -> list[float]:
+    """Return the crank's angles where the slide is driven, also at limits rounded outwards."""
     places = linkage.input_unit * np.array([part.place for part in found])
     inward = np.array([part.side for part in found]) * 4.0 * EPS * np.abs(places)
     angles, inside = (linkage.crank_angle(linkage.motion(at)) for at in (places, places + inward))

@@ -15,12 +15,12 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.extrema.input_paths import InputPath
 from fourbar_ros.mechanisms.contract import Constants
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.laurent import (
     LAURENT,
     Length,
     many_digits,
-    quarter_turns,
     series,
     T,
     TERMS,
@@ -28,9 +28,8 @@ from fourbar_ros.numerics.laurent import (
 from fourbar_ros.numerics.number_types import converted
 import numpy as np
 
-# Series are used up to this part of their scale, which is one to two times the distance of the
-# next singularity:
-# what they leave out is 2^-60 of the first term, times a small power of TERMS.
+# Series are used up to this part of their scale, one to two times the distance of the next
+# singularity: what they leave out is 2^-60 of the first term, times a small power of TERMS.
 REACH = 2.0**-4
 
 
@@ -86,7 +85,7 @@ class FlatSide:
 
     """
 
-    def __init__(self, mechanism: Any, rates: tuple[float, float], place: float,
+    def __init__(self, mechanism: Mechanism, rates: tuple[float, float], place: float,
                  side: int) -> None:
         self._mechanism, self._rates, self.place, self.side = mechanism, rates, place, side
         self._is_angle = not mechanism.is_driven_by_slide
@@ -110,10 +109,8 @@ class FlatSide:
             return _fields(self._motion)
 
     @cached_property
-    def loads(self) -> Any:
-        """Return the :class:`Fields` of the loads, None without bodies."""
-        if self._mechanism.bodies is None:
-            return None
+    def loads(self) -> Fields:
+        """Return the series of the loads, of a mechanism with bodies."""
         motion = self._motion
         with many_digits():
             return _fields(self._mechanism.loads_formula(LAURENT, self._constants)(motion))
@@ -126,22 +123,19 @@ class FlatSide:
     @cached_property
     def _motion(self) -> tuple[Any, ...]:
         with many_digits():
-            start = quarter_turns(round(self.place / (0.5 * pi)) if self._is_angle else 0)
-            x = self._mechanism.input_unit * (start + self.side * self._scale * T)
+            unit = self._mechanism.input_unit
+            x = self._mechanism.flat_place(unit * self.place) + unit * self.side * self._scale * T
             motion = self._mechanism.motion_formula(LAURENT, self._constants)
             return motion(x, *map(series, self._rates))
 
     def state(self, t: Array, with_loads: bool) -> list[Array]:
         """Return fields of motion and loads at scaled distances, each (fields, t.size)."""
-        return [fields.at(t) for fields in (self.motion, self.loads)[:1 + with_loads]]
+        return [self.motion.at(t), *([self.loads.at(t)] if with_loads else [])]
 
 
-def flat_sides(mechanism: Any, rates: tuple[float, float], path: InputPath) -> dict[int, FlatSide]:
-    """
-    Return the :class:`FlatSide` of each end of a path that is a flat position.
-
-    By the side, +1 at its lower end.
-    """
+def flat_sides(mechanism: Mechanism, rates: tuple[float, float],
+               path: InputPath) -> dict[int, FlatSide]:
+    """Return {side: FlatSide} of the ends of a path that are flat positions, +1 the lower end."""
     return {side: FlatSide(mechanism, rates, end.x, side)
             for side, end in path.ends() if end.is_flat}
 

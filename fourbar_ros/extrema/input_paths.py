@@ -17,9 +17,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import pi
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -91,6 +92,14 @@ class InputPath(NamedTuple):
     def inward(self, side: int) -> Array:
         """Return the indices of all points, from the end on this side on."""
         return np.arange(self.x.size)[::side]
+
+    def is_next_to_toggle(self, before: Array) -> Array:
+        """Return whether the sample after point ``before`` is less than a step from a toggle."""
+        near = np.zeros(before.size, bool)
+        for side, end in self.ends():
+            if not end.is_flat and not end.is_regular:
+                near |= before < self.first if side > 0 else before >= self.last
+        return near
 
     def half_a_step_from(self, side: int) -> int:
         """Return the index of the point half a step from the end on this side."""
@@ -166,7 +175,7 @@ class Range(NamedTuple):
         return float(np.arcsin((x - self.middle) / self.half))
 
 
-def input_paths(mechanism: Any, points: int) -> list[InputPath]:
+def input_paths(mechanism: Mechanism, points: int) -> list[InputPath]:
     """
     Return the paths that make up the motion of a mechanism in its mode.
 
@@ -182,16 +191,13 @@ def input_paths(mechanism: Any, points: int) -> list[InputPath]:
     for low, high in mechanism.closing_ranges:
         bounds = Range(low / unit, high / unit)
         inside = _beside(singular, bounds, not mechanism.is_driven_by_slide)
-        paths += _between(bounds, inside, points, stroke)
+        ends = [End(end, end * unit in mechanism.flat_limits) for end in bounds]
+        paths += _between(bounds, ends, inside, points, stroke)
     return paths
 
 
 def _closed(singular: Array, points: int) -> list[InputPath]:
-    """
-    Return the paths of a crank that makes full turns.
-
-    One, or those between its flat positions.
-    """
+    """Return the paths of a crank that makes full turns: one, or those between flat positions."""
     flat = np.unique(singular.real[singular.imag == 0.0])
     kernels = _kernels(singular[singular.imag != 0.0], points)
     if not flat.size:
@@ -211,7 +217,7 @@ def _beside(singular: Array, bounds: Range, is_periodic: bool) -> Array:
     return singular
 
 
-def _between(bounds: Range, singular: Array, points: int,
+def _between(bounds: Range, limits: Sequence[End], singular: Array, points: int,
              stroke: Sequence[float]) -> list[InputPath]:
     """
     Return the paths of a range between two toggles: one, or two with a flat position between them.
@@ -224,8 +230,7 @@ def _between(bounds: Range, singular: Array, points: int,
     kernels = _kernels(np.concatenate((angles, pi - angles)), points)
     flat = {float(np.arcsin(place)): End(float(x), True)
             for place, x in zip(scaled.real[is_flat], singular.real[is_flat])}
-    ends = {-0.5 * pi: End(bounds.low, False), **dict(sorted(flat.items())),
-            0.5 * pi: End(bounds.high, False)}
+    ends = {-0.5 * pi: limits[0], **dict(sorted(flat.items())), 0.5 * pi: limits[1]}
     return _paths(kernels, _within(ends, stroke, bounds) if stroke else ends, bounds.to_input)
 
 

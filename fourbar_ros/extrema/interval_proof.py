@@ -1,145 +1,342 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Proof that a quantity has no other extrema than those found: interval branch and bound.
+Proof that quantities have no other extrema than those found: branch and bound with Taylor models.
 
-The formulas of motion and loads are evaluated once more, in ball arithmetic (Arb, by the optional
-package python-flint) on power series in theta1. Taylor's formula, with coefficients at the middle
-of a piece of the input range and the last one over the whole piece, then encloses dQ/dtheta1 and
-d2Q/dtheta1^2. A piece over which the first cannot vanish has no extremum; one over which the
+The formulas of motion and loads are evaluated once more, on
+:mod:`~fourbar_ros.numerics.taylor_models`, for all pieces between samples at once. Of each
+quantity they give a polynomial and a bound of its error over a piece, and so of its derivatives. A
+part of a piece over which the first derivative cannot vanish has no extremum; one over which the
 second cannot vanish has one if the first changes sign from end to end, and none otherwise; others
-are halved.
+are halved, which needs the polynomial alone. Pieces whose error leaves parts open are cut and
+evaluated again.
 """
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from math import comb, perm, pi
+from time import thread_time
+from typing import Any, NamedTuple
 
 from fourbar_ros.extrema.input_paths import InputPath
-from fourbar_ros.extrema.sampling import NoLoads
-from fourbar_ros.numerics.enclosures import (
-    ENCLOSURE,
-    ENCLOSURE_WITH_ANGLES,
-    Series,
-    squared_or_plain,
+from fourbar_ros.extrema.sampling import NoLoads, Sampler, State
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.number_types import converted
+from fourbar_ros.numerics.taylor_models import (
+    constant,
+    inputs,
+    model,
+    ORDER,
+    REACH,
+    Root,
+    TAYLOR_MODELS,
+    UNIT,
 )
-from fourbar_ros.numerics.number_types import converted, Function
+import numpy as np
 
-PRECISION = 80        # [bit]
-ORDER = 6             # of Taylor's formula
-MOST_PIECES = 10000   # then it gives up: some seconds
+SECONDS, MOST_PIECES = 5.0, 100_000    # [s] of a processor, for each quantity; for all together
+BATCH, HALVINGS = 256, 8               # pieces at a time; of a piece, by its polynomial
+# Where pieces are cut, and halved: at odd places, as extrema like the middle.
+CUTS, CUT = np.array((0.0, 0.24, 0.51, 0.77, 1.0)), -0.125
+NARROWEST = 2.0**-44
+# By how much pieces overlap, in their half widths and over x: more than by rounding.
+SLACK, SLACK_OF_X = 2.0**-38, 2.0**-46
+# Of the derivatives of the error by (x - middle) / half the width, over the error.
+_FIRST, _SECOND = [max(perm(k, order) * REACH**-k for k in range(40)) for order in (1, 2)]
+DIGITS = 4 * HALVINGS * (ORDER + 4) * UNIT     # more than all substitutions round
+_K = np.arange(1.0, ORDER + 1)
 
 
-def count_extrema(sampler: Any, path: InputPath, check: Callable[[], None] = lambda: None) -> Any:
+class Part(NamedTuple):
     """
-    Return how many extrema each quantity of a sampler certainly has between the samples of a path.
+    A part of the input range with exactly one extremum of a quantity.
+
+    Parameters
+    ----------
+    low, high : float
+        Inputs, in the mechanism's unit.
+    sense : int
+        +1 maximum, -1 minimum.
+    middle, radius, c, error
+        Of the piece: the quantity (of a root its square) as a Taylor model of
+        t = (x - middle) / radius.
+    is_square : bool
+
+    """
+
+    low: float
+    high: float
+    sense: int
+    middle: float
+    radius: float
+    c: Array
+    error: float
+    is_square: bool
+
+    @property
+    def slope_error(self) -> float:
+        """Return a bound of the error of the derivative by t."""
+        return REACH * _FIRST * self.error + DIGITS * float(np.abs(self.c) @ np.arange(ORDER + 1))
+
+
+class Parts(NamedTuple):
+    """
+    All extrema of a quantity on a path.
+
+    Parameters
+    ----------
+    parts : list of Part
+    why_not : str
+        Why they may not be all; empty if they are.
+    largest : float
+        Of the sizes of the values, of a root of its squares.
+
+    """
+
+    parts: list[Part]
+    why_not: str
+    largest: float
+
+
+class Enclosure(NamedTuple):
+    """Quantities (of roots their squares) over pieces: (quantities, n, ORDER + 1), and errors."""
+
+    c: Array
+    error: Array
+    middle: Array
+    radius: Array
+
+
+class Evaluator:
+    """
+    Enclosures of some quantities of a sampler.
+
+    ``why_not``: {row: why a function cannot be enclosed}. ``squares``: rows whose square is.
+    """
+
+    def __init__(self, sampler: Sampler) -> None:
+        linkage = sampler.linkage
+        constants = converted(linkage.constants, constant)
+        self._motion = linkage.motion_formula(TAYLOR_MODELS, constants)
+        self._loads = linkage.bodies and linkage.loads_formula(TAYLOR_MODELS, constants)
+        self._sampler, self._rates = sampler, [constant(rate) for rate in sampler.rates]
+        self.why_not: dict[int, str] = {}
+        self.squares: set[int] = set()
+
+    def __call__(self, low: Array, high: Array, rows: Sequence[int]) -> Enclosure:
+        """Return the enclosures over pieces [low, high]; not finite where nothing is known."""
+        linkage = self._sampler.linkage
+        with np.errstate(all='ignore'):
+            x, radius = inputs(low, high)
+            fields = self._motion(self._sampler.unit * x, *self._rates)
+            state = (linkage.MOTION(*fields),
+                     linkage.LOADS(*self._loads(fields)) if self._loads else NoLoads())
+            found = Enclosure(np.full((len(rows), low.size, ORDER + 1), np.nan),
+                              np.full((len(rows), low.size), np.inf), x.c[0], radius)
+            for i, row in enumerate(rows):
+                self._fill(found, i, row, state)
+        return found
+
+    def _fill(self, found: Enclosure, i: int, row: int, state: State) -> None:
+        try:
+            value = model(self._sampler.quantities[row].of(*state))
+        except (TypeError, AttributeError) as error:
+            self.why_not[row] = f'the function does not work on enclosures ({error})'
+            return
+        if isinstance(value, Root):
+            value = value.square
+            self.squares.add(row)
+        found.c[i] = 0.0
+        found.c[i, :, :len(value.c)] = value.c.T
+        found.error[i] = value.error
+
+
+def find_parts(sampler: Sampler, rows: Sequence[int], path: InputPath,
+               check: Callable[[float], None] = lambda share: None,
+               seconds: float = SECONDS) -> list[Parts]:
+    """
+    Return where quantities have their extrema between the samples of a path.
 
     Parameters
     ----------
     sampler : .sampling.Sampler
+    rows : sequence of int
+        Which of its quantities.
     path : .input_paths.InputPath
     check : callable
-        Called before every piece; what it raises ends the count.
+        Called every 0.1 s or so with the share of the path that is decided; what it raises ends
+        the search.
+    seconds : float
+        Of a processor, for each quantity; what is not decided then is not proved.
+
+    """
+    return _Search(sampler, rows, path).run(check, seconds * len(rows))
+
+
+class _Pieces(NamedTuple):
+    """
+    Pieces of a path not yet evaluated.
+
+    Parameters
+    ----------
+    low, high : ndarray, shape (n,)
+    is_open : ndarray of bool, shape (quantities, n)
+        Which quantities are to be decided.
+    error : ndarray, shape (quantities, n)
+        Over the piece that they are cut of.
+
+    """
+
+    low: Array
+    high: Array
+    is_open: Array
+    error: Array
+
+    def of(self, which: Any) -> _Pieces:
+        """Return some of them."""
+        return _Pieces(*(part[..., which] for part in self))
+
+    def cut(self) -> _Pieces:
+        """Return them, each cut."""
+        edges = self.low + CUTS[:, None] * (self.high - self.low)
+        edges[-1] = self.high
+        count = len(CUTS) - 1
+        return _Pieces(edges[:-1].ravel(), edges[1:].ravel(), np.tile(self.is_open, count),
+                       np.tile(self.error, count))
+
+
+class _Search:
+    """Branch and bound for some quantities of a sampler on one path."""
+
+    def __init__(self, sampler: Sampler, rows: Sequence[int], path: InputPath) -> None:
+        self._evaluate, self._rows = Evaluator(sampler), list(rows)
+        self._name, self._unit = sampler.linkage.input_coordinate.position, sampler.unit
+        self._found: list[list[Part]] = [[] for _ in rows]
+        self._largest, self._why_not = np.zeros(len(rows)), [''] * len(rows)
+        low, high = _ends(path)
+        self._pieces = _Pieces(low, high, np.ones((len(rows), low.size), bool),
+                               np.full((len(rows), low.size), np.inf))
+
+    def run(self, check: Callable[[float], None], seconds: float) -> list[Parts]:
+        """Return the extrema of each quantity."""
+        total, begin, count = self._width(), thread_time(), 0
+        while self._pieces.low.size:
+            check(1.0 - self._width() / total)
+            if count > MOST_PIECES or thread_time() - begin > seconds:
+                why = (f'more than {MOST_PIECES} pieces' if count > MOST_PIECES
+                       else f'not decided in {seconds:g} s')
+                self._leave(self._pieces, why)
+                break
+            count += min(BATCH, self._pieces.low.size)
+            self._evaluate_some()
+        check(1.0)
+        return [Parts(*of_one) for of_one in zip(self._found, self._why_not,
+                                                 self._largest.tolist())]
+
+    def _width(self) -> float:
+        return float((self._pieces.high - self._pieces.low).sum())
+
+    def _evaluate_some(self) -> None:
+        """Decide some pieces, and cut what is left open."""
+        some, later = self._pieces.of(slice(BATCH)), self._pieces.of(slice(BATCH, None))
+        which = np.nonzero(some.is_open.any(axis=1))[0]
+        found = self._evaluate(some.low, some.high, [self._rows[i] for i in which])
+        self._largest[which] = np.fmax(self._largest[which], np.abs(found.c[..., 0]).max(axis=1))
+        i, j = np.nonzero(some.is_open[which])
+        c, error, half = found.c[i, j], found.error[i, j], found.radius / REACH
+        stays, hits = _parts_of(c, error, (SLACK + SLACK_OF_X * np.abs(found.middle) / half)[j])
+        for k, a, b, sense in zip(*(hit.tolist() for hit in hits)):
+            middle, width = float(found.middle[j[k]]), float(half[j[k]])
+            self._found[which[i[k]]].append(Part(
+                middle + a * width, middle + b * width, sense, middle, width * REACH, c[k],
+                float(error[k]), self._rows[which[i[k]]] in self._evaluate.squares))
+        left = some._replace(is_open=np.zeros_like(some.is_open),
+                             error=np.full(some.error.shape, np.inf))
+        left.is_open[which[i], j], left.error[which[i], j] = stays, error
+        # cuts do not help where it is rounding that leaves parts open
+        is_hopeless = left.is_open & (
+            (left.error > 0.5 * some.error) | self._is_refused()[:, None]
+            | (some.high - some.low < NARROWEST * np.maximum(np.abs(some.low), 1.0)))
+        left = left.of(left.is_open.any(axis=0)).cut()
+        self._pieces = _Pieces(*(np.concatenate(parts, axis=-1) for parts in zip(left, later)))
+        self._leave(some._replace(is_open=is_hopeless),
+                    'a kink, or nearly two extrema at one place')
+
+    def _is_refused(self) -> Array:
+        """Return which quantities are functions that do not work on enclosures."""
+        return np.array([row in self._evaluate.why_not for row in self._rows])
+
+    def _leave(self, pieces: _Pieces, why_not: str) -> None:
+        """Leave the quantities that these pieces leave open, and note why."""
+        rows = pieces.is_open.any(axis=1)
+        for i in np.nonzero(rows)[0].tolist():
+            at = float(self._unit * pieces.low[np.argmax(pieces.is_open[i])])
+            self._why_not[i] = self._evaluate.why_not.get(
+                self._rows[i], f'{why_not}, at {self._name} = {at:.6g}')
+        if rows.any():
+            self._pieces.is_open[rows] = False
+            self._pieces = self._pieces.of(self._pieces.is_open.any(axis=0))
+
+
+def _ends(path: InputPath) -> tuple[Array, Array]:
+    """Return the ends of the pieces between the samples of a path."""
+    x = path.x + 2.0 * pi * (path.x < path.x[0])
+    if path.is_closed:
+        x = np.append(x, x[0] + 2.0 * pi)
+    return x[:-1], x[1:]
+
+
+def _parts_of(c: Array, error: Array, slack: Array) -> tuple[Array, tuple[Array, ...]]:
+    """
+    Return which of m functions leave parts of their piece open, and the extrema of the others.
+
+    Parameters
+    ----------
+    c, error : ndarray, shape (m, ORDER + 1), (m,)
+        Of their Taylor models.
+    slack : ndarray, shape (m,)
+        By how much pieces may overlap, in half widths: no extremum is so near to an end.
 
     Returns
     -------
-    list of (int or None)
-        None: not decided within the number of pieces allowed.
-
-    Raises
-    ------
-    ImportError
-        python-flint is not installed.
-    TypeError, AttributeError
-        A user's function cannot be evaluated on enclosures.
+    ndarray of bool, (numbers of functions, low, high, sense)
+        The extrema lie between low and high, in half widths from the middle.
 
     """
-    import flint
-
-    precision, cap = flint.ctx.prec, flint.ctx.cap
-    flint.ctx.prec, flint.ctx.cap = PRECISION, ORDER + 1
-    try:
-        return _count(_evaluator(sampler, flint), _pieces(path, flint.arb),
-                      len(sampler.quantities),
-                      check)
-    finally:
-        flint.ctx.prec, flint.ctx.cap = precision, cap
-
-
-def _evaluator(sampler: Any, flint: Any) -> Function:
-    """Return (ball of theta1, rows) -> enclosures of dQ/dtheta1 and half d2Q/dtheta1^2."""
-    linkage = sampler.linkage
-    numbers = ENCLOSURE_WITH_ANGLES if sampler.with_angles else ENCLOSURE
-    constants = converted(linkage.constants, flint.arb)
-    motion = linkage.motion_formula(numbers, constants)
-    loads = linkage.bodies and linkage.loads_formula(numbers, constants)
-    unit = flint.arb(sampler.unit)
-    rates = [flint.arb(rate) for rate in sampler.rates]
-    unknown = [flint.arb('nan')] * (ORDER + 1)
-
-    def coefficients(ball: Any, rows: Any) -> Any:
-        """Return the Taylor coefficients of quantities ``rows`` about any point of the ball."""
-        try:
-            fields = motion(Series(flint.arb_series([unit * ball, unit])), *rates)
-            state = linkage.MOTION(*fields), linkage.LOADS(*loads(fields)) if loads else NoLoads()
-            values = [squared_or_plain(sampler.quantities[row].of(*state)) for row in rows]
-        except ValueError:                   # a divisor may vanish: nothing is known
-            return [unknown] * len(rows)
-        return [[value[i] for i in range(ORDER + 1)] for value in values]
-    return coefficients
+    slope = c[:, 1:] * (_K / REACH**_K)          # in s = (x - middle) / half the width
+    size = np.abs(slope).sum(axis=1)
+    first, second, rounded = _FIRST * error + DIGITS * size, _SECOND * error, DIGITS * size
+    k, a, b = np.arange(len(c)), np.full(len(c), -1.0), np.ones(len(c))
+    is_open, hits = np.zeros(len(c), bool), []
+    for _ in range(HALVINGS):
+        size = np.abs(slope)
+        weighted, width = size[:, 1:] @ _K[:-1], 0.5 * (b - a)
+        has_none = size[:, 0] > size[:, 1:].sum(axis=1) + first[k]
+        is_monotone = 2.0 * size[:, 1] > weighted + second[k] * width + ORDER * rounded[k]
+        left, right = slope @ _ALTERNATING, slope.sum(axis=1)
+        is_known = is_monotone & (np.minimum(np.abs(left), np.abs(right))
+                                  > first[k] + slack[k] / width * weighted)
+        hit = is_known & ~has_none & ((left > 0.0) != (right > 0.0))
+        hits.append((k[hit], a[hit], b[hit], np.where(left[hit] > 0.0, 1, -1)))
+        goes_on = ~(has_none | is_known)
+        is_open[k[goes_on & ~(first[k] < size.sum(axis=1))]] = True
+        goes_on &= ~is_open[k]
+        k, a, b, slope = k[goes_on], a[goes_on], b[goes_on], slope[goes_on]
+        middle = a + 0.5 * (1.0 + CUT) * (b - a)
+        k, a, b = np.tile(k, 2), np.concatenate((a, middle)), np.concatenate((middle, b))
+        slope = np.concatenate((slope @ _BEFORE, slope @ _AFTER))
+    is_open[k] = True
+    parts = [np.concatenate(column) for column in zip(*hits)]
+    inside = ~is_open[parts[0]]
+    return is_open, tuple([part[inside] for part in parts])
 
 
-def _pieces(path: InputPath, arb: Any) -> Any:
-    """Return the pieces (low, high) between samples as balls of little or no width."""
-    x = path.x.tolist()
-    points = [arb(v) if v >= x[0] else arb(v) + 2 * arb.pi() for v in x]
-    if path.is_closed:
-        points.append(points[0] + 2 * arb.pi())
-    return list(zip(points, points[1:]))
+def _substitution(low: float, high: float) -> Array:
+    """Return the matrix that takes coefficients in s to those in one that is +-1 at low, high."""
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    return np.array([[comb(k, j) * middle**(k - j) * half**j if j <= k else 0.0
+                      for j in range(ORDER)] for k in range(ORDER)])
 
 
-def _slopes(at_middle: Any, over_piece: Any, offset: Any) -> Any:
-    """Return enclosures of the first and second derivative from Taylor coefficients."""
-    slope = curvature = 0
-    for i in range(ORDER, 0, -1):
-        coefficient = over_piece[i] if i == ORDER else at_middle[i]
-        slope = slope * offset + i * coefficient
-        if i > 1:
-            curvature = curvature * offset + i * (i - 1) * coefficient
-    return slope, curvature
-
-
-def _count(coefficients: Function, pieces: Any, size: int, check: Callable[[], None]) -> Any:
-    """
-    Return the number of sign changes of dQ/dtheta1 in all pieces, for each row.
-
-    None if not decided.
-    """
-    counts, work, done = [0] * size, [(*piece, tuple(range(size)))
-                                      for piece in reversed(pieces)], 0
-    while work:
-        check()
-        low, high, rows = work.pop()
-        whole = low.union(high)
-        middle = whole.mid()
-        undecided: list[int] = []
-        monotone: list[int] = []
-        for row, one, all_of_it in zip(rows, coefficients(middle, rows),
-                                       coefficients(whole, rows)):
-            slope, curvature = _slopes(one, all_of_it, whole - middle)
-            if slope.contains(0):
-                (undecided if curvature.contains(0) else monotone).append(row)
-        if monotone:
-            for row, before, after in zip(monotone, coefficients(low, monotone),
-                                          coefficients(high, monotone)):
-                if before[1].contains(0) or after[1].contains(0):
-                    undecided.append(row)
-                elif (before[1] > 0) is not (after[1] > 0):
-                    counts[row] += 1
-        done += 1
-        if undecided:
-            work += [(middle, high, undecided), (low, middle, undecided)]
-        if done > MOST_PIECES:
-            break
-    open_rows = {row for *_, rows in work for row in rows}
-    return [None if row in open_rows else count for row, count in enumerate(counts)]
+_ALTERNATING = (-1.0)**np.arange(ORDER)
+_BEFORE, _AFTER = _substitution(-1.0, CUT), _substitution(CUT, 1.0)

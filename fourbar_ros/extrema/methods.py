@@ -1,9 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Which search, which sample points and which proof serve which quantity of which mechanism.
-
-Chosen here, once a request.
+Which search, which sample points and which proof serve which quantity; chosen once a request.
 
 =============================  ==================================  ========================
 quantity                       search                              proof
@@ -23,27 +21,31 @@ The sample points are those of :mod:`.four_bar_rates.input_paths` for a four-bar
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import inf
-from typing import Any
+from math import nan
+from typing import TYPE_CHECKING
 
 from fourbar_ros.extrema.difference_sampling import DifferenceSampler
 from fourbar_ros.extrema.four_bar_rates.input_paths import input_paths as elliptic_paths
+from fourbar_ros.extrema.four_bar_rates.paths import SAMPLES as RATE_SAMPLES
 from fourbar_ros.extrema.four_bar_rates.search import rate_extrema
-from fourbar_ros.extrema.four_bar_rates.search import SAMPLES as RATE_SAMPLES
 from fourbar_ros.extrema.input_paths import input_paths, InputPath
-from fourbar_ros.extrema.path_search import Found, search_path
-from fourbar_ros.extrema.sampling import Sampler
+from fourbar_ros.extrema.path_search import Found, sampled_conditions, search_path
+from fourbar_ros.extrema.sampling import Asked, Sampler
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import is_published
 from fourbar_ros.numerics.roots import fold
 import numpy as np
+
+if TYPE_CHECKING:       # loaded when a proof is asked for
+    from fourbar_ros.extrema.proof import Count, Enclosures, Verdict
 
 # Points of a full turn, at least; those of a path that the trial of a function leaves out.
 SAMPLES, TRIAL = 128, 12
 RATES = ('omega4', 'alpha4')
 
 
-def has_fast_rates(linkage: Any, names: Sequence[str], acceleration: float) -> bool:
+def has_fast_rates(linkage: Mechanism, names: Sequence[str], acceleration: float) -> bool:
     """Return whether :mod:`.batch` finds the extrema of these quantities of many linkages."""
     return isinstance(linkage, FourBar) and {*names} <= {*RATES} and not acceleration
 
@@ -61,7 +63,7 @@ class Methods:
 
     """
 
-    def __init__(self, linkage: Any, quantities: Sequence[Any],
+    def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
                  rates: tuple[float, float]) -> None:
         self._linkage, self._quantities, self._rates = linkage, quantities, rates
         self._is_four_bar = isinstance(linkage, FourBar)
@@ -77,8 +79,10 @@ class Methods:
     def paths(self, density: int = 1) -> list[InputPath]:
         """Return the paths of the input, with ``density`` times the usual number of points."""
         if density not in self._paths:
-            of = elliptic_paths if self._is_four_bar else input_paths
-            self._paths[density] = of(self._linkage, density * SAMPLES)
+            linkage, count = self._linkage, density * SAMPLES
+            self._paths[density] = (elliptic_paths(linkage, count)
+                                    if isinstance(linkage, FourBar) else
+                                    input_paths(linkage, count))
         return self._paths[density]
 
     def _samplers(self, rows: list[int]) -> list[tuple[Sampler, list[int]]]:
@@ -93,7 +97,7 @@ class Methods:
         return kind(self._linkage, [self._quantities[row] for row in rows], self._rates,
                     self._is_four_bar)
 
-    def _has_complex_step(self, quantity: Any) -> bool:
+    def _has_complex_step(self, quantity: Asked) -> bool:
         """
         Return whether the complex step gives the derivative of a function.
 
@@ -132,46 +136,65 @@ class Methods:
 
         ``row`` counts those that are fast.
         """
-        extrema, toggles = rate_extrema(self._linkage, density * RATE_SAMPLES, with_conditions)
-        found, rate = [], self._rates[0]
-        for row, name in enumerate(self._quantities[row].name for row in self._fast):
-            i, factor, sign = ((0, rate, 1 if rate > 0.0 else -1) if name == 'omega4'
-                               else (1, rate * rate, 1))
-            for theta1, value, is_maximum, *conditions in extrema[i]:
-                found.append(Found(row, theta1, factor * value, sign if is_maximum else -sign, 0,
-                                   False, *conditions))
-            for x, side, *is_up in toggles:
-                sense = sign if is_up[i] else -sign
-                found.append(Found(row, fold(x), sense * inf, sense, side))
+        assert isinstance(self._linkage, FourBar)
+        both = rate_extrema(self._linkage, density * RATE_SAMPLES)
+        sampler, found = self._sampler(Sampler, self._fast), []
+        for row, quantity in enumerate(sampler.quantities):
+            order = RATES.index(quantity.name)
+            _, x, value, is_maximum, side, spacing = both[order]
+            factor = self._rates[0]**(order + 1)
+            conditions = np.full((2, x.size), nan)
+            inside = side == 0
+            if with_conditions:
+                conditions[:, inside] = sampled_conditions(
+                    sampler, x[inside], np.full(inside.sum(), row), spacing[inside])
+            sense = np.where(is_maximum == (factor > 0.0), 1, -1)
+            found += [Found(row, *fields[:4], False, *fields[4:]) for fields in zip(
+                *(v.tolist() for v in (fold(x), factor * value, sense, side, *conditions)))]
         return found
 
-    def prove(self, found: list[list[Found]],
-              check: Callable[[], None]) -> list[tuple[int | None, str]]:
+    def proved(self, found: list[list[Found]], with_conditions: bool,
+               check: Callable[[float], None], seconds: float
+               ) -> tuple[list[list[Found]], list[str]]:
         """
-        Return how many extrema each quantity has inside the input range, and how that is known.
+        Return the extrema, searched for once more if they contradict their proof, and the proofs.
+
+        ``found``: what the search found of each quantity; others as for :meth:`prove`.
+        """
+        proofs = self.prove(found, check, seconds)
+
+        def verdicts() -> list[Verdict]:
+            return [proof.verdict(part) for proof, part in zip(proofs, found)]
+
+        if any(verdict.is_contradicted for verdict in verdicts()):
+            found = self.search(8, with_conditions)
+        return found, [verdict.text for verdict in verdicts()]
+
+    def prove(self, found: list[list[Found]], check: Callable[[float], None],
+              seconds: float) -> list[Count | Enclosures]:
+        """
+        Return a proof of each quantity, whose ``verdict`` says whether extrema are all.
 
         Parameters
         ----------
         found : list
             What the search found of each quantity.
         check : callable
-            Called between the pieces of the work; what it raises ends it.
-
-        Returns
-        -------
-        list of (int or None, str)
-            None: not proved; the text says why.
+            Called between the pieces of the work with the share of it that is done; what it raises
+            ends it.
+        seconds : float
+            Of a processor, for each quantity; what is not decided then is not proved.
 
         """
         from fourbar_ros.extrema import proof
 
-        proofs: dict[int, tuple[int | None, str]] = {}
+        proofs: dict[int, Count | Enclosures] = {}
         if self._exact:
             counts = proof.exact_counts(self._linkage.lengths)
             proofs = {row: counts[RATES.index(self._quantities[row].name)] for row in self._exact}
-        for sampler, rows in self._groups:
-            for i, row in enumerate(rows):
-                if row not in proofs:
-                    proofs[row] = proof.by_intervals(sampler.only(i), self.paths(), found[row],
-                                                     check)
+        for done, (sampler, rows) in enumerate(self._groups):
+            left = {row: i for i, row in enumerate(rows) if row not in proofs}
+            proofs.update(zip(left, proof.by_intervals(
+                sampler, [*left.values()], self.paths(), [found[row] for row in left],
+                proof.share_of(check, done, len(self._groups)), seconds)))
         return [proofs[row] for row in range(len(found))]

@@ -4,62 +4,185 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import inf, nan, pi
+from typing import NamedTuple
 
-from fourbar_ros.extrema import interval_proof
 from fourbar_ros.extrema.four_bar_rates import exact_count
 from fourbar_ros.extrema.input_paths import InputPath
+from fourbar_ros.extrema.interval_proof import find_parts, Part, Parts
 from fourbar_ros.extrema.path_search import Found
 from fourbar_ros.extrema.sampling import Sampler
+from fourbar_ros.mechanisms.quantities import is_published
+import numpy as np
+from numpy.polynomial.polynomial import polyval
 
 EXACT_COUNT, INTERVALS, NOT_PROVED = 'exact count', 'interval bounds', 'not proved'
 # Nearer than this to a flat position, in the input's unit, enclosures of 0/0 take too many pieces.
 LEFT_OUT = 2.0**-13
+# To what places [in the input's unit] are confirmed, and as far as rounding needs it; to what
+# values are, over themselves and over the largest (of a root: of the squares).
+PLACE, WIDEST, VALUE, OF_LARGEST = 2.0**-32, 2.0**-20, 2.0**-32, 2.0**-40
 
-# number of extrema inside the input range, if proved; how, or why not
-Proof = tuple[int | None, str]
+
+class Verdict(NamedTuple):
+    """Whether extrema contradict a proof, and what is said of them."""
+
+    is_contradicted: bool
+    text: str
 
 
-def exact_counts(lengths: Sequence[float]) -> list[Proof]:
-    """
-    Return the proofs of the output's rate and, at constant input rate, its acceleration.
+class Count(NamedTuple):
+    """The number of extrema inside the input range, if it is known; how, or why not."""
 
-    For a four-bar.
-    """
-    return [(count, EXACT_COUNT if count is not None else
-             f'{NOT_PROVED}: constant in a range, or a root of its derivative is not simple')
+    exist: int | None
+    text: str
+
+    def verdict(self, found: Sequence[Found]) -> Verdict:
+        """Return whether as many were found."""
+        number = sum(is_interior(part) for part in found)
+        if self.exist in (None, number):
+            return Verdict(False, self.text)
+        return Verdict(True, f'{NOT_PROVED}: {number} found, {self.exist} exist')
+
+
+def is_interior(part: Found) -> bool:
+    """Return whether what was found is an extremum inside the input range."""
+    return part.side == 0 and part.sense != 0
+
+
+def exact_counts(lengths: Sequence[float]) -> list[Count]:
+    """Return the proofs of a four-bar's omega4 and, at constant input rate, its alpha4."""
+    return [Count(count, EXACT_COUNT if count is not None else
+                  f'{NOT_PROVED}: constant in a range, or a root of its derivative is not simple')
             for count in exact_count.count_extrema(lengths)]
 
 
-def by_intervals(sampler: Sampler, paths: Sequence[InputPath], found: Sequence[Found],
-                 check: Callable[[], None]) -> Proof:
+class Enclosures:
     """
-    Return the proof of the only quantity of a sampler by interval bounds, which need python-flint.
+    All extrema of a quantity, each enclosed in a part of a path.
 
     At ends of the range they stop at the last sample; what was found in parts left out counts as
     found there.
+
+    Parameters
+    ----------
+    sampler : Sampler
+    paths : sequence of InputPath
+    enclosed : sequence of Parts
+        Of each path.
+    is_angle : bool
+        The quantity may be an angle, of any turn.
+
     """
-    if any(part.sense == 0 for part in found):
-        return None, f'{NOT_PROVED}: constant in a range'
+
+    def __init__(self, sampler: Sampler, paths: Sequence[InputPath], enclosed: Sequence[Parts],
+                 is_angle: bool) -> None:
+        self._linkage, self._unit, self._is_angle = sampler.linkage, sampler.unit, is_angle
+        self._why_not = next((of_path.why_not for of_path in enclosed if of_path.why_not), '')
+        self._parts = [part for of_path in enclosed for part in of_path.parts]
+        self._largest = max(of_path.largest for of_path in enclosed)
+        self._ends = [(side, self._unit * end.x,
+                       self._unit * abs(end.x - path.x[path.inward(side)[0]]))
+                      for path in paths for side, end in path.ends()]
+
+    def verdict(self, found: Sequence[Found]) -> Verdict:
+        """Return whether these are the extrema: as many, of their kinds, places and values."""
+        if self._why_not:
+            return Verdict(False, f'{NOT_PROVED}: {self._why_not}')
+        inside = [one for one in found if is_interior(one) and not self._is_left_out(one)]
+        left_out, left = sum(map(is_interior, found)) - len(inside), list(self._parts)
+        if len(inside) != len(left):
+            return Verdict(True, f'{NOT_PROVED}: {len(inside) + left_out} found, '
+                                 f'{len(left) + left_out} exist')
+        coordinate, width = self._linkage.input_coordinate, PLACE
+        for one in inside:
+            part, x = next(((part, x) for part in left for x in self._inputs(one)
+                            if part.sense == one.sense and
+                            part.low - PLACE <= x <= part.high + PLACE), (None, nan))
+            around = _width(part, x) if part else inf
+            if part is None or around == inf or not self._has_value(part, x, one):
+                kind = 'minimum' if one.sense < 0 else 'maximum'
+                return Verdict(True, f'{NOT_PROVED}: no {kind} of {one.value:.12g} confirmed at '
+                                     f'{coordinate.position} = {self._unit * one.place:.12g}')
+            left.remove(part)
+            width = max(width, around)
+        text = INTERVALS
+        if width > PLACE:
+            text += f', places to {self._unit * width:.0e} {coordinate.unit}'
+        if self._ends:
+            text += (f', except {max(width for *_, width in self._ends):.0e} {coordinate.unit} '
+                     'at the ends')
+        return Verdict(False, text)
+
+    def _is_left_out(self, one: Found) -> bool:
+        return any(0.0 < side * self._linkage.distance(self._unit * one.place, at) < width
+                   for side, at, width in self._ends)
+
+    def _inputs(self, one: Found) -> list[float]:
+        """Return the input of what was found, in all turns that paths may have it in."""
+        turns = (0,) if self._linkage.is_driven_by_slide else (-1, 0, 1)
+        return [one.place + 2.0 * pi * turn for turn in turns]
+
+    def _has_value(self, part: Part, x: float, one: Found) -> bool:
+        """Return whether the quantity has the value that was found."""
+        value, size = _value_and_slope(part, x)[0], abs(one.value)
+        bound = VALUE * size + one.noise
+        if part.is_square:
+            return (one.value >= 0.0 and abs(value - size * size)
+                    <= bound * (2.0 * size + bound) + OF_LARGEST * self._largest)
+        off = value - one.value
+        off -= 2.0 * pi * round(off / (2.0 * pi)) * self._is_angle
+        return abs(off) <= bound + OF_LARGEST * self._largest
+
+
+def _width(part: Part, x: float) -> float:
+    """Return how near to x the extremum in a part is, as far as its enclosure tells."""
+    width = PLACE
+    while width < WIDEST:
+        before, after = (_value_and_slope(part, min(max(at, part.low), part.high))[1] * part.sense
+                         for at in (x - width, x + width))
+        if min(abs(before), abs(after)) > part.slope_error:
+            return width if before > 0.0 > after else inf
+        width *= 2.0
+    return inf
+
+
+def _value_and_slope(part: Part, x: float) -> tuple[float, float]:
+    """Return the quantity (of a root its square) and its derivative by t, both to their errors."""
+    t, c = (x - part.middle) / part.radius, part.c
+    return float(polyval(t, c)), float(polyval(t, c[1:] * np.arange(1, len(c))))
+
+
+def share_of(check: Callable[[float], None], done: int, parts: int) -> Callable[[float], None]:
+    """Return the function that takes the share of one part of the work, others done before it."""
+    return lambda share: check((done + share) / parts)
+
+
+def by_intervals(sampler: Sampler, rows: Sequence[int], paths: Sequence[InputPath],
+                 found: Sequence[Sequence[Found]], check: Callable[[float], None],
+                 seconds: float) -> list[Count | Enclosures]:
+    """
+    Return the proofs of the quantities ``rows`` of a sampler.
+
+    Parameters
+    ----------
+    sampler, rows, paths
+    found : sequence
+        What the search found of each quantity.
+    check, seconds
+        As for :func:`.interval_proof.find_parts`.
+
+    """
+    varying = {i: row for i, row in enumerate(rows) if all(part.sense for part in found[i])}
     paths = [_away_from_flats(path) for path in paths]
-    try:
-        counts = [interval_proof.count_extrema(sampler, path, check)[0] for path in paths]
-    except ImportError:
-        return None, f'{NOT_PROVED}: needs the package python-flint'
-    except (TypeError, AttributeError) as error:
-        return None, f'{NOT_PROVED}: the function does not work on enclosures ({error})'
-    decided = [count for count in counts if count is not None]
-    if len(decided) < len(counts):
-        return None, f'{NOT_PROVED}: more than {interval_proof.MOST_PIECES} pieces'
-    linkage = sampler.linkage
-    ends = [(side, sampler.unit * end.x, sampler.unit * abs(end.x - path.x[path.inward(side)[0]]))
-            for path in paths for side, end in path.ends()]
-    number = sum(part.side == 0 and any(0.0 < side * linkage.distance(sampler.unit * part.place,
-                                                                      at) < width
-                                        for side, at, width in ends) for part in found)
-    unit = linkage.input_coordinate.unit
-    return (sum(decided) + number,
-            INTERVALS + (f', except {max(width for *_, width in ends):.0e} {unit} at the ends'
-                         if ends else ''))
+    enclosed = [find_parts(sampler, [*varying.values()], path, share_of(check, done, len(paths)),
+                           seconds / len(paths)) for done, path in enumerate(paths)]
+    proofs: list[Count | Enclosures] = [
+        Count(None, f'{NOT_PROVED}: constant in a range') for _ in found]
+    for (i, row), *parts in zip(varying.items(), *enclosed):
+        proofs[i] = Enclosures(sampler, paths, parts, bool(sampler.is_angle[row])
+                               or not is_published(sampler.quantities[row]))
+    return proofs
 
 
 def _away_from_flats(path: InputPath) -> InputPath:

@@ -15,11 +15,19 @@ from typing import Any, ClassVar, NamedTuple
 from fourbar_ros.errors import InvalidParameter, MissingBodies
 from fourbar_ros.extrema.flat_positions import flat_sides, FlatSide, REACH
 from fourbar_ros.extrema.input_paths import InputPath
+from fourbar_ros.mechanisms.contract import Constants
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Quantity
-from fourbar_ros.mechanisms.quantities import is_position, is_published
-from fourbar_ros.numerics.arrays import Array, Values
-from fourbar_ros.numerics.number_types import ARRAY, columns_of, COMPLEX, COMPLEX_WITH_ANGLES
-from fourbar_ros.numerics.roots import EPS, fold
+from fourbar_ros.mechanisms.quantities import Function, is_position, is_published
+from fourbar_ros.numerics.arrays import Array, EPS, Values
+from fourbar_ros.numerics.number_types import (
+    ARRAY,
+    columns_of,
+    COMPLEX,
+    COMPLEX_WITH_ANGLES,
+    NumberType,
+)
+from fourbar_ros.numerics.roots import fold
 import numpy as np
 
 # Complex step: its square vanishes beside one, and it is nothing beside the distance of any sample
@@ -42,6 +50,7 @@ class NoLoads:
 
 
 State = tuple[Any, Any]     # motion and loads: fields are floats or arrays
+Asked = Quantity | Function     # what may be asked for
 
 
 class Samples(NamedTuple):
@@ -68,9 +77,15 @@ class Samples(NamedTuple):
     noise: Array
 
 
-def needs_angles(quantity: Any) -> bool:
+def needs_angles(quantity: Asked) -> bool:
     """Return whether a quantity may depend on angles, not only on their sines and rates."""
     return not is_published(quantity) or is_position(quantity)
+
+
+def not_real(quantity: Asked, found: str) -> InvalidParameter:
+    """Return the error for a function that does not give real numbers."""
+    return InvalidParameter('quantities', quantity.name, 'a function must give a finite real '
+                            f'number for each input inside the range, not {found}')
 
 
 class Sampler:
@@ -101,8 +116,9 @@ class Sampler:
     IS_COMPLEX: ClassVar[bool] = True   # the steps by which quantities are differentiated
     # Step of real differences of derivatives, in samples: little enough for Newton's method.
     TURN: ClassVar[float] = 2.0**-24
+    exact: Sampler | None = None    # the same in many digits, once that was needed
 
-    def __init__(self, linkage: Any, quantities: Sequence[Any], rates: tuple[float, float],
+    def __init__(self, linkage: Mechanism, quantities: Sequence[Asked], rates: tuple[float, float],
                  takes_columns: bool = False) -> None:
         self.linkage, self.quantities, self.rates = linkage, quantities, rates
         self.takes_columns = takes_columns
@@ -124,7 +140,7 @@ class Sampler:
         """Take the flat positions at the ends of a path into account."""
         self.flats = flat_sides(self.linkage, self.rates, path)
 
-    def of(self, linkage: Any) -> Sampler:
+    def of(self, linkage: Mechanism) -> Sampler:
         """Return the same for another linkage."""
         return type(self)(linkage, self.quantities, self.rates, self.takes_columns)
 
@@ -132,7 +148,7 @@ class Sampler:
         """Return the same for one of the quantities."""
         other = copy(self)
         other.quantities, other.is_angle = (self.quantities[row],), self.is_angle[[row]]
-        other.with_angles = needs_angles(self.quantities[row])
+        other.with_angles, other.exact = needs_angles(self.quantities[row]), None
         return other
 
     def along(self, path: InputPath) -> Samples:
@@ -140,11 +156,18 @@ class Sampler:
         self.enter(path)
         with np.errstate(over='ignore', invalid='ignore'):
             values, slopes = self.sample(path.x)
+        self._refuse_nan(path.x, values)
         if np.isinf(values).any() or np.isinf(slopes).any():
             raise InvalidParameter('rate, acceleration', self.rates,
                                    'too large: quantities overflow')
         state = self.state(path.x)
         return Samples(path, self._continuous(values), slopes, state, self.noise(state))
+
+    def _refuse_nan(self, x: Array, values: Array) -> None:
+        """Refuse functions that are no numbers somewhere."""
+        for quantity, row in zip(self.quantities, np.isnan(values)):
+            if row.any() and not is_published(quantity):
+                raise not_real(quantity, f'NaN at the input {self.unit * float(x[row.argmax()])}')
 
     def _continuous(self, values: Array) -> Array:
         """Return the values along a path, angles without jumps, the least of them in [-pi, pi)."""
@@ -165,19 +188,27 @@ class Sampler:
 
     def with_lengths(self, lengths: Sequence[tuple[float, ...]], x: Array,
                      row: Array) -> Sequence[Array]:
-        """Return :meth:`at` for mechanisms of other lengths, shapes (n, mechanisms)."""
+        """
+        Return :meth:`at` for mechanisms of other lengths, shapes (n, mechanisms).
+
+        By their formulas alone: they are no change points, and their limits are not asked for.
+        """
+        numbers = self._complex if self.IS_COMPLEX else ARRAY
         others = [self.linkage.with_lengths(changed) for changed in lengths]
         if not self.takes_columns:
-            return [np.stack(parts, axis=1)
-                    for parts in zip(*(self.of(other).at(x, row) for other in others))]
-        sampler, numbers = copy(self), columns_of(self._complex if self.IS_COMPLEX else ARRAY)
-        sampler.flats = {}          # the others are not change points
+            return [np.stack(parts, axis=1) for parts in zip(*(
+                self._by(other, other.constants, numbers).at(x, row) for other in others))]
         constants = others[0].constants._replace(lengths=tuple([np.array(column)[:, None]
                                                                 for column in zip(*lengths)]))
-        motion = self.linkage.motion_formula(numbers, constants)
-        loads = self._functions[1][0] and self.linkage.loads_formula(numbers, constants)
-        sampler._functions = (motion,) * 2, (loads,) * 2
-        return sampler.at(np.tile(x, (len(lengths), 1)), row)
+        return self._by(self.linkage, constants, columns_of(numbers)).at(
+            np.tile(x, (len(lengths), 1)), row)
+
+    def _by(self, linkage: Mechanism, constants: Constants, numbers: NumberType) -> Sampler:
+        other = copy(self)
+        motion = linkage.motion_formula(numbers, constants)
+        loads = self._functions[1][0] and linkage.loads_formula(numbers, constants)
+        other.flats, other._functions = {}, ((motion,) * 2, (loads,) * 2)
+        return other
 
     def fold(self, x: Values) -> Values:
         """Return inputs as they are reported: angles in [0, 2 pi)."""
@@ -239,7 +270,10 @@ class Sampler:
     def _rows(self, state: State, x: Array) -> Array:
         rows = np.empty((len(self.quantities), *x.shape), x.dtype)
         for row, quantity in zip(rows, self.quantities):
-            row[:] = quantity.of(*state)
+            value = quantity.of(*state)
+            if np.iscomplexobj(value) and x.dtype.kind != 'c':
+                raise not_real(quantity, 'complex')
+            row[:] = value
         return rows
 
     def sample(self, x: Array) -> tuple[Array, Array]:
@@ -254,17 +288,14 @@ class Sampler:
 
     def values_and_noise(self, x: Array, row: Array) -> tuple[Array, Array]:
         """
-        Return quantity ``row[i]`` at x[i], zero where it is less than its rounding error.
-
-        Also return a bound of that error.
+        Return quantity ``row[i]`` at x[i], and a bound of its rounding error.
 
         At exact change points that is not known: zero.
         """
         state, i = self.state(x), np.arange(row.size)
         with np.errstate(all='ignore'):
             value = self._rows(state, x)[row, i]
-        noise = np.zeros(row.size) if self.flats else 0.25 * self.noise(state)[row, i]
-        return np.where(np.abs(value) <= noise, 0.0, value), noise
+        return value, (np.zeros(row.size) if self.flats else 0.25 * self.noise(state)[row, i])
 
     def slope(self, x: Array, row: Array) -> Array:
         """Return the derivative of quantity ``row[i]`` at x[i]."""

@@ -54,8 +54,8 @@ class Applied:
     force_x, force_y : float
         Force [N].
     along, across : float
-        Where it acts: from the first joint (A of the coupler, O4 of the output link), along the
-        link and to its left [m].
+        Where it acts: from the first joint (O1 of the crank, A of the coupler, O4 of the output
+        link), along the link and to its left [m].
     couple : float
         Couple, counter-clockwise positive [N m].
     """
@@ -93,6 +93,29 @@ def round_rod(length: float, density: float, radius: float) -> Body:
     return Body(*rod_numbers(length, density, radius))
 
 
+
+
+def flat_bar(length: float, density: float, width: float, thickness: float) -> Body:
+    """
+    Body of a uniform bar of rectangular section between its two joints.
+
+    m = rho w t L, I = m (w^2 + L^2)/12, centre of gravity at half length.
+
+    Parameters
+    ----------
+    length, density, width, thickness : float
+        Length [m], density [kg/m^3], width in the plane of the mechanism and thickness square to
+        it [m], all positive.
+
+    """
+    length, density, width, thickness = (
+        number(name, value, 'must be a positive number', above=0.0)
+        for name, value in (('length', length), ('density', density), ('width', width),
+                            ('thickness', thickness)))
+    mass = density * width * thickness * length
+    return Body(mass, 0.5 * length, 0.0, mass * (width**2 + length**2) / 12.0)
+
+
 def rod_numbers(length: Any, density: Any, radius: Any) -> tuple[Any, ...]:
     """Return mass, cg_along, cg_across and inertia of a rod as :func:`round_rod`; unchecked."""
     mass = density * pi * radius**2 * length
@@ -116,13 +139,14 @@ class Bodies(NamedTuple):
 
 
 class External(NamedTuple):
-    """What acts on coupler and output link from outside."""
+    """What acts on the three moving links from outside, beside the drive."""
 
     coupler: Applied = NOT_APPLIED
     output: Applied = NOT_APPLIED
+    crank: Applied = NOT_APPLIED
 
 
 def applied_to(external: Any, link: str) -> Applied:
-    """Return what acts on a link; nothing where a record, as of a driven crank, names none."""
+    """Return what acts on a link; nothing where a record, as of an older mechanism, names none."""
     acting: Applied = getattr(external, link, NOT_APPLIED)
     return acting

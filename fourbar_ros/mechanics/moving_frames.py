@@ -93,9 +93,7 @@ def acceleration_terms(a_a: Values, omega: Values, alpha: Values, r: Values,
                        v_rel: Values = (0.0, 0.0),
                        a_rel: Values = (0.0, 0.0)) -> AccelerationTerms:
     """
-    Return the :class:`AccelerationTerms` of Eq.
-
-    (9), for polygons and for who asks how large each is.
+    Return each term of Eq. (9): for polygons, and to see how large each one is.
 
     Parameters
     ----------

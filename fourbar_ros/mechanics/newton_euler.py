@@ -26,31 +26,62 @@ Plain arithmetic, for whatever numbers motions are made of.
 """
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from fourbar_ros.mechanics.bodies import Applied, applied_to, Body, NOT_APPLIED
-from fourbar_ros.numerics.number_types import Function
+from fourbar_ros.mechanics.bodies import Applied, applied_to, Bodies, Body, External, NOT_APPLIED
+from fourbar_ros.numerics.number_types import Scalar
+from fourbar_ros.numerics.vectors import Vector
+
+Gravity = tuple[Scalar, Scalar]
 
 
 class LinkTerms(NamedTuple):
+    """The constants of a link in the equations; lengths in a unit, origin at its first joint."""
+
+    mass: Scalar             # [kg unit]
+    first_moment: Vector     # [kg unit^2] mass times centre of gravity, along the link
+    inertia: Scalar          # about the first joint
+    held: Vector             # [N] -W
+    # [N unit] -C = couple + by_cosine cos(angle) + by_sine sin(angle)
+    couple: Scalar
+    by_cosine: Scalar
+    by_sine: Scalar
+
+    def moment(self, direction: Vector, inertial: Scalar) -> Scalar:
+        """Return a moment less C, as in (N2) and (N4)."""
+        return (inertial + self.by_cosine * direction.x + self.by_sine * direction.y
+                + self.couple)
+
+
+class Turning(NamedTuple):
+    """How a link stands and turns: its direction as a unit vector, omega and alpha."""
+
+    direction: Vector
+    omega: Scalar
+    alpha: Scalar
+
+
+class Needs(NamedTuple):
+    """What the joints of a link must give: F of (N1), M of (N2)."""
+
+    force: Vector
+    moment: Scalar
+
+
+class NeedsOfCarried(NamedTuple):
     """
-    The constants of a link in the equations; lengths in a unit, origin at its first joint.
+    What the joints of a link must give that a crank carries, in parts that do not cancel.
 
-    Floats, or whatever numbers bodies are made of.
+    F2 of (N3); M_A of (N4) without the term of a x r; a . r and a x r.
     """
 
-    along: Any         # [kg unit * unit] mass times centre of gravity
-    across: Any
-    inertia: Any       # about the first joint
-    hold_x: Any        # [N] minus weight and applied force
-    hold_y: Any
-    # [N unit] moment at rest: couple + by_cosine cos(angle) + by_sine sin(angle)
-    couple: Any
-    by_cosine: Any
-    by_sine: Any
+    force: Vector
+    moment: Scalar
+    a_dot_r: Scalar
+    a_cross_r: Scalar
 
 
-def about_first_joint(body: Body, unit: Any, gravity: tuple[Any, Any],
+def about_first_joint(body: Body, unit: Scalar, gravity: Gravity,
                       applied: Applied = NOT_APPLIED) -> LinkTerms:
     """Return the :class:`LinkTerms` of a link, with lengths in ``unit`` [m]."""
     mass, along, across = body.mass * unit, body.cg_along / unit, body.cg_across / unit
@@ -59,14 +90,14 @@ def about_first_joint(body: Body, unit: Any, gravity: tuple[Any, Any],
     g_x, g_y = gravity[0] / unit, gravity[1] / unit
     f_x, f_y = applied.force_x, applied.force_y
     p_along, p_across = applied.along / unit, applied.across / unit
-    return LinkTerms(along, across, inertia, -mass * g_x - f_x, -mass * g_y - f_y,
-                     -applied.couple / unit,
+    return LinkTerms(mass, Vector(along, across), inertia,
+                     Vector(-mass * g_x - f_x, -mass * g_y - f_y), -applied.couple / unit,
                      across * g_x - along * g_y + p_across * f_x - p_along * f_y,
                      across * g_y + along * g_x + p_across * f_y + p_along * f_x)
 
 
-def crank_with_pin(bodies: Any, unit: Any, gravity: tuple[Any, Any], external: Any,
-                   carried: LinkTerms, a1: Any) -> LinkTerms:
+def crank_with_pin(bodies: Bodies, unit: Scalar, gravity: Gravity, external: External,
+                   carried: LinkTerms, a1: Scalar) -> LinkTerms:
     """
     Return the :class:`LinkTerms` of the crank; lengths, and ``a1`` of the crank, in ``unit`` [m].
 
@@ -74,67 +105,33 @@ def crank_with_pin(bodies: Any, unit: Any, gravity: tuple[Any, Any], external: A
     force that holds that link at rest, in (N5) the terms m a^2 alpha1 and -a x W.
     """
     crank = about_first_joint(bodies.crank, unit, gravity, applied_to(external, 'crank'))
-    return crank._replace(inertia=crank.inertia + bodies.coupler.mass * unit * a1 * a1,
-                          by_cosine=crank.by_cosine + a1 * carried.hold_y,
-                          by_sine=crank.by_sine - a1 * carried.hold_x)
+    return crank._replace(inertia=crank.inertia + carried.mass * a1 * a1,
+                          by_cosine=crank.by_cosine + a1 * carried.held.y,
+                          by_sine=crank.by_sine - a1 * carried.held.x)
 
 
-def make_needs_of_pivoted(link: LinkTerms) -> Function:
+def needs_of_pivoted(link: LinkTerms, turning: Turning) -> Needs:
+    """Return the needs of a link that turns about a fixed joint."""
+    direction, omega, alpha = turning
+    r = link.first_moment.along(direction)
+    return Needs(link.held + r.normal * alpha - r * (omega * omega),                    # (N1)
+                 link.moment(direction, link.inertia * alpha))                          # (N2)
+
+
+def needs_of_crank_and_carried(crank: LinkTerms, of_crank: Turning, link: LinkTerms,
+                               of_link: Turning, a1: Scalar) -> tuple[Needs, NeedsOfCarried]:
     """
-    Return the function (cosine, sine, square, alpha) -> F (x, y), M of (N1), (N2).
+    Return the needs of a crank and of the link that it carries at its pin A.
 
-    For a link that turns about a fixed joint; cosine, sine: its direction, square: its rate
-    squared.
+    ``crank`` as of :func:`crank_with_pin`. The moment of the crank is that of both about O1, (N5),
+    less M_A and without the term of a x r.
     """
-    along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = link
-
-    def needs(cosine: Any, sine: Any, square: Any, alpha: Any) -> tuple[Any, Any, Any]:
-        x, y = along * cosine - across * sine, along * sine + across * cosine
-        return (hold_x - alpha * y - square * x, hold_y + alpha * x - square * y,       # (N1)
-                inertia * alpha + by_cosine * cosine + by_sine * sine + couple)         # (N2)
-    return needs
-
-
-def make_needs_of_crank_and_carried(crank: LinkTerms, link: LinkTerms, mass: Any,
-                                    a1: Any) -> Function:
-    """
-    Return the function for a crank and the link that it carries at its pin A.
-
-    In parts that do not cancel.
-
-    One function for both: a call takes as long as four products.
-
-    Parameters
-    ----------
-    crank, link : LinkTerms
-        Terms of the crank as :func:`crank_with_pin` returns them, and of the link that it carries.
-    mass, a1
-        Mass of the link [kg unit], length of the crank [unit].
-
-    Returns
-    -------
-    callable
-        (cos_x, sin_x, square1, alpha1 of the crank, cosine, sine, square, alpha of the link) ->
-        F1 (x, y), F2 (x, y) of (N1) and (N3); M_O1 of both less M_A, and M_A, without the terms of
-        a x r; a x r.
-
-    """
-    along1, across1, inertia1, hold1_x, hold1_y, couple1, by_cosine1, by_sine1 = crank
-    along, across, inertia, hold_x, hold_y, couple, by_cosine, by_sine = link
-
-    def needs(cos_x: Any, sin_x: Any, square1: Any, alpha1: Any,
-              cosine: Any, sine: Any, square: Any, alpha: Any) -> tuple[Any, ...]:
-        x, y = along1 * cos_x - across1 * sin_x, along1 * sin_x + across1 * cos_x
-        f1_x = hold1_x - alpha1 * y - square1 * x                                       # (N1)
-        f1_y = hold1_y + alpha1 * x - square1 * y
-        about_o1 = inertia1 * alpha1 + by_cosine1 * cos_x + by_sine1 * sin_x + couple1
-
-        x, y = along * cosine - across * sine, along * sine + across * cosine
-        at_x, at_y = a1 * cos_x, a1 * sin_x
-        ahead, aside = at_x * x + at_y * y, at_x * y - at_y * x     # a . r, a x r
-        f2_x = hold_x - mass * (alpha1 * at_y + square1 * at_x) - alpha * y - square * x     # (N3)
-        f2_y = hold_y + mass * (alpha1 * at_x - square1 * at_y) + alpha * x - square * y
-        # (N4)
-        about_a = inertia * alpha + ahead * alpha1 + by_cosine * cosine + by_sine * sine + couple
-        return f1_x, f1_y, f2_x, f2_y, about_o1 + ahead * alpha, about_a, aside         # (N5)
-    return needs
+    direction, omega, alpha = of_link
+    r, a = link.first_moment.along(direction), of_crank.direction * a1
+    of_a = a.normal * of_crank.alpha - a * (of_crank.omega * of_crank.omega)
+    carried = NeedsOfCarried(
+        link.held + of_a * link.mass + r.normal * alpha - r * (omega * omega),          # (N3)
+        link.moment(direction, link.inertia * alpha + a.dot(r) * of_crank.alpha),       # (N4)
+        a.dot(r), a.cross(r))
+    force, moment = needs_of_pivoted(crank, of_crank)
+    return Needs(force, moment + carried.a_dot_r * alpha), carried                      # (N5)

@@ -1,13 +1,20 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The contract of a mechanism: what it states about itself, and the formulas it gives."""
+"""
+The contract of a mechanism: what it states about itself, and the formulas it gives.
+
+What follows from the contract of a mechanism before anything moves.
+"""
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from typing import Any, ClassVar, NamedTuple
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from math import fsum, inf, nan, pi, remainder
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
-from fourbar_ros.mechanics.bodies import External
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanics.bodies import Applied, Body, External, NOT_APPLIED
 from fourbar_ros.mechanisms.parts import (
     Arrow,
     Connection,
@@ -18,15 +25,26 @@ from fourbar_ros.mechanisms.parts import (
     Link,
     Output,
     Quantity,
+    Ranges,
     Reaction,
 )
 from fourbar_ros.mechanisms.points import LinkMotion
-from fourbar_ros.numerics.number_types import Function, NumberType
+from fourbar_ros.mechanisms.stroke import within_stroke
+from fourbar_ros.numerics.laurent import Laurent, quarter_turns
+from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two
+import numpy as np
 
 CROSSED, OPEN = 1, 2     # assembly modes: sin(theta4 - beta) < 0, > 0 of a 4R linkage
 CRANK, SLIDE = 'crank', 'slide'     # inputs
+_T = TypeVar('_T')
 
-Ranges = tuple[tuple[float, float], ...]        # (low, high) of an input [rad or m]
+
+class of_geometry(cached_property[_T]):     # noqa: N801  (used as cached_property is)
+    """
+    A cached property of lengths, assembly mode, input and stroke alone.
+
+    Mechanisms that differ in loads share it; every other cached property they compute again.
+    """
 
 
 class Constants(NamedTuple):
@@ -82,9 +100,6 @@ class Contract(ABC):
         loaded.
     MARGIN_SIGNS : tuple of tuple
         How the size of each length enters each of :attr:`margins`: 1, -1 or, not at all, 0.
-    PICTURE : module
-        With functions ``diagram``, ``velocity_polygon``, ``acceleration_polygon`` of (mechanism,
-        motion).
     MODES : mapping
         {assembly mode: its name as text}; see :attr:`modes`.
     QUANTITIES : tuple of Quantity
@@ -115,7 +130,6 @@ class Contract(ABC):
     EXTERNAL: Any
     QUANTITIES: tuple[Quantity, ...] = ()
     MARGIN_SIGNS: tuple[tuple[int, ...], ...]
-    PICTURE: Any
     MODES: Mapping[int, str] = {CROSSED: '1', OPEN: '2'}
     SLIDE_DIRECTION: tuple[str, str] | None = None
     LEAVES_OUT_ZEROS: bool = False
@@ -178,19 +192,19 @@ class Contract(ABC):
     def transmission_sine(self, motion: Any) -> Any:
         """Return a number that is zero where the dyad is in line, at most one."""
 
-    # --- its pictures, by the module PICTURE -----------------------------------------------------
+    # --- its pictures ----------------------------------------------------------------------------
 
+    @abstractmethod
     def diagram(self, motion: Any) -> Diagram:
         """Return what a picture shows in one pose."""
-        return self.PICTURE.diagram(self, motion)
 
+    @abstractmethod
     def velocity_polygon(self, motion: Any) -> list[Arrow]:
         """Return the arrows of the velocities [m/s]; the pole is the origin."""
-        return self.PICTURE.velocity_polygon(self, motion)
 
+    @abstractmethod
     def acceleration_polygon(self, motion: Any) -> list[Arrow]:
         """Return the arrows of the accelerations [m/s^2]; the pole is the origin."""
-        return self.PICTURE.acceleration_polygon(self, motion)
 
     # --- what some kinds know -------------------------------------------------------------------
 
@@ -221,3 +235,201 @@ class Contract(ABC):
         Descriptions for other programs are made of it; a kind without has none.
         """
         return ()
+
+
+# Nearer to a limit that is a change point than this, in units of the input, accelerations are
+# noise: their error is some eps over the third power of the distance.
+BESIDE_FLAT_LIMITS = 2.0**-17
+
+
+class Described(Contract):
+    """A mechanism by what it states: lengths, ranges, units, sizes of what will be computed."""
+
+    @of_geometry
+    def lengths(self) -> tuple[float, ...]:
+        """Return the lengths [m]."""
+        return tuple([getattr(self, length.name) for length in self.LENGTHS])
+
+    @property
+    def length_names(self) -> tuple[str, ...]:
+        """Return the names of the lengths."""
+        return tuple([length.name for length in self.LENGTHS])
+
+    @property
+    def change_point_margin(self) -> float:
+        """
+        Return the least size of :attr:`margins` over the sum of all lengths.
+
+        Zero: a change point, where both assembly modes meet and the linkage can leave its mode.
+        """
+        return min(map(abs, self.margins)) / fsum(map(abs, self.lengths))
+
+    @property
+    def is_flat_at_zero(self) -> bool:
+        """Return whether input 0 is a flat position of a change point: 0/0 in the formulas."""
+        return (self.change_point_margin == 0.0 and 0.0 in self.singular_inputs
+                and any(low < 0.0 < high for low, high in self.closing_ranges))
+
+    @property
+    def description(self) -> str:
+        """Return what it is as text: kind, type, input."""
+        return f'{self.TITLE}, {self.classification}, driven at its {self.input}'
+
+    @of_geometry
+    def input_ranges(self) -> Ranges:
+        """
+        Return the ranges of the input, from low to high.
+
+        :attr:`closing_ranges`, as far as they lie in the stroke.
+        """
+        return within_stroke(self.closing_ranges, self.stroke)
+
+    @property
+    def outputs(self) -> tuple[Output, ...]:
+        """Return the tuple of :class:`Output` for what is driven."""
+        return self.OUTPUTS[self.input]
+
+    def link(self, name: str) -> Link:
+        """Return the :class:`Link` of this name."""
+        return find_link(self.LINKS, name)
+
+    @property
+    def reactions(self) -> tuple[str, ...]:
+        """Return the loads that are sizes of joint reactions: those with components _x, _y."""
+        fields = self.LOADS._fields
+        return tuple([name for name in fields if f'{name}_x' in fields and f'{name}_y' in fields
+                      and name != 'shaking_force'])
+
+    def loads_of_links(self) -> dict[str, tuple[Body, Applied]]:
+        """
+        Return {name of a link: (Body, Applied)}: what is given for each.
+
+        Nothing without masses.
+        """
+        given = self.external._asdict()
+        return {name: (body, given.get(name, NOT_APPLIED))
+                for name, body in (self.bodies._asdict().items() if self.bodies else ())}
+
+    @property
+    def structure(self) -> tuple[Any, ...]:
+        """Return what mechanisms have in common whose formulas do the same with other numbers."""
+        return type(self), self.input
+
+    @cached_property
+    def constants(self) -> Constants:
+        """Return the :class:`Constants` of this mechanism."""
+        return Constants(self.lengths, self.sign, self.bodies, self.gravity, self.external)
+
+    @property
+    def sign(self) -> float:
+        """Return the assembly mode as +1 (mode 2) or -1 (mode 1)."""
+        return 1.0 if self.mode == OPEN else -1.0
+
+    @property
+    def input_coordinate(self) -> Coordinate:
+        """Return the :class:`Coordinate` that is driven."""
+        return self.INPUTS[self.input]
+
+    @property
+    def is_driven_by_slide(self) -> bool:
+        """Return whether the input is a length, not an angle."""
+        return bool(self.input == SLIDE)
+
+    @property
+    def input_unit(self) -> float:
+        """Return the unit in which inputs are of the size of one: 1 rad, or a power of two [m]."""
+        return power_of_two(*self.lengths) if self.is_driven_by_slide else 1.0
+
+    @property
+    def turns_fully(self) -> bool:
+        """Return whether the input is a crank that makes full turns."""
+        return self.input == CRANK and self.input_ranges == ((-pi, pi),)
+
+    def is_in_stroke(self, position: float) -> bool:
+        """Return whether an input is in the stroke, if there is one."""
+        return self.stroke is None or self.stroke[0] <= position <= self.stroke[1]
+
+    @property
+    def reaches(self) -> Function | None:
+        """
+        Return input -> whether it is in the stroke, and no digits are lost there; None: always.
+
+        Of a float, or of an array, real or complex.
+        """
+        stroke, flats = self.stroke, set(self.flat_limits)
+        if stroke is None and not flats:
+            return None
+        low, high = (-inf, inf) if stroke is None else stroke
+        turn = inf if self.is_driven_by_slide else 2.0 * pi
+        near = BESIDE_FLAT_LIMITS * self.input_unit
+
+        def reaches(position: Any) -> Any:
+            x = position.real
+            inside = (low <= x) & (x <= high)
+            for flat in flats:
+                apart = x - flat
+                if turn < inf:
+                    apart = apart - turn * np.round(apart / turn)
+                inside = inside & (abs(apart) > near)
+            return inside
+        return reaches
+
+    def distance(self, one: float, other: float) -> float:
+        """
+        Return the signed distance of two inputs.
+
+        The short way round of angles [rad], or [m].
+        """
+        return one - other if self.is_driven_by_slide else remainder(one - other, 2.0 * pi)
+
+    def term_sizes(self, motion: Any, rate: float, acceleration: float) -> dict[str, Any]:
+        """Return {unit: size} of the terms of rates and accelerations, for noise bounds."""
+        angles = [joint.coordinate for joint in self.JOINTS if joint.coordinate.unit == 'rad']
+        omega = sum(abs(getattr(motion, joint.rate).real) for joint in angles)
+        alpha = omega * omega + sum(abs(getattr(motion, joint.acceleration).real)
+                                    for joint in angles)
+        size = max(map(abs, self.lengths))
+        return {'rad/s': omega, 'rad/s^2': alpha, 'm/s': size * omega, 'm/s^2': size * alpha}
+
+    def crank_angle(self, motion: Any) -> Any:
+        """Return the angle of the crank in a motion [rad]."""
+        return motion.theta1
+
+    @property
+    def modes_passed(self) -> tuple[int, ...]:
+        """Return the modes between which a motion goes on at toggles and flat positions."""
+        return tuple(sorted(self.modes))
+
+    def mode_beyond(self, _limit: float) -> int:
+        """Return the mode into which quantities go on smoothly at a toggle at a limit."""
+        return 3 - int(self.mode)
+
+    @property
+    def flat_limits(self) -> tuple[float, ...]:
+        """Return the ends of :attr:`closing_ranges` that are change points [rad or m]."""
+        return ()
+
+    @property
+    def flat_inputs(self) -> tuple[float, ...]:
+        """Return the flat positions inside of the ranges, and real limits [rad or m]."""
+        return tuple([z.real for z in self.singular_inputs if z.imag == 0.0])
+
+    def flat_place(self, place: float) -> Laurent:
+        """Return the input of a flat position [rad or m] in many digits, a constant series."""
+        return quarter_turns(0 if self.is_driven_by_slide else round(place / (0.5 * pi)))
+
+    def unknown(self, position: float, rate: float, acceleration: float) -> Any:
+        """Return the motion of which only the input is known; the rest is NaN."""
+        fields = dict.fromkeys(self.MOTION._fields, nan)
+        fields.update(zip(self.input_coordinate, (position, rate, acceleration)))
+        return self.MOTION(**fields)
+
+
+def find_link(links: Iterable[Link], name: str) -> Link:
+    """Return the :class:`Link` of a name; InvalidParameter if there is none."""
+    links = tuple(links)
+    for link in links:
+        if link.name == name:
+            return link
+    raise InvalidParameter('link', name, 'must be one of '
+                                         f'{", ".join(link.name for link in links)}')

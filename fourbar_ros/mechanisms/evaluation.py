@@ -1,61 +1,109 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A mechanism evaluated for arrays of inputs.
+A mechanism evaluated: one sample by a straight line of floats, arrays by a program of numpy.
 
-Few samples one by one, many by a recorded program.
+Both are written from one trace of its formulas (:mod:`fourbar_ros.numerics.trace`), which all
+mechanisms of a structure share.
 """
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import cache
-from itertools import chain, repeat
-from math import prod
-from typing import Any
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from decimal import Decimal
+from functools import cache, lru_cache
+from math import isfinite, prod
+from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import array
+from fourbar_ros.numerics.laurent import LAURENT, Laurent, limit, many_digits, series
 from fourbar_ros.numerics.number_types import (
     COMPLEX,
     COMPLEX_WITH_ANGLES,
+    converted,
     Function,
     numbers_of,
     NumberType,
-    REAL,
 )
 from fourbar_ros.numerics.program import program
-from fourbar_ros.numerics.recorded import Constants, Record
-from fourbar_ros.numerics.straight_line import make_lines
+from fourbar_ros.numerics.straight_line import lines_of
+from fourbar_ros.numerics.trace import flat, Trace
 import numpy as np
 
-# Samples for which numpy's calls of all operations of a formula take as long as the formula with
-# floats does:
-# of fewer, or where fewer operations are needed, as many fewer, each sample is computed by itself.
-ONE_BY_ONE = 30
+# An input next to a flat position at 0; loads have terms of its power -3.
+NEAR = Laurent([Decimal(1)], 1, 10)
+MOST_STRUCTURES = 256      # whose traces and lines are kept
 
 
-_records: dict[tuple[Any, ...], Record] = {}
+@dataclass(frozen=True)
+class Formula:
+    """
+    Motion, or motion and loads, of a mechanism; equal for all mechanisms of a structure.
+
+    Parameters
+    ----------
+    structure : tuple
+        What formulas differ in, beside numbers.
+    with_loads : bool
+    mechanism : Mechanism
+        Any of the structure.
+
+    """
+
+    structure: tuple[Any, ...]
+    with_loads: bool
+    mechanism: Any = field(compare=False, repr=False)
+
+    def make(self, numbers: NumberType, data: Any) -> Function:
+        """Return (position, rate, acceleration) -> motion, or (motion, loads)."""
+        motion_of = self.mechanism.motion_formula(numbers, data)
+        if not self.with_loads:
+            return motion_of
+        loads_of = self.mechanism.loads_formula(numbers, data)
+
+        def step(*given: Any) -> Any:
+            motion = motion_of(*given)
+            return motion, loads_of(motion)
+        return step
 
 
-def recorded(mechanism: Any, with_loads: bool) -> tuple[Record, Constants]:
-    """Return the record of a mechanism's motion, or motion and loads, and its own constants."""
+def formula_of(mechanism: Any, with_loads: bool) -> tuple[Formula, Any]:
+    """Return the formula of a mechanism, and the data it is made for."""
     data = mechanism.constants if with_loads else mechanism.constants._replace(bodies=None)
     # forces of springs act on links, as a driven crank, that are not loaded from outside
-    key = *mechanism.structure, type(mechanism.external), with_loads
-
-    def formulas(numbers: NumberType, data: Any) -> Iterator[Function]:
-        yield mechanism.motion_formula(numbers, data)
-        if with_loads:
-            yield mechanism.loads_formula(numbers, data)
-
-    if key not in _records:
-        _records[key] = Record(formulas, data)
-    return _records[key], _records[key].constants_for(data)
+    return Formula((*mechanism.structure, type(mechanism.external)), with_loads, mechanism), data
 
 
-MOST_LINES = 256      # structures whose lines are kept
-_lines: dict[tuple[Any, ...], Function] = {}
+@lru_cache(maxsize=MOST_STRUCTURES)
+def trace_of(formula: Formula) -> Trace:
+    """Return the trace of a formula: of the formulas of all mechanisms of its structure."""
+    return Trace(formula.make, 3, formula_of(formula.mechanism, formula.with_loads)[1])
+
+
+class Recorded(NamedTuple):
+    """The trace of a mechanism's formula, and what that is before there are inputs."""
+
+    trace: Trace
+    constants: list[Any]         # by place
+    zeros: frozenset[int]        # places of those that are zero and used together with inputs
+
+
+def recorded(mechanism: Any, with_loads: bool) -> Recorded:
+    """Return the trace of a mechanism's motion, or motion and loads, and its own constants."""
+    formula, data = formula_of(mechanism, with_loads)
+    trace = trace_of(formula)
+    constants = trace.constants(numbers_of(data))
+    return Recorded(trace, constants, frozenset([
+        place for place in trace.used_constants if constants[place] == 0.0]))
+
+
+@lru_cache(maxsize=MOST_STRUCTURES)
+def _lines(formula: Formula, zeros: frozenset[int]) -> Callable[[Sequence[float]], Function]:
+    """Return numbers of data -> straight line, for a structure and which of its data are zero."""
+    what = 'motion and loads' if formula.with_loads else 'motion'
+    return lines_of(trace_of(formula), zeros, f'{formula.mechanism.TITLE}: {what}')
 
 
 def line_of(mechanism: Any, with_loads: bool) -> Function:
@@ -65,30 +113,63 @@ def line_of(mechanism: Any, with_loads: bool) -> Function:
     One straight line for all mechanisms of a structure: the operations of the formulas in their
     order, so their bits, without the calls and choices between them.
     """
-    data = mechanism.constants if with_loads else mechanism.constants._replace(bodies=None)
+    formula, data = formula_of(mechanism, with_loads)
     found = numbers_of(data)
     zeros = frozenset([i for i, value in enumerate(found) if value == 0.0]
                       if mechanism.LEAVES_OUT_ZEROS else ())
-    key = *mechanism.structure, type(mechanism.external), with_loads, zeros
+    return _lines(formula, zeros)(found)
 
-    def formula(numbers: NumberType, data: Any) -> Function:
-        motion_of = mechanism.motion_formula(numbers, data)
-        if not with_loads:
-            return motion_of
-        loads_of = mechanism.loads_formula(numbers, data)
 
-        def step(*given: Any) -> Any:
-            motion = motion_of(*given)
-            return motion, loads_of(motion)
-        return step
+def _limits_at_zero(mechanism: Any, rate: float, acceleration: float,
+                    with_loads: bool) -> list[float]:
+    """
+    Return the fields for an input that falls to 0, a flat position, with zeros and infinities.
 
-    lines = _lines.get(key)
-    if lines is None:
-        if len(_lines) >= MOST_LINES:
-            _lines.clear()
-        lines = _lines[key] = make_lines(formula, data, 3, zeros)
-    line: Function = lines(found)
-    return line
+    By their first terms: in floats what is left of terms that cancel would be divided by what
+    vanishes.
+    """
+    with many_digits():
+        constants, x = converted(mechanism.constants, series), series(mechanism.input_unit) * NEAR
+        fields = mechanism.motion_formula(LAURENT, constants)(x, series(rate),
+                                                              series(acceleration))
+        if with_loads:
+            fields += mechanism.loads_formula(LAURENT, constants)(fields)
+        return list(map(limit, fields))
+
+
+def with_limits(mechanism: Any, line: Function, with_loads: bool) -> Function:
+    """
+    Return a line of :func:`line_of` with its limits at a flat position at 0.
+
+    ZeroDivisionError where loads are unbounded.
+    """
+    known: dict[tuple[float, float], Any] = {}
+    count = len(mechanism.MOTION._fields)
+
+    def guarded(position: float, rate: float, acceleration: float) -> Any:
+        if position:
+            return line(position, rate, acceleration)
+        if (rate, acceleration) not in known:
+            known.clear()
+            known[rate, acceleration] = _limits_at_zero(mechanism, rate, acceleration, with_loads)
+        fields = known[rate, acceleration]
+        motion, loads = tuple(fields[:count]), tuple(fields[count:])
+        if not all(map(isfinite, loads)):
+            raise ZeroDivisionError
+        return (motion, loads) if with_loads else motion
+    return guarded
+
+
+def _set_limits(mechanism: Any, inputs: list[Any], rows: Any, wanted: Sequence[int],
+                with_loads: bool) -> None:
+    """Put the limits into rows where the input is at a flat position at 0."""
+    at = np.flatnonzero(inputs[0] == 0.0)
+    rates = np.stack([np.broadcast_to(v, inputs[0].shape)[at] for v in inputs[1:]])
+    for rate, acceleration in np.unique(rates[:, np.isfinite(rates).all(axis=0)], axis=1).T:
+        fields = _limits_at_zero(mechanism, float(rate), float(acceleration), with_loads)
+        same = at[(rates[0] == rate) & (rates[1] == acceleration)]
+        for row, i in zip(rows, wanted):
+            row[same] = fields[i]
 
 
 def evaluate(mechanism: Any, given: tuple[Any, ...], wanted: tuple[int, ...] | None,
@@ -107,28 +188,25 @@ def evaluate(mechanism: Any, given: tuple[Any, ...], wanted: tuple[int, ...] | N
     """
     rows: Any
     inputs, shape = _inputs(mechanism, given)
-    position, size = inputs[0], prod(shape)
+    position = inputs[0]
     # outside of it nothing is known, as where the links cannot close
-    if mechanism.stroke is not None:
-        low, high = mechanism.stroke
-        inputs[0] = np.where((position.real >= low) & (position.real <= high), position, np.nan)
+    reaches = mechanism.reaches
+    if reaches is not None:
+        inputs[0] = np.where(reaches(position), position, np.nan)
     with np.errstate(all='ignore'):
-        _keep_memory()
         if any(v.dtype.kind == 'c' for v in inputs):
             rows = _complex_rows(mechanism, inputs, shape, wanted, with_loads)
         else:
             inputs = [float(v) if i and not v.ndim else np.broadcast_to(v, shape).reshape(-1)
                       for i, v in enumerate(inputs)]
-            record, constants = (mechanism.record_with_loads if with_loads
-                                 else mechanism.record_of_motion)
-            single = tuple([type(v) is float for v in inputs])
-            chosen = program(record, range_of(record) if wanted is None else wanted, single,
-                             constants.zeros)
-            rows = _one_by_one(mechanism, inputs, wanted, with_loads) if (
-                0 < size * record.operations <= ONE_BY_ONE * len(chosen.steps)) else None
-            if rows is None:
-                rows = chosen.run(inputs, constants, size)
-    if mechanism.stroke is not None:
+            trace, constants, zeros = (mechanism.record_with_loads if with_loads
+                                       else mechanism.record_of_motion)
+            wanted = range_of(trace) if wanted is None else wanted
+            rows = program(trace, wanted, tuple([type(v) is float for v in inputs]),
+                           zeros).run(inputs, constants, prod(shape))
+            if mechanism.is_flat_at_zero:
+                _set_limits(mechanism, inputs, rows, wanted, with_loads)
+    if reaches is not None:
         place = mechanism.MOTION._fields.index(mechanism.input_coordinate.position)
         for i, row in zip(range(len(rows)) if wanted is None else wanted, rows):
             if i == place:
@@ -137,9 +215,9 @@ def evaluate(mechanism: Any, given: tuple[Any, ...], wanted: tuple[int, ...] | N
 
 
 @cache
-def range_of(record: Any) -> tuple[int, ...]:
-    """Return the places of all results of a record."""
-    return tuple(range(len(record.results)))
+def range_of(trace: Trace) -> tuple[int, ...]:
+    """Return the numbers of all results of a trace."""
+    return tuple(range(len(flat(trace.results))))
 
 
 def _inputs(mechanism: Any, given: tuple[Any, ...]) -> tuple[list[Any], tuple[int, ...]]:
@@ -155,27 +233,6 @@ def _inputs(mechanism: Any, given: tuple[Any, ...]) -> tuple[list[Any], tuple[in
                                'must have shapes that broadcast') from None
 
 
-def _one_by_one(mechanism: Any, inputs: list[Any], wanted: tuple[int, ...] | None,
-                with_loads: bool) -> Any:
-    """
-    Return the rows computed with floats, or None if any sample has no finite result.
-
-    Numpy knows infinities.
-    """
-    motion, loads = mechanism.make_motion(REAL), mechanism.make_loads(REAL) if with_loads else None
-    columns = [repeat(v) if type(v) is float else v.tolist() for v in inputs]
-    try:
-        found = [motion(*sample) for sample in zip(*columns)]
-        if loads:
-            found = [fields + loads(fields) for fields in found]
-    except (ValueError, ZeroDivisionError):
-        return None
-    if wanted is not None:
-        found = [[fields[i] for i in wanted] for fields in found]
-    rows = np.fromiter(chain.from_iterable(found), float).reshape(len(found), -1).T.copy()
-    return list(rows) if np.isfinite(rows).all() else None
-
-
 def _complex_rows(mechanism: Any, inputs: list[Any], shape: tuple[int, ...],
                   wanted: tuple[int, ...] | None, with_loads: bool) -> list[Array]:
     """Return the rows of a complex step; angles carry their derivatives."""
@@ -186,13 +243,3 @@ def _complex_rows(mechanism: Any, inputs: list[Any], shape: tuple[int, ...],
     fields = fields if wanted is None else [fields[i] for i in wanted]
     return [np.array(np.broadcast_to(field, inputs[0].shape), complex) for field in fields]
 
-
-@cache
-def _keep_memory() -> None:
-    """
-    Have blocks of up to 31 MB kept by the C library when they are freed, once and for all.
-
-    glibc gives each back to the system until it has seen one of that size freed; getting the pages
-    again would take longer than the formulas. The block is never touched, so it costs nothing.
-    """
-    np.empty(31 * 2**17)

@@ -10,9 +10,9 @@ and with it everything that is built of products and of sums without cancellatio
 from __future__ import annotations
 
 from math import fsum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from fourbar_ros.numerics.number_types import Function
+from fourbar_ros.numerics.number_types import Function, Scalar
 
 
 class Factors(NamedTuple):
@@ -22,17 +22,18 @@ class Factors(NamedTuple):
     The paper's letters A1..D2 name others of them.
     """
 
-    A1: Any
-    A2: Any
-    B1: Any
-    B2: Any
-    C1: Any
-    C2: Any
-    D1: Any
-    D2: Any
+    A1: Scalar
+    A2: Scalar
+    B1: Scalar
+    B2: Scalar
+    C1: Scalar
+    C2: Scalar
+    D1: Scalar
+    D2: Scalar
 
 
-def bilinear_factors(a1: Any, a2: Any, a3: Any, a4: Any, exact_sum: Function = fsum) -> Factors:
+def bilinear_factors(a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
+                     exact_sum: Function = fsum) -> Factors:
     """
     Return the :class:`Factors` of four lengths [m].
 
@@ -44,7 +45,7 @@ def bilinear_factors(a1: Any, a2: Any, a3: Any, a4: Any, exact_sum: Function = f
                    D1=exact_sum((a1, a2, -a3, -a4)), D2=exact_sum((a1, -a2, -a3, -a4)))
 
 
-def half_angle_coefficients(f: Factors) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+def half_angle_coefficients(f: Factors) -> tuple[tuple[Scalar, ...], tuple[Scalar, ...]]:
     """
     Return A, B, C, D of the half-angle quadratics of y and of b - x in a loop.
 

@@ -59,11 +59,11 @@ there, and the values returned at theta1 = 0 itself are the limits for theta1 ->
 """
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.mechanisms.half_angle import bilinear_factors, half_angle_coefficients
 from fourbar_ros.numerics.exact_sums import difference_of_squares
-from fourbar_ros.numerics.number_types import Function, NumberType
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 
 class _Shape(NamedTuple):
@@ -71,32 +71,70 @@ class _Shape(NamedTuple):
     Constants of the equations, named as there.
 
     Lengths in a power of two that makes the largest about one.
-
-    Numbers of the type that lengths are.
     """
 
-    s1: Any
-    c1: Any
-    s2: Any
-    c2: Any
-    if_adds: tuple[Any, ...]       # r of y, y - x, b - x: (sin^2(x/2), cos^2(x/2)) of each; side
-    if_not: tuple[Any, ...]        # p of the same; side
-    m_y: Any                       # m / (sin(x/2) cos(x/2)) of y, y - x and, negative, of b - x
-    m_yx: Any
-    m_bx: Any
-    e: Any
-    f: Any
-    y_near: Any                    # (f + q)/2 at x = 0 and x = pi, (f - q)/2 at both
-    y_far: Any
-    b_near: Any
-    b_far: Any
+    s1: Scalar
+    c1: Scalar
+    s2: Scalar
+    c2: Scalar
+    # r of y, y - x, b - x: (sin^2(x/2), cos^2(x/2)) of each; side
+    if_adds: tuple[Scalar, ...]
+    if_not: tuple[Scalar, ...]        # p of the same; side
+    # m / (sin(x/2) cos(x/2)) of y, y - x and, negative, of b - x
+    m_y: Scalar
+    m_yx: Scalar
+    m_bx: Scalar
+    e: Scalar
+    f: Scalar
+    y_near: Scalar                    # (f + q)/2 at x = 0 and x = pi, (f - q)/2 at both
+    y_far: Scalar
+    b_near: Scalar
+    b_far: Scalar
 
 
-def _shape(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any) -> _Shape:
+class Pose(NamedTuple):
+    """Where the rods of a loop are; root, u and w are those of (M3)."""
+
+    u: Scalar
+    w: Scalar
+    root: Scalar
+    cos_mu: Scalar
+    sin_mu: Scalar
+    cos_y: Scalar
+    sin_y: Scalar
+    sin_yx: Scalar        # of y - x
+    cos_bx: Scalar        # of b - x
+    sin_bx: Scalar
+
+
+class LoopMotion(NamedTuple):
+    """Where the rods of a loop are, and the derivatives of their angles with respect to x."""
+
+    cos_x: Scalar
+    sin_x: Scalar
+    cos_bx: Scalar        # of b - x, the angle theta2 at A
+    sin_bx: Scalar
+    cos_b: Scalar
+    sin_b: Scalar
+    cos_y: Scalar
+    sin_y: Scalar
+    cos_mu: Scalar
+    sin_mu: Scalar
+    d_bx: Scalar
+    d_mu: Scalar
+    d_y: Scalar
+    d_b: Scalar
+    dd_mu: Scalar
+    dd_y: Scalar
+    dd_b: Scalar
+    condition: Scalar
+
+
+def _shape(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar) -> _Shape:
     """Return the :class:`_Shape` of scaled lengths."""
     fabs, where, exact_sum = n.fabs, n.where, n.exact_sum
 
-    def squares(a: Any, b: Any, c: Any, d: Any) -> Any:
+    def squares(a: Scalar, b: Scalar, c: Scalar, d: Scalar) -> Scalar:
         return difference_of_squares(a, b, c, d, exact_sum)
 
     factors = bilinear_factors(a1, a2, a3, a4, exact_sum)
@@ -119,23 +157,24 @@ def _shape(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any) -> _Shape:
                   0.5 * y_near, 0.5 * y_far, 0.5 * b_near, 0.5 * b_far)
 
 
-def make_pose(n: NumberType, shape: _Shape, sign: Any) -> Function:
+def make_pose(n: NumberType, shape: _Shape, sign: Scalar) -> Function:
     """
-    Return the function sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2) -> (u, w, root, then others).
+    Return the function sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2) -> :class:`Pose`.
 
-    Those are cos mu, sin mu, cos y, sin y, sin(y - x), cos(b - x), sin(b - x).
+    ``sign`` is the sign of sin(mu).
     """
-    sqrt, where = n.sqrt, n.where
+    sqrt, where, nothing = n.sqrt, n.where, n.infinitesimal * n.infinitesimal
     s1, c1, s2, c2, if_adds, if_not, m_y, m_yx, m_bx = shape[:9]
 
-    def pose(ss: Any, cc: Any, sc: Any) -> tuple[Any, ...]:
+    def pose(ss: Scalar, cc: Scalar, sc: Scalar) -> Pose:
         u, w = s1 * ss + c1 * cc, c2 * ss + s2 * cc                                     # (M3)
         root = sign * sqrt(u * w)     # not real where the linkage cannot close
         # 1/(4 a2 a3) with the roundings of u and w; NaN where the root is not real
         per = 1.0 / (u + w + 0.0 * root)
         cos_mu, sin_mu = (u - w) * per, (root + root) * per
         # What adds for one angle adds for all three.
-        y_s, y_c, yx_s, yx_c, bx_s, bx_c, side = where((sc * root).real > 0.0, if_adds, if_not)
+        y_s, y_c, yx_s, yx_c, bx_s, bx_c, side = where(
+            ((sc + nothing) * root).real > 0.0, if_adds, if_not)
         signed = side * root
         g, h = y_s * ss + y_c * cc, m_y * sc + signed                                   # (M1)
         hh = h * h
@@ -147,16 +186,16 @@ def make_pose(n: NumberType, shape: _Shape, sign: Any) -> Function:
         hh = h * h
         per = 2.0 / (g * g + hh)
         cos_bx, sin_bx = side * (hh * per - 1.0), g * h * per
-        return u, w, root, cos_mu, sin_mu, cos_y, sin_y, sin_yx, cos_bx, sin_bx
+        return Pose(u, w, root, cos_mu, sin_mu, cos_y, sin_y, sin_yx, cos_bx, sin_bx)
     return pose
 
 
-def make_loop(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any, sign: Any) -> Function:
+def make_loop(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
+              sign: Scalar) -> Function:
     """
-    Return the function sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2) -> all of a loop.
+    Return the function sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2) -> :class:`LoopMotion`.
 
-    ``sign`` is the sign of sin(mu). The results: cosine and sine of x, of b - x, b, y and mu; the
-    derivatives of b - x, mu, y and b; the second ones of mu, y and b; the condition.
+    ``sign`` is the sign of sin(mu).
     """
     fabs, where = n.fabs, n.where
     unit = n.power_of_two(a1, a2, a3, a4)
@@ -168,25 +207,28 @@ def make_loop(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any, sign: Any) -> F
     per_theta2, per_theta3, per_y, per_b = -a4 / a2, a1 * a4 / (a2 * a3), -a1 / a3, -a1 / a2
     by_a1, by_a2, by_a4 = sign * a1 / a3, sign * a2 / a3, sign * a4 / a3
 
-    def loop(ss: Any, cc: Any, sc: Any) -> tuple[Any, ...]:
+    def loop(ss: Scalar, cc: Scalar, sc: Scalar) -> LoopMotion:
         cos_x, sin_x = cc - ss, sc + sc
-        u, w, root, cos_mu, sin_mu, cos_y, sin_y, sin_yx, cos_bx, sin_bx = pose(ss, cc, sc)
-        cos_b, sin_b = cos_x * cos_bx - sin_x * sin_bx, sin_x * cos_bx + cos_x * sin_bx
-        per = 1.0 / sin_mu
-        d_theta2 = per_theta2 * sin_y * per                                             # (M4)
-        d_theta3 = per_theta3 * sin_x * per                                             # (M5)
-        velocity_ratio = per_y * sin_bx * per                                           # (M6)
-        coupler_ratio = per_b * sin_yx * per                                            # (M7)
-        condition = (by_a1 * fabs(cos_bx) + by_a2 + sign * fabs(cos_mu)                 # (M13)
+        at = pose(ss, cc, sc)
+        cos_b = cos_x * at.cos_bx - sin_x * at.sin_bx
+        sin_b = sin_x * at.cos_bx + cos_x * at.sin_bx
+        per = 1.0 / at.sin_mu
+        d_bx = per_theta2 * at.sin_y * per                                              # (M4)
+        d_mu = per_theta3 * sin_x * per                                                 # (M5)
+        d_y = per_y * at.sin_bx * per                                                   # (M6)
+        d_b = per_b * at.sin_yx * per                                                   # (M7)
+        condition = (by_a1 * fabs(at.cos_bx) + by_a2 + sign * fabs(at.cos_mu)           # (M13)
                      + by_a4 * fabs(cos_b)) * per
 
         q = q_least + four_a14 * ss                                                     # (M8)
         per = 1.0 / q
-        turn = a14 * sin_x * where(q.real > e_size, (e + f * d_theta3) * per,           # (M9)
-                                   velocity_ratio + d_theta2)
-        dd_mu = (s2_a14 * cc * u - s1_a14 * ss * w) / (u * w * root)                    # (M10)
+        turn = a14 * sin_x * where(q.real > e_size, (e + f * d_mu) * per, d_y + d_bx)   # (M9)
+        dd_mu = (s2_a14 * cc * at.u - s1_a14 * ss * at.w) / (at.u * at.w * at.root)     # (M10)
         dd_y = ((y_near * cc + y_far * ss) * dd_mu - turn) * per                        # (M11)
         dd_b = ((b_near * cc + b_far * ss) * dd_mu - turn) * per                        # (M12)
-        return (cos_x, sin_x, cos_bx, sin_bx, cos_b, sin_b, cos_y, sin_y, cos_mu, sin_mu,
-                d_theta2, d_theta3, velocity_ratio, coupler_ratio, dd_mu, dd_y, dd_b, condition)
+        return LoopMotion(
+            cos_x=cos_x, sin_x=sin_x, cos_bx=at.cos_bx, sin_bx=at.sin_bx, cos_b=cos_b,
+            sin_b=sin_b, cos_y=at.cos_y, sin_y=at.sin_y, cos_mu=at.cos_mu, sin_mu=at.sin_mu,
+            d_bx=d_bx, d_mu=d_mu, d_y=d_y, d_b=d_b, dd_mu=dd_mu, dd_y=dd_y, dd_b=dd_b,
+            condition=condition)
     return loop

@@ -1,31 +1,180 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A mechanism as users see it: evaluated for one input or arrays of inputs.
+A mechanism: checked as it is made, then evaluated for one input or for arrays of inputs.
 
-It gives its formulas for any :class:`~fourbar_ros.numerics.number_types.NumberType`
-(:mod:`fourbar_ros.mechanisms.formulas`); here they are called for floats and arrays, with the same
-rules for all. What a kind states about itself: :mod:`fourbar_ros.mechanisms.contract`.
+A kind gives formulas for any :class:`~fourbar_ros.numerics.number_types.NumberType`; here they are
+made once for each type, and called for floats and arrays by the same rules for all kinds. What a
+kind states about itself: :mod:`fourbar_ros.mechanisms.contract`.
 """
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import fields as fields_of
+from dataclasses import replace
 from functools import cache, cached_property
 from math import isfinite
 from numbers import Real
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle
-from fourbar_ros.mechanisms.contract import CRANK, CROSSED, OPEN, SLIDE  # noqa: F401
-from fourbar_ros.mechanisms.evaluation import evaluate, line_of
-from fourbar_ros.mechanisms.formulas import Formulas
+from fourbar_ros.mechanics.bodies import External
+from fourbar_ros.mechanisms.checks import checked, checked_stroke
+from fourbar_ros.mechanisms.contract import CRANK, CROSSED, Described, of_geometry, OPEN, SLIDE  # noqa: F401
+from fourbar_ros.mechanisms.evaluation import evaluate, line_of, Recorded, recorded, with_limits
 from fourbar_ros.mechanisms.stroke import motion_within
-from fourbar_ros.numerics.arrays import Values
+from fourbar_ros.numerics.arrays import EPS, Values
 from fourbar_ros.numerics.given import number
-from fourbar_ros.numerics.number_types import Function, REAL
+from fourbar_ros.numerics.number_types import Function, NumberType, REAL
 
-EPS = 2.0**-52
-_new = tuple.__new__     # of a NamedTuple from a tuple: four times faster than its own constructor
+_Self = TypeVar('_Self', bound='Formulas')
+
+
+class Formulas(Described):
+    """What a mechanism makes of its data: copies, formulas for any numbers, their records."""
+
+    # --- made and copied ------------------------------------------------------------------------
+
+    def _check(self) -> None:
+        """Refuse what no mechanism can have, and keep the rest as numbers and records."""
+        for name, value in checked(self).items():
+            object.__setattr__(self, name, value)
+
+    def _check_stroke(self) -> None:
+        """Refuse a wrong stroke, and keep a right one as two floats."""
+        object.__setattr__(self, 'stroke', checked_stroke(self))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """
+        Return what was given.
+
+        Functions made on the way are made again where they are needed.
+        """
+        return {field.name: getattr(self, field.name) for field in fields_of(self)}
+
+    def in_mode(self: _Self, mode: int) -> _Self:
+        """Return the same mechanism in another assembly mode."""
+        return self if mode == self.mode else replace(self, mode=mode)
+
+    def without_stroke(self: _Self) -> _Self:
+        """Return the same mechanism without a stroke: its poses beyond it, where there are any."""
+        return self if self.stroke is None else replace(self, stroke=None)
+
+    def with_lengths(self: _Self, lengths: Sequence[float]) -> _Self:
+        """Return the same mechanism with other :attr:`lengths`."""
+        return replace(self, **dict(zip(self.length_names, lengths)))
+
+    def with_external(self: _Self, external: External) -> _Self:
+        """
+        Return the same mechanism with another :class:`~fourbar_ros.mechanics.bodies.External`.
+
+        What depends on its geometry alone is shared.
+        """
+        shared = {name: value for name, value in self.__dict__.items()
+                  if isinstance(getattr(type(self), name, None), of_geometry)}
+        return self._copy(**shared, external=external)
+
+    def _copy(self: _Self, **changed: Any) -> _Self:
+        """Return a copy, unchecked; what was computed from what has changed is not copied."""
+        other = object.__new__(type(self))
+        given = {name: value for name, value in self.__dict__.items()
+                 if not isinstance(getattr(type(self), name, None), cached_property)}
+        other.__dict__.update(given, **changed)
+        return other
+
+    # --- its formulas, made once for each type of numbers ----------------------------------------
+
+    @of_geometry
+    def _motion_of_one(self) -> Function:
+        return self._single(with_loads=False)
+
+    def _single(self, with_loads: bool) -> Function:
+        line = line_of(self, with_loads)
+        if self.is_flat_at_zero:
+            line = with_limits(self, line, with_loads)
+        return motion_within(line, self.reaches, REAL)
+
+    @of_geometry
+    def _motions(self) -> dict[NumberType, Function]:
+        return {}
+
+    @cached_property
+    def _loads(self) -> dict[NumberType, Function]:
+        return {}
+
+    def make_motion(self, numbers: NumberType) -> Function:
+        """
+        Return (position, rate, acceleration) -> MOTION for a number type.
+
+        Out of range it gives NaN, or ValueError where numbers are floats.
+        """
+        if numbers not in self._motions:
+            if numbers is REAL:
+                line, as_motion = self._motion_of_one, self.MOTION._make
+                self._motions[numbers] = lambda *given: as_motion(line(*given))
+            else:
+                formula = self.motion_formula(numbers, self.constants)
+                self._motions[numbers] = motion_within(formula, self.reaches, numbers)
+        return self._motions[numbers]
+
+    def make_loads(self, numbers: NumberType) -> Function:
+        """Return the function MOTION -> LOADS for a type of numbers."""
+        if numbers not in self._loads:
+            self._loads[numbers] = self.loads_formula(numbers, self.constants)
+        return self._loads[numbers]
+
+    def make_coefficients(self, numbers: NumberType) -> Function:
+        """
+        Return position -> coefficients of all links for a number type: what dynamics is made of.
+
+        For each of ``LINKS`` (x, y, x', y', x'', y'', cosine, sine, theta', theta''): place of its
+        first joint and direction, primes for derivatives with respect to the input, so a
+        LinkMotion at unit rate and zero acceleration. Exact, and one call for all links. A stroke
+        is no limit here; where the links cannot close: ValueError, or NaN in arrays.
+        """
+        motion_of, as_motion = self.motion_formula(numbers, self.constants), self.MOTION
+        link_motion, links = self.link_motion, [link.name for link in self.LINKS]
+
+        def coefficients(position: Any) -> list[tuple[Any, ...]]:
+            motion = as_motion._make(motion_of(position, 1.0, 0.0))
+            return [link_motion(motion, link) for link in links]
+        return coefficients
+
+    def read_coordinate(self, numbers: NumberType, curves: Any) -> tuple[Any, Any, Any]:
+        """
+        Return the input and its two derivatives from coefficients of the links.
+
+        These may be with respect to another coordinate. An angle is in [-pi, pi].
+        """
+        if self.is_driven_by_slide:
+            x, _, d_x, _, dd_x, *_ = curves[-1]
+            return x, d_x, dd_x
+        *_, cosine, sine, turn, bend = curves[0]
+        return numbers.atan2(sine, cosine), turn, bend
+
+    def driven_otherwise(self) -> tuple[Any, ...]:
+        """
+        Return the same links with another coordinate as the input, one for each assembly mode.
+
+        Where the input turns back at a toggle position, that coordinate goes on. They have
+        ``make_coefficients``, of the same links, ``read_coordinate`` and ``in_mode``. Nothing
+        where no other coordinate is known.
+        """
+        for other in self.INPUTS:
+            if other != self.input:
+                free = replace(self, input=other, mode=OPEN, stroke=None)
+                return tuple([free.in_mode(mode) for mode in sorted(free.modes)])
+        return ()
+
+    @of_geometry
+    def record_of_motion(self) -> Recorded:
+        """Return the trace of the motion, and this mechanism's constants in it."""
+        return recorded(self, False)
+
+    @cached_property
+    def record_with_loads(self) -> Recorded:
+        """Return the trace of motion and loads, and this mechanism's constants in it."""
+        return recorded(self, True)
 
 
 class Mechanism(Formulas):
@@ -37,10 +186,6 @@ class Mechanism(Formulas):
     """
 
     @cached_property
-    def _motion_of_one(self) -> Function:
-        return self._within_stroke(line_of(self, with_loads=False))
-
-    @cached_property
     def _of_one(self) -> tuple[Any, ...]:
         """
         Return what a single step needs: the function of motion and loads, their types.
@@ -49,10 +194,7 @@ class Mechanism(Formulas):
         """
         if self.bodies is None:
             raise MissingBodies
-        return self._within_stroke(line_of(self, with_loads=True)), self.MOTION, self.LOADS
-
-    def _within_stroke(self, line: Function) -> Function:
-        return line if self.stroke is None else motion_within(line, self.stroke, REAL)
+        return self._single(with_loads=True), self.MOTION, self.LOADS
 
     def prepare(self) -> Function:
         """
@@ -75,8 +217,7 @@ class Mechanism(Formulas):
         position, rate, acceleration : float or array_like
             Crank angle [rad] (any number of turns), [rad/s], [rad/s^2], or slide [m], [m/s],
             [m/s^2], as ``input`` says; arrays are broadcast. Three floats take the fast scalar
-            path; so do the samples of short arrays (some twenty), those of longer ones may differ
-            from it in their last bits.
+            path; samples of arrays may differ from it in their last bits.
         fields : sequence of str, optional
             Names of fields of the result: these alone, computed with no more than they need, as a
             tuple in this order.
@@ -101,11 +242,11 @@ class Mechanism(Formulas):
         if not (type(position) is type(rate) is type(acceleration) is float):
             if _are_numbers(position, rate, acceleration):
                 return self.motion(*self._numbers(position, rate, acceleration))
-            return _new(self.MOTION, evaluate(self, (position, rate, acceleration), None, False))
+            return self.MOTION._make(evaluate(self, (position, rate, acceleration), None, False))
         if (position + rate * rate + acceleration) * 0.0 != 0.0:
             self._require_finite(position, rate, acceleration)
         try:
-            return _new(self.MOTION, self._motion_of_one(position, rate, acceleration))
+            return self.MOTION._make(self._motion_of_one(position, rate, acceleration))
         except (ValueError, ZeroDivisionError):
             raise self._why_no_motion(position) from None
 
@@ -131,7 +272,7 @@ class Mechanism(Formulas):
                 return self.step(*self._numbers(position, rate, acceleration))
             rows, count = evaluate(self, (position, rate, acceleration), None,
                                    True), len(self.MOTION._fields)
-            return _new(self.MOTION, rows[:count]), _new(self.LOADS, rows[count:])
+            return self.MOTION._make(rows[:count]), self.LOADS._make(rows[count:])
         if (position + rate * rate + acceleration) * 0.0 != 0.0:
             self._require_finite(position, rate, acceleration)
         try:
@@ -141,7 +282,7 @@ class Mechanism(Formulas):
         if sum(loads) * 0.0 != 0.0:          # one is not finite, or nearly so
             raise InvalidParameter(self.input_coordinate.rate, rate,
                                    'so fast, or with such masses, that loads overflow')
-        return _new(as_motion, motion), _new(as_loads, loads)
+        return as_motion._make(motion), as_loads._make(loads)
 
     def motion_and_loads(self, position: Values, rate: Values = 0.0, acceleration: Values = 0.0
                          ) -> tuple[Any, Any]:
@@ -167,9 +308,9 @@ class Mechanism(Formulas):
         # A limit and the input compared with it are each rounded, and so is their distance.
         tolerance = 4.0 * EPS * abs(position)
         toggles = self.input_ranges if self.stroke is None else self.closing_ranges
-        if self.is_in_stroke(position) and any(
+        if self.is_in_stroke(position) and (not position and self.is_flat_at_zero or any(
                 abs(self.distance(position, end)) <= tolerance for bounds in toggles
-                for end in bounds):
+                for end in bounds)):
             return Toggle(name, position, unit)
         return OutOfRange(name, position, self.input_ranges, unit)
 

@@ -3,10 +3,8 @@
 """What both slider-cranks state alike: a crank, another length, a slide at an offset."""
 from __future__ import annotations
 
-from functools import cached_property
-
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanisms.contract import CRANK, SLIDE
+from fourbar_ros.mechanisms.contract import CRANK, of_geometry, SLIDE
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import THETA1, TRAVEL
 from fourbar_ros.mechanisms.slide_dyad import closes, margins, SliderLoads
@@ -28,7 +26,7 @@ class OffsetSlide(Mechanism):
                                    f'({self.lengths[0] + self.lengths[1]!r})')
         self._check_stroke()
 
-    @cached_property
+    @of_geometry
     def margins(self) -> tuple[float, ...]:
         """Return r - p - |e| and p - r - |e| [m] of the lengths p, r and e."""
         return margins(*self.lengths)

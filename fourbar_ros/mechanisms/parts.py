@@ -14,6 +14,8 @@ from fourbar_ros.mechanics.moving_frames import acceleration_terms
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
+Ranges = tuple[tuple[float, float], ...]        # (low, high) of an input [rad or m]
+
 
 class Coordinate(NamedTuple):
     """Names of a joint's position, rate and acceleration among the fields of a motion."""
@@ -95,8 +97,6 @@ class Link(NamedTuple):
         Name of its length, if it has two joints that turn; else empty.
     turns : bool
         Whether it needs a moment of inertia.
-    is_loadable : bool
-        Whether forces from outside can act on it; the torque of a driven crank is the drive's.
 
     """
 
@@ -105,7 +105,6 @@ class Link(NamedTuple):
     first_joint: str
     length: str = ''
     turns: bool = True
-    is_loadable: bool = True
 
 
 class Joint(NamedTuple):

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import number
-from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, REAL
+from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, REAL, Scalar
 import numpy as np
 
 
@@ -24,24 +24,44 @@ class LinkMotion(NamedTuple):
     """
     Motion of a link: of its first joint (O1, A; O4, or B of a slider) and its turning.
 
-    Floats, arrays or any numbers that the fields of the motion are.
+    Of any numbers that the fields of the motion are. At unit rate and zero acceleration of the
+    input, its rates and accelerations are first and second derivatives with respect to the input.
     """
 
-    x: float                  # [m] of the first joint
+    x: Scalar                 # [m] of the first joint
     y: float
-    v_x: float                # [m/s]
+    v_x: Scalar               # [m/s]
     v_y: float
-    a_x: float                # [m/s^2]
+    a_x: Scalar               # [m/s^2]
     a_y: float
-    cosine: float             # direction of the link
+    cosine: Scalar            # direction of the link
     sine: float
-    omega: float              # [rad/s]
-    alpha: float              # [rad/s^2]
+    omega: Scalar             # [rad/s]
+    alpha: Scalar             # [rad/s^2]
 
     @property
     def direction(self) -> Array:
         """Return the direction of the link as a unit vector of shape (..., 2)."""
         return vector(self.cosine, self.sine)
+
+
+# The ground as a link.
+FIXED = LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+
+
+class MovingPoint(NamedTuple):
+    """
+    Place, velocity and acceleration of a point of a link.
+
+    Or place and derivatives with respect to the input, if the link's motion is one of these.
+    """
+
+    x: Scalar
+    y: Scalar
+    v_x: Scalar
+    v_y: Scalar
+    a_x: Scalar
+    a_y: Scalar
 
 
 class LinkFields(NamedTuple):
@@ -123,17 +143,19 @@ def link_motion(mechanism: Any, motion: Any, link: str) -> LinkMotion:
     return mechanism.link_motion(motion, mechanism.link(link).name)
 
 
-def point_of(link: LinkMotion, along: float, across: float = 0.0) -> Any:
+def point_of(link: LinkMotion | tuple[Scalar, ...], along: Scalar,
+             across: Scalar = 0.0) -> MovingPoint:
     """
-    Return (x, y, v_x, v_y, a_x, a_y) of a point of a LinkMotion, slides Eq. (6).
+    Return the :class:`MovingPoint` of a link, slides Eq. (6).
 
-    Plain arithmetic, for whatever numbers the LinkMotion is made of.
+    Plain arithmetic, for whatever numbers the LinkMotion is made of; with derivatives by the input
+    in place of those by time it gives these of the point.
     """
     x0, y0, v_x, v_y, a_x, a_y, cosine, sine, omega, alpha = link
     x, y = along * cosine - across * sine, along * sine + across * cosine
     square = omega * omega
-    return (x0 + x, y0 + y, v_x - omega * y, v_y + omega * x,
-            a_x - alpha * y - square * x, a_y + alpha * x - square * y)
+    return MovingPoint(x0 + x, y0 + y, v_x - omega * y, v_y + omega * x,
+                       a_x - alpha * y - square * x, a_y + alpha * x - square * y)
 
 
 def crank_motion(motion: Any) -> LinkMotion:
@@ -170,7 +192,8 @@ def instant_centre(link: LinkMotion, other: LinkMotion | None = None) -> Any:
         return vector(np.divide(-v_y, omega), np.divide(v_x, omega))
 
 
-def make_point(n: NumberType, mechanism: Any, link: str, along: float, across: float) -> Function:
+def make_point(n: NumberType, mechanism: Any, link: str, along: float,
+               across: float) -> Function:
     """Return motion -> fields of :class:`PointMotion` for a point fixed to a link."""
     hypot, where = n.hypot, n.where
 

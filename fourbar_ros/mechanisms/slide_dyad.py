@@ -1,20 +1,22 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What the mechanisms with a sliding joint share.
+What the mechanisms with a sliding joint share: how they close, and their loads by name.
 
-The triangle of which one side slides, and their loads by name.
-
-The triangle is the dyad of every mechanism that is driven by its slide: a slider-crank driven by
-its slider, and, for an observer on its bar, an inverted one driven by its cylinder.
+Three forms in which a dyad closes between two links that are joined to each other, for the kinds
+and for machines alike, stable in the last bits: a triangle of which one side slides, driven by
+that slide; a rod that a crank carries along a line; a bar through a block on a crank. The triangle
+is a slider-crank driven by its slider, and, for an observer on its bar, an inverted one driven by
+its cylinder.
 """
 from __future__ import annotations
 
 from math import fsum, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.numerics.exact_sums import difference_of_squares
-from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two
+from fourbar_ros.numerics.number_types import Function, nudge, NumberType, power_of_two, Scalar
+from fourbar_ros.numerics.vectors import Vector
 
 
 class SliderLoads(NamedTuple):
@@ -48,9 +50,82 @@ class SliderLoads(NamedTuple):
     shaking_moment: float     # about O1
 
 
-def make_triangle(n: NumberType, a1: Any, a2: Any, e: Any, sign: Any) -> Function:
+class TriangleMotion(NamedTuple):
+    """What (T1) to (T8) give; derivatives with respect to s."""
+
+    cos_x: Scalar
+    sin_x: Scalar
+    cos_b: Scalar
+    sin_b: Scalar
+    cos_2: Scalar
+    sin_2: Scalar
+    d_x: Scalar
+    d_b: Scalar
+    d_theta2: Scalar
+    dd_x: Scalar
+    dd_b: Scalar
+    dd_theta2: Scalar
+    per_root: Scalar
+
+
+class RodMotion(NamedTuple):
+    """What (R1) to (R9) give; derivatives with respect to x."""
+
+    cos_b: Scalar
+    sin_b: Scalar
+    cos_2: Scalar
+    sin_2: Scalar
+    s: Scalar
+    d_b: Scalar
+    d_theta2: Scalar
+    d_s: Scalar
+    dd_b: Scalar
+    dd_s: Scalar
+    per_root: Scalar
+
+
+class BarMotion(NamedTuple):
+    """What (B1) to (B6) give; derivatives with respect to x."""
+
+    cos_x: Scalar
+    sin_x: Scalar
+    cos_y: Scalar
+    sin_y: Scalar
+    cos_2: Scalar
+    sin_2: Scalar
+    l: Scalar         # noqa: E741  (the slides' letter)
+    d_l: Scalar
+    d_y: Scalar
+    d_theta2: Scalar
+    dd_l: Scalar
+    dd_y: Scalar
+    per_l: Scalar
+    per_q: Scalar
+
+
+def slider_loads(n: NumberType, forces: tuple[Vector, Vector, Vector], f32: Vector, f43: Vector,
+                 **given: Scalar) -> SliderLoads:
     """
-    Return the function s -> angles x, b of a1 e^{ix} + a2 e^{ib} = s + i e, and their derivatives.
+    Return the :class:`SliderLoads` by what the joints of all links must give, F1, F2 and F3.
+
+    And by the forces of link 3 on 2 and of link 4 on 3; ``given``: the fields that are not forces
+    at joints.
+    """
+    hypot, (F1, F2, F3) = n.hypot, forces
+    f21 = f32 - F2
+    f41 = F1 - f21
+    shaking_force = -(F1 + F2 + F3)
+    return SliderLoads(
+        f41_x=f41.x, f41_y=f41.y, f21_x=f21.x, f21_y=f21.y, f32_x=f32.x, f32_y=f32.y,
+        f43_x=f43.x, f43_y=f43.y, f41=hypot(f41.x, f41.y), f21=hypot(f21.x, f21.y),
+        f32=hypot(f32.x, f32.y), f43=hypot(f43.x, f43.y), shaking_force_x=shaking_force.x,
+        shaking_force_y=shaking_force.y, shaking_force=hypot(shaking_force.x, shaking_force.y),
+        **given)
+
+
+def make_triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar) -> Function:
+    """
+    Return s -> :class:`TriangleMotion`: x and b of a1 e^{ix} + a2 e^{ib} = s + i e.
 
     With q = s^2 + e^2, f = a1^2 - a2^2, theta2 = b - x as the 4R's mu
     (:mod:`fourbar_ros.mechanisms.four_bar.motion`):
@@ -71,24 +146,19 @@ def make_triangle(n: NumberType, a1: Any, a2: Any, e: Any, sign: Any) -> Functio
     ``sign``: of sin(theta2). Lengths within a few powers of two of one. At s = 0 of a change point
     the values are those for s -> 0 from above.
 
-    Returns
-    -------
-    callable
-        s -> (cos x, sin x, cos b, sin b, cos theta2, sin theta2, x', b', theta2', x'', b'',
-        theta2'', 1/root).
-
     """
-    sqrt, where, infinitesimal, ee = n.sqrt, n.where, n.infinitesimal, e * e
+    sqrt, where, ee = n.sqrt, n.where, e * e
     k_plus = difference_of_squares(a1, a2, e, 0.0, n.exact_sum)
     k_minus = difference_of_squares(a1, -a2, e, 0.0, n.exact_sum)
+    beside_0 = nudge(n, k_minus)
     f, k_product, u_plus_w = (a1 - a2) * (a1 + a2), k_plus * k_minus, 4.0 * a1 * a2
     two_e, two_a1, two_a2 = 2.0 * e, 2.0 * a1, 2.0 * a2
     per_a1_a2, half_per_a1, half_per_a2 = 0.25 / (a1 * a2), 0.5 / a1, 0.5 / a2
     plus_1, plus_2 = 2.0 * a1 * (a1 + a2), 2.0 * a2 * (a1 + a2)       # q + f + u, q - f + u
     minus_1, minus_2 = 2.0 * a1 * (a1 - a2), 2.0 * a2 * (a2 - a1)     # q + f - w, q - f - w
 
-    def triangle(s: Any) -> tuple[Any, ...]:
-        s = s + infinitesimal
+    def triangle(s: Scalar) -> TriangleMotion:
+        s = s + beside_0
         ss = s * s
         q = ss + ee
         u, w = k_plus - ss, ss - k_minus                                                # (T1)
@@ -113,8 +183,159 @@ def make_triangle(n: NumberType, a1: Any, a2: Any, e: Any, sign: Any) -> Functio
         common, half = (two_e - f * d_2) * s * per_q * per_q, 0.5 * dd_2
         # (T7), (T8)
         dd_x, dd_b = common - half * less, common + half * more
-        return cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, d_b, d_2, dd_x, dd_b, dd_2, per_root
+        return TriangleMotion(cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, d_b, d_2, dd_x, dd_b,
+                              dd_2, per_root)
     return triangle
+
+
+class _Start(NamedTuple):
+    """What is expanded about one value of sin x, and that value: (R8) of the rod on a line."""
+
+    u: Scalar
+    w: Scalar
+    gap: Scalar
+    start: float
+
+
+def _starts(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar) -> tuple[_Start, _Start, _Start]:
+    """Return the :class:`_Start` of sin x = 0, 1 and -1."""
+    def squares(a: Scalar, b: Scalar, c: Scalar, d: Scalar) -> Scalar:
+        return difference_of_squares(a, b, c, d, n.exact_sum)
+
+    return (_Start(a2 - e, a2 + e, squares(a2, 0.0, a1, 0.0) - e * e, 0.0),
+            _Start(n.exact_sum((a2, -e, a1)), n.exact_sum((a2, e, -a1)), squares(a2, 0.0, e, -a1),
+                   1.0),
+            _Start(n.exact_sum((a2, -e, -a1)), n.exact_sum((a2, e, a1)), squares(a2, 0.0, e, a1),
+                   -1.0))
+
+
+def make_rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar,
+                     is_long: bool) -> Function:
+    """
+    Return cos x, sin x -> where a rod that a crank carries meets a line, and its derivatives.
+
+    The crank a1 at the angle x to the line, the rod a2 from its pin at the angle b; e is the
+    distance of the line from the pivot of the crank, to its left, and s the place of the end of
+    the rod along it: a1 e^{ix} + a2 e^{ib} = s + i e; theta2 = b - x, primes are derivatives with
+    respect to x. The end is where a circle meets the line; with n = e - a1 sin x:
+
+        (R1)  u w = (a2 cos b)^2 = root^2,   u = a2 - n,   w = a2 + n,   a2 sin b = n
+        (R2)  s = a1 cos x + root = gap / (root - a1 cos x),
+              gap = a2^2 - a1^2 - e^2 + 2 a1 e sin x
+        (R3)  b' = -a1 cos x / root
+        (R4)  theta2' = b' - 1 = -s / root
+        (R5)  s' = a1 (e cos x - s sin x) / root
+        (R6)  b'' = a1 ((a2^2 - a1^2 - e^2) sin x + a1 e (1 + sin^2 x)) / root^3
+        (R7)  s'' = a1 cos x theta2' - n b''
+
+    All is expanded about sin x = 0, 1 or -1, whichever is nearest: sin x = start + d, and near +-1
+    d = -+(1 - |sin x|) = -+cos^2 x / (1 + |sin x|), so that limits and change points keep their
+    digits:
+
+        (R8)  u = u(start) + a1 d,   w = w(start) - a1 d,   gap = gap(start) + 2 a1 e d
+              b'' root^3 / a1 = gap(start) sin x + a1 e (1 + d^2 about 0, d^2 about +-1)
+
+    s' and s'' are as small as s and e where crank and rod are nearly equal. A long crank (a1 > 2
+    a2) with its pin near the level of the line, |n| < a2/2, is treated by n alone,
+
+        (R9)  u w = (a2 - n)(a2 + n),   b'' = a1 (u w sin x + a1 n cos^2 x) / root^3
+
+    because n is there rounded by up to eps a1, which is much beside a2, and all must be rounded by
+    the same.
+
+    Parameters
+    ----------
+    n : NumberType
+    a1, a2, e : number
+        [m], within a few powers of two of one.
+    sign : number
+        Of cos b.
+    is_long : bool
+        Whether the crank is, so that (R9) may hold.
+
+    Returns
+    -------
+    callable
+        cos x, sin x -> :class:`RodMotion`.
+
+    """
+    sqrt, fabs, where = n.sqrt, n.fabs, n.where
+    about_0, about_up, about_down = map(tuple, _starts(n, a1, a2, e))
+    per_a2, a1_e, two_a1_e, level_square = 1.0 / a2, a1 * e, 2.0 * a1 * e, 0.25 * a2 * a2
+
+    def rod_on_line(cos_x: Scalar, sin_x: Scalar) -> RodMotion:
+        low, is_about_0 = cos_x * cos_x / (1.0 + fabs(sin_x)), fabs(sin_x).real < 0.5
+        u, w, gap, start = where(is_about_0, about_0,
+                                 where(sin_x.real > 0.0, about_up, about_down))
+        bulge = a1_e * (1.0 + sin_x * sin_x)
+        d, curve = where(is_about_0, (sin_x, bulge), (-start * low, a1_e * low * low))
+        at_x, step, nn = a1 * cos_x, a1 * d, e - a1 * sin_x
+        u, w, by_sine, sine = u + step, w - step, gap, start + d                        # (R8)
+        if is_long:                                                                     # (R9)
+            up, down = a2 - nn, a2 + nn
+            u, w, by_sine, sine, curve = where(
+                (nn * nn).real < level_square, (up, down, up * down, sin_x, at_x * nn * cos_x),
+                (u, w, by_sine, sine, curve))
+        root = sign * sqrt(u * w)                                                       # (R1)
+        cos_b, sin_b = root * per_a2, nn * per_a2 + 0.0 * root     # NaN too where nothing is real
+        cos_2, sin_2 = cos_b * cos_x + sin_b * sin_x, sin_b * cos_x - cos_b * sin_x
+        over, under = where((root * cos_x).real > 0.0, (at_x + root, 1.0),
+                            (gap + two_a1_e * d, root - at_x))
+        s, per = over / under, 1.0 / root                                               # (R2)
+        d_b, d_theta2 = -at_x * per, -s * per                                   # (R3), (R4)
+        d_s = a1 * (e * cos_x - s * sin_x) * per                                        # (R5)
+        dd_b = a1 * (by_sine * sine + curve) * per * per * per                          # (R6)
+        dd_s = at_x * d_theta2 - nn * dd_b                                              # (R7)
+        return RodMotion(cos_b, sin_b, cos_2, sin_2, s, d_b, d_theta2, d_s, dd_b, dd_s, per)
+    return rod_on_line
+
+
+def make_block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar) -> Function:
+    """
+    Return sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2) -> :class:`BarMotion`.
+
+    Of a bar through a block on a crank.
+
+    The crank a1 at the angle x to the line to the pivot of the bar, a4 away; the block is pinned
+    to its end A. l is how far A is along the bar from the foot of the pivot on the line of A, h
+    how far that line is from the pivot, to the left of the bar, y the angle of the bar: a1 e^{ix}
+    = a4 + (l + i h) e^{iy}. Primes are derivatives with respect to x, q = |A O4|^2:
+
+        (B1)  l^2 = ((a1-a4)^2 - h^2) cos^2(x/2) + ((a1+a4)^2 - h^2) sin^2(x/2)
+        (B2)  l' = a1 a4 sin x / l
+        (B3)  l'' = a1 a4 (((a1-a4)^2 - h^2) cos^4(x/2) - ((a1+a4)^2 - h^2) sin^4(x/2)) / l^3
+        (B4)  y' = (a1 (a1 - a4 cos x) + h l') / q
+        (B5)  theta2' = y' - 1 = (a4 (a1 cos x - a4) + h l') / q
+        (B6)  y'' = (a1 a4 sin x (a4^2 - a1^2 - 2 h l')/q + h l'') / q
+
+    Lengths within a few powers of two of one; ``sign``: of l.
+
+    """
+    sqrt = n.sqrt
+    a1_a4, less, more, two_h = a1 * a4, a1 - a4, a1 + a4, 2.0 * h
+    # of squares
+    q_near, q_far, a4_minus_a1 = (a1 - a4)**2, (a1 + a4)**2, (a4 - a1) * (a4 + a1)
+    near = difference_of_squares(a1, -a4, h, 0.0, n.exact_sum)
+    far = difference_of_squares(a1, a4, h, 0.0, n.exact_sum)
+
+    def block_on_bar(ss: Scalar, cc: Scalar, sc: Scalar) -> BarMotion:
+        cos_x, sin_x = cc - ss, sc + sc
+        l = sign * sqrt(near * cc + far * ss)  # (B1)  # noqa: E741, the slides' letter
+        q = q_near * cc + q_far * ss
+        per_q, per_l = 1.0 / q, 1.0 / l
+        r_x, r_y = less * cc - more * ss, a1 * sin_x     # A - O4
+        ahead = less * cc + more * ss                    # a1 - a4 cos x
+        cos_y, sin_y = (r_x * l + r_y * h) * per_q, (r_y * l - r_x * h) * per_q
+        cos_2, sin_2 = (ahead * l + a4 * h * sin_x) * per_q, (a4 * l * sin_x - ahead * h) * per_q
+        pull = a1_a4 * sin_x
+        d_l = pull * per_l                                                              # (B2)
+        dd_l = a1_a4 * (near * cc * cc - far * ss * ss) * per_l * per_l * per_l         # (B3)
+        d_y = (a1 * ahead + h * d_l) * per_q                                            # (B4)
+        d_theta2 = (a4 * r_x + h * d_l) * per_q                                         # (B5)
+        dd_y = (pull * (a4_minus_a1 - two_h * d_l) * per_q + h * dd_l) * per_q          # (B6)
+        return BarMotion(cos_x, sin_x, cos_y, sin_y, cos_2, sin_2, l, d_l, d_y, d_theta2, dd_l,
+                         dd_y, per_l, per_q)
+    return block_on_bar
 
 
 def closes(p: float, r: float, e: float) -> bool:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from math import nan
 from typing import Any
 
-from fourbar_ros.mechanisms.contract import Ranges
+from fourbar_ros.mechanisms.parts import Ranges
 from fourbar_ros.numerics.number_types import Function, NumberType, REAL
 import numpy as np
 
@@ -19,24 +19,28 @@ def within_stroke(ranges: Ranges, stroke: tuple[float, float] | None) -> Ranges:
     return tuple((low, high) for low, high in parts if low < high)
 
 
-def motion_within(motion: Function, stroke: tuple[float, float], numbers: NumberType) -> Function:
+def motion_within(motion: Function, reaches: Function | None, numbers: NumberType) -> Function:
     """
-    Return a function of motion that has no pose outside of the stroke.
+    Return a function of motion that has no pose where the mechanism does not reach.
 
-    There it gives NaN, or ValueError where numbers are floats.
+    There it gives NaN, or ValueError where numbers are floats. ``reaches``: as
+    :attr:`~fourbar_ros.mechanisms.mechanism.Described.reaches`; None: the motion as it is.
     """
-    low, high = stroke
+    if reaches is None:
+        return motion
 
     def within_one(position: float, rate: float, acceleration: float) -> Any:
-        if not low <= position <= high:
+        if not reaches(position):
             raise ValueError
         return motion(position, rate, acceleration)
 
     def within(position: Any, rate: Any, acceleration: Any) -> Any:
         fields = motion(position, rate, acceleration)
-        outside = (position.real < low) | (position.real > high)
+        outside = ~reaches(position)
         given = position, rate, acceleration
-        return tuple(field if any(field is value for value in given)
-                     else np.where(outside, nan, field)
-                     for field in fields) if outside.any() else fields
+        if not outside.any():
+            return fields
+        make = getattr(fields, '_make', tuple)
+        return make([field if any(field is value for value in given)
+                     else np.where(outside, nan, field) for field in fields])
     return within_one if numbers is REAL else within

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The type of numpy arrays in annotations."""
+"""The type of numpy arrays in annotations, and how finely floats are spaced."""
 from __future__ import annotations
 
 from typing import Any
@@ -8,5 +8,6 @@ from typing import Any
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
+EPS = 2.0**-52      # of 1.0 to the next float
 # A number or an array of numbers: for formulas that take either.
 Values = Any

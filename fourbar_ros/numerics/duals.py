@@ -5,7 +5,7 @@ Dual numbers: a value and its exact derivatives by any number of parameters.
 
 A number type made of another one: of arrays for derivatives at many samples, of complex arrays
 for second derivatives too (a complex step of the input), of balls for derivatives over a box of
-parameters (:mod:`fourbar_ros.numerics.centred`). The rules are those of the chain rule,
+parameters (:mod:`fourbar_lab.studies.boxes`). The rules are those of the chain rule,
 
     (D1)  (u v)' = u' v + u v',   (u/v)' = (u' - (u/v) v') / v,   sqrt(u)' = u' / (2 sqrt(u))
     (D2)  atan2(y, x)' = (x y' - y x') / (x^2 + y^2),   hypot(x, y)' = (x x' + y y') / hypot(x, y)

@@ -11,15 +11,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import frexp, fsum, ldexp
-from typing import Any
 
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.number_types import Function
+from fourbar_ros.numerics.number_types import Function, Scalar
 
 
-def difference_of_squares(a: Any, b: Any, c: Any, d: Any, exact_sum: Function = fsum) -> Any:
+def difference_of_squares(a: Scalar, b: Scalar, c: Scalar, d: Scalar,
+                          exact_sum: Function = fsum) -> Scalar:
     """Return (a + b)^2 - (c + d)^2 from its two factors [m^2]."""
-    return exact_sum((a, b, c, d)) * exact_sum((a, b, -c, -d))
+    product: Scalar = exact_sum((a, b, c, d)) * exact_sum((a, b, -c, -d))
+    return product
 
 
 def scaled(lengths: Sequence[float]) -> list[float]:

@@ -1,20 +1,16 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Newton's method in brackets that hold one root each: one in plain floats, or many at once.
+Newton's method in brackets that hold one root each, many at once, to the last bits.
 
-Both to the last bits; :mod:`fourbar_ros.numerics.roots` finds the brackets.
+:mod:`fourbar_ros.numerics.roots` finds the brackets.
 """
 from __future__ import annotations
 
-from math import isfinite
-from typing import Any
-
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.number_types import Function
 import numpy as np
 
-EPS = 2.0**-52
 # Below this angle [rad] roots are found to an absolute tolerance: 0 has no last bit.
 SMALL = 2.0**-12
 # By how much the error of a step of Newton's method may exceed its square over the width of the
@@ -87,31 +83,3 @@ def _in_order(found: list[list[Array]]) -> list[Array]:
     order = np.empty_like(place)
     order[place] = np.arange(place.size)
     return [array[order] for array in arrays]
-
-
-def newton_root(function: Function, xa: float, xb: float, fa: float,
-                x: float) -> tuple[float, Any]:
-    """
-    Return as :func:`newton_roots`, in plain floats.
-
-    ``function(x)`` -> f, step and anything; with its last.
-    """
-    width = last = xb - xa
-    positive = fa >= 0.0
-    if fa == 0.0:       # it lies before the change of sign, where Newton's method would stay
-        x = 0.5 * (xa + xb)
-    while True:
-        f, step, state = function(x)
-        if (f >= 0.0) is positive:
-            xa = x
-        else:
-            xb = x
-        better = x - step
-        is_newton = xa <= better <= xb and 2.0 * abs(step) <= last
-        if not is_newton:
-            better = 0.5 * (xa + xb)
-        tolerance = EPS * max(abs(better), SMALL)
-        if not isfinite(f) or (SAFETY * step * step <= tolerance * width if is_newton
-                               else xb - xa <= 2.0 * tolerance):
-            return better, state
-        last, x = abs(better - x), better

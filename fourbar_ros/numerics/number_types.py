@@ -15,26 +15,30 @@ compares real parts, ``x.real > 0.0``, which floats, arrays and complex numbers 
                            left out (``atan2`` gives zero)
 ``COMPLEX_WITH_ANGLES``    the same with the derivatives of angles
 ``columns_of(...)``        one of these for many mechanisms at once: lengths are columns (n, 1)
-``RECORDED``               writes down what is done: :mod:`fourbar_ros.numerics.recorded`
+``RECORDED``               writes down what is done: :mod:`fourbar_ros.numerics.trace`
 ``LAURENT``                series at change points: :mod:`fourbar_ros.numerics.laurent`
-``ENCLOSURE``              Taylor series of balls: :mod:`fourbar_ros.numerics.enclosures`
+``MANY_DIGITS``            where floats leave it open: the same, series of one term
+``TAYLOR_MODELS``          functions with bounds: :mod:`fourbar_ros.numerics.taylor_models`
 =========================  ==================================================================
 """
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, fields, replace
-from functools import cache
+from functools import cache, reduce
 import math
 from typing import Any
 
 import numpy as np
 
 Function = Callable[..., Any]
+# A number of any type in a formula. Type checkers take it for a float: a formula uses nothing of
+# its numbers that floats do not have.
+Scalar = float
 
-# Added to sin(x/2): nothing, except at x = 0 exactly, where an exact change point (0/0) thereby
-# takes its one-sided value for x -> 0+. Its third power is still a normal number.
+# Added at an exact change point to sin(x/2): nothing, except at x = 0 exactly, where 0/0 thereby
+# is the quotient for x -> 0+. Its third power is still a normal number.
 INFINITESIMAL = 2.0**-250
 
 
@@ -58,6 +62,10 @@ class NumberType:
         The power of two next above the largest of some lengths. Scaling by it rounds nothing.
     infinitesimal : float
         Added to a number that must not be exactly zero.
+    number : callable
+        Makes one of a float.
+    call : callable
+        ``call(function, x)``: a function that is no formula, as a table, of a float or an array.
 
     """
 
@@ -72,6 +80,23 @@ class NumberType:
     exact_sum: Function
     power_of_two: Function
     infinitesimal: float = INFINITESIMAL
+    number: Function = float
+    call: Function = lambda function, x: function(x)
+
+    def least(self, pairs: Sequence[tuple[Any, Any]]) -> tuple[Any, Any]:
+        """Return the pair whose first number is least; unlike in ``where`` others are wrong."""
+        least, *others = pairs
+        for pair in others:
+            least = self.where(pair[0].real < least[0].real, pair, least)
+        return least
+
+
+def nudge(n: NumberType, *margins: Any) -> Any:
+    """Return what to add to a number that must not be zero if a margin is: see INFINITESIMAL."""
+    added: Any = 0.0
+    for margin in margins:
+        added = n.where(n.fabs(margin).real > 0.0, added, n.infinitesimal)
+    return added
 
 
 def choose(condition: Any, one: Any, other: Any) -> Any:
@@ -84,6 +109,14 @@ def power_of_two(*lengths: float) -> float:
     return math.ldexp(1.0, math.frexp(max(map(abs, lengths)))[1])
 
 
+def direction(angle: float) -> tuple[float, float]:
+    """Return cosine and sine of an angle, exact at right angles."""
+    quarters = angle / (0.5 * math.pi)
+    if quarters == round(quarters) and abs(quarters) < 2**20:
+        return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[round(quarters) % 4]
+    return math.cos(angle), math.sin(angle)
+
+
 def _choose_in_arrays(condition: Any, one: Any, other: Any) -> Any:
     if isinstance(condition, bool):
         return one if condition else other
@@ -94,10 +127,12 @@ def _choose_in_arrays(condition: Any, one: Any, other: Any) -> Any:
 
 def hypot_of_arrays(x: Any, y: Any, out: Any = None) -> Any:
     """Return sqrt(x^2 + y^2), as fast as that where no square can be too large or too small."""
-    square = x * x + y * y
-    length = np.sqrt(square, out=out)
-    is_safe = length.size and length.min() > 1e-140 and length.max() < 1e150
-    return length if is_safe else np.hypot(x, y, out=out)
+    length = np.asarray(np.sqrt(x * x + y * y, out=out))
+    if length.size and length.min() > 1e-140 and length.max() < 1e150:
+        return length
+    # each sample by itself, so that none depends on those beside it
+    np.hypot(x, y, out=length, where=~((length > 1e-140) & (length < 1e150)))
+    return length
 
 
 def _size_of_complex(x: Any) -> Any:
@@ -129,7 +164,7 @@ def _exact_sum_of_columns(columns: Any) -> Any:
 
 def power_of_two_of_arrays(*lengths: Any) -> Any:
     """Return the same as :func:`power_of_two` for arrays of lengths, element by element."""
-    return np.ldexp(1.0, np.frexp(np.maximum.reduce([np.abs(length) for length in lengths]))[1])
+    return np.ldexp(1.0, np.frexp(reduce(np.maximum, map(np.abs, lengths)))[1])
 
 
 _COLUMNS = {numbers: replace(numbers, name=f'columns of {numbers.name}',

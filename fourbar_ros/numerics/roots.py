@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-All sign changes of sampled functions: one function in plain floats, or many brackets at once.
+All sign changes of sampled functions, many functions at once.
 
 Zero counts as positive. Angles are given in order; a smaller one after a larger one is a turn
 later.
@@ -13,10 +13,9 @@ from math import nan, pi
 from typing import Any
 
 from fourbar_ros.numerics.arrays import Array, Values
-from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, REAL
+from fourbar_ros.numerics.number_types import Function
 import numpy as np
 
-EPS = 2.0**-52
 # Parts of an interval at a closer look.
 PARTS = 8
 # Part of the sample by which the cubic is allowed to be wrong.
@@ -49,9 +48,9 @@ def turns_back(f: Values, rise: Values) -> Values:
 
 def intervals_with_roots(f: Array, rise: Array, is_closed: bool) -> tuple[Array, Array, Array]:
     """
-    Return (i, column, is_plain) of the intervals between samples that have roots.
+    Return (i, column, is_plain) of the intervals between samples that have roots, ordered by i.
 
-    Or may have two more: :func:`changes_and_doubts`, in the order of ``i``.
+    One that is not plain may have two more, see :func:`changes_and_doubts`.
     """
     changes, doubtful = changes_and_doubts(f, rise, is_closed)
     i, column = np.nonzero(changes | doubtful)
@@ -92,33 +91,6 @@ def changes_and_doubts(f: Array, rise: Array, is_closed: bool) -> tuple[Array, A
     return changes, doubtful
 
 
-def intervals_of_one(f: Sequence[float], rise: Sequence[float],
-                     is_closed: bool) -> list[tuple[int, bool]]:
-    """
-    Return (i, is_plain) as :func:`intervals_with_roots`, of one function in plain floats.
-
-    Lists.
-    """
-    positive = [v >= 0.0 for v in f]
-    # one way or the other
-    turning = [abs(r) >= (1.0 - CAUTION) * abs(v) for v, r in zip(f, rise)]
-    following = [*range(1, len(f)), *[0] * is_closed]
-    found: list[tuple[int, bool]] = []
-    small: set[int] = set()
-    for i, j in enumerate(following):
-        one = turning[i] and turns_back(f[i], rise[i])
-        other = turning[j] and turns_back(f[j], -rise[j])
-        if positive[i] is not positive[j]:
-            found.append((i, not (one and other)))
-        elif one or other:
-            small.update((i,) * one + (j,) * other)
-    if not small:
-        return found
-    plain = dict(found)
-    return [(i, plain.get(i, False) and i not in small and j not in small)
-            for i, j in enumerate(following) if i in plain or i in small or j in small]
-
-
 def rises(f: Array, is_closed: bool) -> Array:
     """Return a third of the slopes of samples at equal steps, each from five of them."""
     if is_closed:
@@ -142,41 +114,47 @@ def look_closer(function: Function, row: Array, xa: Array, xb: Array) -> list[Ar
     Each interval is cut in :data:`PARTS`, and where |f| then has a minimum between equal signs,
     halved on.
     ``function(x, row)`` evaluates the rows given; ``which``: the index of the interval.
+
+    Example: f = (x - 0.52)^2 - 1e-4 on (0, 1) is positive at every eighth, and least at 0.5, 3e-4.
+    It is evaluated halfway to both neighbours, at 0.4375 and 0.5625, then around 0.5 at 0.46875
+    and 0.53125, 3e-5 and the least so far, then around 0.53125 at 0.515625: -8e-5. So the roots
+    0.51 and 0.53 lie in (0.5, 0.515625) and (0.515625, 0.53125).
     """
     # one part more on either side: a minimum may be at an end
     x = xa + (xb - xa) * (np.arange(-1, PARTS + 2)[:, None] / PARTS)
     x[-2] = xb
     f = function(x.ravel(), np.tile(row, len(x))).reshape(x.shape)
-    positive, size = f >= 0.0, np.abs(f)
-    changes = positive[1:] != positive[:-1]
-    i, which = np.nonzero(changes[1:-1])
-    found = [(which, x[i + 1, which], x[i + 2, which], f[i + 1, which], f[i + 2, which])]
-    i, which = np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] < size[2:]) & ~changes[1:]
-                          & ~changes[:-1])
-    xs: Any     # places and values of three samples
-    fs: Any
-    xs, fs = ([v[i + j, which] for j in range(3)] for v in (x, f))
+    changes, size = (f[1:] >= 0.0) != (f[:-1] >= 0.0), np.abs(f)
+    part, which = np.nonzero(changes[1:-1])
+    found = [(which, *_ends(x, part + 1, which), *_ends(f, part + 1, which))]
+    lowest, which = np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] < size[2:]) & ~changes[1:]
+                               & ~changes[:-1])
+    three = np.arange(3)[:, None]
+    x, f = x[lowest + three, which], f[lowest + three, which]
     for _ in range(HALVINGS):
-        going = _may_touch(xs, fs)
-        which, xs, fs = which[going], [v[going] for v in xs], [v[going] for v in fs]
+        is_doubtful = _may_touch(x, f)
+        which, x, f = which[is_doubtful], x[:, is_doubtful], f[:, is_doubtful]
         if not which.size:
             break
-        mids = 0.5 * (xs[0] + xs[1]), 0.5 * (xs[1] + xs[2])
-        f_mids = np.split(function(np.concatenate(mids), np.tile(row[which], 2)), 2)
-        xs = np.stack((xs[0], mids[0], xs[1], mids[1], xs[2]))
-        fs = np.stack((fs[0], f_mids[0], fs[1], f_mids[1], fs[2]))
-        positive = fs >= 0.0
-        changes = positive[1:] != positive[:-1]
-        i, j = np.nonzero(changes & (xs[:-1] >= xa[which]) & (xs[1:] <= xb[which]))
-        found.append((which[j], xs[i, j], xs[i + 1, j], fs[i, j], fs[i + 1, j]))
-        on = np.nonzero(~changes.any(axis=0))[0]
-        middle = 1 + np.argmin(np.abs(fs[1:4, on]), axis=0)
-        which, xs, fs = which[on], [xs[middle + j, on] for j in (-1, 0, 1)], [fs[middle + j, on]
-                                                                              for j in (-1, 0, 1)]
+        halfway = 0.5 * (x[:-1] + x[1:])
+        f_halfway = function(halfway.ravel(), np.tile(row[which], 2)).reshape(halfway.shape)
+        x, f = (np.stack((old[0], new[0], old[1], new[1], old[2]))
+                for old, new in ((x, halfway), (f, f_halfway)))
+        changes = (f[1:] >= 0.0) != (f[:-1] >= 0.0)
+        part, dip = np.nonzero(changes & (x[:-1] >= xa[which]) & (x[1:] <= xb[which]))
+        found.append((which[dip], *_ends(x, part, dip), *_ends(f, part, dip)))
+        dip = np.nonzero(~changes.any(axis=0))[0]
+        lowest = np.argmin(np.abs(f[1:4, dip]), axis=0)
+        which, x, f = which[dip], x[lowest + three, dip], f[lowest + three, dip]
     return [np.concatenate(parts) for parts in zip(*found)]
 
 
-def _may_touch(xs: Sequence[Array], fs: Sequence[Array]) -> Any:
+def _ends(samples: Array, part: Array, column: Array) -> tuple[Array, Array]:
+    """Return the samples at both ends of some parts."""
+    return samples[part, column], samples[part + 1, column]
+
+
+def _may_touch(xs: Array, fs: Array) -> Any:
     """
     Return whether the function may have roots between three samples of one sign.
 
@@ -184,42 +162,33 @@ def _may_touch(xs: Sequence[Array], fs: Sequence[Array]) -> Any:
     between the others that the error of the parabola's slope, unknown, may have hidden that.
     """
     left, right = xs[1] - xs[0], xs[2] - xs[1]
-    slope_left, slope_right = (fs[1] - fs[0]) / left, (fs[2] - fs[1]) / right
-    curvature = (slope_right - slope_left) / (left + right)
-    slope = (slope_left * right + slope_right * left) / (left + right)
-    return ((slope * slope > 2.0 * abs(fs[1] * curvature))
-            | (np.abs(fs[1]) < DEEP * np.abs(curvature) * np.minimum(left, right)**2))
+    with np.errstate(invalid='ignore', over='ignore'):      # next to infinities
+        slope_left, slope_right = (fs[1] - fs[0]) / left, (fs[2] - fs[1]) / right
+        curvature = (slope_right - slope_left) / (left + right)
+        slope = (slope_left * right + slope_right * left) / (left + right)
+        return ((slope * slope > 2.0 * abs(fs[1] * curvature))
+                | (np.abs(fs[1]) < DEEP * np.abs(curvature) * np.minimum(left, right)**2))
 
 
-def make_first_guess(n: NumberType) -> Function:
+def first_guesses(xa: Array, xb: Array, fa: Array, fb: Array, step_a: Any, step_b: Any) -> Array:
     """
-    Return the function (xa, xb, fa, fb, step_a, step_b) -> where a root is by the inverse of f.
+    Return where roots are by the inverse of f, between xa and xb.
 
     It is interpolated with values and slopes (Hermite): the mean of the points of Newton's method
     from both ends, x - step, and of the secant. Without steps (NaN), or outside, it is the
     secant's.
     """
-    where = n.where
-
-    def first_guess(xa: Any, xb: Any, fa: Any, fb: Any, step_a: Any, step_b: Any) -> Any:
-        part = fa / (fa - fb)
-        rest = 1.0 - part
-        secant = xa + part * (xb - xa)
-        x = rest * rest * (xa - step_a) + part * part * (xb - step_b) + 2.0 * part * rest * secant
-        return where((x > xa) & (x < xb), x, secant)
-    return first_guess
-
-
-first_guess = make_first_guess(REAL)
-first_guesses = make_first_guess(ARRAY)
+    part = fa / (fa - fb)
+    rest = 1.0 - part
+    secant = xa + part * (xb - xa)
+    x = rest * rest * (xa - step_a) + part * part * (xb - step_b) + 2.0 * part * rest * secant
+    return np.where((x > xa) & (x < xb), x, secant)
 
 
 def find_brackets(function: Function, x: Function, f: Array, rise: Array,
                   is_closed: bool) -> Sequence[Array]:
     """
-    Return brackets (i, row, xa, xb, fa, guess) of all roots of sampled functions.
-
-    Hidden pairs included.
+    Return brackets (i, row, xa, xb, fa, guess) of all roots of sampled functions, hidden ones too.
 
     Parameters
     ----------

@@ -8,19 +8,15 @@ sides, so the effort of the joint is that of the coordinate divided by the ratio
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import isnan, nan
-from typing import Any, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
 from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.scene.message_fields import FieldMap
+from fourbar_ros.scene.scene import JointStates
 
 Number = TypeVar('Number', float, Array)
-
-FIELDS = ('position', 'velocity', 'effort')
-
-
-def names(count: int) -> tuple[str, ...]:
-    """Return the names of the values that :meth:`Joints.of` returns for so many joints."""
-    return tuple(f'joint {i + 1} {what}' for what in FIELDS for i in range(count))
 
 
 class Scale(NamedTuple):
@@ -49,18 +45,17 @@ class Joints:
 
     """
 
-    def __init__(self, layout: Any, shown: Any) -> None:
-        place = layout.place
-        joints = layout.joints
+    def __init__(self, layout: FieldMap, shown: JointStates) -> None:
+        place, joints = layout.place, layout.joints
         self._scales = [Scale(*pair) for pair in zip(shown.ratios, shown.offsets)]
         self._positions = [place[joint.position] for joint, _ in joints]
         self._rates = [place[joint.rate] for joint, _ in joints]
-        self._efforts = [place.get(effort) for _, effort in joints]
+        self._efforts = [None if effort is None else place.get(effort) for _, effort in joints]
         self._holds = shown.when_unknown == 'hold'
         self._last = (nan,) * len(joints)
 
-    def of(self, values: Any) -> tuple[float, ...]:
-        """Return positions, rates and efforts of one sample, as :func:`names` has them."""
+    def of(self, values: Sequence[float]) -> tuple[float, ...]:
+        """Return positions, rates and efforts of one sample: the order of joint_values()."""
         scales = self._scales
         positions = tuple(s.ratio * values[i] + s.offset for s, i in zip(scales, self._positions))
         if self._holds:

@@ -27,8 +27,10 @@ fit before it foretells. :attr:`RateEstimator.noise` is the standard deviation f
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from math import hypot, inf, isfinite, isinf, isnan, nan, remainder, sqrt, tau, ulp
-from typing import Any
+
+from fourbar_ros.scene.scene import Scene
 
 NANOSECOND = 1e-9        # [s]
 MEMORY = 100             # samples over which noise and size of the acceleration are averaged
@@ -54,7 +56,7 @@ class Estimate:
 
     """
 
-    def __init__(self, points: Any, degree: int) -> None:
+    def __init__(self, points: Sequence[tuple[float, float]], degree: int) -> None:
         n = len(points)
         mean = sum(t for t, _ in points) / n
         line = [t - mean for t, _ in points]                              # p1(t) = t - mean
@@ -73,11 +75,11 @@ class Estimate:
             self.curvature = 2.0 * self._bend
 
     @property
-    def gain(self) -> Any:
+    def gain(self) -> float:
         """Return the standard deviation of slope (line) or curvature over that of one y."""
         return 2.0 / sqrt(self._curve_norm) if self.degree == 2 else 1.0 / sqrt(self._norm)
 
-    def surprise(self, t: Any, y: Any) -> Any:
+    def surprise(self, t: float, y: float) -> float:
         """Return the distance of (t, y) from the polynomial, for noise of variance 1 in each y."""
         p = t - self._mean
         foretold = self._start + self._slope * p
@@ -117,10 +119,10 @@ class RateEstimator:
     """
 
     def __init__(self, window: int = 5, gap: float = 1.0, jump: float = 1.0,
-                 period: Any = tau, length: float = 1.0) -> None:
+                 period: float = tau, length: float = 1.0) -> None:
         self._gap, self._jump, self._period, self._length = gap / NANOSECOND, jump, period, length
         # (time [ns], position, step to it, velocity)
-        self._samples: deque[tuple[Any, ...]] = deque(maxlen=window)
+        self._samples: deque[tuple[int, float, float, float]] = deque(maxlen=window)
         self.restarts = self.late = 0
         self._scatter, self._size = _MeanSquare(), _MeanSquare()     # what surprises, what matters
         self._from_rates = False                 # whether the acceleration comes from velocities
@@ -129,19 +131,20 @@ class RateEstimator:
     def reset(self) -> None:
         """Forget all samples."""
         self._samples.clear()
-        self._overtaken = None                   # a late sample, if it was the last one
+        # a late sample, if it was the last one
+        self._overtaken: tuple[int, float, float] | None = None
         self._fit: Estimate | None = None
         self._known = nan, nan
 
     @property
-    def noise(self) -> Any:
+    def noise(self) -> float:
         """Return the standard deviation of the estimated acceleration, NaN if not known yet."""
         if self._fit is None or isnan(self._known[1]) or self._scatter.number < ENOUGH:
             return nan
         return self._fit.gain * sqrt(max(self._scatter.value, self._resolution**2))
 
     @property
-    def lag(self) -> Any:
+    def lag(self) -> float:
         """Return by how much the estimated acceleration is late [s], NaN if there is none."""
         return nan if self._fit is None or isnan(self._known[1]) else self._fit.lag
 
@@ -150,7 +153,7 @@ class RateEstimator:
         """Return whether noise is a large part of the acceleration, or of velocity^2/length."""
         return self.noise > TOO_NOISY * sqrt(self._size.value)
 
-    def update(self, time: float, position: Any, velocity: float = nan) -> Any:
+    def update(self, time: int, position: float, velocity: float = nan) -> tuple[float, float]:
         """
         Return (velocity, acceleration) at a new sample; NaN for what is not known yet.
 
@@ -177,7 +180,7 @@ class RateEstimator:
         self._known = self._estimate(velocity)
         return self._known
 
-    def _is_set_back(self, sample: Any) -> bool:
+    def _is_set_back(self, sample: tuple[int, float, float]) -> bool:
         """Return whether this sample is the second late one in a row, and follows the first."""
         before, self._overtaken = self._overtaken, sample
         if before is None or sample[0] <= before[0]:
@@ -191,7 +194,7 @@ class RateEstimator:
         self.reset()
         self.restarts += 1
 
-    def _append(self, time: float, position: Any, velocity: float) -> None:
+    def _append(self, time: int, position: float, velocity: float) -> None:
         step = 0.0
         if self._samples:
             last_time, last_position, *_ = self._samples[-1]
@@ -204,7 +207,7 @@ class RateEstimator:
                 self._compare((time - last_time) * NANOSECOND, step, velocity)
         self._samples.append((time, position, step, velocity))
 
-    def _compare(self, t: Any, step: Any, velocity: float) -> None:
+    def _compare(self, t: float, step: float, velocity: float) -> None:
         """Learn from a new sample how far it is from the previous fit."""
         from_rates = isfinite(velocity)
         if from_rates is not self._from_rates:
@@ -213,7 +216,7 @@ class RateEstimator:
             y = velocity - self._samples[-1][3] if from_rates else step
             self._scatter.add(self._fit.surprise(t, y))
 
-    def _estimate(self, velocity: float) -> Any:
+    def _estimate(self, velocity: float) -> tuple[float, float]:
         now, position, *_ = self._samples[-1]
         from_rates = isfinite(velocity)
         if from_rates:
@@ -236,7 +239,7 @@ class RateEstimator:
         return velocity, acceleration
 
 
-def estimator_of(scene: Any) -> Any:
+def estimator_of(scene: Scene) -> RateEstimator:
     """
     Return the :class:`RateEstimator` of a scene, for its node and for recomputing a bag.
 
@@ -255,7 +258,7 @@ class _MeanSquare:
     def __init__(self) -> None:
         self.value, self.number = 0.0, 0
 
-    def add(self, x: Any) -> None:
+    def add(self, x: float) -> None:
         if isfinite(square := x * x):
             self.number = min(self.number + 1, MEMORY)
             self.value += (square - self.value) / self.number

@@ -5,9 +5,10 @@ from __future__ import annotations
 
 from functools import cache
 from math import isfinite, isinf, isnan, nan
-from typing import Any
+from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, OutOfRange, Toggle
+from fourbar_ros.mechanisms.mechanism import Mechanism
 import numpy as np
 
 # The same numbers as the STATUS_ constants of fourbar_msgs/LinkageState (a test compares them).
@@ -16,13 +17,17 @@ STATUS_NAMES = ('ok', 'out of range', 'invalid input', 'toggle', 'rates unknown'
                 'loads unknown')
 
 
+Evaluated = tuple[int, NamedTuple, NamedTuple]      # status, MOTION and LOADS of the mechanism
+
+
 @cache
-def _none_of(fields: Any) -> Any:
+def _none_of(fields: type[NamedTuple]) -> NamedTuple:
     """Return a NamedTuple of this type, all NaN."""
-    return fields(*[nan] * len(fields._fields))
+    return fields._make([nan] * len(fields._fields))
 
 
-def evaluate(mechanism: Any, position: Any, rate: Any, acceleration: Any, with_loads: bool) -> Any:
+def evaluate(mechanism: Mechanism, position: float, rate: float, acceleration: float,
+             with_loads: bool) -> Evaluated:
     """
     Return (status, motion, loads); what does not exist is NaN, and loads that are not wanted too.
 
@@ -52,12 +57,9 @@ def evaluate(mechanism: Any, position: Any, rate: Any, acceleration: Any, with_l
     return INVALID_INPUT, mechanism.unknown(*given), _none_of(mechanism.LOADS)
 
 
-def _partly(status: Any, mechanism: Any, position: Any, rate: Any, acceleration: Any) -> Any:
-    """
-    Return the part of the motion that exists.
-
-    Infinite and undefined fields are NaN.
-    """
+def _partly(status: int, mechanism: Mechanism, position: float, rate: float, acceleration: float
+            ) -> Evaluated:
+    """Return the part of the motion that exists; infinite and undefined fields are NaN."""
     motion = mechanism.motion(np.array([position]), rate, acceleration)
     if isnan(motion.transmission_angle[0]):
         return OUT_OF_RANGE, mechanism.unknown(position, rate,

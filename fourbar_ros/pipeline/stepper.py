@@ -1,16 +1,24 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""One scene, input by input, with its policy for inputs out of range."""
+"""One scene, input by input: its policy out of range, the assembly modes that it passes."""
 from __future__ import annotations
 
+from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import partial
 from math import nan, nextafter
-from typing import Any
+from typing import NamedTuple, Union
 
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.points import link_fields, LinkFields, make_point, PointMotion
 from fourbar_ros.numerics.number_types import REAL
-from fourbar_ros.pipeline import joints, wrenches
+from fourbar_ros.pipeline.joints import Joints
 from fourbar_ros.pipeline.status import evaluate, INVALID_INPUT, LOADS_UNKNOWN, OK, OUT_OF_RANGE
+from fourbar_ros.pipeline.wrenches import drive_wrench, external, in_silence, Wrench
+from fourbar_ros.scene.message_fields import joint_values, mode_number
+from fourbar_ros.scene.scene import Scene
+
+Wanted = Union[bool, Collection[str]]       # outputs points/NAME and links/NAME; True: all
+Sample = tuple[int, tuple[float, ...]]      # status and values
 
 # at a limit, besides omega and alpha
 _UNBOUNDED = ('_ratio', 'condition', '_velocity', '_acceleration')
@@ -28,56 +36,60 @@ class Stepper:
     Parameters
     ----------
     scene : Scene
-    acting : dict, optional
+    wrenches : dict, optional
         A :class:`~fourbar_ros.pipeline.wrenches.Wrench` for each link that a topic loads; not
         given: as before the first.
 
     """
 
-    def __init__(self, scene: Any, acting: Any = None) -> None:
+    def __init__(self, scene: Scene, wrenches: Mapping[str, Wrench] | None = None) -> None:
         self._scene = scene
         self.linkage, self._policy = scene.linkage, scene.drive.out_of_range
-        self._parts: list[Any] = [
+        self._parts: list[tuple[str, Callable[[NamedTuple], Iterable[float]],
+                                tuple[float, ...]]] = [
             (f'points/{name}', make_point(REAL, scene.linkage, *point), _NO_POINT)
             for name, point in scene.points.items()]
         if 'links' in scene.outputs:
             self._parts += [(f'links/{link.name}',
                              partial(link_fields, scene.linkage, link=link.name), _NO_LINK)
                             for link in scene.linkage.LINKS]
-        self._good: Any = None
+        # the last values within range, for the policy hold; the inputs of clamp
+        self._good: tuple[float, ...] | None = None
         self._limits: list[float] | None = None
         self._joints = (None if scene.joint_states.are_plain
-                        else joints.Joints(scene.layout, scene.joint_states))
-        self._nothing = (nan,) * (len(scene.layout.place)
-                                  - (len(joints.FIELDS) * len(scene.layout.joints) if self._joints
-                                     else 0))
-        self._drive_wrench = (wrenches.drive_wrench(scene.linkage, scene.layout.place)
+                        else Joints(scene.layout, scene.joint_states))
+        own_joints = joint_values(len(scene.layout.joints)) if self._joints else ()
+        # the values of a sample of which nothing is known, without those of its joints
+        self._nothing = (nan,) * (len(scene.layout.place) - len(own_joints))
+        self._drive_wrench = (drive_wrench(scene.linkage, scene.layout.place)
                               if 'drive_wrench' in scene.outputs else None)
-        self._loaded = scene.loaded
-        self.acting: dict[str, Any] = {}
+        # (position, rate) -> linkage with the forces of springs and dampers there, if any
+        self._with_element_forces = scene.make_loaded(self.linkage)
+        self.wrenches: dict[str, Wrench] = {}
         self._loads_unknown = False
         for link in scene.wrenches.links:
-            self.act(link, (acting or {}).get(link) or wrenches.in_silence(scene, link, None))
+            self.act(link, (wrenches or {}).get(link) or in_silence(scene, link, None))
 
-    def act(self, link: str, wrench: Any) -> None:
+    def act(self, link: str, wrench: Wrench) -> None:
         """Apply a Wrench to a link from the next step on."""
-        self.acting[link] = wrench
-        external = wrenches.external(self._scene, self.acting)
-        self._loads_unknown = external is None and self._scene.needs_loads
-        if external is not None:
-            self.linkage = self.linkage.with_external(external)
+        self.wrenches[link] = wrench
+        applied = external(self._scene, self.wrenches)
+        self._loads_unknown = applied is None and self._scene.needs_loads
+        if applied is not None:
+            self.linkage = self.linkage.with_external(applied)
+            self._with_element_forces = self._scene.make_loaded(self.linkage)
 
-    def step(self, position: Any, rate: Any, acceleration: Any, with_loads: bool,
-             with_parts: Any) -> Any:
+    def step(self, position: float, rate: float, acceleration: float, with_loads: bool,
+             with_parts: Wanted) -> Sample:
         """
         Return (status, values).
 
         The values are (*motion, *loads, *motion of each point and link, *additions of the layout).
-        ``with_parts``: the outputs points/NAME and links/NAME that are wanted; True: all.
+        ``with_parts``: which points and links are wanted.
         """
         linkage = self.linkage
-        if self._loaded and with_loads:                  # with the forces of springs
-            loaded = self._loaded(position, rate)
+        if self._with_element_forces and with_loads:                  # with the forces of elements
+            loaded = self._with_element_forces(position, rate)
             linkage, with_loads = loaded or linkage, loaded is not None
         status, motion, loads = evaluate(linkage, position, rate, acceleration,
                                          with_loads and not self._loads_unknown)
@@ -97,17 +109,17 @@ class Stepper:
         """Return the values during a timeout: NaN, except for held joint positions."""
         return self._nothing + self._joints.of(self._nothing) if self._joints else self._nothing
 
-    def _completed(self, values: Any) -> Any:
+    def _completed(self, values: tuple[float, ...]) -> tuple[float, ...]:
         if self._drive_wrench:
             values += self._drive_wrench(values)
         return values + self._joints.of(values) if self._joints else values
 
-    def _of_parts(self, motion: Any, wanted: Any) -> Any:
+    def _of_parts(self, motion: NamedTuple, wanted: Wanted) -> list[float]:
         return [value for name, part, unknown in self._parts
                 for value in (part(motion) if wanted is True or wanted and name in wanted
                               else unknown)]
 
-    def _at_limit(self, position: Any) -> Any:
+    def _at_limit(self, position: float) -> tuple[float, ...]:
         if self._limits is None:
             self._limits = [_inside(self.linkage, end, toward)
                             for low, high in self.linkage.input_ranges
@@ -121,8 +133,53 @@ class Stepper:
         return self._completed((*motion, *loads, *self._of_parts(motion, True)))
 
 
-def _inside(linkage: Any, end: float, toward: float) -> float:
+def _inside(linkage: Mechanism, end: float, toward: float) -> float:
     """Return the float nearest to the end of a range at which the linkage can be assembled."""
     while evaluate(linkage, end, 0.0, 0.0, False)[0] == OUT_OF_RANGE and end != toward:
         end = nextafter(end, toward)
     return end
+
+
+class InModes:
+    """
+    A :class:`Stepper` for each mode, made when it is needed.
+
+    Parameters
+    ----------
+    scene : Scene
+    wrenches : dict, optional
+        As of a stepper.
+
+    """
+
+    def __init__(self, scene: Scene, wrenches: Mapping[str, Wrench] | None = None) -> None:
+        self._scene, self.own_mode = scene, mode_number(scene.linkage.mode)
+        self._own = Stepper(scene, wrenches)
+        self._all = {self.own_mode: self._own}
+
+    @property
+    def wrenches(self) -> dict[str, Wrench]:
+        """Return the Wrench on each link that a topic loads."""
+        return self._own.wrenches
+
+    def act(self, link: str, wrench: Wrench) -> None:
+        """Apply a Wrench to a link from the next step on."""
+        for stepper in self._all.values():
+            stepper.act(link, wrench)
+
+    def prepare(self, modes: Iterable[int]) -> None:
+        """Make the steppers of modes that may come."""
+        for mode in modes:
+            if mode not in self._all:
+                self._all[mode] = Stepper(self._scene.taken_in(mode), self.wrenches)
+
+    def step(self, mode: int, position: float, rate: float, acceleration: float,
+             with_loads: bool, with_parts: Wanted) -> Sample:
+        """Return (status, values) of a Stepper in a mode, by its number in messages."""
+        if mode not in self._all:
+            self.prepare([mode])
+        return self._all[mode].step(position, rate, acceleration, with_loads, with_parts)
+
+    def silence(self) -> tuple[float, ...]:
+        """Return the values during a timeout."""
+        return self._own.silence()

@@ -7,13 +7,13 @@ All components are along the ground axes; couples and torques are positive count
 """
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from math import isfinite, nan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from fourbar_ros.mechanics.bodies import Applied
-
-NAMES = ('drive wrench force_x', 'drive wrench force_y', 'drive wrench torque')
+from fourbar_ros.mechanics.bodies import Applied, External
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.scene.scene import Scene
 
 
 class Wrench(NamedTuple):
@@ -32,13 +32,26 @@ class Wrench(NamedTuple):
 UNKNOWN = Wrench(nan, nan, nan)
 
 
-def constant(scene: Any, link: str) -> Wrench:
+def a_step_later(last: Wrench, before: Wrench | None) -> Wrench:
+    """
+    Return the wrench that is due a step after ``last``, on the line through it and the one before.
+
+    Its error is the second difference of the wrench over a step, that of ``last`` itself the
+    first. ``last`` itself where nothing finite was before.
+    """
+    if before is None:
+        return last
+    due = Wrench(*(2.0 * new - old for new, old in zip(last, before)))
+    return due if due.is_known else last
+
+
+def constant(scene: Scene, link: str) -> Wrench:
     """Return the constant wrench of the scene on a link."""
     applied = getattr(scene.linkage.external, link)
     return Wrench(applied.force_x, applied.force_y, applied.couple)
 
 
-def in_silence(scene: Any, link: str, last: Wrench | None) -> Wrench:
+def in_silence(scene: Scene, link: str, last: Wrench | None) -> Wrench:
     """Return the wrench on a link while its topic is silent; ``last``: the newest one, if any."""
     policy = scene.wrenches.when_silent
     if policy == 'unknown':
@@ -46,7 +59,7 @@ def in_silence(scene: Any, link: str, last: Wrench | None) -> Wrench:
     return last if policy == 'hold' and last is not None else constant(scene, link)
 
 
-def external(scene: Any, acting: dict[str, Wrench]) -> Any:
+def external(scene: Scene, acting: Mapping[str, Wrench]) -> External | None:
     """Return the External of a scene with the acting wrenches; None if one is unknown."""
     if not all(wrench.is_known for wrench in acting.values()):
         return None
@@ -56,8 +69,10 @@ def external(scene: Any, acting: dict[str, Wrench]) -> Any:
     return scene.linkage.EXTERNAL(**given)
 
 
-def drive_wrench(linkage: Any,
-                 place: dict[str, int]) -> Callable[[Any], tuple[float, float, float]]:
+DriveWrench = Callable[[Sequence[float]], tuple[float, float, float]]
+
+
+def drive_wrench(linkage: Mechanism, place: Mapping[str, int]) -> DriveWrench:
     """
     Return the function values -> (force_x, force_y, torque) of the linkage on its drive.
 
@@ -66,18 +81,18 @@ def drive_wrench(linkage: Any,
     """
     drive = place['driving_force' if linkage.is_driven_by_slide else 'driving_torque']
 
-    def turn(values: Any) -> Any:
+    def turn(values: Sequence[float]) -> tuple[float, float, float]:
         nothing = 0.0 * abs(values[drive])               # NaN where the drive is not known
         return nothing, nothing, -values[drive]
 
-    def push(values: Any) -> Any:
+    def push(values: Sequence[float]) -> tuple[float, float, float]:
         return -values[drive], 0.0 * abs(values[drive]), 0.0 * abs(values[drive])
 
     if not linkage.is_driven_by_slide or linkage.SLIDE_DIRECTION is None:
         return push if linkage.is_driven_by_slide else turn
     cosine, sine = (place[name] for name in linkage.SLIDE_DIRECTION)
 
-    def push_along(values: Any) -> Any:
+    def push_along(values: Sequence[float]) -> tuple[float, float, float]:
         force = -values[drive]
         return force * values[cosine], force * values[sine], 0.0 * abs(force)
     return push_along

@@ -4,17 +4,24 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Bar, Block
+from fourbar_ros.mechanisms.picture import Arm, Joint, picture, Pivot, Points
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.report.cycles import cycles, Points, usual_points
+from fourbar_ros.report.cycles import cycles, usual_points
 from fourbar_ros.report.drawing import CannotDraw, need_matplotlib, STYLE
 import numpy as np
 
+if TYPE_CHECKING:      # drawings alone need it
+    from matplotlib.animation import AbstractMovieWriter
+    from matplotlib.axes import Axes
+
 FRAMES, PER_SECOND = 90, 25
 INK, LINK, POINT = '#1c1c1c', '#5a6b7d', '#8a5200'
+SIGNS = {Pivot: ('^', 13, 'w'), Joint: ('o', 6, 'w'), Block: ('s', 14, '#dfe5ec')}
 
 
 def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path) -> Path:
@@ -47,7 +54,7 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
     return path
 
 
-def _writer(path: Path) -> Any:
+def _writer(path: Path) -> AbstractMovieWriter:
     from matplotlib.animation import FFMpegWriter, PillowWriter
     if path.suffix == '.gif':
         return PillowWriter(fps=PER_SECOND)
@@ -58,7 +65,7 @@ def _writer(path: Path) -> Any:
     return FFMpegWriter(fps=PER_SECOND)
 
 
-def _poses(mechanism: Mechanism, rate: float) -> list[Any]:
+def _poses(mechanism: Mechanism, rate: float) -> list[NamedTuple]:
     """Return the motions of the frames, one NamedTuple of floats each."""
     inputs = cycles(mechanism, FRAMES)[0]
     if mechanism.turns_fully:
@@ -77,7 +84,7 @@ def _poses(mechanism: Mechanism, rate: float) -> list[Any]:
 class _Frame:
     """Draws the frames; the axes keep one scale for all of them."""
 
-    def __init__(self, axes: Any, mechanism: Mechanism, points: Points, poses: list[Any]):
+    def __init__(self, axes: Axes, mechanism: Mechanism, points: Points, poses: list[NamedTuple]):
         self.axes, self.mechanism, self.points, self.poses = axes, mechanism, points, poses
         self.paths = {name: np.array([point_motion(mechanism, motion, *point).place
                                       for motion in poses]) for name, point in points.items()}
@@ -91,20 +98,20 @@ class _Frame:
     def draw(self, number: int) -> None:
         """Draw one frame."""
         axes, motion = self.axes, self.poses[number]
-        diagram = self.mechanism.diagram(motion)
         axes.clear()
         axes.set_axis_off()
         axes.set_aspect('equal')
         (left, bottom), (right, top) = self.limits
         axes.set(xlim=(left, right), ylim=(bottom, top))
-        for name, path in self.paths.items():
-            axes.plot(*path.T, color=POINT, lw=1.2)
-            axes.plot(*point_motion(self.mechanism, motion, *self.points[name]).place, 'o',
-                      color=POINT, ms=5)
-        for bar in diagram.bars:
-            axes.plot(*zip(bar.start, bar.end), color=LINK, lw=5, solid_capstyle='round')
-        for block in diagram.blocks:
-            axes.plot(*block.place, 's', ms=14, mfc='#dfe5ec', mec=INK)
-        for name, place in diagram.joints.items():
-            axes.plot(*place, '^' if name in diagram.ground else 'o',
-                      ms=9 if name in diagram.ground else 6, mfc='w', mec=INK)
+        for path in self.paths.values():
+            closed = np.vstack([path, path[:1]]) if self.mechanism.turns_fully else path
+            axes.plot(*closed.T, color=POINT, lw=1.2)
+        for part in picture(self.mechanism, motion, self.points):
+            if isinstance(part, Bar):
+                axes.plot(*zip(part.start, part.end), color=LINK, lw=5, solid_capstyle='round')
+            elif isinstance(part, Arm):
+                axes.plot(*zip(part.start, part.end), color=LINK, lw=2)
+                axes.plot(*part.end, 'o', color=POINT, ms=5)
+            else:
+                sign, size, fill = SIGNS[type(part)]
+                axes.plot(*part.place, sign, ms=size, mfc=fill, mec=INK)

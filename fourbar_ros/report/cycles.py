@@ -7,22 +7,24 @@ Paths of points, velocities and forces as vectors. Only the functions that draw 
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
 import re
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING
 
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.report.drawing import CannotDraw, need_matplotlib, STYLE
 from fourbar_ros.report.joint_labels import labels_of
 import numpy as np
 
+if TYPE_CHECKING:      # drawings alone need it
+    from matplotlib.figure import Figure
+
 SAMPLES = 721
 WITHIN = 1e-9        # of a range that ends in toggles: rates are unbounded at its very ends
 OUTLIER = 30.0       # vectors so many times the median one are beyond the picture
-Points = Mapping[str, tuple[str, float, float]]
 
 
 def cycles(mechanism: Mechanism, count: int = SAMPLES) -> list[Array]:
@@ -55,7 +57,7 @@ def ground_forces(mechanism: Mechanism) -> dict[str, str]:
 
 
 def make_cycle_figure(what: str, mechanism: Mechanism, rate: float, acceleration: float = 0.0,
-                      points: Points = MappingProxyType({})) -> Any:
+                      points: Points = MappingProxyType({})) -> Figure:
     """
     Return a matplotlib Figure of what happens over all ranges of the input.
 
@@ -101,7 +103,7 @@ def _curves(what: str, mechanism: Mechanism, rates: tuple[float, float],
     """Return ({name: curves of shape (n, 2)}, unit)."""
     if what == 'forces':
         if mechanism.bodies is None:
-            raise CannotDraw('forces need masses: see bodies.* in docs/node.md')
+            raise CannotDraw('forces need masses: see bodies.* in docs/reference.md')
         steps = [mechanism.step(inputs, *rates)[1] for inputs in cycles(mechanism)]
         names = {'shaking_force': 'shaking force'} | ground_forces(mechanism)
         return {text: [_bounded(np.stack([getattr(loads, f'{name}_x'),

@@ -10,13 +10,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from math import hypot
 from pathlib import Path
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Arrow, ORIGIN, without_repeats
+from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.report.joint_labels import labels_of
-from fourbar_ros.report.mechanism_panel import draw_mechanism, Points, renamed
+from fourbar_ros.report.mechanism_panel import draw_mechanism, renamed
 from fourbar_ros.report.sheet import Sheet
 from fourbar_ros.report.significant import significant
 
@@ -86,9 +87,9 @@ def draw_polygon(axes: Axes, arrows: Sequence[Arrow], title: str, unit: tuple[st
     sheet.write([f'${arrow.label}$ = {significant(hypot(*arrow.vector))}' for arrow in shown])
 
 
-def make_figure(mechanism: Mechanism, motion: Any, loads: Any = None, title: str = '',
-                points: Points | None = None, names: Mapping[str, str] | None = None,
-                units: Units = Units()) -> Figure:
+def make_figure(mechanism: Mechanism, motion: NamedTuple, loads: NamedTuple | None = None,
+                title: str = '', points: Points | None = None,
+                names: Mapping[str, str] | None = None, units: Units = Units()) -> Figure:
     """
     Return a matplotlib Figure of three panels: mechanism, velocity and acceleration polygon.
 
@@ -122,7 +123,7 @@ def save(figure: Figure, path: str | Path) -> Path:
     """
     Write a figure as .svg, .pdf, .png, ... and return the path.
 
-    The same bytes for the same figure.
+    One figure gives the same bytes each time.
     """
     import matplotlib
     path = Path(path)

@@ -7,8 +7,10 @@ from collections.abc import Iterator, Mapping
 from math import hypot
 import re
 from string import ascii_uppercase
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+from fourbar_ros.mechanisms.parts import Diagram
+from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 LETTER = re.compile(r'[A-Z](_\w)?')
@@ -32,13 +34,13 @@ class Labels(NamedTuple):
 
     """
 
-    joints: Mapping[str, Any]
+    joints: Mapping[str, Array]
     forces: Mapping[str, str]
     words: Mapping[str, str]
     letters: Mapping[str, str]
 
 
-def labels_of(diagram: Any) -> Labels:
+def labels_of(diagram: Diagram) -> Labels:
     """Return the :class:`Labels` of a Diagram; letters it has already stay."""
     if all(map(LETTER.fullmatch, diagram.joints)):
         return Labels(diagram.joints, {name: f'F_{{{name[1:]}}}' for name in diagram.forces},
@@ -54,7 +56,7 @@ def labels_of(diagram: Any) -> Labels:
         else:
             places.append([name])
     letters = _letters()
-    joints: dict[str, Any] = {}
+    joints: dict[str, Array] = {}
     symbols: dict[str, str] = {}
     of_joints: dict[str, str] = {}
     for names in places:

@@ -1,19 +1,15 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-One pose of a linkage as ``fourbar show`` and ``fourbar draw`` take and tell it.
-
-Angles in degrees.
-"""
+"""One pose of a linkage, for ``fourbar show`` and ``fourbar draw``: angles in degrees."""
 from __future__ import annotations
 
-from collections.abc import Mapping
 from math import degrees, hypot, radians
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate, reaction
+from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.quantities import known
 from fourbar_ros.pipeline.status import (
@@ -24,6 +20,7 @@ from fourbar_ros.pipeline.status import (
     TOGGLE,
 )
 from fourbar_ros.report.terminal import plain_table, PlainTable
+from fourbar_ros.scene.units import require
 
 FORCES = (reaction('shaking force', 'linkage on ground', 'shaking_force'),)
 MOMENTS = {'driving_torque': ('driving torque T41', 'N m'),
@@ -33,11 +30,7 @@ MOMENTS = {'driving_torque': ('driving torque T41', 'N m'),
 
 
 class NoPose(FourBarError, ValueError):
-    """
-    The linkage has no pose at the input asked for.
-
-    The message is in the units of the question.
-    """
+    """The linkage has no pose at an input, which the message gives in the user's units."""
 
 
 class Pose(NamedTuple):
@@ -48,13 +41,25 @@ class Pose(NamedTuple):
     """
 
     status: int
-    motion: Any
-    loads: Any
+    motion: NamedTuple
+    loads: NamedTuple | None
 
 
 def position_of(linkage: Mechanism, at: float) -> float:
     """Return the input [rad] or [m] of one asked for in degrees or m."""
+    require_units(linkage, at)
     return at if linkage.is_driven_by_slide else radians(at)
+
+
+def require_units(linkage: Mechanism, at: float | None = None, speed: float | None = None,
+                  acceleration: float | None = None) -> None:
+    """Raise WrongUnit if a number of a command line has the unit of another kind of input."""
+    turns = '' if linkage.is_driven_by_slide else 'angular '
+    for name, value, dimension in (
+            ('--at', at, 'angle' if turns else 'length'), ('--speed', speed, f'{turns}speed'),
+            ('--acceleration', acceleration, f'{turns}acceleration')):
+        if value is not None:
+            require(name, value, dimension)
 
 
 def evaluate_at(linkage: Mechanism, at: float, speed: float, acceleration: float) -> Pose:
@@ -71,6 +76,7 @@ def evaluate_at(linkage: Mechanism, at: float, speed: float, acceleration: float
         It is no finite number.
 
     """
+    require_units(linkage, at, speed, acceleration)
     given = position_of(linkage, at), speed, acceleration
     status, motion, loads = evaluate(linkage, *given, linkage.bodies is not None)
     if status == OUT_OF_RANGE:
@@ -81,11 +87,7 @@ def evaluate_at(linkage: Mechanism, at: float, speed: float, acceleration: float
 
 
 def step_at(linkage: Mechanism, at: float, speed: float, acceleration: float) -> Pose:
-    """
-    Return the :class:`Pose` as :func:`evaluate_at`.
-
-    at a toggle, where rates are unbounded, NoPose too.
-    """
+    """Return the :class:`Pose` as :func:`evaluate_at`; NoPose also at a toggle."""
     pose = evaluate_at(linkage, at, speed, acceleration)
     if pose.status == TOGGLE:
         raise no_pose(linkage, at, 'is a toggle position: rates and loads are unbounded')
@@ -138,32 +140,32 @@ def motion_table(linkage: Mechanism, pose: Pose) -> PlainTable:
                       number(getattr(pose.motion, coordinate.rate)),
                       number(getattr(pose.motion, coordinate.acceleration)),
                       f'{rates}/s, {rates}/s^2', part)
-    table.add_row('transmission angle', *in_degrees(pose.motion.transmission_angle).split())
+    transmission_angle = pose.motion._asdict()['transmission_angle']
+    table.add_row('transmission angle', *in_degrees(transmission_angle).split())
     return table
 
 
-def loads_table(linkage: Mechanism, pose: Pose) -> PlainTable:
+def loads_table(linkage: Mechanism, loads: NamedTuple) -> PlainTable:
     """Return the table of all forces with their components, and of torques."""
     table = plain_table('loads', ('', 'x>', 'y>', 'magnitude>', 'unit', 'of'))
+    values = loads._asdict()
     forces = (*linkage.REACTIONS, *FORCES)
     done = {force.magnitude for force in forces}
     for force in forces:
-        table.add_row(force.symbol, *(number(getattr(pose.loads, field))
+        table.add_row(force.symbol, *(number(values[field])
                                       for field in (force.x, force.y, force.magnitude)), 'N',
                       force.text)
     for name, (text, unit) in MOMENTS.items():
-        if name in pose.loads._fields:
-            table.add_row(text, '', '', number(getattr(pose.loads, name)), unit)
+        if name in values:
+            table.add_row(text, '', '', number(values[name]), unit)
     its = known(linkage, linkage.input)
-    for name in pose.loads._fields:                  # what only one kind of mechanism has
+    for name, value in values.items():               # what only one kind of mechanism has
         if name in its and name not in done and name not in MOMENTS:
-            table.add_row(name.replace('_', ' '), '', '', number(getattr(pose.loads, name)),
-                          its[name].unit)
+            table.add_row(name.replace('_', ' '), '', '', number(value), its[name].unit)
     return table
 
 
-def points_table(linkage: Mechanism, motion: Any, points: Mapping[str, tuple[str, float, float]]
-                 ) -> PlainTable:
+def points_table(linkage: Mechanism, motion: NamedTuple, points: Points) -> PlainTable:
     """Return the table of the points of a scene: place, velocity, acceleration."""
     table = plain_table('points', ('', '', 'x>', 'y>', 'magnitude>', 'unit'))
     for name, point in points.items():

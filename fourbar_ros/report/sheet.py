@@ -1,15 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""
-A drawing to scale on matplotlib's axes.
-
-Arrows, labels that keep off what is there, scale bars.
-"""
+"""A drawing to scale on matplotlib's axes: arrows, labels that find room, scale bars."""
 from __future__ import annotations
 
 from collections.abc import Sequence
 from math import floor, hypot, log10
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -27,13 +23,9 @@ def nice(value: float) -> float:
 
 
 class Sheet:
-    """
-    Axes with equal scales, filled by what is on them, and what is already there.
+    """Axes with equal scales, filled by the drawing; labels keep off its lines."""
 
-    Labels keep off it.
-    """
-
-    def __init__(self, axes: Axes, points: Sequence[Any], title: str) -> None:
+    def __init__(self, axes: Axes, points: Sequence[Array], title: str) -> None:
         every = np.asarray(points)
         low, high = every.min(axis=0), every.max(axis=0)
         box = axes.get_position()

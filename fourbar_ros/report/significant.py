@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from math import degrees, pi, remainder
-from typing import Any
+from typing import NamedTuple
 
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.report.joint_labels import Labels
@@ -33,12 +33,8 @@ def symbol_of(name: str) -> str:
         else rf'\mathrm{{{words}}}')
 
 
-def motion_lines(mechanism: Mechanism, motion: Any, unit: tuple[str, float]) -> list[str]:
-    """
-    Return lines about the motion.
-
-    Position, rate and acceleration of what turns, absolute, or slides.
-    """
+def motion_lines(mechanism: Mechanism, motion: NamedTuple, unit: tuple[str, float]) -> list[str]:
+    """Return a line for each absolute angle and slide: position, rate, acceleration."""
     lines, (text, size) = [], unit
     for coordinate in mechanism.DRAWN:
         position, rate, acceleration = (getattr(motion, name) for name in coordinate)
@@ -58,17 +54,18 @@ def motion_lines(mechanism: Mechanism, motion: Any, unit: tuple[str, float]) -> 
     return lines
 
 
-def load_lines(loads: Any, labels: Labels, drawn: Collection[str]) -> list[str]:
+def load_lines(loads: NamedTuple, labels: Labels, drawn: Collection[str]) -> list[str]:
     """Return the lines of text about loads; ``drawn``: the forces that have an arrow."""
     lines = [' '.join(filter(None, (f'${symbol}$', labels.words.get(name),
                                     f'= {significant(getattr(loads, name))} N',
                                     '' if name in drawn or labels.words else '(not drawn)')))
              for name, symbol in labels.forces.items()]
-    force = getattr(loads, 'driving_force', 0.0)
+    found = loads._asdict()
+    force = found.get('driving_force', 0.0)
     lines.append(f'drive $P$ = {significant(force)} N' if force else
-                 f'drive $T_{{41}}$ = {significant(loads.driving_torque)} N m')
-    if hasattr(loads, 'guide_force'):
-        lines += [f'guide force {significant(loads.guide_force)} N',
-                  f'guide couple {significant(loads.guide_couple)} N m']
-    return lines + [f'shaking force {significant(loads.shaking_force)} N',
-                    f'shaking moment {significant(loads.shaking_moment)} N m']
+                 f'drive $T_{{41}}$ = {significant(found["driving_torque"])} N m')
+    if 'guide_force' in found:
+        lines += [f'guide force {significant(found["guide_force"])} N',
+                  f'guide couple {significant(found["guide_couple"])} N m']
+    return lines + [f'shaking force {significant(found["shaking_force"])} N',
+                    f'shaking moment {significant(found["shaking_moment"])} N m']

@@ -159,3 +159,11 @@ def extrema_table(extrema: Sequence[Extremum], title: str) -> PlainTable:
                       SIDES[extremum.side])
         last = extremum.quantity
     return table
+
+
+def proofs_in_words(extrema: Sequence[Extremum]) -> str:
+    """Return a line for each way in which extrema are proved, or not, with the quantities."""
+    names: dict[str, dict[str, None]] = {}
+    for extremum in extrema:
+        names.setdefault(extremum.proof, {})[extremum.quantity] = None
+    return '\n'.join(f'{proof}: {", ".join(of)}' for proof, of in names.items())

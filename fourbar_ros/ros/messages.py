@@ -9,7 +9,7 @@ from math import nan
 from typing import Any
 
 from builtin_interfaces.msg import Time
-from fourbar_ros.pipeline.message_fields import FieldMap, PASSIVE_EFFORT
+from fourbar_ros.scene.message_fields import FieldMap, PASSIVE_EFFORT
 from fourbar_ros.scene.scene import Scene
 
 Message = Any                   # a ROS message of whatever type

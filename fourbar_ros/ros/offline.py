@@ -9,20 +9,19 @@ from pathlib import Path
 import time
 from typing import Any
 
-from fourbar_ros.bag.intake import SteadyClock
-from fourbar_ros.bag.recorder import BagWriter
-from fourbar_ros.dynamics import steps
-from fourbar_ros.dynamics.mover import OK, SILENT
+from fourbar_ros.bag.write.recorder import BagWriter, SteadyClock
+from fourbar_ros.dynamics.step.mover import KEY, SILENT
+from fourbar_ros.dynamics.step.mover import OK as MOVES
 from fourbar_ros.errors import BagError
-from fourbar_ros.pipeline.in_modes import InModes
-from fourbar_ros.pipeline.message_fields import mode_number
 from fourbar_ros.pipeline.status import OK as KNOWN
+from fourbar_ros.pipeline.stepper import InModes
 from fourbar_ros.ros.messages import resolve, sec_nanosec, set_constants, to_stamp
 from fourbar_ros.ros.node import packed
-from fourbar_ros.ros.node.publishers import drive_layout, needed
+from fourbar_ros.ros.node.publishers import drive_layout
 from fourbar_ros.ros.node.recording import about_of
 from fourbar_ros.ros.schemas import channel
 from fourbar_ros.scene.files import NODE
+from fourbar_ros.scene.message_fields import mode_number
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.simulated import SimulatedScene
 from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, SCENE, Topic, TORQUE
@@ -75,7 +74,7 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
     topics = [DRIVEN, SCENE, *scene.drive_topics, *scene.topics.values()]
     names = {topic.name: _resolved(topic.topic) for topic in topics}
     how = f'{run.method}, tolerance {run.tolerance:g}, {run.status}, error {run.error:.3g}'
-    about = {**about_of(scene, names, NODE), steps.KEY: how}
+    about = {**about_of(scene, names, NODE), KEY: how}
     clock = RunClock(time.time_ns())
     writer = BagWriter(str(path.parent), path.name,
                        [channel(topic, names[topic.name]) for topic in topics], about)
@@ -105,7 +104,7 @@ def _messages(simulated: SimulatedScene, topics: list[Topic],
               start: int) -> Iterator[tuple[int, Messages]]:
     """Yield (time [ns], [(short name, bytes), ...]) of each sample, in the order of a node."""
     scene, steppers = simulated.scene, InModes(simulated.scene)
-    own = mode_number(scene.linkage)
+    own = mode_number(scene.linkage.mode)
     modes = [mode if mode < 256 else own for mode in simulated.run.modes.tolist()]
     makers = {topic.name: _maker(topic, scene) for topic in topics
               if topic not in (SCENE, TORQUE)}
@@ -124,9 +123,9 @@ def _messages(simulated: SimulatedScene, topics: list[Topic],
         status, found = steppers.step(mode, *motion, scene.needs_loads, True)
         outputs = [name for name in scene.topics
                    if status == KNOWN or not any(isnan(found[place])
-                                                 for place in needed(name, scene))]
+                                                 for place in scene.needed_for(name))]
         stamp = sec_nanosec(start + offset)
-        given = {DRIVE_STATE.name: (SILENT if is_silent else OK, values),
+        given = {DRIVE_STATE.name: (SILENT if is_silent else MOVES, values),
                  DRIVEN.name: (KNOWN, driven), **dict.fromkeys(outputs, (status, found))}
         yield start + offset, first + [
             (name, makers[name](stamp, state, mode, numbers))

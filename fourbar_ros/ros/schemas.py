@@ -7,8 +7,8 @@ import json
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
-from fourbar_ros.formats.definitions import types_in
-from fourbar_ros.formats.rosbag2 import Channel
+from fourbar_ros.bag.cdr import types_in
+from fourbar_ros.bag.rosbag2 import Channel
 from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, QUEUE_DEPTH, Topic, TORQUE, WRENCH
 
 

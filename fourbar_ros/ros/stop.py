@@ -32,9 +32,10 @@ class Stop:
         self._before: dict[signal.Signals, Any] = {}
 
     def catch(self) -> Stop:
-        """Catch signals from now on; return self."""
+        """Catch signals from now on, but for a SIGHUP that ``nohup`` ignores; return self."""
         for number in SIGNALS:
-            self._before[number] = signal.signal(number, self._note)
+            if number.name != 'SIGHUP' or signal.getsignal(number) is not signal.SIG_IGN:
+                self._before[number] = signal.signal(number, self._note)
         return self
 
     def restore(self) -> None:

@@ -1,3 +1,33 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Scenes: parameters, topics, and the mechanism they describe."""
+"""
+Scenes: the parameters of a node as one linkage with its drive, outputs and recording.
+
+>>> from fourbar_ros.scene import find, load
+>>> scene = load(find('paper'))
+>>> scene.linkage.classification, scene.drive.speed
+('Grashof crank-rocker', 25.0)
+"""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fourbar_ros.lazy import lazily
+
+if TYPE_CHECKING:
+    from fourbar_ros.scene.chain import remappings
+    from fourbar_ros.scene.files import find, read_values, SceneError
+    from fourbar_ros.scene.scene import from_values, load, Scene
+    from fourbar_ros.scene.simulated import simulate_scene
+
+__all__ = [
+    'Scene', 'SceneError', 'find', 'from_values', 'load', 'read_values', 'remappings',
+    'simulate_scene',
+]
+
+__getattr__, __dir__ = lazily(__name__, {
+    'fourbar_ros.scene.chain': 'remappings',
+    'fourbar_ros.scene.files': 'find, read_values, SceneError',
+    'fourbar_ros.scene.scene': 'from_values, load, Scene',
+    'fourbar_ros.scene.simulated': 'simulate_scene',
+})

@@ -13,7 +13,7 @@ from fourbar_ros.errors import FourBarError, nearest
 from fourbar_ros.scene.files import NODE, NotForNode, read_values
 
 INVALID_CHOICE = re.compile(r"invalid choice: '?(.*?)'? \(choose from (.*)\)", re.DOTALL)
-NEGATIVE = re.compile(r'-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$')
+NEGATIVE = re.compile(r'-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?([A-Za-z][\w/^]*)?$')
 NODE_NAME = re.compile(r'([A-Za-z_]\w*/)*[A-Za-z_]\w*')
 RENAMES = re.compile(r'__(node|name):=')
 NODE_USAGE = 'fourbar_node --ros-args --params-file SCENE'
@@ -22,7 +22,7 @@ usage: fourbar_node [NODE ...] --ros-args --params-file SCENE
                     [-p NAME:=VALUE ...] [-r FROM:=TO ...]
 
 The node of one linkage. SCENE is a parameter file, e.g. config/paper.yaml; fourbar scene check
-SCENE explains it, docs/node.md lists all parameters. Several linkages of one robot run in one
+SCENE explains it, docs/reference.md lists all parameters. Several linkages of one robot run in one
 process: NODE ... are their names, as in the file. Exit codes: 0 stopped by a signal; 2 the scene
 is invalid.
 """
@@ -33,7 +33,8 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
-        self._negative_number_matcher = NEGATIVE      # argparse would take -1e-9 as an option
+        # argparse would take -1e-9 and -5mm for options
+        self._negative_number_matcher = NEGATIVE
 
     def error(self, message: str) -> NoReturn:
         """Print the error in one line below the usage; exit with code 2."""
@@ -92,9 +93,7 @@ class UsageError(FourBarError):
 
 def check_node_arguments(arguments: list[str]) -> None:
     """
-    Refuse arguments that ROS would ignore.
-
-    And scene files that it would read in another way than we do.
+    Refuse arguments that ROS would ignore, and scene files that it would read differently.
 
     Parameters
     ----------
@@ -104,16 +103,18 @@ def check_node_arguments(arguments: list[str]) -> None:
     Raises
     ------
     UsageError
-        An argument outside of ``--ros-args``.
+        An argument outside of ``--ros-args``; two nodes of one name.
     SceneError
         A parameter file cannot be read, gives a key twice, or none has anything for this node.
 
     """
-    names = node_names(arguments)
+    names = [full_name(arguments, name) for name in node_names(arguments)]
     _, inside = _parts(arguments)
     files = [value for option, value in zip(inside, inside[1:]) if option == '--params-file']
     for name in names:
-        _check_files(files, _name_of(inside, name))
+        if names.count(name) > 1:
+            raise UsageError(f'{name}: two nodes of one name')
+        _check_files(files, name)
 
 
 def node_names(arguments: list[str]) -> list[str]:
@@ -127,8 +128,6 @@ def node_names(arguments: list[str]) -> list[str]:
         if '--params-file' not in inside or not NODE_NAME.fullmatch(given):
             typed = NODE_USAGE.replace('SCENE', given) if given[:1] != '-' else NODE_USAGE
             raise UsageError(f'{given}: not understood; type  {typed}')
-    if len(set(outside)) < len(outside):
-        raise UsageError(f'{max(outside, key=outside.count)}: two nodes of one name')
     if outside and any(RENAMES.match(argument) for argument in inside):
         raise UsageError('__node:= would rename every node: name them before --ros-args alone')
     return outside or [NODE[1:]]
@@ -159,15 +158,16 @@ def _check_files(files: Sequence[str], node: str) -> None:
         raise strangers[0]
 
 
-def _name_of(inside: Sequence[str], name: str) -> str:
-    """Return the full name of a node after remapping."""
-    namespace, name = ('/' + name).rsplit('/', 1)
-    namespace = namespace and '/' + namespace.strip('/')
+def full_name(arguments: Sequence[str], name: str) -> str:
+    """Return the full name of a node after remapping: its own namespace is below ``__ns``."""
+    _, inside = _parts(arguments)
+    *own, name = name.split('/')
+    there, given = '', name
     for option, value in zip(inside, inside[1:]):
-        if (option in ('-r', '--remap')
-                and (match := re.fullmatch(r'(?:\w+:)?__(node|name|ns):=(.*)', value))):
-            if match[1] == 'ns':
-                namespace = '/' + match[2].strip('/') if match[2].strip('/') else ''
+        match = re.fullmatch(r'(?:(\w+):)?__(node|name|ns):=(.*)', value)
+        if option in ('-r', '--remap') and match and match[1] in (None, given):
+            if match[2] == 'ns':
+                there = match[3].strip('/')
             else:
-                name = match[2]
-    return f'{namespace}/{name}'
+                name = match[3]
+    return '/' + '/'.join([*filter(None, [there]), *own, name])

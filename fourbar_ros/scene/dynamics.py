@@ -3,24 +3,20 @@
 """What a scene says of motion that follows from torque: drive, springs, the start."""
 from __future__ import annotations
 
+from dataclasses import MISSING
 from math import inf, isnan
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
-from fourbar_ros.scene import parameters
-from fourbar_ros.scene.families import names_in
-from fourbar_ros.scene.of_dynamics import SOURCES
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.numerics.given import quantities_of
+from fourbar_ros.scene.parameter_table import GEAR, MOTORS, OF_MOTORS, SOURCES
+from fourbar_ros.scene.parameters import names_in, ParameterValues
 
 if TYPE_CHECKING:      # other scenes do without
-    from fourbar_ros.dynamics.drives import Drive, Shaft, Source
-    from fourbar_ros.dynamics.elements import Element
-    from fourbar_ros.dynamics.system import System
-
-Values = dict[str, Any]
-NEEDED = {'line': ('stall_torque', 'free_speed'),
-          'dc': ('voltage', 'resistance', 'torque_constant'),
-          'controller': ('speed', 'proportional')}
-NOT_ZERO = ('motor.gear', 'motor.free_speed')
+    from fourbar_ros.dynamics.model.drives import Drive, Law, Shaft
+    from fourbar_ros.dynamics.model.elements import Element, PositionForce
+    from fourbar_ros.dynamics.model.system import System
 
 
 class Dynamics(NamedTuple):
@@ -31,20 +27,23 @@ class Dynamics(NamedTuple):
     position: float
     rate: float
 
-    def system(self, linkage: Any) -> System:
-        """Return the :class:`~fourbar_ros.dynamics.system.System` of a linkage with these."""
-        from fourbar_ros.dynamics.system import System
+    def system(self, linkage: Mechanism) -> System:
+        """Return the System of a linkage with these."""
+        from fourbar_ros.dynamics.model.system import System
         return System(linkage, self.position, self.rate, self.elements, self.drive)
 
-    def modes_passed(self, linkage: Any) -> tuple[int, ...]:
+    def modes_passed(self, linkage: Mechanism) -> tuple[int, ...]:
         """Return the assembly modes between which steps through toggles go; of others nothing."""
-        from fourbar_ros.dynamics.steps import modes_of
+        from fourbar_ros.dynamics.step.mover import modes_of
         return modes_of(linkage)
 
 
-def of_values(values: Values, linkage: Any) -> Dynamics | None:
+def of_values(values: ParameterValues, linkage: Mechanism,
+              forces: tuple[PositionForce, ...] = ()) -> Dynamics | None:
     """
     Return the Dynamics of a scene; None where the motion is given.
+
+    ``forces``: those over a position, which the other elements join.
 
     Raises
     ------
@@ -62,43 +61,35 @@ def of_values(values: Values, linkage: Any) -> Dynamics | None:
     if linkage.bodies is None:
         raise InvalidParameter('bodies.crank.mass', None, 'must be given (or bodies.rods): motion '
                                'that follows from torque needs masses')
-    from fourbar_ros.dynamics.drives import Drive
+    from fourbar_ros.dynamics.model.drives import Drive
     drive = Drive(_source(values), values['motor.gear']**2 * values['motor.rotor_inertia'],
                   values['flywheel.inertia'], _shaft(values))
-    found = Dynamics(drive, tuple(_element(values, name, linkage) for name in springs),
+    found = Dynamics(drive, (*(_element(values, name, linkage) for name in springs), *forces),
                      values['drive.start'], values['drive.start_speed'])
     _check_start(found, linkage)
     return found
 
 
-def _source(values: Values) -> Source:
-    from fourbar_ros.dynamics import drives
-    for name in NOT_ZERO:
-        if values[name] == 0.0:
-            raise InvalidParameter(name, 0.0, 'must not be zero')
+def _source(values: ParameterValues) -> Law:
+    from fourbar_ros.dynamics.model.drives import ConstantTorque
+    if values[GEAR.name] == 0.0:
+        raise InvalidParameter(GEAR.name, 0.0, 'must not be zero')
     if values['drive.source'] == 'torque':
-        return drives.ConstantTorque(0.0)
+        return ConstantTorque(0.0)
     kind = values['motor.kind']
-    for name in NEEDED[kind]:
-        if isnan(values[f'motor.{name}']):
-            text = parameters.PARAMETERS[f'motor.{name}'].text
-            raise InvalidParameter(f'motor.{name}', None, f'must be given: {text}')
-
-    def given(name: str) -> float:
-        return float(values[f'motor.{name}'])
-
-    if kind == 'line':
-        return drives.MotorLine(given('gear') * given('stall_torque'),
-                                given('free_speed') / given('gear'))
-    if kind == 'dc':
-        return drives.DCMotor(given('voltage'), given('resistance'), given('torque_constant'),
-                              given('inductance'), given('gear'))
-    limit = given('torque_limit')
-    return drives.SpeedController(given('speed'), given('proportional'), given('integral'),
-                                  inf if isnan(limit) else limit)
+    motor, names = MOTORS[kind], {field: one.name for field, one in OF_MOTORS[kind].items()}
+    for field, default, _ in quantities_of(motor):
+        if default is MISSING and isnan(values[names[field]]):
+            raise InvalidParameter(names[field], None,
+                                   f'must be given: {OF_MOTORS[kind][field].text}')
+    try:
+        return motor(**{field: values[name] for field, name in names.items()
+                        if not isnan(values[name])})
+    except InvalidParameter as error:
+        raise InvalidParameter(names[error.name], error.value, error.allowed) from None
 
 
-def _shaft(values: Values) -> Shaft | None:
+def _shaft(values: ParameterValues) -> Shaft | None:
     if isnan(values['shaft.stiffness']):
         if values['shaft.damping']:
             raise InvalidParameter('shaft.damping', values['shaft.damping'],
@@ -108,13 +99,14 @@ def _shaft(values: Values) -> Shaft | None:
         raise InvalidParameter('motor.rotor_inertia', values['motor.rotor_inertia'],
                                'must be positive: an elastic shaft (shaft.stiffness) needs an '
                                'inertia on the side of the drive')
-    from fourbar_ros.dynamics.drives import Shaft
+    from fourbar_ros.dynamics.model.drives import Shaft
     return Shaft(values['shaft.stiffness'], values['shaft.damping'])
 
 
-def _element(values: Values, name: str, linkage: Any) -> Element:
-    from fourbar_ros.dynamics import elements
-    links = (elements.GROUND, *linkage.loads_of_links())
+def _element(values: ParameterValues, name: str, linkage: Mechanism) -> Element:
+    from fourbar_ros.dynamics.model import elements
+    from fourbar_ros.mechanisms.parts import GROUND
+    links = (GROUND, *linkage.loads_of_links())
 
     def given(field: str) -> Any:
         value = values[f'{name}.{field}']
@@ -139,7 +131,7 @@ def _element(values: Values, name: str, linkage: Any) -> Element:
         raise InvalidParameter(f'{name}.{field}', error.value, error.allowed) from None
 
 
-def _check_start(dynamics: Dynamics, linkage: Any) -> None:
+def _check_start(dynamics: Dynamics, linkage: Mechanism) -> None:
     """Refuse a start in which the links do not close or the equation of motion has no answer."""
     try:
         system = dynamics.system(linkage)

@@ -7,7 +7,7 @@ They are ROS 2 parameter files, read here without ROS.
 """
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from math import inf, isinf, nan
 from pathlib import Path
 import re
@@ -20,6 +20,7 @@ NODE = '/fourbar'
 BOOLS = {word: value for value, words in ((True, 'y yes true on'), (False, 'n no false off'))
          for small in words.split() for word in {small, small.capitalize(), small.upper()}}
 INTEGER = re.compile(r'[-+]?(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)')       # base 0 of C's strtoll
+TABLE = re.compile(r'forces\.\w+\.table')
 DOUBLE = re.compile(r'[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?')
 NAMED = {'.nan': nan, '.inf': inf, '+.inf': inf, '-.inf': -inf,
          **{sign + word: float(sign + word) for sign in ('', '+', '-')
@@ -41,9 +42,11 @@ def folder() -> Path:
     return inside if inside.is_dir() else package.parent / 'config'
 
 
-def find(name: str | Path) -> Path:
+def find(name: str | Path, among: Path | None = None) -> Path:
     """
     Return the path of a scene: a file, or the name of a supplied one, e.g. ``paper``.
+
+    ``among``: the folder of the supplied ones, :func:`folder` by default.
 
     Raises
     ------
@@ -54,16 +57,19 @@ def find(name: str | Path) -> Path:
     path = Path(name)
     if path.exists() or path.parent != Path('.') or path.suffix:
         return path
-    shipped = folder() / f'{name}.yaml'
-    if shipped.is_file():
-        return shipped
-    known = sorted(file.stem for file in folder().glob('*.yaml'))
+    places = [among] if among else [folder() / 'classics', folder()]
+    shipped = {file.stem: file for place in places for file in sorted(place.glob('*.yaml'))}
+    if str(name) in shipped:
+        return shipped[str(name)]
+    known = sorted(shipped)
     raise SceneError(f'{name}: neither a file nor the name of a scene{nearest(str(name), known)}')
 
 
 def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
     """
     Return the flat dict of parameters in a ROS 2 parameter file as ROS reads them, unchecked.
+
+    Names of files with tables become paths from here.
 
     Parameters
     ----------
@@ -90,7 +96,18 @@ def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
     values: dict[str, Any] = {}
     for tree in found:
         values |= flatten(tree, path)
-    return values
+    return beside(values, path)
+
+
+def table_files(values: Mapping[str, Any]) -> list[str]:
+    """Return the names of the parameters of a scene that name the file of a table."""
+    return [name for name, value in values.items()
+            if TABLE.fullmatch(name) and isinstance(value, str) and value]
+
+
+def beside(values: Mapping[str, Any], scene: Path) -> dict[str, Any]:
+    """Return values with the files of tables, which stand beside a scene, as paths from here."""
+    return {**values, **{name: str(scene.parent / values[name]) for name in table_files(values)}}
 
 
 def _file_and_node(path: str | Path, node: str | None) -> tuple[Path, str | None]:
@@ -180,9 +197,12 @@ def scalar(text: str) -> bool | int | float | str:
         return BOOLS[text]
     if INTEGER.fullmatch(text):
         sign, digits = -1 if text[0] == '-' else 1, text.lstrip('+-')
-        whole = sign * int(digits, 16 if digits[:2] in ('0x', '0X') else 8 if digits[0] == '0'
-                           else 10)
-        return whole if -2**63 <= whole < 2**63 else float(whole)
+        try:
+            whole = sign * int(digits, 16 if digits[:2] in ('0x', '0X') else 8 if digits[0] == '0'
+                               else 10)
+            return whole if -2**63 <= whole < 2**63 else float(whole)
+        except (OverflowError, ValueError):     # beyond doubles, or more digits than Python reads
+            return text
     if DOUBLE.fullmatch(text):
         value = float(text)
         overflows = (isinf(value) or (value == 0.0 and any(c in '123456789'

@@ -13,8 +13,9 @@ from fourbar_ros.mechanisms.contract import SLIDE
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Link
-from fourbar_ros.scene import families, of_kinds
-from fourbar_ros.scene.parameters import MACHINE, of_name, PARAMETERS
+from fourbar_ros.numerics.arrays import Values
+from fourbar_ros.scene.parameter_table import LENGTHS, MACHINE, PARAMETERS
+from fourbar_ros.scene.parameters import member_of, of_name, ParameterValues
 
 OWN_NAMES = 'dyads.', 'cylinder', 'bodies.', 'external.'      # of parameters, as errors have them
 ALWAYS = 'bodies.rods.density', 'bodies.rods.radius'
@@ -22,7 +23,7 @@ RENAMED = {'stroke': 'linkage.range', 'dyads': 'linkage.dyads',
            'name of a dyad': 'linkage.dyads'}
 
 
-def linkage_of(values: dict[str, Any]) -> Mechanism:
+def linkage_of(values: ParameterValues) -> Mechanism:
     """
     Return the mechanism of a scene, by all its parameters.
 
@@ -49,11 +50,11 @@ def linkage_of(values: dict[str, Any]) -> Mechanism:
                                'far apart to be computed with') from None
 
 
-def _check_lengths(values: dict[str, Any]) -> None:
+def _check_lengths(values: ParameterValues) -> None:
     """Refuse lengths that are missing, and those of other kinds."""
     name = values['linkage.kind']
     lengths = ([] if name == MACHINE else [length.name for length in KINDS[name].LENGTHS])
-    for length in of_kinds.LENGTHS:
+    for length in LENGTHS:
         parameter = PARAMETERS[f'linkage.{length}']
         value = values[parameter.name]
         if length in lengths and isnan(value):
@@ -63,7 +64,7 @@ def _check_lengths(values: dict[str, Any]) -> None:
                                    + (f'{", ".join(lengths)} only' if lengths else 'dyads.*'))
 
 
-def _of_kind(values: dict[str, Any]) -> Mechanism:
+def _of_kind(values: ParameterValues) -> Mechanism:
     """Return the mechanism of a kind."""
     name = values['linkage.kind']
     kind: Any = KINDS[name]            # its lengths are its arguments
@@ -82,13 +83,13 @@ def _of_kind(values: dict[str, Any]) -> Mechanism:
                                    'only a driven slide has a stroke')
         arguments['stroke'] = tuple(values['linkage.range'])
     bodies = Bodies(values, kind.LINKS,
-                    {length: values[f'linkage.{length}'] for length in of_kinds.LENGTHS})
+                    {length: values[f'linkage.{length}'] for length in LENGTHS})
     return kind(**arguments, mode=values['linkage.mode'],
                 bodies=kind.BODIES(**bodies.every()) if bodies.are_given else None,
                 gravity=_gravity(values), external=kind.EXTERNAL(**external_of(values, kind)))
 
 
-def _machine(values: dict[str, Any]) -> Mechanism:
+def _machine(values: ParameterValues) -> Mechanism:
     """Return the machine of dyads of a scene; links without a mass have none."""
     from fourbar_ros.scene import machines  # only these scenes need its formulas
 
@@ -99,11 +100,11 @@ def _machine(values: dict[str, Any]) -> Mechanism:
                            _gravity(values), external_of(values, machine))
 
 
-def _check_links(values: dict[str, Any], machine: Mechanism) -> None:
+def _check_links(values: ParameterValues, machine: Mechanism) -> None:
     """Refuse bodies of links that a machine does not have, and forces on links that bear none."""
     known = {'bodies': [link.name for link in machine.LINKS], 'external': machine.EXTERNAL._fields}
     for name, value in values.items():
-        member = families.member_of(name)
+        member = member_of(name)
         if not member or name in ALWAYS or member.name in known.get(member.family, member.name):
             continue
         if value == value and value != of_name(name).default:
@@ -111,12 +112,12 @@ def _check_links(values: dict[str, Any], machine: Mechanism) -> None:
                                    f'here{nearest(member.name, known[member.family])}')
 
 
-def _gravity(values: dict[str, Any]) -> tuple[float, float]:
+def _gravity(values: ParameterValues) -> tuple[float, float]:
     return values['gravity.x'], values['gravity.y']
 
 
-def external_of(values: Mapping[str, Any], mechanism: Any, applied: Callable[..., Any] = Applied
-                ) -> dict[str, Any]:
+def external_of(values: ParameterValues, mechanism: Mechanism | type[Mechanism],
+                applied: Callable[..., Any] = Applied) -> dict[str, Any]:
     """Return {link: Applied}; ``applied`` makes one of its numbers."""
     return {link: applied(*(values[f'external.{link}.{field}']
                             for field in Applied.__dataclass_fields__))
@@ -140,8 +141,8 @@ class Bodies:
     # What is made of its numbers; subclasses may take arrays.
     body, rod = staticmethod(Body), staticmethod(round_rod)
 
-    def __init__(self, values: Mapping[str, Any], links: Sequence[Link], lengths: Mapping[str, Any]
-                 ) -> None:
+    def __init__(self, values: ParameterValues, links: Sequence[Link],
+                 lengths: Mapping[str, Values]) -> None:
         self._values, self._links, self._lengths = values, links, lengths
         self._has_rods = self._has('bodies.rods.density') or self._has('bodies.rods.radius')
         for name in ('bodies.rods.density', 'bodies.rods.radius'):

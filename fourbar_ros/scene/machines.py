@@ -10,29 +10,33 @@ from typing import Any
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Applied, Body
-from fourbar_ros.mechanisms.machine.description import (
+from fourbar_ros.mechanisms.machine.describe.description import (
     ANGLES,
+    by_link,
     CYLINDER,
     Cylinder,
-    direction,
     Dyad,
-    GROUND,
+    Numbers,
     Point,
 )
-from fourbar_ros.mechanisms.machine.description import DIMENSIONS as OF_KIND
-from fourbar_ros.mechanisms.machine.given import by_link
+from fourbar_ros.mechanisms.machine.describe.description import DIMENSIONS as OF_KIND
 from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
-from fourbar_ros.numerics.number_types import NumberType
-from fourbar_ros.scene.families import names_in
+from fourbar_ros.mechanisms.machine.solve.pairs import shaped, slides_of
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.numerics.arrays import Values
+from fourbar_ros.numerics.number_types import direction, NumberType
+from fourbar_ros.scene.parameters import names_in, ParameterValues
+import numpy as np
 
 DIMENSIONS = 'length_1', 'length_2', 'offset', 'direction_1', 'direction_2', 'slot'
 CRANK, ROD_MODEL = 'crank', 'rods'
 
 
-def machine_of(values: dict[str, Any]) -> Machine:
+def machine_of(values: ParameterValues) -> Machine:
     """Return the machine, without bodies; InvalidParameter names a dyad and what is wrong."""
     names = values['linkage.dyads']
-    if not names:
+    if not names and values['linkage.input'] != CYLINDER:
         raise InvalidParameter('linkage.dyads', None, 'must be given: the names of the dyads, '
                                                       'in order')
     for name in names_in('dyads', values):
@@ -58,10 +62,10 @@ def loaded(machine: Machine, bodies: dict[str, Body] | None, gravity: tuple[floa
     return replace(machine, bodies=bodies, gravity=gravity, external=external)
 
 
-def numbers_of(machine: Any, values: dict[str, Any],
-               numbers: NumberType) -> tuple[tuple[Any, ...], ...]:
+def numbers_of(machine: Machine, values: ParameterValues,
+               numbers: NumberType) -> tuple[Numbers, ...]:
     """
-    Return :attr:`Dyad.numbers` of all dyads of a machine, from parameters of any type.
+    Return the numbers of all dyads of a machine, from parameters of any type.
 
     Parameters
     ----------
@@ -73,39 +77,47 @@ def numbers_of(machine: Any, values: dict[str, Any],
         That of what is no float.
 
     """
-    def along(angle: Any) -> tuple[Any, Any]:
+    def along(angle: Values) -> tuple[Values, Values]:
         return (direction(angle) if isinstance(angle, float)         # exact at right angles
                 else (numbers.cos(angle), numbers.sin(angle)))
 
     of_cylinder = machine.stages[0] if machine.cylinder else None
-    return tuple([tuple(_numbers(dyad, values, along, dyad is of_cylinder))
-                  for dyad in machine.stages])
+    own = [_numbers(dyad, values, along, dyad is of_cylinder) for dyad in machine.stages]
+    with np.errstate(all='ignore'):       # sizes of points at the origin have no derivative
+        return tuple(shaped(machine.layout, own, numbers.hypot))
 
 
-def bodies_of(machine: Any, given: dict[str, Body] | None) -> Any:
+def slides_in(machine: Mechanism) -> Iterator[tuple[str, Point, tuple[float, float]]]:
+    """Yield (link that slides, point from which its way counts, direction of the slide there)."""
+    assert isinstance(machine, Machine)
+    links = machine.layout.links
+    for stage, dyad in zip(machine.layout.stages, machine.stages):
+        for number, (carrier, point, along) in slides_of(stage, dyad.numbers):
+            yield links[number], Point(links[carrier], *point), along
+
+
+def bodies_of(machine: Machine, given: dict[str, Body] | None) -> Any:
     """Return the bodies of all links, without a mass those that are not given; None for None."""
     return by_link('bodies', given, Body, machine.BODIES, NO_BODY)
 
 
-def _numbers(dyad: Dyad, values: dict[str, Any],
-             along: Callable[[Any], tuple[Any, Any]], is_cylinder: bool) -> Iterator[Any]:
-    """Yield the numbers of a dyad, or of the cylinder, which is one too."""
+def _numbers(dyad: Dyad, values: ParameterValues,
+             along: Callable[[Values], tuple[Values, Values]], is_cylinder: bool) -> Numbers:
+    """Return the numbers of a dyad, or of the cylinder, which is one too."""
     where, places = (('cylinder.', ('pin', 'base')) if is_cylinder else
                      (f'dyads.{dyad.name}.', ('first', 'second')))
-    for place in places:
-        yield values[f'{where}{place}.along']
-        yield values[f'{where}{place}.across']
+    p, q = [(values[f'{where}{place}.along'], values[f'{where}{place}.across'])
+            for place in places]
+    sizes: list[Values] = []
     for name in OF_KIND[dyad.kind]:
         value = values.get(where + name)
         if value is None or isinstance(value, float) and isnan(value):
             value = getattr(dyad, name)      # an offset that is not given
-        if name in ANGLES:
-            yield from along(value)
-        else:
-            yield value
+        sizes += along(value) if name in ANGLES else (value,)
+    return Numbers(p, q, tuple(sizes))
 
 
-def _dyad(name: str, values: dict[str, Any]) -> Dyad:
+def _dyad(name: str, values: ParameterValues) -> Dyad:
     where = f'dyads.{name}.'
     dimensions = {field: None if isnan(values[where + field]) else values[where + field]
                   for field in DIMENSIONS}
@@ -114,11 +126,11 @@ def _dyad(name: str, values: dict[str, Any]) -> Dyad:
                 mode=values[where + 'mode'], **dimensions)
 
 
-def _point(values: dict[str, Any], name: str) -> Point:
+def _point(values: ParameterValues, name: str) -> Point:
     return Point(values[f'{name}.link'], values[f'{name}.along'], values[f'{name}.across'])
 
 
-def _cylinder(values: dict[str, Any]) -> Cylinder | None:
+def _cylinder(values: ParameterValues) -> Cylinder | None:
     """Return the cylinder of a machine that is driven by one."""
     if values['linkage.input'] != CYLINDER:
         return None

@@ -7,37 +7,44 @@ Read from a ROS 2 parameter file, without ROS.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 import json
 from pathlib import Path
-from typing import Any, cast, NamedTuple, TYPE_CHECKING, TypeVar
+from typing import Any, cast, NamedTuple, NoReturn, TYPE_CHECKING, TypeVar
 
-from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Function, point_acceleration, point_speed
-from fourbar_ros.pipeline.message_fields import FieldMap, layout, Names
-from fourbar_ros.scene import parameters
-from fourbar_ros.scene.checks import check_link, check_together
 from fourbar_ros.scene.dynamics import Dynamics, of_values
-from fourbar_ros.scene.families import names_in
 from fourbar_ros.scene.files import as_text, flatten, read_values, SceneError  # noqa: F401
+from fourbar_ros.scene.forces import forces_of, with_tables
 from fourbar_ros.scene.linkage import linkage_of
+from fourbar_ros.scene.message_fields import FieldMap, layout, Names
+from fourbar_ros.scene.parameters import check, names_in, of_name, ParameterValues
 from fourbar_ros.scene.topics import (
+    ANSWERS,
     applied_topic,
     DRIVE_STATE,
+    DRIVEN,
+    INPUTS,
     PICTURES,
+    SCENE,
     Topic,
     topics_of,
     TORQUE,
+    TRAJECTORIES,
     wrench_topic,
 )
+from fourbar_ros.transmission import Transmission
 
 if TYPE_CHECKING:      # other scenes do without
-    from fourbar_ros.dynamics.mover import Mover
+    from fourbar_ros.dynamics.model.elements import Element, PositionForce
+    from fourbar_ros.dynamics.step.mover import Mover
 
 
 Settings = TypeVar('Settings')
+IN_WORDS = {1: 'one', 2: 'two', 3: 'three', 4: 'four', 5: 'five', 6: 'six', 7: 'seven', 8: 'eight'}
 
 
 class DriveSettings(NamedTuple):
@@ -73,11 +80,12 @@ class RecordingSettings(NamedTuple):
 
 
 class Wrenches(NamedTuple):
-    """Which links are loaded by a topic, and what acts while it is silent."""
+    """Which links are loaded by a topic, what acts while it is silent, and a step later."""
 
     links: tuple[str, ...]
     timeout: float
     when_silent: str
+    extrapolated: bool
 
 
 class Point(NamedTuple):
@@ -116,8 +124,9 @@ class Scene(NamedTuple):
     joint_names: tuple[str, ...]      # with their prefix
     joint_states: JointStates
     recording: RecordingSettings
+    forces: tuple[PositionForce, ...]      # over a position
     dynamics: Dynamics | None         # where the motion follows from torque
-    values: dict[str, Any]       # every parameter by name
+    values: ParameterValues       # every parameter by name
 
     @property
     def as_json(self) -> str:
@@ -140,7 +149,7 @@ class Scene(NamedTuple):
     def as_text(self) -> str:
         """Return the text of its scene file: what is given and no default."""
         return as_text({name: value for name, value in self.values.items()
-                        if value != parameters.of_name(name).default})
+                        if value != of_name(name).default})
 
     @property
     def topics(self) -> dict[str, Topic]:
@@ -163,11 +172,7 @@ class Scene(NamedTuple):
 
     @property
     def wrench_topics(self) -> list[Topic]:
-        """
-        Return the topics of forces from outside.
-
-        Those that come, and those that say what acts.
-        """
+        """Return the topics of wrenches from outside: as received, and as in effect."""
         return [topic(link) for link in self.wrenches.links
                 for topic in (wrench_topic, applied_topic)]
 
@@ -179,27 +184,84 @@ class Scene(NamedTuple):
         return [TORQUE, DRIVE_STATE] if self.drive.source == TORQUE.name else [DRIVE_STATE]
 
     @property
-    def loaded(self) -> Callable[[float, float], Any] | None:
-        """Return (position, rate) -> linkage with the forces of springs; None without springs."""
-        if self.dynamics is None or not self.dynamics.elements:
+    def received(self) -> list[Topic]:
+        """Return the topics to which its node listens."""
+        found = [wrench_topic(link) for link in self.wrenches.links]
+        source = self.drive.source
+        if source in INPUTS or source == TORQUE.name:
+            found.append(INPUTS.get(source, TORQUE))
+        return found + [TRAJECTORIES[name] for name in ANSWERS if self.values['trajectories']]
+
+    @property
+    def published(self) -> list[Topic]:
+        """Return the topics on which its node sends, but those of every node."""
+        given = [*self.wrench_topics, *self.drive_topics]
+        if self.values['trajectories']:
+            given += TRAJECTORIES.values()
+        received = self.received
+        return [*(topic for topic in given if topic not in received), DRIVEN, SCENE,
+                *self.topics.values(), *self.pictures.values()]
+
+    @property
+    def transmission(self) -> Transmission:
+        """
+        Return the Transmission from its drive to its output, about ``drive.start``.
+
+        Where the linkage does not close at its default, about the middle of the first range;
+        raises FourBarError.
+        """
+        try:
+            return Transmission(self.linkage, self.drive.start)
+        except OutOfRange:
+            if self.drive.start != of_name('drive.start').default:
+                raise
+            low, high = self.linkage.input_ranges[0]
+            return Transmission(self.linkage, 0.5 * (low + high))
+
+    @property
+    def elements(self) -> tuple[Element, ...]:
+        """Return all springs, dampers and forces over a position."""
+        return self.dynamics.elements if self.dynamics else self.forces
+
+    def make_loaded(self, linkage: Mechanism
+                    ) -> Callable[[float, float], Mechanism | None] | None:
+        """Return (position, rate) -> linkage with the forces of its elements; None without any."""
+        if not self.elements:
             return None
-        from fourbar_ros.dynamics.spring_forces import make_loaded
-        return make_loaded(self.linkage, self.dynamics.elements)
+        from fourbar_ros.dynamics.model.element_forces import make_loaded
+        return make_loaded(linkage, self.elements)
 
     @property
     def known_linkage(self) -> Mechanism:
         """
-        Return the linkage as far as its loads are known from its motion alone.
+        Return the linkage as far as its loads are those of smooth constant data.
 
-        With springs or dampers, whose forces the loads do not have, it has no masses.
+        With springs, dampers or forces over a position, which its own loads do not have, it has
+        no masses; :attr:`why_no_loads` says why.
         """
-        has_elements = self.dynamics and self.dynamics.elements
-        return replace(self.linkage, bodies=None) if has_elements else self.linkage
+        return replace(self.linkage, bodies=None) if self.elements else self.linkage
+
+    @property
+    def why_no_loads(self) -> str:
+        """Return why :attr:`known_linkage` has no loads; empty: it has."""
+        if self.linkage.bodies is None:
+            return 'the scene gives no masses'
+        forces = ', '.join(f'forces.{name}' for name in names_in('forces', self.values))
+        what = f'forces over a position ({forces})' if forces else 'springs or dampers'
+        return (f'{what} act on the links, so no loads over the input '
+                'from the motion alone' if self.elements else '')
+
+    def linkage_at(self, linkage: Mechanism, position: float, rate: float) -> Mechanism:
+        """Return a linkage with the forces of its elements at one input; no masses: not known."""
+        loaded = self.make_loaded(linkage)
+        if loaded is None or linkage.bodies is None:
+            return linkage
+        return loaded(position, rate) or replace(linkage, bodies=None)
 
     @property
     def mover(self) -> Mover:
-        """Return the :class:`~fourbar_ros.dynamics.mover.Mover`, which makes the motion."""
-        from fourbar_ros.dynamics.mover import Mover
+        """Return the :class:`~fourbar_ros.dynamics.step.mover.Mover`, which makes the motion."""
+        from fourbar_ros.dynamics.step.mover import Mover
         assert self.dynamics is not None        # only scenes that have it are driven so
         return Mover(self.dynamics.system(self.linkage), self.drive.tolerance, self.drive.budget,
                      self.drive.source == TORQUE.name)
@@ -212,7 +274,7 @@ class Scene(NamedTuple):
 
     @property
     def layout(self) -> FieldMap:
-        """Return the :class:`~fourbar_ros.pipeline.message_fields.FieldMap` of its values."""
+        """Return the :class:`~fourbar_ros.scene.message_fields.FieldMap` of its values."""
         found = layout(Names.of(self.linkage, 'links' in self.outputs), tuple(self.points),
                        self.needs_loads, not self.joint_states.are_plain,
                        'drive_wrench' in self.outputs)
@@ -224,6 +286,12 @@ class Scene(NamedTuple):
         driven = self.linkage.input_coordinate
         return tuple(place for place, joint in enumerate(self.linkage.JOINTS)
                      if not (self.joint_states.only_passive and joint.coordinate == driven))
+
+    def needed_for(self, output: str) -> list[int]:
+        """Return the places of the values without which a message of an output is not sent."""
+        if output != 'joint_states' or self.joint_states.when_unknown != 'skip':
+            return []
+        return [self.layout.place[name] for name in self.layout.fields[output]['position'] if name]
 
     @property
     def names_shown(self) -> list[str]:
@@ -243,7 +311,7 @@ class Scene(NamedTuple):
                 for make in (point_speed, point_acceleration)]
 
 
-def from_values(values: Mapping[str, Any]) -> Scene:
+def from_values(values: ParameterValues) -> Scene:
     """
     Return the Scene of a flat dict of parameters, ``{'linkage.a1': 0.4, ...}``.
 
@@ -253,38 +321,37 @@ def from_values(values: Mapping[str, Any]) -> Scene:
         Naming the parameter, what was given and what is allowed.
 
     """
-    values = parameters.check(values)
+    values = check(with_tables(values))
     points = {name: Point(*(values[f'points.{name}.{field}'] for field in Point._fields))
               for name in names_in('points', values)}
     linkage = linkage_of(values)
     for name, point in points.items():
-        check_link(f'points.{name}.link', point.link, linkage)
+        _check_link(f'points.{name}.link', point.link, linkage)
     shown = _group(JointStates, 'joint_states', values)
     shown = shown._replace(ratios=shown.ratios or [1.0] * len(linkage.JOINTS),
                            offsets=shown.offsets or [0.0] * len(linkage.JOINTS))
     names = values['joint_names'] or [joint.name or joint.place for joint in linkage.JOINTS]
     wrenches = Wrenches(tuple(link for link in linkage.EXTERNAL._fields
                               if values[f'external.{link}.from_topic']),
-                        values['external.timeout'], values['external.when_silent'])
+                        *(values[f'external.{field}'] for field in Wrenches._fields[1:]))
+    forces = forces_of(values, linkage)
     scene = Scene(linkage, points, wrenches, _group(DriveSettings, 'drive', values),
                   tuple(values['outputs']),
                   values['frame_id'], tuple(shown.prefix + name for name in names), shown,
                   _group(RecordingSettings, 'recording', values),
-                  of_values(values, linkage), values)
-    check_together(scene)
+                  forces, of_values(values, linkage, forces), values)
+    _check_together(scene)
     return scene
 
 
-def _group(kind: type[Settings], name: str, values: Mapping[str, Any]) -> Settings:
+def _group(kind: type[Settings], name: str, values: ParameterValues) -> Settings:
     made: Any = kind                    # a NamedTuple
     return cast(Settings, made(*(values[f'{name}.{field}'] for field in made._fields)))
 
 
 def load(path: str | Path) -> Scene:
     """
-    Return the Scene of a ROS 2 parameter file (``/**: ros__parameters: ...``).
-
-    Or of one by name (``paper``).
+    Return the Scene of a ROS 2 parameter file, or of a shipped one by its name, as ``paper``.
 
     Raises
     ------
@@ -295,3 +362,79 @@ def load(path: str | Path) -> Scene:
 
     """
     return from_values(read_values(path))
+
+
+# --- checks of the scene as a whole --------------------------------------------------------------
+
+def _check_link(name: str, link: str, linkage: Mechanism) -> None:
+    """Refuse a link that the linkage does not have."""
+    known = [its.name for its in linkage.LINKS]
+    if link not in known:
+        raise InvalidParameter(name, link, f'must be one of {", ".join(known)}')
+
+
+def _check_together(scene: Scene) -> None:
+    """Refuse parameters that do not go together."""
+    def refuse(name: str, why: str) -> NoReturn:
+        value = scene.values[name]
+        # NaN: not given
+        raise InvalidParameter(name, value if value == value else None, why)
+
+    if scene.needs_loads and scene.linkage.bodies is None:
+        loads = [name for name, topic in scene.topics.items() if topic.needs_loads]
+        refuse('bodies.crank.mass', f'must be given (or bodies.rods): output {loads[0]} needs '
+                                    'masses')
+    if not scene.frame_id:
+        refuse('frame_id', 'must not be empty')
+    for name in ('frame_id', 'joint_states.prefix'):
+        if scene.values[name].startswith('/'):
+            refuse(name, 'must not begin with a slash: tf2 takes no such frame')
+    names, count = scene.joint_names, len(scene.linkage.JOINTS)
+    if len(names) != count or len(set(names)) != count or scene.joint_states.prefix in names:
+        refuse('joint_names', f'must be {IN_WORDS.get(count, count)} different names, one for '
+                              'each joint')
+    for name in ('ratios', 'offsets'):
+        if len(getattr(scene.joint_states, name)) != count:
+            refuse(f'joint_states.{name}', f'must be {IN_WORDS.get(count, count)} numbers, one '
+                                           'for each joint')
+    if 0.0 in scene.joint_states.ratios:
+        refuse('joint_states.ratios', 'must not be zero')
+    if scene.drive.joint_ratio == 0.0:
+        refuse('drive.joint_ratio', 'must not be zero')
+    if len(set(scene.outputs)) != len(scene.outputs):
+        refuse('outputs', 'names an output twice')
+    if 'points' in scene.outputs and not scene.points:
+        refuse('outputs', 'points: the scene has none; give points.NAME.link, .along, .across')
+    if scene.dynamics and scene.wrenches.links:
+        refuse(f'external.{scene.wrenches.links[0]}.from_topic', 'motion that follows from torque '
+               'takes constant external forces only')
+    if scene.values['trajectories'] and scene.elements:
+        refuse('trajectories', f'{scene.why_no_loads}: their effort would be wrong')
+    if scene.drive.source == 'joint_state' and not scene.drive.joint:
+        refuse('drive.joint', 'must name the joint that is the input')
+    if scene.values['trajectories']:
+        _check_trajectories(scene, refuse)
+
+
+def _check_trajectories(scene: Scene, refuse: Callable[[str, str], NoReturn]) -> None:
+    """Refuse what a node could not translate: no joint for the output, no branch at the start."""
+    output = scene.linkage.outputs[0].coordinate
+    coordinates = [joint.coordinate for joint in scene.linkage.JOINTS]
+    if output not in coordinates:
+        refuse('trajectories', f'the output {output.position} is of no joint of joint_names; of '
+               f'joints are {", ".join(coordinate.position for coordinate in coordinates)}')
+    try:
+        _ = scene.transmission
+    except FourBarError as error:
+        refuse('drive.start', f'chooses the branch of trajectories, but {error}')
+
+
+def check_for_node(scene: Scene) -> None:
+    """Check what a node cannot do, though the scene can be computed."""
+    def refuse(name: str, why: str) -> NoReturn:
+        raise InvalidParameter(name, scene.values[name], why)
+
+    linkage = scene.linkage
+    if scene.dynamics and linkage.change_point_margin == 0.0:
+        refuse('drive.source', 'at its change points this linkage goes on in the other assembly '
+               'mode, which a node does not follow: use fourbar simulate')

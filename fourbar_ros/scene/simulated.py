@@ -5,19 +5,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import isnan, nan, pi
-from typing import Any, NamedTuple
+from math import isnan, nan, tau
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import number
-from fourbar_ros.pipeline.status import evaluate
-from fourbar_ros.scene.of_dynamics import SOURCES
+from fourbar_ros.scene.parameter_table import SOURCES
+from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import TORQUE
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-TURN = 2.0 * pi
+if TYPE_CHECKING:      # other scenes do without
+    from fourbar_ros.dynamics.solve.simulate import Run
+    from fourbar_ros.dynamics.step.mover import DriveValues
 
 
 class Peak(NamedTuple):
@@ -41,19 +42,20 @@ class Ripple(NamedTuple):
 
 
 class SimulatedScene(NamedTuple):
-    """A scene and its :class:`~fourbar_ros.dynamics.simulate.Run` at the samples of the node."""
+    """A scene and its Run at the samples of the node."""
 
-    scene: Any
-    run: Any
+    scene: Scene
+    run: Run
     torque: float       # constant torque in place of the topic; NaN: none is given
 
-    def drive_values(self) -> Iterator[Any]:
+    def drive_values(self) -> Iterator[DriveValues]:
         """Yield the DriveValues of each sample, as a node would publish them."""
         modes, command = self.run.modes.tolist(), 0.0 if isnan(self.torque) else self.torque
         movers, before = {mode: self.scene.mover_in(mode) for mode in set(modes)}, nan
         for time, mode, state in zip(self.run.time.tolist(), modes, self.states.T.tolist()):
             step = 0.0 if isnan(before) else time - before
-            values = movers[mode].values(tuple(state), step, command, 0)
+            mover = movers[mode]
+            values = mover.values(mover.place(tuple(state)), step, command, 0)
             yield values._replace(evaluations=nan)
             before = time
 
@@ -86,40 +88,18 @@ class SimulatedScene(NamedTuple):
                 if not np.isnan(values).all()]
 
     def _loads(self) -> list[tuple[str, str, Array]]:
-        """Return (name, unit, values) of loads, the forces of springs among them."""
+        """Return (name, unit, values) of loads, the forces of elements among them."""
         from fourbar_ros.mechanisms.quantities import known
         run, linkage = self.run, self.scene.linkage
         quantities = known(type(linkage), linkage.input)
-        found: dict[str, Array] = {}
-        for mode in np.unique(run.modes).tolist():
-            here = run.modes == mode
-            loads = self._loads_in(mode, here)
-            for name in loads._fields:
-                if name in quantities:
-                    found.setdefault(name, np.full(run.time.size, nan))
-                    found[name][here] = getattr(loads, name)
-        return [(name, quantities[name].unit, values) for name, values in found.items()]
-
-    def _loads_in(self, mode: int, here: Any) -> Any:
-        """Return the loads of an assembly mode where it is taken."""
-        run, linkage = self.run, self.scene.linkage.in_mode(mode)
-        motion = run.position[here], run.rate[here], run.acceleration[here]
-        elements = self.scene.dynamics.elements
-        if not elements:
-            return linkage.step(*motion)[1]
-        from fourbar_ros.dynamics.spring_forces import make_loaded
-        loaded, unknown = make_loaded(linkage, elements), (nan,) * len(linkage.LOADS._fields)
-        rows = []
-        for position, rate, acceleration in zip(*(part.tolist() for part in motion)):
-            now = loaded(position, rate)
-            rows.append(evaluate(now, position, rate, acceleration, True)[2] if now else unknown)
-        return linkage.LOADS(*np.array(rows).T)
+        return [(name, quantities[name].unit, values)
+                for name, values in run.loads._asdict().items() if name in quantities]
 
     def ripple(self) -> Ripple | None:
         """Return the Ripple of a crank that has gone through a whole turn at the end, or None."""
         run = self.run
         gone = np.abs(run.position - run.position[-1])
-        turned = np.flatnonzero(gone >= TURN)
+        turned = np.flatnonzero(gone >= tau)
         if self.scene.linkage.is_driven_by_slide or not turned.size:
             return None
         rates = run.rate[turned[-1]:]
@@ -128,8 +108,8 @@ class SimulatedScene(NamedTuple):
         return Ripple(low, high, mean, (high - low) / abs(mean)) if low * high > 0.0 else None
 
 
-def simulate_scene(scene: Any, until: float, tolerance: float = 1e-8, method: str = 'auto',
-                   torque: float = nan) -> SimulatedScene:
+def simulate_scene(scene: Scene, until: float, tolerance: float = 1e-8, method: str = 'auto',
+                   torque: float = nan, **limits: Any) -> SimulatedScene:
     """
     Run a scene from its start, sampled as its node samples.
 
@@ -140,17 +120,19 @@ def simulate_scene(scene: Any, until: float, tolerance: float = 1e-8, method: st
     until : float
         [s]
     tolerance, method : float, str
-        See :func:`fourbar_ros.dynamics.simulate.simulate`.
+        See :func:`fourbar_ros.dynamics.solve.simulate.simulate`.
     torque : float
         Constant torque (force) of the drive, for ``drive.source: torque``; NaN: none comes.
+    **limits
+        ``evaluations``, ``seconds`` and ``progress`` of ``simulate``.
 
     Raises
     ------
     InvalidParameter, MissingPackage
 
     """
-    from fourbar_ros.dynamics.drives import ConstantTorque
-    from fourbar_ros.dynamics.simulate import simulate
+    from fourbar_ros.dynamics.model.drives import ConstantTorque
+    from fourbar_ros.dynamics.solve.simulate import simulate
     if scene.dynamics is None:
         raise InvalidParameter('drive.source', scene.drive.source, 'the motion is given, there is '
                                f'nothing to simulate: must be {" or ".join(SOURCES)}')
@@ -167,7 +149,8 @@ def simulate_scene(scene: Any, until: float, tolerance: float = 1e-8, method: st
                                f'{scene.drive.rate:g} Hz')
     times = np.arange(count + 1) / scene.drive.rate
     times[-1] = min(times[-1], until)
-    run = simulate(dynamics.system(scene.linkage), until, tolerance, method, times.tolist())
+    run = simulate(dynamics.system(scene.linkage), until, tolerance, method, times.tolist(),
+                   **limits)
     return SimulatedScene(scene, run, torque)
 
 

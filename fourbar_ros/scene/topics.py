@@ -12,8 +12,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-from fourbar_ros.scene.of_kinds import LOADED_LINKS
-
 QUEUE_DEPTH = 10          # reliable, keep last: matches reliable and best-effort subscribers
 INPUT_DEPTH = 100         # best effort matches every publisher; deep enough for a burst
 
@@ -80,10 +78,6 @@ def applied_topic(link: str) -> Topic:
                  'change', latched=True)
 
 
-# of the kinds; a machine of dyads has its own
-WRENCHES = {link: wrench_topic(link) for link in LOADED_LINKS}
-APPLIED = {link: applied_topic(link) for link in LOADED_LINKS}
-
 # Always present; without subscribers or a recorder they cost nothing.
 DRIVEN = Topic('driven', '~/driven', 'fourbar_msgs/msg/Motion',
                'motion of the driven joint behind the outputs: from the clock, or the input with '
@@ -148,7 +142,9 @@ TRAJECTORIES = {topic.name: topic for topic in (
           'why a trajectory was not answered, e.g. which toggle it would pass'),
 )}
 
-RECEIVED_TRAJECTORIES = ('output_trajectory', 'input_trajectory')
+# What comes: what answers it, and by which method of the Transmission.
+ANSWERS = {'output_trajectory': ('drive_trajectory', 'to_input'),
+           'input_trajectory': ('followed_trajectory', 'to_output')}
 
 
 def topics_of(outputs: Iterable[str], members: Mapping[str, Mapping[str, str]]

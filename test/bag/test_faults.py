@@ -13,15 +13,16 @@ import subprocess
 import sys
 import time
 
-from fourbar_ros.bag.export import export
-from fourbar_ros.bag.info import info
-from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.recorder import BagWriter
+from fourbar_ros.bag.exports.export import export
+from fourbar_ros.bag.mcap import writer as container
+from fourbar_ros.bag.read.info import info
+from fourbar_ros.bag.read.reader import Bag
+from fourbar_ros.bag.write.recorder import BagWriter
 from fourbar_ros.cli.main import main
-from fourbar_ros.formats import mcap_writer as container
 import pytest
 from support import bags, TEST
 from support.bags import MOTION, motion
+from support.samples import some
 
 PATIENCE = 60.0
 COUNT = 6000
@@ -29,8 +30,8 @@ COUNT = 6000
 # never comes.
 WAITING = """
 import sys, time
-from fourbar_ros.bag import reader
-from fourbar_ros.formats import mcap_scan as scan
+from fourbar_ros.bag.read import reader
+from fourbar_ros.bag.mcap import scan
 from fourbar_ros.cli.main import main
 reader.BLOCK = 1000
 def held(blocks):
@@ -76,8 +77,8 @@ def arguments_of(verb, bag, out):
     return ['bag', 'export', str(bag), '-o', str(out), '--format', verb]
 
 
-@pytest.mark.parametrize('limit', [1000, 60_000])
-@pytest.mark.parametrize('verb', ['recover', 'csv', 'npz', 'parquet'])
+@some('limit', [1000, 60_000], (60_000,))
+@some('verb', ['recover', 'csv', 'npz', 'parquet'], ('recover', 'csv'))
 def test_a_disk_that_is_full_is_one_line_and_leaves_nothing(bag, tmp_path, verb, limit):
     if verb == 'parquet':
         pytest.importorskip('pyarrow')
@@ -93,9 +94,9 @@ def test_a_disk_that_is_full_is_one_line_and_leaves_nothing(bag, tmp_path, verb,
     assert list(tmp_path.rglob('*')) == [tmp_path / 'deep']
 
 
-@pytest.mark.parametrize(('number', 'code'), [(signal.SIGTERM, 143), (signal.SIGHUP, 129),
-                                              (signal.SIGINT, 130)])
-@pytest.mark.parametrize('verb', ['recover', 'csv', 'npz'])
+@some('number, code', [(signal.SIGTERM, 143), (signal.SIGHUP, 129),
+                                              (signal.SIGINT, 130)], 1)
+@some('verb', ['recover', 'csv', 'npz'], ('recover',))
 def test_a_signal_ends_a_verb_and_leaves_nothing(bag, tmp_path, verb, number, code):
     program = WAITING.format(after=3 if verb == 'recover' else 1, patience=PATIENCE, verb=verb,
                              arguments=arguments_of(verb, bag, tmp_path / 'out'))
@@ -112,7 +113,29 @@ def test_a_signal_ends_a_verb_and_leaves_nothing(bag, tmp_path, verb, number, co
     assert process.returncode == code and not error and not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize('verb', ['recover', 'csv'])
+IGNORING = """
+import signal, subprocess, sys
+for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM):
+    signal.signal(number, signal.SIG_IGN)
+sys.path.insert(0, {test!r})
+import conftest
+for number in (signal.SIGHUP, signal.SIGINT):
+    signal.raise_signal(number)             # still ignored here
+print(subprocess.run(['cat', '/proc/self/status'], capture_output=True, text=True).stdout)
+"""
+
+
+@pytest.mark.skipif(not os.path.exists('/proc/self/status'), reason='no /proc')
+def test_children_of_a_run_under_nohup_have_default_signals():
+    done = subprocess.run([sys.executable, '-c', IGNORING.format(test=str(TEST))], text=True,
+                          capture_output=True, timeout=PATIENCE, check=False)
+    assert done.returncode == 0, done.stderr
+    ignored = int(done.stdout.split('SigIgn:')[1].split()[0], 16)
+    assert not any(ignored >> (number - 1) & 1 for number in (
+        signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM))
+
+
+@some('verb', ['recover', 'csv'], 1)
 def test_what_a_kill_leaves_the_next_call_removes(bag, tmp_path, verb):
     program = WAITING.format(after=3 if verb == 'recover' else 1, patience=PATIENCE, verb=verb,
                              arguments=arguments_of(verb, bag, tmp_path / 'out'))
@@ -161,7 +184,7 @@ def test_what_exists_is_not_touched_and_an_unknown_topic_leaves_nothing(bag, tmp
 
 
 def test_a_file_that_is_removed_while_it_is_recorded_is_noticed(tmp_path, monkeypatch):
-    from fourbar_ros.bag import recorder as writer_module
+    from fourbar_ros.bag.write import recorder as writer_module
     monkeypatch.setattr(writer_module, 'SPACE_PERIOD', 0.0)
     for name, spoil in (('removed', lambda path: (path / f'{path.name}_0.mcap').unlink()),
                         ('replaced',
@@ -188,7 +211,7 @@ def test_why_a_bag_ended_is_in_it_even_where_there_is_no_room_for_its_end(tmp_pa
 import resource, sys, time
 sys.path[:0] = [{str(TEST)!r}]
 from support import bags
-from fourbar_ros.bag.recorder import BagError, BagWriter
+from fourbar_ros.bag.write.recorder import BagError, BagWriter
 writer = BagWriter({str(tmp_path)!r}, 'run', [bags.MOTION], dict(), flush_period=0.01)
 resource.setrlimit(resource.RLIMIT_FSIZE, (SIZE, SIZE))
 end = time.monotonic() + {PATIENCE}

@@ -6,13 +6,14 @@ import shutil
 import subprocess
 import sys
 
-from fourbar_ros.bag.info import info
-from fourbar_ros.bag.many import bags_below, each
-from fourbar_ros.bag.recorder import Split
+from fourbar_ros.bag.read.collection import bags_below, each
+from fourbar_ros.bag.read.info import info
+from fourbar_ros.bag.write.recorder import Split
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError
 import pytest
 from support import bags
+from support.samples import some
 from support.scenes import PAPER
 
 VALUES = {**PAPER, 'outputs': ['state', 'joint_states'], 'drive.source': 'motion'}
@@ -56,7 +57,7 @@ def test_bags_are_found_at_any_depth_each_once(folder):
             bags_below([folder, nothing])
 
 
-@pytest.mark.parametrize('jobs', ['1', '2'])
+@some('jobs', ['1', '2'], ('2',))
 def test_info_of_a_folder_is_a_row_a_bag(folder, capsys, jobs):
     assert main(['bag', 'info', str(folder[0]), '--check', '--jobs', jobs]) == 3
     said = capsys.readouterr().out

@@ -3,9 +3,8 @@
 """States of a drive stepped again: a swing through toggles of which a bag holds any part."""
 from types import SimpleNamespace
 
-from fourbar_ros.bag.moved import Moved
-from fourbar_ros.dynamics.mover import DriveValues
-from fourbar_ros.dynamics.steps import NAME, name_of
+from fourbar_ros.bag.comparison.inputs import DriveStates
+from fourbar_ros.dynamics.step.mover import DriveValues, NAME, name_of
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
@@ -42,9 +41,9 @@ def columns_of(rows, first=0):
 
 
 def moved(*columns, values=ROCKER):
-    """Return the Moved that has compared columns."""
+    """Return the DriveStates that has compared columns."""
     scene = from_values(values)
-    found = Moved(scene, name_of(scene.linkage))
+    found = DriveStates(scene, name_of(scene.linkage))
     for some in columns:
         found.compare(some)
     return found
@@ -57,8 +56,8 @@ def test_a_whole_swing_is_stepped_again(swing):
 
 
 def test_a_bag_may_begin_anywhere_and_miss_states(swing):
-    tells_all = from_values(ROCKER).mover.tells_all
-    told = [tells_all(values, mode) for _, mode, values in swing]
+    mover = from_values(ROCKER).mover
+    told = [mover.tells_all(mover.place(mover.state(values), mode)) for _, mode, values in swing]
     assert 0.3 < np.mean(told) < 0.95
     for first in range(3, len(swing) - 100, 23):
         found = moved(columns_of(swing[first:], first))
@@ -90,9 +89,9 @@ def test_bags_of_before_are_stepped_again_where_there_are_no_toggles(swing):
     rows = [(0, mover.mode, mover.start())]
     rows.append((*mover.next(rows[0][2], 1e-9 * STEP), mover.mode))
     rows[1] = rows[1][0], rows[1][2], rows[1][1]
-    found = Moved(from_values(crank), NAME)
+    found = DriveStates(from_values(crank), NAME)
     found.compare(columns_of(rows))
     assert (found.compared, set(found.largest.values())) == (1, {0.0})
-    found = Moved(from_values(ROCKER), NAME)        # which held the input at its toggles
+    found = DriveStates(from_values(ROCKER), NAME)        # which held the input at its toggles
     found.compare(columns_of(swing[:20]))
     assert found.compared == 0 and found.alone == 20

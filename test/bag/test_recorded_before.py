@@ -3,7 +3,7 @@
 """Bags recorded before the code was restructured compute again to the last bit."""
 from pathlib import Path
 
-from fourbar_ros.bag.recompute import compare
+from fourbar_ros.bag.comparison.recompute import compare
 import pytest
 
 RECORDED = Path(__file__).parent.parent / 'support' / 'data' / 'recorded'

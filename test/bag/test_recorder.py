@@ -11,12 +11,12 @@ import sys
 import threading
 import time
 
-from fourbar_ros.bag import intake
-from fourbar_ros.bag import recorder as writer_module
-from fourbar_ros.bag.info import info
-from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.recorder import BagError, BagWriter
-from fourbar_ros.bag.recover import recover
+from fourbar_ros.bag.read.info import info
+from fourbar_ros.bag.read.reader import Bag
+from fourbar_ros.bag.repair import recover
+from fourbar_ros.bag.write import recorder as intake
+from fourbar_ros.bag.write import recorder as writer_module
+from fourbar_ros.bag.write.recorder import BagError, BagWriter
 from mcap.reader import make_reader
 import pytest
 from rosbags.highlevel import AnyReader
@@ -217,6 +217,7 @@ def test_dropped_messages_leave_a_gap_that_info_counts(tmp_path, monkeypatch):
                 and found.dropped == 7)
 
 
+@pytest.mark.slow
 def test_a_jointstate_of_a_million_joints_is_recorded_or_dropped_never_fatal(
         tmp_path, monkeypatch):
     import numpy as np
@@ -237,6 +238,7 @@ def test_a_jointstate_of_a_million_joints_is_recorded_or_dropped_never_fatal(
         assert sum(1 for _ in make_reader(stream, validate_crcs=True).iter_messages()) == 1
 
 
+@pytest.mark.slow
 def test_many_threads_lose_nothing_and_time_never_goes_back(tmp_path):
     writer = open_bag(tmp_path)
 
@@ -259,7 +261,7 @@ FULL = """
 import resource, sys, time
 sys.path[:0] = [{test!r}]
 from support import bags
-from fourbar_ros.bag.recorder import BagError, BagWriter
+from fourbar_ros.bag.write.recorder import BagError, BagWriter
 import os
 resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000))
 told = []

@@ -5,9 +5,9 @@ import json
 import math
 import struct
 
-from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.recompute import compare
-from fourbar_ros.bag.rounding import Condition, EPS, LIMIT, needs_condition, units
+from fourbar_ros.bag.comparison.difference import Condition, EPS, LIMIT, needs_condition, units
+from fourbar_ros.bag.comparison.recompute import compare
+from fourbar_ros.bag.read.reader import Bag
 from fourbar_ros.cli.main import main
 from fourbar_ros.scene.scene import from_values
 import mpmath

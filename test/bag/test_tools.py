@@ -10,20 +10,20 @@ import subprocess
 import sys
 import time
 
-from fourbar_ros.bag import reader
-from fourbar_ros.bag.diff import diff
-from fourbar_ros.bag.export import export
-from fourbar_ros.bag.playback import Pace, play, span
-from fourbar_ros.bag.plot import over, plot, series, thinned
-from fourbar_ros.bag.reader import Bag, records
-from fourbar_ros.bag.recompute import compare, distance
-from fourbar_ros.bag.recorder import BagWriter
+from fourbar_ros.bag.cdr import Decoder
+from fourbar_ros.bag.comparison.diff import diff
+from fourbar_ros.bag.comparison.recompute import compare, distance
+from fourbar_ros.bag.exports.export import export
+from fourbar_ros.bag.exports.plot import over, plot, series, thinned
+from fourbar_ros.bag.mcap import writer as container
+from fourbar_ros.bag.mcap.records import MAGIC
+from fourbar_ros.bag.read import reader
+from fourbar_ros.bag.read.playback import Pace, play, span
+from fourbar_ros.bag.read.reader import Bag, records
+from fourbar_ros.bag.write.recorder import BagWriter
 from fourbar_ros.cli.main import main
 from fourbar_ros.cli.replay import status_line
 from fourbar_ros.errors import BagError
-from fourbar_ros.formats import mcap_writer as container
-from fourbar_ros.formats.cdr import Decoder
-from fourbar_ros.formats.mcap_records import MAGIC
 import matplotlib
 import numpy as np
 import pytest
@@ -500,7 +500,7 @@ def test_play_follows_its_pace(tmp_path):
 
 
 def test_keys_are_read_from_a_terminal_as_they_are_pressed():
-    code = ('import time, sys\nfrom fourbar_ros.ros.clients.keyboard import Keyboard\nfound = []\n'
+    code = ('import time, sys\nfrom fourbar_ros.cli.replay import Keyboard\nfound = []\n'
             'with Keyboard() as keyboard:\n    print(keyboard.is_there, flush=True)\n'
             '    end = time.monotonic() + 30\n'
             '    while len(found) < 5 and time.monotonic() < end:\n        found += '

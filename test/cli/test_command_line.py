@@ -16,6 +16,7 @@ from fourbar_ros.scene.files import read_values, SceneError
 import numpy as np
 import pytest
 from support import bags, ROOT
+from support.samples import some
 from support.scenes import PAPER, RODS
 
 LENGTHS = 'linkage: {a1: 0.4, a2: 1.2, a3: 0.8, a4: 1.0}'
@@ -78,12 +79,12 @@ def test_a_scene_for_another_node_is_refused(key, is_good, tmp_path, capsys):
                 and len(err.splitlines()) == 1)
 
 
-@pytest.mark.parametrize('key, arguments, is_good', [
+@some('key, arguments, is_good', [
     ('/**', [], True), ('fourbar', [], True), ('other', [], False),
     ('other', ['-r', '__node:=other'], True),
     ('fourbar', ['-r', '__node:=other'], False), ('/cell/fourbar', [], False),
     ('/cell/fourbar', ['-r', '__ns:=/cell'], True),
-    ('fourbar', ['-r', '__ns:=/cell'], False), ('"/*"', ['-r', '__ns:=/cell'], False)])
+    ('fourbar', ['-r', '__ns:=/cell'], False), ('"/*"', ['-r', '__ns:=/cell'], False)], 1)
 def test_the_node_refuses_parameters_that_are_not_its_own(key, arguments, is_good, tmp_path):
     given = ['--ros-args', '--params-file', scene_with(tmp_path, '', key), *arguments]
     if is_good:
@@ -93,8 +94,8 @@ def test_the_node_refuses_parameters_that_are_not_its_own(key, arguments, is_goo
             check_node_arguments(given)
 
 
-@pytest.mark.parametrize('arguments', [['scene.yaml'], ['--params-file', 'scene.yaml'],
-                                       ['paper', '--ros-args']])
+@some('arguments', [['scene.yaml'], ['--params-file', 'scene.yaml'],
+                    ['paper', '--ros-args']], 1)
 def test_the_node_says_what_to_type(arguments):
     with pytest.raises(UsageError, match='type  fourbar_node --ros-args --params-file '):
         check_node_arguments(arguments)
@@ -255,13 +256,13 @@ def test_the_output_does_not_change_from_run_to_run():
         assert len({text(*arguments, seed=seed) for seed in (1, 2, 3)}) == 1
 
 
-@pytest.mark.parametrize('arguments, text', [
+@some('arguments, text', [
     (['config/typo.yaml', '5'], 'config/typo.yaml: no such file'),
     (['papr', '5'], 'no scene of this name'),
     (['paper', '-1'], 'SECONDS=-1: must be'), (['paper', '0'], 'SECONDS=0: must be'),
     (['paper', 'x'], 'SECONDS=x: must be'),
     (['paper', '0.0'], 'SECONDS=0.0: must be'), (['paper', '5'], ''),
-    (['config/cylinder.yaml', '.5'], '')])
+    (['config/cylinder.yaml', '.5'], '')], 1)
 def test_make_run_checks_what_it_is_asked_for_first(arguments, text):
     done = subprocess.run([ROOT / 'scripts/check_run.sh', *arguments], capture_output=True,
                           text=True, check=False)
@@ -277,12 +278,12 @@ def test_a_picture_is_where_the_output_says(tmp_path, capsys):
 
 # --- without what is optional --------------------------------------------------------------------
 
-@pytest.mark.parametrize('command, blocked, hint', [
+@some('command, blocked, hint', [
     (['bag', 'info', 'x'], 'mcap', 'fourbar: bag requires mcap: pip install mcap lz4 zstandard'),
     (['bag', 'info', 'x'], 'lz4', 'fourbar: bag requires lz4: pip install'),
     (['bag', 'recover', 'x'], 'zstandard', 'fourbar: bag requires zstandard: pip install'),
     (['record', 'start'], 'rclpy', 'fourbar: record requires ROS 2: source a ROS 2'),
-    (['replay', 'x'], 'rclpy', 'fourbar: replay requires ROS 2: source a ROS 2')])
+    (['replay', 'x'], 'rclpy', 'fourbar: replay requires ROS 2: source a ROS 2')], 1)
 def test_what_to_install_is_reported_in_one_line(command, blocked, hint):
     done = subprocess.run([sys.executable, '-c', f'import sys; sys.modules[{blocked!r}] = None\n'
                            f'from fourbar_ros.cli.main import main; sys.exit(main({command}))'],
@@ -291,7 +292,7 @@ def test_what_to_install_is_reported_in_one_line(command, blocked, hint):
         done.stderr)
 
 
-@pytest.mark.parametrize('name', ['node', 'demo'])
+@some('name', ['node', 'demo'], 1)
 def test_the_programs_that_need_ros_say_so(name):
     done = subprocess.run([sys.executable, '-c', 'import sys; sys.modules["rclpy"] = None\n'
                            f'from fourbar_ros.optional import {name}; sys.exit({name}())'],

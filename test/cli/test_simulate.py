@@ -4,10 +4,11 @@
 from math import nan, pi
 
 from fourbar_ros.cli.main import main
-from fourbar_ros.dynamics.drives import ConstantTorque
-from fourbar_ros.dynamics.flywheel import flywheel_for
+from fourbar_ros.dynamics.analysis.flywheel import flywheel_for
+from fourbar_ros.dynamics.model.drives import ConstantTorque
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.scene import scene
+from fourbar_ros.scene.files import find
 from fourbar_ros.scene.simulated import simulate_scene
 import numpy as np
 import pytest
@@ -133,3 +134,26 @@ def test_the_scene_of_sundials_ends_where_twenty_digits_say(capsys):
     # nothing drives it, which the loads with the spring on its crank say too
     drive, = (peak for peak in found.peaks() if peak.name == 'driving_torque')
     assert max(abs(drive.low), abs(drive.high)) < 1e-12
+
+
+def test_a_controller_that_slides_on_its_limit_ends(capsys, tmp_path):
+    """It ran for ever; and a run that is bounded says how far it got."""
+    text = find('controlled').read_text().replace('proportional: 200', 'proportional: 10')
+    sliding = tmp_path / 'sliding.yaml'
+    sliding.write_text(text)
+    assert main(['simulate', str(sliding), '--until', '0.3']) == 0
+    assert 'reached the end: DOP853' in capsys.readouterr().out
+    assert main(['simulate', str(sliding), '--until', '0.3', '--evaluations', '500']) == 3
+    said = capsys.readouterr().out
+    assert 'gave up: 500 evaluations are used up at 0.' in said
+
+
+def test_a_torque_without_measure_ends(capsys):
+    assert main(['simulate', 'released', '--until', '0.1', '--torque', '1e308']) == 3
+    assert 'gave up: no step' in capsys.readouterr().out
+
+
+def test_a_motor_whose_torque_grows_with_its_speed_is_refused():
+    with pytest.raises(InvalidParameter, match='motor.free_speed = -26.0: must have the sign of'):
+        scene.from_values({**FREE, 'drive.source': 'motor', 'motor.stall_torque': 400.0,
+                           'motor.free_speed': -26.0})

@@ -9,9 +9,8 @@ import subprocess
 from xml.etree import ElementTree
 
 from fourbar_ros import InvalidParameter
-from fourbar_ros.description.describe import describe
-from fourbar_ros.description.model import model_of
-from fourbar_ros.description.tree import NoDescription, tree_of
+from fourbar_ros.description.formats import describe
+from fourbar_ros.description.model import model_of, NoDescription, tree_of
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.scene.files import sections
@@ -21,6 +20,7 @@ import pytest
 from support import contract, ROOT
 from support.dyad_reference import random_machines
 from support.machines import jansen
+from support.samples import some
 from support.scenes import PAPER, RODS, TIP, values_of
 
 EPS = 2.0**-52
@@ -138,7 +138,7 @@ def test_mujoco_keeps_the_loops_of_its_own_simulation_where_we_have_them(case):
     simulated_in_mujoco(scene_of(case))
 
 
-@pytest.mark.parametrize('name', ['jansen', 'watt', 'bucket'])
+@some('name', ['jansen', 'watt', 'bucket'], 1)
 def test_so_it_does_with_machines_of_dyads(name):
     simulated_in_mujoco(load(name))
 
@@ -219,7 +219,7 @@ SUPPLIED = [*sorted((ROOT / 'config').glob('*.yaml')),
               for node in sections(file))]
 
 
-@pytest.mark.parametrize('name', SUPPLIED, ids=lambda name: str(name).rpartition('/')[2])
+@some('name', SUPPLIED, 4, ids=lambda name: str(name).rpartition('/')[2])
 def test_check_urdf_and_mujoco_load_every_scene_of_the_tree(name, tmp_path):
     mujoco, scene = pytest.importorskip('mujoco'), load(name)
     texts = [describe(scene)] * (scene.linkage.bodies is not None) + [describe(scene, 'mjcf')]

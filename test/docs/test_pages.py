@@ -1,5 +1,6 @@
-"""Python and commands of the pages run as they are written, in a scratch folder with a bag."""
-
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The pages: their Python and commands run and print what they show, links lead somewhere."""
 import contextlib
 import io
 import re
@@ -11,45 +12,60 @@ from support import bags, ROOT
 from support.scenes import PAPER, RODS
 
 PAGES = [ROOT / 'README.md', *sorted((ROOT / 'docs').glob('*.md'))]
-PYTHON = re.compile(r'(?<=```python\n)(.*?)```', re.S)
-BLOCK = re.compile(r'^```(?:bash|sh|shell|console)?\n(.*?)^```', re.S | re.M)
+EVERY_PAGE = [*PAGES, *sorted(ROOT.glob('[A-Z]*.md')), *sorted((ROOT / 'docs').glob('*/*.md'))]
+FENCE = re.compile(r'^```(\w*)\n(.*?)^```$\n?', re.S | re.M)
+SHELL = ('', 'bash', 'sh', 'shell', 'console')
+SLOW = {'studies', 'balancing'}      # several seconds of processor time each
+ALONE = {'extrema'}         # a reader may copy any example of these pages alone
 # verbs that need a running node, or serve a page until they are interrupted
 NEEDS_ROS = {'record', 'replay', 'run', 'live'}
+GENERATED = re.compile(r'<!-- \w+ -->\n.*?<!-- end -->', re.S)
 
 
-def commands(page):
-    """Return the commands ``fourbar ...`` of a page that need no ROS, as lists of words."""
-    found = []
-    for block in BLOCK.findall(page.read_text(encoding='utf-8')):
-        for line in block.splitlines():
-            words = shlex.split(line, comments=True) if line.startswith('fourbar ') else ()
-            if words and words[1] not in NEEDS_ROS:
-                found.append(words[1:])
-    return found
+def blocks(page):
+    """Return [(language, text, whether a block with its output follows)] of a page."""
+    text = page.read_text(encoding='utf-8')
+    return [(found[1], found[2], text[found.end():].lstrip('\n').startswith('```text'))
+            for found in FENCE.finditer(text)]
 
 
-def code_of(words):
-    """Return the exit code of a command, run in this process."""
-    try:
-        return main(words)
-    except SystemExit as end:  # --help
-        return end.code
+def commands(block):
+    """Return the commands ``fourbar ...`` of a block that need no ROS, as lists of words."""
+    lines = [shlex.split(line, comments=True) for line in block.splitlines()
+             if line.startswith('fourbar ')]
+    return [words[1:] for words in lines if words[1] not in NEEDS_ROS]
 
 
-WITH_PYTHON = [page for page in PAGES if PYTHON.search(page.read_text(encoding='utf-8'))]
-WITH_COMMANDS = [page for page in PAGES if commands(page)]
+def runs(page):
+    """Return whether there is something to run on a page."""
+    return any(language == 'python' or (language in SHELL and commands(text))
+               for language, text, _ in blocks(page))
+
+
+def output_of(words):
+    """Return what a command prints, run in this process; it must succeed."""
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out):
+        try:
+            code = main(words)
+        except SystemExit as end:  # --help
+            code = end.code
+    assert not code, words
+    return out.getvalue()
 
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """Change to a folder in which the pages' file names exist."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv('MPLBACKEND', 'agg')
+    monkeypatch.setattr('fourbar_ros.report.animation.FRAMES', 8)       # of 90
     values = {
         **PAPER,
         **RODS,
         'outputs': ['state', 'output', 'loads', 'joint_states', 'shaking_wrench'],
     }
-    for name in ('run', 'NAME', 'other'):
+    for name in ('run', 'NAME', 'other', 'grip'):
         bags.run(tmp_path / 'bags', name, values, [(0.01 * k, 25.0, 0.0) for k in range(1, 20)])
     for name in ('my.yaml', 'scene.yaml'):
         (tmp_path / name).write_text((ROOT / 'config' / 'paper.yaml').read_text())
@@ -58,24 +74,67 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_pages_have_examples():
-    assert len(WITH_PYTHON) >= 4 and len(WITH_COMMANDS) >= 2
+    assert sum(map(runs, PAGES)) >= 8
 
 
-@pytest.mark.parametrize('page', WITH_PYTHON, ids=lambda page: page.stem)
-def test_python_of_a_page_runs_in_order(page, folder):
-    names = {}
-    for block in PYTHON.findall(page.read_text(encoding='utf-8')):
-        exec(compile(block, page.name, 'exec'), names)
+@pytest.mark.parametrize('page', [
+    pytest.param(page, id=page.stem, marks=[pytest.mark.slow] * (page.stem in SLOW))
+    for page in PAGES if runs(page)])
+def test_a_page_runs_as_it_is_written(page, folder):
+    names, printed, exact = {}, '', False
+    for language, text, shows in blocks(page):
+        if page.stem in ALONE:
+            names = {}
+        if language == 'text' and printed:
+            found = [line.split() for line in printed.splitlines()]
+            for words in map(str.split, text.splitlines()):         # how lines of it begin
+                assert words in [line[:len(words)] for line in found], (words, printed)
+            assert not exact or text == printed
+        printed, exact = '', language == 'python'
+        if language == 'yaml' and (name := re.match(r'# (\S+\.yaml)\n', text)):
+            (folder / name[1]).write_text(text)
+        if language == 'python':
+            out = io.StringIO()
+            with contextlib.redirect_stdout(out):
+                exec(compile(text, page.name, 'exec'), names)
+            printed = out.getvalue() if shows else ''
+        for words in commands(text) if language in SHELL else ():
+            found = output_of(words[:words.index('>')] if '>' in words else words)
+            if '>' in words:
+                (folder / words[-1]).write_text(found)
+            printed += found
 
 
-@pytest.mark.parametrize('page', WITH_COMMANDS, ids=lambda page: page.stem)
-def test_commands_of_a_page_run(page, folder):
-    for words in commands(page):
-        target = None
-        if '>' in words:
-            words, target = words[: words.index('>')], words[words.index('>') + 1]
-        out = io.StringIO()
-        with contextlib.redirect_stdout(out):
-            assert not code_of(words), words
-        if target:
-            (folder / target).write_text(out.getvalue())
+@pytest.mark.parametrize('page', ['README.md', 'docs/python.md', 'docs/tutorial.md'])
+def test_these_pages_show_what_their_python_prints(page):
+    found = [shows for language, _, shows in blocks(ROOT / page) if language == 'python']
+    assert found and (all(found) or page != 'docs/python.md')
+
+
+def anchors(page):
+    """Return the anchors of the headings of a page, as GitHub makes them."""
+    heads = re.findall(r'^#+ (.*)$', FENCE.sub('', page.read_text(encoding='utf-8')), re.M)
+    return {re.sub(r'[^\w\- ]', '', head.lower()).replace(' ', '-') for head in heads}
+
+
+@pytest.mark.parametrize('page', EVERY_PAGE, ids=lambda page: page.stem)
+def test_every_link_of_a_page_leads_somewhere(page):
+    text = FENCE.sub('', page.read_text(encoding='utf-8'))
+    for link in re.findall(r'\]\(([^)\s]+)\)', text):
+        if '://' in link:
+            continue
+        name, _, anchor = link.partition('#')
+        target = page.parent / name if name else page
+        assert target.exists(), f'{page.name}: {link}'
+        assert not anchor or anchor in anchors(target), f'{page.name}: {link}'
+
+
+def test_the_front_door_is_short():
+    readme = (ROOT / 'README.md').read_text(encoding='utf-8')
+    assert len(readme.splitlines()) <= 90 and len(readme.split()) <= 600
+    assert len((ROOT / 'docs' / 'tutorial.md').read_text(encoding='utf-8').split()) <= 900
+    words = sum(len(GENERATED.sub('', page.read_text(encoding='utf-8')).split())
+                for page in set(EVERY_PAGE))
+    assert words <= 30_000
+    for picture in (ROOT / 'docs' / 'images').iterdir():
+        assert picture.stat().st_size < 1_000_000, picture.name

@@ -4,8 +4,8 @@
 from dataclasses import replace
 
 from fourbar_ros import Bodies, Body, FourBar, InvalidParameter, MissingBodies
-from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
-from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.dynamics.model.elements import Attachment, GROUND, Spring, TorsionSpring
+from fourbar_ros.dynamics.model.equation import Equation
 from fourbar_ros.mechanics.bodies import External, NOT_APPLIED
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
@@ -23,8 +23,7 @@ from support.machines import (
     random_elements,
     random_machines,
 )
-
-SEEDS = [pytest.param(200, 10), pytest.param(201, 300, marks=pytest.mark.slow)]
+from support.samples import some
 
 
 def sizes(mechanism, position, rate, acceleration):
@@ -47,7 +46,7 @@ def sizes(mechanism, position, rate, acceleration):
 
 
 @pytest.mark.parametrize('name', KINDS)
-@pytest.mark.parametrize('seed, count', SEEDS)
+@some('seed, count', [(200, 10), (201, 300)], 1)
 def test_its_torque_is_the_driving_torque_of_the_loads(name, seed, count):
     """Two formulations: virtual work of curves at unit rate, and Newton-Euler joint by joint."""
     rng = np.random.default_rng(seed)
@@ -77,7 +76,7 @@ def test_a_kind_made_later_has_an_equation_for_nothing(driven):
 
 
 @pytest.mark.parametrize('name', KINDS)
-@pytest.mark.parametrize('seed, count', [(210, 2), pytest.param(211, 30, marks=pytest.mark.slow)])
+@some('seed, count', [(210, 2), (211, 30)], 1)
 def test_terms_are_derivatives_of_energies(name, seed, count):
     rng = np.random.default_rng(seed)
     for mechanism, position in random_machines(name, seed, count):

@@ -4,10 +4,10 @@
 from math import pi
 
 from fourbar_ros import SliderCrank
-from fourbar_ros.dynamics.drives import Drive, MotorLine, Shaft
-from fourbar_ros.dynamics.free_motion import FreeMotion
-from fourbar_ros.dynamics.simulate import REACHED, simulate
-from fourbar_ros.dynamics.system import System
+from fourbar_ros.dynamics.analysis.free_motion import FreeMotion
+from fourbar_ros.dynamics.model.drives import Drive, MotorLine, Shaft
+from fourbar_ros.dynamics.model.system import System
+from fourbar_ros.dynamics.solve.simulate import REACHED, simulate
 import mpmath as mp
 import numpy as np
 import pytest
@@ -24,11 +24,12 @@ from support.dynamics_problems import (
     paper_linkage,
     sundials_slider_crank,
 )
+from support.samples import some
 
 scipy = pytest.importorskip('scipy')
 
 
-@pytest.mark.parametrize('tolerance', [1e-6, 1e-9, 1e-12])
+@some('tolerance', [1e-6, 1e-9, 1e-12], (1e-9,))
 def test_the_slider_crank_of_sundials(tolerance):
     run = simulate(sundials_slider_crank(), 10.0, tolerance)
     assert run.status == REACHED
@@ -48,7 +49,7 @@ def test_the_integral_of_the_kinetic_energy_of_sundials():
     assert abs(float(P2_ENERGY) - 3.3366160662934146) < 1e-5
 
 
-@pytest.mark.parametrize('tolerance', [1e-5, 1e-9])
+@some('tolerance', [1e-5, 1e-9], (1e-9,))
 def test_a_parallelogram_goes_through_its_change_points(tolerance):
     """21 half-turns in 20 s, each through a flat position, against elliptic functions."""
     run = simulate(one_window(), 20.0, tolerance)
@@ -87,7 +88,7 @@ def test_rigid_limit_of_the_flexible_slider_crank():
     assert motion.slide_velocity == pytest.approx(-8.753116989887888, rel=1e-3)
 
 
-@pytest.mark.parametrize('stiffness', [1e3, 1e5, 1e7])
+@some('stiffness', [1e3, 1e5, 1e7], (1e5,))
 def test_a_motor_through_an_elastic_shaft(stiffness):
     """
     P6: three methods agree, whatever the stiffness.
@@ -104,7 +105,7 @@ def test_a_motor_through_an_elastic_shaft(stiffness):
     assert abs(runs[0].position[-1] - rigid.position[-1]) <= 500.0 / stiffness + 2e-6
 
 
-@pytest.mark.parametrize('stiffness', [10**3, 10**5, 10**7, 10**9])
+@some('stiffness', [10**3, 10**5, 10**7, 10**9], (10**7,))
 def test_a_motor_and_its_shaft_against_many_digits(stiffness):
     pytest.importorskip('flint')
     from support.motor_problem import ANSWERS

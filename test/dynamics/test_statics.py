@@ -5,13 +5,14 @@ from dataclasses import replace
 from math import pi, sqrt
 
 from fourbar_ros import Bodies, Body, External, FourBar, InvalidParameter
-from fourbar_ros.dynamics.drives import ConstantTorque, Drive
-from fourbar_ros.dynamics.equation import Equation
-from fourbar_ros.dynamics.flywheel import flywheel_for
-from fourbar_ros.dynamics.free_motion import FreeMotion
-from fourbar_ros.dynamics.simulate import REACHED, simulate
-from fourbar_ros.dynamics.statics import equilibria
-from fourbar_ros.dynamics.system import System
+from fourbar_ros.dynamics.analysis.flywheel import flywheel_for
+from fourbar_ros.dynamics.analysis.free_motion import FreeMotion
+from fourbar_ros.dynamics.analysis.statics import equilibria
+from fourbar_ros.dynamics.model.drives import ConstantTorque, Drive
+from fourbar_ros.dynamics.model.elements import TorsionSpring
+from fourbar_ros.dynamics.model.equation import Equation
+from fourbar_ros.dynamics.model.system import System
+from fourbar_ros.dynamics.solve.simulate import REACHED, simulate
 import mpmath as mp
 import numpy as np
 import pytest
@@ -23,6 +24,7 @@ from support.machines import (
     random_elements,
     random_machines,
 )
+from support.samples import some
 
 scipy = pytest.importorskip('scipy')
 
@@ -83,7 +85,7 @@ def test_frequency_is_that_of_small_swings():
         assert swing.swings and 1.0 / swing.period == pytest.approx(place.frequency, rel=1e-4)
 
 
-@pytest.mark.parametrize('amplitude', [0.1, 1.0, 2.0, 3.0, 3.13])
+@some('amplitude', [0.1, 1.0, 2.0, 3.0, 3.13], (1.0, 3.13))
 def test_the_period_of_a_pendulum(amplitude):
     motion = FreeMotion(System(pendulum(), -pi / 2 + amplitude))
     frequency = mp.sqrt(2.0 * 9.81 * 0.25 / mp.mpf(0.225))
@@ -95,7 +97,7 @@ def test_the_period_of_a_pendulum(amplitude):
     assert motion.position(motion.period / 2) == pytest.approx(-pi / 2 - amplitude, abs=1e-9)
 
 
-@pytest.mark.parametrize('name', KINDS)
+@some('name', KINDS, 2)
 def test_free_motion_is_what_integration_gives(name):
     """Swings and turns of all kinds that stay within their input's range."""
     compared = 0
@@ -126,7 +128,7 @@ def test_what_has_no_free_motion_is_refused():
             FreeMotion(system)
 
 
-@pytest.mark.parametrize('fluctuation', [0.05, 0.005])
+@some('fluctuation', [0.05, 0.005], 1)
 def test_a_flywheel_gives_its_fluctuation_in_simulation(fluctuation):
     linkage = paper_linkage(gravity=(0.0, -9.81))
     wheel = flywheel_for(Equation(linkage), 25.0, fluctuation)
@@ -151,3 +153,28 @@ def test_a_flywheel_needs_a_rate_and_a_fluctuation(rate, fluctuation, name):
     with pytest.raises(InvalidParameter) as caught:
         flywheel_for(Equation(paper_linkage()), rate, fluctuation)
     assert caught.value.name == name
+
+
+@pytest.mark.parametrize('turned', [0.0, pi, 0.5 * pi, -0.5 * pi])
+def test_equilibria_at_the_seam_of_a_turn_are_found_once(turned):
+    """A pendulum hangs along gravity and stands against it, also where the angle is +-pi or 0."""
+    bodies = Bodies(Body(2.0, 0.25, 0.0, 0.1), Body(0.0), Body(0.0))
+    down = (9.81 * np.cos(turned), 9.81 * np.sin(turned))
+    crank = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies, gravity=down)
+    found = equilibria(Equation(crank))
+    assert [place.is_stable for place in found].count(True) == 1 and len(found) == 2
+    for place in found:
+        there = turned if place.is_stable else turned + pi
+        assert abs(np.sin(0.5 * (place.position - there))) <= 4.0 * EPS
+        assert -pi <= place.position <= pi
+
+
+@pytest.mark.parametrize('free', [0.0, 1.0, -2.5, pi])
+def test_the_wrap_of_a_torsion_spring_is_no_equilibrium(free):
+    """The deflection jumps from pi to -pi opposite to the free angle; it rests at that alone."""
+    bodies = Bodies(Body(0.0, inertia=0.3), Body(0.0), Body(0.0))
+    crank = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies)
+    found = equilibria(Equation(crank, [TorsionSpring('ground', 'crank', 7.0, free)]))
+    assert len(found) == 1 and found[0].is_stable
+    assert abs(np.sin(0.5 * (found[0].position - free))) <= 4.0 * EPS
+    assert found[0].frequency == pytest.approx(sqrt(7.0 / 0.3) / (2.0 * pi), rel=1e-12)

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Steps of given length: accuracy, stability and work on soft and stiff shafts."""
 from fourbar_ros import Bodies, FourBar, round_rod
-from fourbar_ros.dynamics.drives import (
+from fourbar_ros.dynamics.analysis.free_motion import FreeMotion
+from fourbar_ros.dynamics.model.drives import (
     ConstantTorque,
     DCMotor,
     Drive,
@@ -10,17 +11,18 @@ from fourbar_ros.dynamics.drives import (
     Shaft,
     SpeedController,
 )
-from fourbar_ros.dynamics.elements import TorsionSpring
-from fourbar_ros.dynamics.equation import Equation
-from fourbar_ros.dynamics.free_motion import FreeMotion
-from fourbar_ros.dynamics.simulate import simulate
-from fourbar_ros.dynamics.stepper import BUDGET, DONE, LIMIT, OneStep
-from fourbar_ros.dynamics.system import System
+from fourbar_ros.dynamics.model.elements import TorsionSpring
+from fourbar_ros.dynamics.model.equation import Equation
+from fourbar_ros.dynamics.model.system import System
+from fourbar_ros.dynamics.solve.simulate import simulate
+from fourbar_ros.dynamics.step.mover import AT_LIMIT, Mover, OK, OUT_OF_BUDGET
 from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.scene.parameters import PARAMETERS
+from fourbar_ros.scene.parameter_table import PARAMETERS
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
+from support.samples import some
+from support.swings import Alone
 
 RODS = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8)))
 PAPER = FourBar(0.4, 1.2, 0.8, 1.0, bodies=RODS, gravity=(0.0, -9.81))
@@ -32,12 +34,13 @@ DRIVES = {'rigid': Drive(LINE, 0.5), 'soft shaft': Drive(LINE, 0.5, shaft=Shaft(
 
 def steps(system, until, tick=TICK, tolerance=1e-6, budget=10_000, command=None):
     """Return the states after every tick, and how each went."""
-    one = OneStep(system, tolerance, budget)
-    state, states, went = one.start, [one.start], []
+    mover = Mover(system, tolerance, budget)
+    place, went = mover.first, []
+    states = [place.state]
     for _ in range(round(until / tick)):
-        done = one.advance(state, tick, command)
-        state = done.state
-        states.append(state)
+        done = mover.advance(place, tick, command)
+        place = done.place
+        states.append(place.state)
         went.append(done)
     return np.array(states).T, went
 
@@ -55,14 +58,14 @@ def test_the_order_is_four_at_least(drive):
     assert orders[-1] > 3.7 and errors[-1] < 1e-5, (errors, orders)
 
 
-@pytest.mark.parametrize('stiffness', [10.0**k for k in range(2, 10)])
+@some('stiffness', [10.0**k for k in range(2, 10)], (1e3, 1e9))
 def test_stiff_shafts_against_scipy(stiffness):
     damping = 100.0 if stiffness > 1e4 else 1e-3 * stiffness
     system = System(PAPER, 0.0, drive=Drive(LINE, 0.5, shaft=Shaft(stiffness, damping)))
     reference = simulate(system, 0.3, 1e-7, times=[0.1, 0.2, 0.3])
     assert reference.status == 'reached the end'
     states, went = steps(system, 0.3)
-    assert {done.status for done in went} == {DONE}
+    assert {done.status for done in went} == {OK}
     error = np.abs(states[0, [100, 200, 300]] - reference.position)
     # three hundred steps of 1e-6 would be 3e-4, if all erred to one side; they do not
     assert error.max() < 1e-5
@@ -76,7 +79,7 @@ def test_an_undamped_stiff_shaft_stays_stable_for_long():
     rigid = System(PAPER, 0.0, drive=Drive(LINE, 0.5))
     states, went = steps(system, 5.0)
     reference = simulate(rigid, 5.0, 1e-8, times=[5.0])
-    assert {done.status for done in went} == {DONE}
+    assert {done.status for done in went} == {OK}
     assert abs(states[0, -1] - reference.position[-1]) < 1e-3
     assert max(done.evaluations for done in went) < 1000
 
@@ -102,15 +105,16 @@ def test_work_is_counted_and_never_more_than_the_budget(monkeypatch):
 
     system.equation.of_one = counted
     for budget in (12, 20, 60):
-        one = OneStep(system, 1e-11, budget)
-        state, statuses = one.start, set()
+        mover = Mover(system, 1e-11, budget)
+        place, statuses = mover.first, set()
         for _ in range(200):
             calls = 0
-            done = one.advance(state, TICK)
+            done = mover.advance(place, TICK)
             assert calls == done.evaluations <= budget
-            state = done.state
+            place = done.place
             statuses.add(done.status)
-        assert BUDGET in statuses and np.isfinite(state).all()
+        state = place.state
+        assert OUT_OF_BUDGET in statuses and np.isfinite(state).all()
         reference = simulate(system, 0.2, 1e-6, times=[0.2]).position[-1]
         # less accurate, and still a motion of this linkage: within a percent of the way
         assert abs(state[0] - reference) < 0.05 * reference
@@ -132,13 +136,13 @@ def test_terms_that_are_known_are_not_computed_again():
     system, asked = System(PAPER, 0.5, drive=DRIVES['soft shaft']), []
     terms_of = system.equation.of_one
     system.equation.of_one = lambda position: asked.append(position) or terms_of(position)
-    one = OneStep(system, 1e-6, 60)
-    state = one.advance(one.start, TICK).state
-    one.torques(state)
-    one.advance(state, TICK)
-    assert asked.count(state[0]) == 1
-    again = OneStep(system, 1e-6, 60)      # which knows nothing
-    assert again.advance(state, TICK) == one.advance(state, TICK)
+    mover = Mover(system, 1e-6, 60)
+    place = mover.advance(mover.first, TICK).place
+    mover.values(place, TICK, 0.0, 0)
+    mover.advance(place, TICK)
+    assert asked.count(place.state[0]) == 1
+    again = Mover(system, 1e-6, 60)        # which knows nothing
+    assert again.advance(place, TICK) == mover.advance(place, TICK)
 
 
 @pytest.mark.parametrize('gain', [1e1, 1e3, 1e6])
@@ -148,8 +152,9 @@ def test_a_limited_controller_settles_whatever_its_gain(gain):
     states, went = steps(system, 1.0, budget=60)
     assert all(done.evaluations <= 60 for done in went)
     assert np.abs(states[1, -100:] - 25.0).max() < (0.6 if gain > 50.0 else 8.0)
-    one = OneStep(system, 1e-6, 60)
-    torques = np.array([one.torques(tuple(state)).of_motor for state in states.T])
+    mover = Mover(system, 1e-6, 60)
+    torques = np.array([mover.values(mover.place(tuple(state)), TICK, 0.0, 0).motor_torque
+                        for state in states.T])
     assert np.abs(torques).max() <= 400.0 and bool(torques[1] == 400.0) is (gain > 16.0)
     if gain == 1e3:
         reference = simulate(system, 1.0, 1e-6, times=[0.5, 1.0], check=False)
@@ -163,18 +168,17 @@ def test_a_torque_from_outside_is_that_of_the_source():
 
 
 def test_at_a_limit_the_input_is_held_at_rest_and_leaves_it_when_pulled_back():
-    rocker = FourBar(1.2, 0.4, 0.8, 1.0, bodies=Bodies(*(round_rod(a, 7750.0, 0.01)
-                                                         for a in (1.2, 0.4, 0.8))))
+    rocker = Alone(1.2, 0.4, 0.8, 1.0, bodies=Bodies(*(round_rod(a, 7750.0, 0.01)
+                                                       for a in (1.2, 0.4, 0.8))))
     (low, high), *_ = rocker.input_ranges
     system = System(rocker, 0.5 * (low + high), drive=Drive(ConstantTorque(0.0)))
     states, went = steps(system, 1.0, command=200.0)
-    assert went[-1].status == LIMIT and states[1, -1] == 0.0 and low < states[0, -1] < high
-    one = OneStep(system, 1e-6, 60)
-    state = tuple(states[:, -1])
+    assert went[-1].status == AT_LIMIT and states[1, -1] == 0.0 and low < states[0, -1] < high
+    mover, place = Mover(system, 1e-6, 60), went[-1].place
     for _ in range(20):
-        done = one.advance(state, TICK, -200.0)
-        state = done.state
-    assert done.status == DONE and state[1] < 0.0
+        done = mover.advance(place, TICK, -200.0)
+        place = done.place
+    assert done.status == OK and place.state[1] < 0.0
 
 
 def test_a_torsion_spring_swings_as_the_textbook_says():
@@ -194,7 +198,7 @@ OTHERS = {'slider_crank': {'a1': 0.1, 'a2': 0.3, 'offset': 0.02},
           'scotch_yoke': {'a1': 0.1}}
 
 
-@pytest.mark.parametrize('kind', OTHERS)
+@some('kind', OTHERS, 1)
 def test_other_kinds_in_a_scene_against_scipy(kind):
     lengths = {f'linkage.{name}': value for name, value in OTHERS[kind].items()
                if f'linkage.{name}' in PARAMETERS}
@@ -208,6 +212,6 @@ def test_other_kinds_in_a_scene_against_scipy(kind):
     system = there.dynamics.system(there.linkage)
     reference = simulate(system, 0.3, 1e-8, times=[0.1, 0.2, 0.3])
     states, went = steps(system, 0.3)
-    assert {done.status for done in went} == {DONE}
+    assert {done.status for done in went} == {OK}
     assert np.abs(states[0, [100, 200, 300]] - reference.position).max() < 1e-4
     assert abs(reference.position[-1]) > 0.5

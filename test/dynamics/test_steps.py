@@ -2,25 +2,33 @@
 # SPDX-License-Identifier: Apache-2.0
 """Steps of given length through toggles: accuracy, energy, modes, work, what messages tell."""
 from fourbar_ros import FourBar, SliderCrank
-from fourbar_ros.dynamics import stepper
-from fourbar_ros.dynamics.drives import (
+from fourbar_ros.dynamics.model.drives import (
     ConstantTorque,
     DCMotor,
     Drive,
     MotorLine,
+    Piece,
     Shaft,
     SpeedController,
 )
-from fourbar_ros.dynamics.mover import DriveValues
-from fourbar_ros.dynamics.pieces import Piece
-from fourbar_ros.dynamics.simulate import simulate
-from fourbar_ros.dynamics.step_equations import Elastic, Rigid
-from fourbar_ros.dynamics.stepper import BUDGET, DONE, LIMIT
-from fourbar_ros.dynamics.steps import NAME, name_of, NAME_WITH_TOGGLES, Steps
-from fourbar_ros.dynamics.system import System
+from fourbar_ros.dynamics.model.system import System
+from fourbar_ros.dynamics.solve.simulate import simulate
+from fourbar_ros.dynamics.step import phase_steps
+from fourbar_ros.dynamics.step.mover import (
+    AT_LIMIT,
+    DriveValues,
+    Mover,
+    NAME,
+    name_of,
+    NAME_WITH_TOGGLES,
+    OK,
+    OUT_OF_BUDGET,
+)
+from fourbar_ros.dynamics.step.step_equations import Elastic, Rigid
 from fourbar_ros.scene.scene import from_values, load
 import numpy as np
 import pytest
+from support.samples import some
 from support.scenes import PAPER, RODS
 from support.swings import Alone, BODIES, CASES
 
@@ -36,22 +44,22 @@ DRIVES = {
 
 def swing(system, until, tick=TICK, tolerance=1e-6, budget=10_000):
     """Return (states of the input, modes, energies, how each step went) after every tick."""
-    steps = Steps(system, tolerance, budget)
-    place, rows, modes, energies, went = steps.start, [], [], [], []
+    mover = Mover(system, tolerance, budget)
+    place, rows, modes, energies, went = mover.first, [], [], [], []
     for _ in range(round(until / tick)):
-        done = steps.advance(place, tick)
+        done = mover.advance(place, tick)
         place = done.place
-        rows.append(steps.state_of_input(place))
+        rows.append(mover.state_of_input(place))
         modes.append(place.mode)
         energies.append(place.phase.energy(place.state))
         went.append(done)
     return np.array(rows).T, modes, np.array(energies), went
 
 
-@pytest.mark.parametrize('name', SWINGS)
+@some('name', SWINGS, 2)
 def test_a_released_linkage_swings_through_its_limits_as_simulate_says(name, monkeypatch):
     """Steps of one length, of order 4: those of half the length err by 1/15 of what changes."""
-    monkeypatch.setattr(stepper, 'DIFFERENCE', 1e-8)     # its error is then below that of steps
+    monkeypatch.setattr(phase_steps, 'DIFFERENCE', 1e-8)     # its error is below that of steps
     mechanism, position, rate = CASES[name]
     system, until, unit = System(mechanism, position, rate), 3.0, mechanism.input_unit
     times = TICK * np.arange(1, 3001)
@@ -59,7 +67,7 @@ def test_a_released_linkage_swings_through_its_limits_as_simulate_says(name, mon
     assert np.count_nonzero(np.diff(run.modes)) >= 4 and set(run.modes.tolist()) == {1, 2}
     whole, modes, energies, went = swing(system, until, tolerance=1e9)
     half, modes_of_half, less, _ = swing(system, until, 0.5 * TICK, tolerance=1e9)
-    assert {done.status for done in went} == {DONE}
+    assert {done.status for done in went} == {OK}
     changes = np.abs(whole[0] - half[0, 1::2]).max()
     # order 3 is granted, and 1e-8 to the difference and to the reference
     assert np.abs(half[0, 1::2] - run.position).max() <= changes / 7.0 + 1e-8 * unit
@@ -71,9 +79,9 @@ def test_a_released_linkage_swings_through_its_limits_as_simulate_says(name, mon
 
 
 @pytest.mark.parametrize('drive', DRIVES)
-@pytest.mark.parametrize('name', ['rocker of a crank-rocker', 'driven slider'])
+@some('name', ['rocker of a crank-rocker', 'driven slider'], 1)
 def test_the_order_is_four_through_toggles_with_every_drive(name, drive, monkeypatch):
-    monkeypatch.setattr(stepper, 'DIFFERENCE', 1e-8)     # its error is then below that of steps
+    monkeypatch.setattr(phase_steps, 'DIFFERENCE', 1e-8)     # its error is below that of steps
     mechanism, position, rate = CASES[name]
     system = System(mechanism, position, rate, drive=DRIVES[drive])
     times = 0.1 * np.arange(1, 9)
@@ -158,7 +166,7 @@ def test_in_the_input_no_bit_comes_from_the_ratio(equations):
         assert equations.linear(terms, state, piece, by_position)(g)(right) == found
 
 
-@pytest.mark.parametrize('budget', [12, 20, 60])
+@some('budget', [12, 20, 60], (20,))
 @pytest.mark.parametrize('tick', [0.01, 0.03])
 def test_the_work_of_a_step_is_bounded_through_toggles(budget, tick):
     """Long steps of little work: inaccurate, as their status says, and never out of range."""
@@ -167,7 +175,7 @@ def test_the_work_of_a_step_is_bounded_through_toggles(budget, tick):
         low, high = next(ends for ends in mechanism.input_ranges if ends[0] < position < ends[1])
         states, modes, _, went = swing(System(mechanism, position, rate), 3.0, tick, 1e-9, budget)
         assert max(done.evaluations for done in went) <= budget
-        assert {done.status for done in went} <= {DONE, BUDGET} and np.isfinite(states).all()
+        assert {done.status for done in went} <= {OK, OUT_OF_BUDGET} and np.isfinite(states).all()
         assert states[0].min() >= low - 1e-12 and states[0].max() <= high + 1e-12
         assert set(modes) == {1, 2}, name
 
@@ -176,15 +184,13 @@ ROCKER = {**PAPER, **RODS, 'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.source':
           'gravity.y': -9.81, 'drive.start': -0.5, 'outputs': ['state']}
 
 
-def moved(mover, commands, ahead=()):
+def moved(mover, commands):
     """Return (status, mode, values) step by step."""
     values, mode, found = mover.start(), mover.mode, []
     for command in commands:
         status, values = mover.next(values, TICK, command, mode=mode)
         mode = mover.mode
         found.append((status, mode, values))
-        for torque in ahead:
-            mover.work_ahead(values, TICK, torque)
     return found
 
 
@@ -196,7 +202,7 @@ def test_messages_tell_the_state_except_next_to_a_toggle():
     for (_, mode, values), command, (status, mode_then, then) in zip(found, commands[1:],
                                                                      found[1:]):
         copy = DriveValues(*values)
-        told.append(other.tells_all(copy, mode))
+        told.append(other.tells_all(other.place(other.state(copy), mode)))
         again = other.next(copy, TICK, command, mode=mode)
         if told[-1]:
             assert (again[0], other.mode, repr(again[1])) == (status, mode_then, repr(then))
@@ -208,13 +214,6 @@ def test_messages_tell_the_state_except_next_to_a_toggle():
     assert not any(told[i] for i in np.flatnonzero(np.diff(modes[:-1])))
 
 
-@pytest.mark.parametrize('ahead', [[0.0], [5.0], [5.0, 0.0], [0.0, 0.0]], ids=str)
-def test_steps_made_ahead_are_the_same_through_toggles(ahead):
-    commands = [0.0] * 900 + [5.0] * 100
-    found = [repr(row) for row in moved(from_values(ROCKER).mover, commands, ahead)]
-    assert found == [repr(row) for row in moved(from_values(ROCKER).mover, commands)]
-
-
 def test_a_controller_and_its_limit_through_toggles():
     """Kinks of the source are found in the other coordinate too, by the speed of the input."""
     mechanism, position, rate = CASES['rocker of a crank-rocker']
@@ -224,7 +223,7 @@ def test_a_controller_and_its_limit_through_toggles():
     states, modes, _, went = swing(system, 1.5, tolerance=1e-8)
     torque = np.clip(3.0 * (6.0 - states[1]), -9.0, 9.0)
     assert (np.abs(torque) == 9.0).any() and (np.abs(torque) < 9.0).any()
-    assert {done.status for done in went} == {DONE} and len(set(modes)) == 2
+    assert {done.status for done in went} == {OK} and len(set(modes)) == 2
     assert np.abs(states[0] - run.position).max() < 1e-4
 
 
@@ -234,7 +233,7 @@ def test_the_end_of_a_stroke_is_a_limit_and_toggles_are_not():
     with_stop = SliderCrank(0.5, 1.3, 0.1, input='slide', bodies=BODIES, gravity=(0.3, -9.81),
                             stroke=(low - 0.2, 1.5))
     states, modes, _, went = swing(System(with_stop, 1.2, -3.0), 2.0)
-    at = [done.status for done in went].index(LIMIT)
+    at = [done.status for done in went].index(AT_LIMIT)
     assert 1.4 < states[0, at] < 1.5 and states[1, at] == 0.0
     assert len(set(modes[:at])) == 2 and min(states[0, :at]) < low + 0.01
 
@@ -243,13 +242,13 @@ def test_the_end_of_a_stroke_is_a_limit_and_toggles_are_not():
 def test_whole_turns_of_an_input_are_kept(turns):
     mechanism, position, rate = CASES['non-Grashof']
     system = System(mechanism, position, rate)
-    steps = Steps(system, 1e-6, 60)
-    place = steps.place((position + turns * np.pi, rate, 0.0, 0.0, 0.0))
+    mover = Mover(system, 1e-6, 60)
+    place = mover.place((position + turns * np.pi, rate, 0.0, 0.0, 0.0))
     modes = set()
     for _ in range(1000):
-        place = steps.advance(place, TICK).place
+        place = mover.advance(place, TICK).place
         modes.add(place.mode)
-        assert abs(steps.state_of_input(place)[0] - turns * np.pi) < 2.0
+        assert abs(mover.state_of_input(place)[0] - turns * np.pi) < 2.0
     assert modes == {1, 2}
 
 

@@ -4,10 +4,10 @@
 from math import pi
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar
-from fourbar_ros.dynamics.drives import ConstantTorque, Drive, MotorLine, Shaft
-from fourbar_ros.dynamics.elements import TorsionSpring
-from fourbar_ros.dynamics.simulate import CHANGE_POINT, LIMIT, REACHED, simulate
-from fourbar_ros.dynamics.system import System
+from fourbar_ros.dynamics.model.drives import ConstantTorque, Drive, MotorLine, Shaft
+from fourbar_ros.dynamics.model.elements import TorsionSpring
+from fourbar_ros.dynamics.model.system import System
+from fourbar_ros.dynamics.solve.simulate import CHANGE_POINT, LIMIT, REACHED, simulate
 from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
 from fourbar_ros.numerics.number_types import REAL
 import mpmath as mp
@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from support.machines import exact_inertia, exact_potential
 from support.multibody import Multibody
+from support.samples import some
 from support.swings import Alone, BODIES, CASES
 
 scipy = pytest.importorskip('scipy')
@@ -26,7 +27,7 @@ def state_of(multibody, rate):
     return multibody.start(curves, rate[2])
 
 
-@pytest.mark.parametrize('name', CASES)
+@some('name', CASES, 1)
 def test_a_released_linkage_swings_through_its_limits_as_three_bodies_with_joints(name):
     """Positions, modes and energy of a swing through several toggles, to 1e-8."""
     mechanism, position, rate = CASES[name]

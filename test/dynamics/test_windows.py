@@ -4,20 +4,21 @@
 from math import pi
 
 from fourbar_ros import FourBar
-from fourbar_ros.dynamics.equation import Equation
-from fourbar_ros.dynamics.simulate import REACHED, simulate
-from fourbar_ros.mechanisms.machine.description import Dyad, Point
+from fourbar_ros.dynamics.model.equation import Equation
+from fourbar_ros.dynamics.solve.simulate import REACHED, simulate
+from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp
 import numpy as np
 import pytest
 from support.dynamics_problems import one_window, windows, windows_exact
+from support.samples import some
 
 pytest.importorskip('scipy')
 TOLERANCE = 1e-9
 
 
-@pytest.mark.parametrize('count', [2, pytest.param(40, marks=pytest.mark.slow)])
+@some('count', [2, 40], 1)
 def test_windows_swing_as_one_pendulum(count):
     """21 half-turns, each through a posture flat on the ground, against elliptic functions."""
     run = simulate(windows(count), 20.0, TOLERANCE, times=(5.0, 12.0, 20.0))
@@ -32,7 +33,7 @@ def test_windows_swing_as_one_pendulum(count):
 def test_posts_stay_parallel_to_the_crank():
     """At the flat posture and 1e-9 rad and less from it, and both postures are flat ones."""
     machine = windows(40).mechanism
-    assert machine.flats == (0.0, pi) and machine.turns_fully
+    assert machine.flat_inputs == (0.0, pi) and machine.turns_fully
     for position in (0.0, 1e-300, 1e-9, 1.0, 2.0, 3.0, pi - 1e-9, pi):
         motion = machine.motion(position, 2.0, 3.0)
         for i in (0, 19, 39):
@@ -59,7 +60,7 @@ def test_one_window_is_the_four_bar():
 def test_any_change_point_is_that_of_the_four_bar(lengths, flats, mode):
     a1, a2, a3, a4 = lengths
     kind, machine = FourBar(*lengths, mode=mode), loop(a1, a2, a3, a4, mode)
-    assert machine.flats == flats
+    assert machine.flat_inputs == flats
     assert machine.change_point_margin == kind.change_point_margin == 0.0
     for position in (*np.linspace(0.3, 6.0, 9).tolist(), 1e-9, pi - 1e-9, pi + 1e-9, -1e-9):
         one, other = kind.motion(position, 2.0, -1.0), machine.motion(position, 2.0, -1.0)
@@ -82,7 +83,7 @@ def loop(a1, a2, a3, a4, mode=2, mirrored=False):
 
 def test_a_loop_is_the_same_from_either_end():
     one, other = loop(1.0, 2.0, 3.0, 2.0), loop(1.0, 2.0, 3.0, 2.0, mirrored=True)
-    assert one.flats == other.flats
+    assert one.flat_inputs == other.flat_inputs
     for position in (0.5, 2.0, 4.0):
         m, n = one.motion(position, 1.0), other.motion(position, 1.0)
         for name in ('theta_output', 'omega_output', 'alpha_coupler'):

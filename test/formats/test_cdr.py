@@ -3,8 +3,8 @@
 """Messages decoded as an independent codec encodes them; odd definitions end in one line."""
 import math
 
+from fourbar_ros.bag.cdr import Decoder
 from fourbar_ros.errors import BagError
-from fourbar_ros.formats.cdr import Decoder
 import numpy as np
 import pytest
 from support import bags

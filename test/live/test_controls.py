@@ -4,21 +4,19 @@
 from math import hypot, radians
 import time
 
-from fourbar_ros.live import address as links
-from fourbar_ros.live import charts
-from fourbar_ros.live.course import OverInput
-from fourbar_ros.live.model import shown
-from fourbar_ros.live.picture import mechanism_view
-from fourbar_ros.live.tables import now_rows, pose_values
+from fourbar_lab.live import charts
+from fourbar_lab.live import page as links
+from fourbar_lab.live.model import shown
+from fourbar_lab.live.picture import mechanism_view
+from fourbar_lab.live.playback import CyclePlayback
+from fourbar_lab.live.tables import now_rows
 from fourbar_ros.scene.files import find
 from fourbar_ros.scene.scene import load
 import pytest
 from support.browser import live, needs_browser, Tab
 
-pytestmark = needs_browser
-KINDS = ['paper', 'jansen',
-         *(pytest.param(name, marks=pytest.mark.slow)
-           for name in ('slider_crank', 'cylinder', 'scotch_yoke'))]
+pytestmark = [needs_browser, pytest.mark.slow]
+KINDS = ['paper', 'jansen', 'slider_crank', 'cylinder', 'scotch_yoke']
 SETTLE = 1.0            # [s]
 CLOSED = '.q-expansion-item--collapsed .q-item'
 CURVES = 'curves over the input, extrema marked'
@@ -45,12 +43,13 @@ def expected(tab, name):
     values = load(find(name)).values
     link = links.read(tab.query(), name, values)
     found = shown(link.values, link.acceleration)
-    course = OverInput(found, found.scene.drive.start)
+    playback = CyclePlayback(found, found.scene.drive.start)
     if link.at is not None:
-        course.go(link.at)
-    status, motion, loads = found.pose(*course.state())
+        playback.go(link.at)
+    status, (motion, loads) = found.pose(*playback.state())
     assert status == 0
-    return found, motion, now_rows(pose_values(found, motion, loads))
+    return found, motion, now_rows(
+        found.values((motion, loads)), (), found.labels.forces if found.labels.words else {})
 
 
 def agrees(tab, name):
@@ -108,11 +107,9 @@ def test_input_drag_modes_and_layers(opened, name):
     diagram, view = found.linkage.diagram(motion), mechanism_view(found)
     moving = next(i for i, joint in enumerate(diagram.joints) if joint not in diagram.ground)
     _, (goal, *_), *_ = found.samples(12)[3:5]
-    there = found.linkage.diagram(found.pose(goal)[1]).joints
+    there = found.linkage.diagram(found.pose(goal)[1].motion).joints
     joint = list(diagram.joints)[moving]
-    box = tab.driver.execute_script(
-        "const b = document.querySelector('[aria-label=\"the mechanism in its pose\"]')"
-        '.getBoundingClientRect(); return [b.x, b.y, b.width / 600]')
+    box = tab.frame()
     chain = ActionChains(tab.driver, duration=30)
     for step, place in enumerate((diagram.joints[joint], *(
             (1.0 - part / 6) * diagram.joints[joint] + part / 6 * there[joint]
@@ -160,7 +157,7 @@ def test_ten_quick_moves_end_with_the_last(opened):
 def is_empty(tab):
     """Return whether no strokes, rows, curves and cursor are on the page."""
     shown_svg = tab.driver.execute_script(
-        "return [...document.querySelectorAll('.fb-picture svg, .fb-dots')]"
+        "return [...document.querySelectorAll('.fb-picture, .fb-dots')]"
         ".map(s => s.querySelectorAll('line, circle, polyline, polygon').length)")
     cursors = tab.driver.find_elements('css selector', '.fb-cursor')
     return not (any(shown_svg) or tab.now() or tab.rows('quantity') or tab.rows('lengths')

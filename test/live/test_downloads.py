@@ -11,7 +11,7 @@ from PIL import Image
 import pytest
 from support.browser import browser, live, needs_browser, PATIENCE, Tab
 
-pytestmark = needs_browser
+pytestmark = [needs_browser, pytest.mark.slow]
 SVG = '{http://www.w3.org/2000/svg}'
 
 
@@ -56,7 +56,7 @@ def test_the_svg_is_the_picture(download, tab):
 
 def test_the_png_has_the_strokes(download):
     with Image.open(download('picture (PNG)', 'png')) as picture:
-        assert picture.size == (1200, 840)
+        assert picture.size == (1440, 840)
         colours = picture.convert('RGB').getcolors(1 << 20)
         assert max(colours)[1] == (255, 255, 255) and len(colours) > 50
 

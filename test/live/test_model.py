@@ -5,16 +5,14 @@ from math import degrees, hypot, pi
 import re
 from xml.etree import ElementTree
 
-from fourbar_ros.errors import FourBarError, InvalidParameter
-from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.live import address, charts
-from fourbar_ros.live.course import OverInput
-from fourbar_ros.live.dragging import Handle, nearest_input
-from fourbar_ros.live.model import shown
-from fourbar_ros.live.over_time import OverTime, Run
-from fourbar_ros.live.picture import (
+from fourbar_lab.live import charts
+from fourbar_lab.live import page as address
+from fourbar_lab.live.controls import NoNumber, read_number
+from fourbar_lab.live.model import shown
+from fourbar_lab.live.picture import (
     document,
     force_scale,
+    Handle,
     Layers,
     LONGEST_FORCE,
     mechanism_svg,
@@ -22,14 +20,27 @@ from fourbar_ros.live.picture import (
     polygon_svg,
     polygon_view,
 )
+from fourbar_lab.live.playback import CyclePlayback, NodePlayback, Run, RunPlayback
+from fourbar_lab.live.svg import HEIGHT, WIDTH
+from fourbar_ros.cli.main import main
+from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.points import instant_centre, link_motion, point_motion
 from fourbar_ros.scene.files import find, folder, read_values
 from fourbar_ros.scene.scene import load
 import numpy as np
 import pytest
+from support.samples import some
 
 EPS = 2.0**-52
+SVG = '{http://www.w3.org/2000/svg}'
 SCENES = sorted(file.stem for file in folder().glob('*.yaml'))
+
+
+def texts_of(svg):
+    """Return the texts of a picture, indices beside their letters."""
+    return [''.join(text.itertext()).replace('\u200b', '') for text in ElementTree.fromstring(
+        document(svg)).iter('{http://www.w3.org/2000/svg}text')]
 
 
 def shown_of(name):
@@ -43,7 +54,7 @@ def test_a_cycle_is_that_of_the_mechanism(name):
     for cycle, (low, high) in zip(found.cycles, found.ranges):
         assert low <= cycle.inputs[0] < cycle.inputs[-1] <= high
         middle = float(cycle.inputs[100])
-        status, motion, loads = found.pose(middle)
+        status, (motion, loads) = found.pose(middle)
         assert status == 0
         for field, value in zip(motion._fields, motion):
             column = getattr(cycle.motion, field)
@@ -58,9 +69,9 @@ def test_pictures_are_svg_with_every_joint_where_it_is(name):
     view, per_newton = mechanism_view(found), force_scale(found)
     for share in (0.1, 0.5, 0.9):
         inputs = found.cycles[0].inputs
-        _, motion, loads = found.pose(float(inputs[int(share * (len(inputs) - 1))]))
+        _, (motion, loads) = found.pose(float(inputs[int(share * (len(inputs) - 1))]))
         root = ElementTree.fromstring(document(mechanism_svg(
-            found, motion, loads, view, per_newton, Layers(True, True, True))))
+            found, (motion, loads), view, per_newton, Layers(True, True, True))))
         pins = [(float(pin.get('cx')), float(pin.get('cy'))) for pin in root.iter(
             '{http://www.w3.org/2000/svg}circle') if pin.get('class') == 'pin']
         joints = found.linkage.diagram(motion).joints.values()
@@ -76,9 +87,9 @@ def test_force_labels_have_the_values_of_the_core():
     found = shown_of('paper')
     seen = set()
     for position in found.cycles[0].inputs[::20]:
-        _, motion, loads = found.pose(float(position))
-        text = mechanism_svg(found, motion, loads, mechanism_view(found), force_scale(found))
-        for number, value in re.findall(r'F(\d+) = (\S+) N', text):
+        _, (motion, loads) = found.pose(float(position))
+        text = mechanism_svg(found, (motion, loads), mechanism_view(found), force_scale(found))
+        for number, value in re.findall(r'F(\d+) = (\S+) N', ' '.join(texts_of(text))):
             seen.add(number)        # four digits
             assert float(value) == pytest.approx(getattr(loads, f'f{number}'), rel=5e-4)
     assert seen == {'41', '21', '32', '43'}
@@ -86,20 +97,22 @@ def test_force_labels_have_the_values_of_the_core():
 
 def test_joints_with_words_for_names_have_one_letter_a_place():
     found = shown_of('jansen')
-    _, motion, loads = found.pose(1.0)
-    text = mechanism_svg(found, motion, loads, mechanism_view(found), force_scale(found))
-    letters = re.findall(r'<text class="" [^>]*>([^<]+)<', text)
+    _, (motion, loads) = found.pose(1.0)
+    text = mechanism_svg(found, (motion, loads), mechanism_view(found), force_scale(found))
+    texts = texts_of(text)
+    letters = [text for text in texts if re.fullmatch(r'[A-Z]\d?', text)]
     places = {tuple(np.round(place, 9)) for place in found.linkage.diagram(motion).joints.values()}
     assert len(letters) == len(set(letters)) == len(places)
-    symbols = dict(re.findall(r'>F([A-Z]\d?) = (\S+) N<', text))
+    symbols = dict(re.findall(r'F([A-Z]\d?) = (\S+) N', ' '.join(texts)))
     assert symbols and {symbol[0] for symbol in symbols} <= {letter[0] for letter in letters}
     for name, symbol in found.labels.forces.items():        # each has its own force
         value = symbols.get(re.sub('[F_{}]', '', symbol))
         if value:
             assert float(value) == pytest.approx(getattr(loads, name), rel=5e-4)
     arrows = found.linkage.velocity_polygon(motion)
-    svg = polygon_svg(arrows, polygon_view([arrows]), 'm/s', found.labels.letters)
-    assert '>VA = ' in svg and 'upper' not in svg
+    texts = texts_of(polygon_svg(arrows, polygon_view([arrows]), 'm/s', found.labels.letters))
+    assert any(text.startswith('VA = ') for text in texts) and 'upper' not in ''.join(texts)
+    assert len(texts) == len(set(texts))        # joints at one place have one arrow
 
 
 def test_axes_hold_what_can_be_read_of_curves_that_go_to_infinity():
@@ -121,7 +134,7 @@ def test_axes_hold_what_can_be_read_of_curves_that_go_to_infinity():
 @pytest.mark.parametrize('name', ['paper', 'slider_crank', 'cylinder'])
 def test_instant_centres_are_at_rest_and_obey_kennedy(name):
     found = shown_of(name)
-    _, motion, _ = found.pose(float(found.cycles[0].inputs[120]))
+    _, (motion, _) = found.pose(float(found.cycles[0].inputs[120]))
     links = {link.name: link_motion(found.linkage, motion, link.name)
              for link in found.linkage.LINKS}
     size = max(map(abs, found.linkage.lengths))
@@ -163,23 +176,122 @@ def test_charts_mark_the_extrema_of_the_core():
             assert abs(points[near, 1] - mark['coord'][1]) <= 0.02 * span
 
 
-@pytest.mark.parametrize('name', SCENES)
+@some('name', SCENES, ('paper','jansen','cylinder','scotch_yoke'))
 def test_a_dragged_joint_follows_the_pointer(name):
     found = shown_of(name)
     view = mechanism_view(found)
     inputs = found.cycles[0].inputs
     start, goal = float(inputs[100]), float(inputs[140])
-    _, motion, _ = found.pose(start)
+    _, (motion, _) = found.pose(start)
     joints = found.linkage.diagram(motion)
     joint = next(name for name in joints.joints if name not in joints.ground)
-    handle = Handle(found, motion, view, view.at(joints.joints[joint]))
+    handle = Handle(found, found.pose(start)[1], view, view.at(joints.joints[joint]))
     assert handle.joint == joint
-    _, there, _ = found.pose(goal)
+    _, (there, _) = found.pose(goal)
     pixel = view.at(found.linkage.diagram(there).joints[joint])
-    reached = nearest_input(found, handle.input_at(pixel, start))
-    _, motion, _ = found.pose(reached)
+    reached = found.nearest_input(handle.input_at(pixel, start))
+    _, (motion, _) = found.pose(reached)
     assert hypot(*np.subtract(view.at(found.linkage.diagram(motion).joints[joint]),
                               pixel)) <= 2.0        # [px]
+
+
+NAN = float('nan')
+
+
+@some('name', SCENES, ('paper','jansen','cylinder','scotch_yoke'))
+@pytest.mark.parametrize('kind', ['mechanism', 'velocity', 'acceleration'])
+def test_no_arrow_and_no_label_leaves_the_picture_or_covers_another(name, kind):
+    found = shown_of(name)
+    view, per_newton = mechanism_view(found), force_scale(found)
+    polygon = getattr(found.linkage, f'{kind}_polygon', None)
+    covered = labels = 0
+    view = view if polygon is None else polygon_view([polygon(motion) for motion, _ in
+                                                      found.poses])
+    for motion, loads in found.poses[::4]:
+        svg = (mechanism_svg(found, (motion, loads), view, per_newton) if polygon is None
+               else polygon_svg(polygon(motion), view, 'm/s', found.labels.letters))
+        boxes = []
+        for text in ElementTree.fromstring(document(svg)).iter(f'{SVG}text'):
+            # 0.64 em a letter of 15 px: digits of the widest serif fonts in use
+            words = ''.join(text.itertext()).replace('\u200b', '')
+            width, x, y = 9.6 * len(words), float(text.get('x')), float(text.get('y'))
+            left = x - width if text.get('text-anchor') == 'end' else x
+            assert 0.0 <= left and left + width <= WIDTH, words
+            assert 14.0 <= y <= HEIGHT - 4.0, words
+            boxes.append((left, y - 10.0, left + 0.85 * width, y))
+        covered += sum(a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
+                       for i, a in enumerate(boxes) for b in boxes[:i])
+        labels += len(boxes)
+    assert covered <= 0.02 * labels, f'{covered} of {labels} labels cover another'
+
+
+def test_forces_of_every_pose_have_room():
+    for name in ('paper', 'jansen', 'andrews', 'slider_crank'):
+        found = shown_of(name)
+        view, scale = mechanism_view(found), force_scale(found)
+        for motion, loads in found.poses:
+            for force, joint in found.linkage.diagram(motion).forces.items():
+                size = np.array([getattr(loads, f'{force}_x'), -getattr(loads, f'{force}_y')])
+                tip = view.at(found.linkage.diagram(motion).joints[joint]) + scale * size
+                if scale * np.hypot(*size) <= LONGEST_FORCE:
+                    assert (tip >= 0.0).all() and (tip <= (WIDTH, HEIGHT)).all(), (name, force)
+
+
+@pytest.mark.parametrize('name', ['paper', 'jansen'])
+def test_an_angle_is_the_same_after_any_number_of_turns(name):
+    found = shown_of(name)
+    for turns in (-1000, -93, -2, -1, 0, 1, 2, 3, 92, 1000):
+        for angle in (-3.0, -0.5, 0.0, 1.0, 3.1):
+            reached = found.nearest_input(angle + turns * 2.0 * pi)
+            # the turns themselves are rounded
+            assert reached == pytest.approx(angle, abs=8 * EPS * (1 + 7 * abs(turns)))
+    partly = shown_of('slides_7_6')
+    low, high = partly.ranges[0]
+    for turns in (-5, 0, 4):
+        assert partly.nearest_input(0.5 * (low + high) + turns * 2.0 * pi) == pytest.approx(
+            0.5 * (low + high), abs=64 * EPS * 30)
+
+
+def test_a_node_that_turns_on_and_on_moves_the_page():
+    found, latest = shown_of('paper'), [(0.0, 25.0, 0.0)]
+    playback = NodePlayback(found, lambda: latest[0])
+    for position, shown_at in ((9.5, 9.5 - 4 * pi), (583.75, 583.75 - 186 * pi), (NAN, None)):
+        latest[0] = position, 25.0, 0.0
+        before = playback.position
+        playback.advance(0.1)
+        assert playback.position == pytest.approx(before if shown_at is None else shown_at,
+                                                  abs=1e3 * EPS)
+    assert found.pose(*playback.state())[0] != 0          # which the page says
+
+
+@pytest.mark.parametrize(('text', 'value'), [
+    ('0.5', 0.5), ('0,5', 0.5), ('.5', 0.5), (',5', 0.5), ('5.', 5.0), ('1/3', 1 / 3),
+    (' 1 / 8 ', 0.125), ('-0,5/2', -0.25), ('+3', 3.0), ('1e-3', 1e-3), ('2,5E2', 250.0),
+    ('0,125', 0.125), ('\N{MINUS SIGN}2', -2.0), ('1.250', 1.25), ('0', 0.0), ('-0', -0.0)])
+def test_numbers_of_users_are_read(text, value):
+    assert read_number(text) == value
+
+
+@pytest.mark.parametrize('text', [
+    '', ' ', 'abc', '0.4.2', '1/0', '1/2/3', '0x10', '1e400', '1' + '0' * 400, 'nan', '.nan',
+    'inf', '-Infinity', '1,250', '12,500', '1,2,3', '1.000,5', '1,000.5', '1 000', '1_000', '--1',
+    '1e', 'e5', '.', ',', '-', '1/', '/2', '0.5 m', '½', '1e-400/1e-400', '٣'])
+def test_what_is_no_number_or_could_be_two_is_refused(text):
+    with pytest.raises(NoNumber) as caught:
+        read_number(text)
+    assert '\n' not in str(caught.value) and len(str(caught.value)) < 120
+
+
+def test_rounding_is_not_shown_as_a_value():
+    found = shown_of('paper')
+    values = found.values(found.pose(0.0)[1])
+    assert values['omega3'] == (0.0, 'rad/s')           # the links are in line
+    _, (motion, _) = found.pose(1.0)
+    assert found.values(found.pose(1.0)[1])['omega4'][0] == motion.omega4
+    andrews = shown_of('andrews')
+    for motion, loads in andrews.poses:
+        values = andrews.values((motion, loads))
+        assert all(value == 0.0 or abs(value) > 1e-14 for value, _ in values.values())
 
 
 def test_a_drag_from_nowhere_moves_nothing():
@@ -190,14 +302,14 @@ def test_a_drag_from_nowhere_moves_nothing():
 @pytest.mark.parametrize('name', SCENES)
 def test_playing_covers_the_range_and_stays_in_it(name):
     found = shown_of(name)
-    course = OverInput(found, float(found.cycles[0].inputs[10]))
+    playback = CyclePlayback(found, float(found.cycles[0].inputs[10]))
     low, high = found.ranges[0]
     reached = []
     for _ in range(700):
-        course.advance(0.01 * course.pace.value)
-        reached.append(course.state().position)
+        playback.advance(0.01 * playback.pace.value)
+        reached.append(playback.state().position)
         assert low <= reached[-1] <= high
-        assert found.pose(*course.state())[0] == 0
+        assert found.pose(*playback.state())[0] == 0
     assert max(reached) - min(reached) >= 0.97 * (high - low)
 
 
@@ -216,16 +328,40 @@ def test_links_carry_the_state_and_read_back():
 @pytest.mark.parametrize(('query', 'why'), [
     ({'scene': '/etc/passwd'}, 'the link is to the scene /etc/passwd'),
     ({'scene': '../paper'}, 'the link is to the scene ../paper'),
-    ({'linkage.a9': '1'}, 'unknown parameter linkage.a9'), ({'at': 'x'}, 'no number'),
-    ({'acceleration': 'true'}, 'no number')])
+    ({'linkage.a9': '1'}, 'unknown parameter linkage.a9'),
+    ({'at': 'x'}, 'must be a finite number'),
+    ({'acceleration': 'true'}, 'must be a finite number'),
+    ({'at': '.nan'}, 'must be a finite number'), ({'at': 'nan'}, 'must be a finite number'),
+    ({'at': '-.inf'}, 'must be a finite number'), ({'at': '1e999'}, 'must be a finite number'),
+    ({'at': '9' * 400}, 'must be a finite number'), ({'at': '9' * 5000}, 'finite number'),
+    ({'acceleration': '.inf'}, 'must be a finite number'),
+    ({'nothing': '9' * 400}, 'unknown parameter nothing')])
 def test_bad_links_are_refused_and_read_no_file(query, why):
     with pytest.raises(address.BadLink, match=re.escape(why)):
         address.read(query, 'paper', load(find('paper')).values)
 
 
+@pytest.mark.parametrize('digits', [309, 400, 4000, 5000])
+def test_a_number_of_many_digits_in_a_link_is_an_error_of_ours(digits):
+    values = load(find('paper')).values
+    for name in ('linkage.a1', 'linkage.mode', 'drive.speed', 'linkage.kind'):
+        for sign in ('', '-'):
+            with pytest.raises(FourBarError) as caught:
+                shown(address.read({name: sign + '9' * digits}, 'paper', values).values)
+            assert len(str(caught.value)) < 300
+
+
 def test_a_link_to_another_shipped_scene_shows_that():
     link = address.read({'scene': 'cylinder'}, 'paper', load(find('paper')).values)
     assert link.title == 'cylinder' and link.values['linkage.kind'] == 'inverted_slider'
+
+
+@pytest.mark.parametrize('port', [-1, 65536, 99999, 10**30])
+def test_what_is_no_port_is_one_line(port, capsys):
+    pytest.importorskip('nicegui')
+    assert main(['live', 'paper', '--no-browser', '--port', str(port)]) == 1
+    said = capsys.readouterr().err
+    assert f'--port {port}: must be an integer from 0 to 65535' in said and said.count('\n') == 1
 
 
 def test_impossible_values_say_why():
@@ -240,16 +376,16 @@ def test_a_run_is_shown_at_its_own_samples():
     found = shown_of('paper')
     times = np.linspace(0.0, 2.0, 401)
     run = Run(times, np.stack([25.0 * times, np.full(401, 25.0), np.zeros(401)]))
-    course = OverTime(found, run)
-    course.go(1.0012)
-    assert course.state() == (25.0 * times[200], 25.0, 0.0)
-    options = course.curves(['omega4'], [], False)
+    playback = RunPlayback(found, run)
+    playback.go(1.0012)
+    assert playback.state() == (25.0 * times[200], 25.0, 0.0)
+    options = playback.curves(['omega4'], [], False)
     source = options['dataset'][0]['source']
     values = dict(zip(source['x'], source['omega4']))
     motion = found.linkage.motion(25.0 * times[37], 25.0)
     assert values[times[37]] == pytest.approx(motion.omega4, rel=64 * EPS)
-    course.go(99.0)
-    assert course.at == 2.0
+    playback.go(99.0)
+    assert playback.at == 2.0
 
 
 def test_forces_of_a_run_have_room_whatever_speed_the_scene_names():
@@ -257,12 +393,12 @@ def test_forces_of_a_run_have_room_whatever_speed_the_scene_names():
     times = np.linspace(0.0, 0.5, 200)
     rates = np.stack([0.3 + 25.0 * times, np.full(200, 25.0), np.zeros(200)])
     rates[1:, 0] = np.nan                            # not known yet
-    course = OverTime(shown(values), Run(times, rates))
-    found = shown(values, 0.0, course.speed)
+    playback = RunPlayback(shown(values), Run(times, rates))
+    found = shown(values, 0.0, playback.speed)
     scale = force_scale(found)
     for at in times[1:]:
-        course.go(float(at))
-        _, _, loads = found.pose(*course.state())
+        playback.go(float(at))
+        _, (_, loads) = found.pose(*playback.state())
         for force in (loads.f41, loads.f21, loads.f32, loads.f43):
             assert 0.0 < scale * force < 1.2 * LONGEST_FORCE
 
@@ -281,5 +417,5 @@ def test_inputs_are_shown_in_the_unit_of_the_page():
     crank, slide = shown_of('paper'), shown_of('cylinder')
     assert crank.shown_input(pi) == degrees(pi) and crank.input_unit == 'deg'
     assert slide.shown_input(1.5) == 1.5 and slide.input_unit == 'm'
-    middle = point_motion(crank.linkage, crank.pose(1.0)[1], *crank.points['middle'])
+    middle = point_motion(crank.linkage, crank.pose(1.0)[1].motion, *crank.points['middle'])
     assert np.isfinite(middle.place).all()

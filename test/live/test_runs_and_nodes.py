@@ -2,18 +2,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """The live page of recorded runs and of a running node, in a real browser over real DDS."""
 import csv
+import itertools
 
+from fourbar_lab.live.server import read_run
+from fourbar_msgs.msg import Motion
 from fourbar_ros.cli.main import main
-from fourbar_ros.live.recorded import read_run
 from fourbar_ros.report.poses import number
+from fourbar_ros.ros.clients.client import Client, opened
 import numpy as np
 import pytest
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
 from support import ROOT
 from support.browser import live, needs_browser, PATIENCE, Tab
 from support.harness import NodeProcess
 from support.scenes import PAPER, RODS
 
-pytestmark = needs_browser
+pytestmark = [needs_browser, pytest.mark.slow]
 RECORDED = ROOT / 'test/support/data/recorded'
 BAGS = sorted(path for path in RECORDED.iterdir())
 
@@ -84,11 +89,67 @@ def test_a_node_is_followed_and_set(driver, tmp_path):
             tab = Tab(driver, address)
             before = tab.picture()
             tab.until(lambda: tab.picture() != before, 'the motion of the node')
+            old = tab.text('linkage.a2')
             tab.write('linkage.a2', '9')
             tab.until(lambda: 'cannot close' in tab.alarm(), "the node's reason")
-            tab.write('linkage.a2', '1.1')
+            tab.until(lambda: tab.text('linkage.a2') == old, 'the value that holds')
+            tab.write('linkage.a2', '1,1')
             tab.open('Facts')
             tab.until(lambda: any('a2 1.1' in row[1] for row in tab.rows('lengths')),
                       "the node's new linkage")
+            assert not tab.alarm()
+            set_elsewhere('watched_by_a_page', 'linkage.a3', 0.85)
+            tab.until(lambda: tab.text('linkage.a3') == '0.85', 'what another has set')
+            tab.until(lambda: tab.by('linkage.a3 slider').get_attribute('aria-valuenow')
+                      == '0.85', 'its slider')
+            set_elsewhere('watched_by_a_page', 'linkage.mode', 1)
+            tab.until(lambda: 'aria-pressed="true"' in tab.driver.find_element(
+                'xpath', '//button[contains(., "crossed")]').get_attribute('outerHTML'),
+                'the other mode')
+            assert tab.text('linkage.a2') == '1.1' and not tab.alarm()
+    finally:
+        node.stop()
+
+
+def set_elsewhere(node, name, value):
+    """Set a parameter of a node as any other program does."""
+    with opened(lambda own: Client(own, PATIENCE), 'somebody_else') as client:
+        setter = client.node.create_client(SetParameters, f'/{node}/set_parameters')
+        client.until(setter.service_is_ready, 'the node')
+        request = SetParameters.Request(
+            parameters=[Parameter(name, value=value).to_parameter_msg()])
+        assert client.result_of(setter.call_async(request), name).results[0].successful
+
+
+def test_the_input_of_a_node_goes_on_after_half_a_turn(driver, tmp_path):
+    scene = {**PAPER, **RODS, 'drive.speed': 2.0, 'drive.start': 3.0}
+    node = NodeProcess(scene, tmp_path, name='turning_on_and_on')
+    try:
+        with live('--node', '/turning_on_and_on', '--wait', PATIENCE) as address:
+            tab = Tab(driver, address)
+            seen = set()
+            tab.until(lambda: seen.add(round(float(tab.text('input value'))) // 60)
+                      or len(seen) == 6, 'every part of a turn')
+    finally:
+        node.stop()
+
+
+def test_a_speed_beyond_all_pictures_does_not_stop_the_page(driver, tmp_path):
+    """It takes the picture away until the node has other speeds."""
+    node = NodeProcess({**PAPER, **RODS, 'drive.source': 'motion'}, tmp_path, name='flung')
+    turned = itertools.count()
+    try:
+        with live('--node', '/flung', '--wait', PATIENCE) as address, opened(
+                lambda own: Client(own, PATIENCE), 'flinging') as client:
+            publisher = client.node.create_publisher(Motion, '/flung/input', 10)
+
+            def send(speed):
+                publisher.publish(Motion(position=0.1 * next(turned), velocity=speed))
+
+            tab = Tab(driver, address)
+            tab.until(lambda: send(2.0) or tab.picture(), 'a picture')
+            tab.until(lambda: send(1e154) or 'too large' in tab.alarm(), 'the reason')
+            before = tab.picture()
+            tab.until(lambda: send(2.0) or tab.picture() not in ('', before), 'a picture again')
     finally:
         node.stop()

@@ -8,7 +8,7 @@ import signal
 import pytest
 from support.browser import needs_browser, start, stop, Tab
 
-pytestmark = needs_browser
+pytestmark = [needs_browser, pytest.mark.slow]
 # Notes every text that a field shows, once each frame.
 WATCH = """
 window.seen = [];
@@ -100,7 +100,7 @@ def test_what_is_typed_is_kept_to_its_last_digit(tab):
     tab.until(lambda: tab.query().get('at') == '60.1234567', 'the input')
 
 
-def test_what_is_no_number_gives_way_to_the_input(tab):
+def test_an_emptied_input_gives_way_to_what_it_is(tab):
     from selenium.webdriver.common.keys import Keys
     tab.write('input value', '60')
     tab.until(lambda: tab.query().get('at') == '60', 'the input')
@@ -109,13 +109,43 @@ def test_what_is_no_number_gives_way_to_the_input(tab):
     tab.until(lambda: tab.text('input value') == '60', 'the input again')
 
 
-def test_an_emptied_parameter_is_asked_for_until_it_is_given_again(tab):
+@pytest.mark.parametrize(('typed', 'why'), [
+    ('', 'must be given'), ('0.4.2', "'0.4.2': must be a number"), ('abc', 'must be a number'),
+    ('1,250', 'write 1.250 or 1250'), ('1e400', 'must be a finite number')])
+def test_what_is_no_number_goes_back_with_its_reason(tab, typed, why):
     from selenium.webdriver.common.keys import Keys
+    before = tab.text('linkage.a2')
     tab.select('linkage.a2')
-    tab.keys(Keys.DELETE, Keys.ENTER)
-    tab.until(lambda: tab.alarm() == 'linkage.a2 must be given', 'what is missing')
-    tab.write('linkage.a2', '1.2')
-    tab.until(lambda: not tab.alarm() and '<circle' in tab.picture(), 'the mechanism again')
+    tab.keys(Keys.DELETE, *typed, Keys.ENTER)
+    tab.until(lambda: tab.alarm().startswith('linkage.a2 = ') and why in tab.alarm(), 'the reason')
+    tab.until(lambda: tab.text('linkage.a2') == before and '<circle' in tab.picture(),
+              'what was there')
+    tab.write('linkage.a2', '1.21')
+    tab.until(lambda: not tab.alarm() and tab.query().get('linkage.a2') == '1.21', 'the next')
+
+
+@pytest.mark.parametrize('typed', ['1,15', '23/20', ' 1.15', '115e-2'])
+def test_numbers_as_other_places_write_them_are_taken(tab, typed):
+    tab.write('linkage.a2', typed)
+    tab.until(lambda: tab.query().get('linkage.a2') == '1.15', 'the number')
+    tab.until(lambda: tab.text('linkage.a2') == '1.15', 'the field, still with the focus')
+    assert not tab.alarm()
+
+
+def test_an_input_of_two_turns_is_where_it_is_on_the_first(tab):
+    for typed, angle in (('720', 0.0), ('-1000', 80.0), ('3600060', 60.0)):
+        tab.write('input value', typed)
+        tab.until(lambda angle=angle: float(tab.text('input value')) == pytest.approx(
+            angle, abs=1e-4) and float(tab.query().get('at', 'nan')) == pytest.approx(
+                angle, abs=1e-4), f'{angle} of {typed}')
+
+
+def test_home_and_end_move_a_slider_to_its_ends(tab):
+    from selenium.webdriver.common.keys import Keys
+    for key, end in ((Keys.END, 180.0), (Keys.HOME, -180.0)):
+        tab.focus_slider('input')
+        tab.keys(key)
+        tab.until(lambda end=end: float(tab.query().get('at', 'nan')) == end, str(end))
 
 
 def test_every_step_of_a_slider_counts(tab, held):

@@ -3,7 +3,7 @@
 """
 The code of the formulas.
 
-Results by name, every tag of an equation in the docstring it belongs to.
+Records in and out, every tag of an equation in the docstring it belongs to.
 """
 import ast
 import inspect
@@ -11,7 +11,10 @@ import re
 import textwrap
 
 from fourbar_ros.mechanisms.kinds import KINDS
+from fourbar_ros.numerics.number_types import ARRAY, REAL
+import numpy as np
 import pytest
+from support import contract
 
 FORMULAS = [(kind, what) for kind in KINDS.values() for what in ('MOTION', 'LOADS')]
 every_formula = pytest.mark.parametrize('kind, what', FORMULAS,
@@ -29,27 +32,15 @@ def factories(kind, what):
     return formulas, [ast.parse(textwrap.dedent(inspect.getsource(f))).body[0] for f in functions]
 
 
-def names(node):
-    return [getattr(item, 'id', None) for item in node.elts]
-
-
-@every_formula
-def test_results_are_listed_by_the_names_of_their_fields(kind, what):
-    _, trees = factories(kind, what)
-    assert trees
-    for tree in trees:
-        inner = next(node for node in tree.body if isinstance(node, ast.FunctionDef))
-        assert names(inner.body[-1].value) == list(getattr(kind, what)._fields), tree.name
-
-
-@pytest.mark.parametrize('kind', KINDS.values(), ids=lambda kind: kind.__name__)
-def test_loads_take_a_motion_apart_by_the_names_of_its_fields(kind):
-    _, trees = factories(kind, 'LOADS')
-    for tree in trees:
-        inner = next(node for node in tree.body if isinstance(node, ast.FunctionDef))
-        taken = names(inner.body[0].targets[0])
-        assert len(taken) == len(kind.MOTION._fields)
-        assert all(one in ('_', other) for one, other in zip(taken, kind.MOTION._fields)), taken
+@pytest.mark.parametrize('case', contract.CASES, ids=contract.name_of)
+def test_formulas_give_and_take_records(case):
+    """Of any numbers, also where a part is out of range: a motion goes into the loads as it is."""
+    for mechanism, given in contract.ordinary(case, 604, 1):
+        for numbers, x in ((REAL, given[0]), (ARRAY, given[0] + np.linspace(-3.0, 3.0, 50))):
+            with np.errstate(all='ignore'):
+                motion = mechanism.make_motion(numbers)(x, *given[1:])
+                loads = mechanism.make_loads(numbers)(motion)
+            assert type(motion) is mechanism.MOTION and type(loads) is mechanism.LOADS
 
 
 def with_what_it_is_made_of(module):
@@ -69,4 +60,4 @@ def test_equations_are_numbered_in_the_docstring_and_tagged_in_the_code(kind, wh
         count += len(numbered)
         assert len(numbered) == len(set(numbered))
         assert tags <= set(numbered) and len(tags) >= 0.5 * len(numbered), (tags, numbered)
-    assert count >= 3
+    assert count >= 1

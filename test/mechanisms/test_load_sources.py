@@ -12,7 +12,7 @@ out as zero.
 """
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, FourBarError
-from fourbar_ros.bag import recompute
+from fourbar_ros.bag.comparison import recompute
 import mpmath as mp
 import numpy as np
 import pytest

@@ -1,6 +1,6 @@
 """Jacobi's elliptic functions against mpmath and scipy."""
 
-from fourbar_ros.numerics.elliptic_functions import jacobi, landen_steps
+from fourbar_ros.extrema.four_bar_rates.input_paths import jacobi, landen_steps
 import mpmath as mp
 import numpy as np
 import pytest

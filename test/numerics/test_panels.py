@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Integrals over a panel: of polynomials exactly, of smooth functions geometrically."""
-from fourbar_ros.numerics.panels import at, panel
+from fourbar_ros.dynamics.solve.by_energy import at, panel
 import numpy as np
 import pytest
 

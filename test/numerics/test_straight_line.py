@@ -2,12 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """A straight line of floats does what the formula with floats does, bit by bit, and no more."""
 from dataclasses import replace
+import linecache
 from math import copysign, fsum, inf, pi
+import traceback
 
 from fourbar_ros import Applied, Body
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.numerics.number_types import REAL
-from fourbar_ros.numerics.straight_line import make_lines, straight_line
+from fourbar_ros.numerics.straight_line import KEPT, make_lines, straight_line
 import numpy as np
 import pytest
 from support import contract
@@ -117,6 +119,33 @@ def test_zeros_keep_their_signs_and_functions_of_constants_are_constants():
     angle, minus, plus, total = line(0.5)
     assert angle == pi and copysign(1.0, minus) == -1.0 and copysign(1.0, plus) == 1.0
     assert total == 0.1 + 0.2
+
+
+def test_a_traceback_shows_the_line_and_names_the_formula():
+    line = straight_line(lambda n: lambda x: (1.0 / x, 2.0 * n.sqrt(x)), name='an example')
+    for value, error in ((0.0, ZeroDivisionError), (-1.0, ValueError)):
+        with pytest.raises(error) as raised:
+            line(value)
+        shown = ''.join(traceback.format_exception(error, raised.value, raised.tb))
+        assert '<an example, line ' in shown
+        assert ('sqrt(x0)' if value else '/ x0') in shown.rsplit('File', 1)[1]
+
+
+def test_texts_for_tracebacks_are_kept_for_some_lines_only():
+    for i in range(3 * KEPT):
+        straight_line(lambda n, i=i: lambda x: (x + float(i),) + (x,) * i, name='one of many')(1.0)
+    assert sum(name.startswith('<') and ', line ' in name
+               for name in linecache.cache) <= KEPT
+
+
+def test_a_minus_sign_goes_into_the_sum_without_a_bit_changed():
+    def formula(n):
+        return lambda x, y: (x + -y, -x + y, x - -y, -x * y + 1.0, 1.0 - (-x) / y, -(-x),
+                             n.where(x > y, -x, y), -x * -y)
+    line, plain = straight_line(formula, 2), formula(REAL)
+    rng = np.random.default_rng(405)
+    for x, y in [(0.0, 1.0), (-0.0, 1.0), (0.0, -1.0), *rng.normal(size=(50, 2)).tolist()]:
+        assert bits(line(x, y)) == bits(plain(x, y))
 
 
 def test_deep_formulas_and_infinite_constants():

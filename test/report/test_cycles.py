@@ -41,6 +41,7 @@ def test_the_polar_diagram_of_forces_reaches_the_peak_of_the_shaking_force():
     assert np.hypot(*curve.T).max() == pytest.approx(peak, rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', SCENES)
 def test_an_animation_has_its_frames_and_they_differ(name, tmp_path):
     from PIL import Image

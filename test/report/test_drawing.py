@@ -16,6 +16,7 @@ from mechanisms.test_points import four_bars
 import numpy as np
 import pytest
 from support import ROOT, slider_reference
+from support.samples import some
 
 
 def cases(count):
@@ -71,11 +72,11 @@ def test_scale_bars_are_round(value, expected):
 BODIES = Bodies(Body(1.0, 0.1, 0.0, 0.01), Body(2.0, 0.2, 0.0, 0.02), Body(1.0, 0.1, 0.0, 0.01))
 
 
-@pytest.mark.parametrize('mechanism, value', [
+@some('mechanism, value', [
     (FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES), 1.0), (SliderCrank(0.4, 1.2, -0.1, bodies=BODIES),
                                                         1.0),
     (InvertedSlider(0.4, 1.2, 0.1, bodies=BODIES), 1.0),
-    (SliderCrank(0.4, 1.2, input='slide', bodies=BODIES), 1.0)])
+    (SliderCrank(0.4, 1.2, input='slide', bodies=BODIES), 1.0)], 2)
 def test_pictures_have_equal_scales_and_all_labels(mechanism, value):
     pytest.importorskip('matplotlib')
     from fourbar_ros.report.drawing import make_figure
@@ -105,10 +106,10 @@ def test_an_arrow_is_as_long_as_its_scale_bar_says():
     assert np.ptp(bar.get_xdata()) == pytest.approx(float(text.split()[0]), rel=1e-12)
 
 
-@pytest.mark.parametrize('name, at, texts', [
+@some('name, at, texts', [
     ('paper', 1.0, (r'\theta_1', r'\theta_4', 'T_{41}', 'A', 'B', 'O_1', 'O_4')),
     ('slider_crank', 1.0, (r'\theta_1', r'\mathrm{middle}', 'T_{41}')),
-    ('cylinder', 1.5, (r'\theta_1', r'\theta_4', r'\mathrm{tip}'))])
+    ('cylinder', 1.5, (r'\theta_1', r'\theta_4', r'\mathrm{tip}'))], 1)
 def test_a_scene_is_drawn_with_all_that_it_has(name, at, texts):
     """
     Angles, rates, torque, points, centres of gravity, both scales.

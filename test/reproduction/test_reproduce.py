@@ -10,11 +10,8 @@ from math import pi, radians
 import subprocess
 import sys
 
-from fourbar_ros import __version__
-from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.report.significant import significant
-from fourbar_ros.reproduction import published
-from fourbar_ros.reproduction.reproduce import (
+from fourbar_lab.reproduction import published
+from fourbar_lab.reproduction.documents import (
     agrees,
     count,
     DOCUMENTS,
@@ -23,7 +20,7 @@ from fourbar_ros.reproduction.reproduce import (
     print_tables,
     reproduce,
 )
-from fourbar_ros.reproduction.verdicts import (
+from fourbar_lab.reproduction.verdicts import (
     AGREES,
     ASSUMED,
     DIFFERS,
@@ -35,10 +32,14 @@ from fourbar_ros.reproduction.verdicts import (
     VERDICTS,
     WRONG,
 )
+from fourbar_ros import __version__
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.report.significant import significant
 import numpy as np
 import pytest
 from support import ROOT, slider_reference
 from support.reference import EPS, pose
+from support.samples import some
 import yaml
 
 
@@ -258,7 +259,7 @@ class Page(HTMLParser):
 
 def test_the_page_holds_all_and_loads_nothing(sections):
     pytest.importorskip('matplotlib')
-    from fourbar_ros.reproduction.figures import page
+    from fourbar_lab.reproduction.figures import page
     text = page(sections, '2026-01-31')
     found = Page(text)
     assert found.loaded == [] and found.count['table'] == len(sections)
@@ -275,13 +276,13 @@ def test_the_page_holds_all_and_loads_nothing(sections):
             assert row.printed in text
 
 
-@pytest.mark.parametrize('name, row, panel', [('example_7_2', 'v_b', 1), ('example_7_2', 'a_b', 2),
-                                              ('example_7_3', 'a_b', 2),
-                                              ('example_7_5', 'v_a', 1),
-                                              ('example_7_5', 'coriolis', 2)])
+@some('name, row, panel', [('example_7_2', 'v_b', 1), ('example_7_2', 'a_b', 2),
+                           ('example_7_3', 'a_b', 2),
+                           ('example_7_5', 'v_a', 1),
+                           ('example_7_5', 'coriolis', 2)], 1)
 def test_figures_have_the_units_and_letters_of_their_tables(name, row, panel):
     pytest.importorskip('matplotlib')
-    from fourbar_ros.reproduction import figures
+    from fourbar_lab.reproduction import figures
     figure, _ = getattr(figures, name)()
     value = significant(abs(getattr(published, name)()[row]))
     letter = '{Cor}' if row == 'coriolis' else row[-1].upper()
@@ -323,7 +324,7 @@ def test_the_command(tmp_path):
 
 def test_the_tables_need_no_matplotlib():
     done = subprocess.run([sys.executable, '-c', 'import sys; sys.modules["matplotlib"] = None\n'
-                           'from fourbar_ros.reproduction.reproduce import reproduce; import '
+                           'from fourbar_lab.reproduction.documents import reproduce; import '
                            'fourbar_ros.report.drawing; reproduce()'],
                           capture_output=True, text=True, cwd=ROOT, check=False)
     assert done.returncode == 0, done.stderr

@@ -10,6 +10,7 @@ import time
 from action_msgs.msg import GoalStatus
 import pytest
 from rclpy.action import ActionClient
+from support.samples import some
 from support.scenes import PAPER, RODS
 
 # Absent only where fourbar_msgs has not been built since it has the action; the node says so and
@@ -74,10 +75,10 @@ def test_it_finds_what_the_service_finds_and_says_how_far_it_is(run_node, client
     assert counts[-6:] == sorted(counts[-6:]) and counts[-1] < len(answer.extrema)
 
 
-@pytest.mark.parametrize('asked, result', [
+@some('asked, result', [
     ({'quantities': ['nonsense'], 'velocity': 1.0}, 'RESULT_UNKNOWN_QUANTITY'),
     ({'velocity': 0.0}, 'RESULT_INVALID_REQUEST'), ({'velocity': 1.0, 'mode': 9},
-                                                    'RESULT_INVALID_REQUEST')])
+                                                    'RESULT_INVALID_REQUEST')], 1)
 def test_what_cannot_be_is_aborted_with_the_reason(run_node, client, goals, asked, result):
     run_node(LOADED)
     its = goals()
@@ -87,10 +88,9 @@ def test_what_cannot_be_is_aborted_with_the_reason(run_node, client, goals, aske
 
 
 def test_a_certified_search_is_canceled_and_the_next_goal_is_answered(run_node, client, goals):
-    pytest.importorskip('flint')
     run_node(LOADED)
     its = goals()
-    handle = its.send(velocity=25.0, mode=3, certify=True)       # of all quantities: minutes
+    handle = its.send(velocity=25.0, mode=3, certify=True)       # of all quantities: seconds
     client.until(lambda: any(f.feedback.done >= 1 for f in its.feedback), 'feedback')
     waiting = its.send(velocity=25.0, certify=True)
     for each in (waiting, handle):
@@ -105,8 +105,8 @@ def test_a_certified_search_is_canceled_and_the_next_goal_is_answered(run_node, 
     assert status == GoalStatus.STATUS_SUCCEEDED
 
 
+@pytest.mark.slow
 def test_the_node_ends_with_code_0_during_a_goal(run_node, client, goals):
-    pytest.importorskip('flint')
     node = run_node(LOADED)
     its = goals()
     its.send(velocity=25.0, mode=3, certify=True)

@@ -9,9 +9,9 @@ from types import SimpleNamespace
 
 from ament_index_python.packages import get_package_share_directory
 from diagnostic_msgs.msg import DiagnosticArray
-from fourbar_ros.bag.info import info
-from fourbar_ros.bag.reader import records
-from fourbar_ros.bag.recompute import recompute
+from fourbar_ros.bag.comparison.recompute import recompute
+from fourbar_ros.bag.read.info import info
+from fourbar_ros.bag.read.reader import records
 from fourbar_ros.ros.schemas import definition, type_hash
 from mcap.reader import make_reader
 from mcap.writer import Writer
@@ -20,6 +20,7 @@ from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 from support.harness import ALL_OUTPUTS
+from support.samples import some
 from support.scenes import PAPER, RODS
 import yaml
 
@@ -224,6 +225,7 @@ def recorder_of(client):
     return found[-1]
 
 
+@pytest.mark.slow
 def test_a_name_that_is_taken_does_not_stop_the_node_it_records_under_the_next_free_one(
         run_node, client, tmp_path):
     for name in ('run', 'run_2'):
@@ -241,7 +243,7 @@ def test_a_name_that_is_taken_does_not_stop_the_node_it_records_under_the_next_f
     assert not any(list((tmp_path / 'bags' / name).iterdir()) for name in ('run', 'run_2'))
 
 
-@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@some('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP], 1)
 def test_a_bag_says_which_signal_ended_its_node_or_that_the_service_did(run_node, client, tmp_path,
                                                                         number):
     node = run_node({**PAPER, 'outputs': ['state'], 'recording.start': True,
@@ -255,7 +257,7 @@ def test_a_bag_says_which_signal_ended_its_node_or_that_the_service_did(run_node
     assert info(tmp_path / 'second').ended == f'the node ended by {number.name}'
 
 
-@pytest.mark.parametrize('by_service', [True, False])
+@some('by_service', [True, False], 1)
 def test_the_reason_of_a_fault_is_logged_once(run_node, client, tmp_path, by_service):
     node = run_node({**PAPER, 'outputs': ['state'], 'recording.start': True,
                      'recording.name': 'run', 'recording.directory': str(tmp_path / 'bags')})
@@ -270,6 +272,7 @@ def test_the_reason_of_a_fault_is_logged_once(run_node, client, tmp_path, by_ser
     assert node.said.count('recording stopped') == 1, node.said
 
 
+@pytest.mark.slow
 def test_where_nothing_can_be_recorded_the_node_streams_and_says_so(run_node, client, tmp_path):
     (tmp_path / 'file').write_text('')
     node = run_node({**PAPER, 'outputs': ['state'], 'recording.start': True,
@@ -282,6 +285,7 @@ def test_where_nothing_can_be_recorded_the_node_streams_and_says_so(run_node, cl
     assert node.stop(signal.SIGINT) == 0
 
 
+@pytest.mark.slow
 def test_a_tilde_is_the_home_and_a_file_that_is_removed_ends_the_recording(run_node, client,
                                                                            tmp_path, monkeypatch):
     monkeypatch.setenv('HOME', str(tmp_path / 'home'))

@@ -5,13 +5,14 @@ import time
 
 from bag.test_crash import SLACK
 from bag.test_recorder import assert_every_reader_takes
-from fourbar_ros.bag.info import info
-from fourbar_ros.bag.reader import Bag, records
-from fourbar_ros.bag.recompute import compare
-from fourbar_ros.bag.recorder import FLUSH_PERIOD
-from fourbar_ros.bag.recover import recover
+from fourbar_ros.bag.comparison.recompute import compare
+from fourbar_ros.bag.read.info import info
+from fourbar_ros.bag.read.reader import Bag, records
+from fourbar_ros.bag.repair import recover
+from fourbar_ros.bag.write.recorder import FLUSH_PERIOD
 import pytest
 from support.harness import ALL_OUTPUTS
+from support.samples import some
 from support.scenes import PAPER, RODS
 
 FAST, SLOW = 2, 8
@@ -70,7 +71,7 @@ def kill_node(run_node, client, tmp_path, seed):
     assert_every_reader_takes(recovered.path, recovered.messages)
 
 
-@pytest.mark.parametrize('seed', range(FAST))
+@some('seed', range(FAST), 1)
 def test_a_killed_node_leaves_all_but_the_newest_and_it_recomputes_exactly(
         run_node, client, tmp_path, seed):
     kill_node(run_node, client, tmp_path, seed)
@@ -82,7 +83,7 @@ def test_a_killed_node_leaves_all_but_the_newest_many_times(run_node, client, tm
     kill_node(run_node, client, tmp_path, 100 + seed)
 
 
-@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@some('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP], (signal.SIGHUP,))
 def test_a_signal_closes_the_bag_whole(run_node, client, tmp_path, number):
     node = recording_node(run_node, tmp_path)
     client.listen(['driven'])
@@ -129,6 +130,7 @@ def test_a_recording_that_dies_is_reported_and_the_stream_goes_on(run_node, clie
         name='small').success and client.call('stop_recording').success
 
 
+@pytest.mark.slow
 def test_a_million_joints_on_the_input_neither_stop_the_node_nor_spoil_the_bag(
         run_node, client, tmp_path):
     from array import array

@@ -3,6 +3,7 @@
 """Deadlines by overrides of the quality of service: kept or missed, offered or not."""
 from diagnostic_msgs.msg import DiagnosticArray
 from fourbar_msgs.msg import LinkageState, Motion
+import pytest
 from rclpy.duration import Duration
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import QoSProfile
@@ -30,6 +31,7 @@ def test_a_late_input_is_counted_and_a_publisher_without_the_deadline_is_named(r
     client.until(lambda: missed() >= 2, 'the count')     # nothing is sent now
 
 
+@pytest.mark.slow
 def test_the_deadline_of_an_output_is_offered(run_node, client):
     run_node({**PAPER, 'drive.rate': 50.0, 'outputs': ['state'],
               'qos_overrides./fourbar/state.publisher.deadline': 2 * SECOND})

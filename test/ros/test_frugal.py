@@ -5,6 +5,7 @@ import json
 import subprocess
 import sys
 
+import pytest
 from support.scenes import PAPER, RODS
 
 SCRIPT = """
@@ -49,8 +50,8 @@ print(json.dumps({'calls': calls, 'topics': topics,
                   'imported': [m for m in ('scipy', 'mcap', 'matplotlib', 'rich',
                                         'fourbar_ros.extrema.find',
                                         'fourbar_ros.mechanisms.machine.machine',
-                                        'fourbar_ros.dynamics.system',
-                                        'importlib.metadata', 'fourbar_ros.bag.recorder')
+                                        'fourbar_ros.dynamics.model.system',
+                                        'importlib.metadata', 'fourbar_ros.bag.write.recorder')
                                if m in sys.modules]}))
 node.close()
 listener.destroy_node()
@@ -74,6 +75,7 @@ def test_a_kinematics_only_scene_has_no_loads_and_no_heavy_imports():
                 '/joint_states'} & set(found['topics'])
 
 
+@pytest.mark.slow
 def test_outputs_without_subscribers_are_not_computed():
     everything = {**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ['state', 'loads']}
     assert set(run(everything)['calls']) == {'motion'}          # only state has a subscriber

@@ -71,6 +71,7 @@ def test_every_argument_reaches_the_node(launched, client):
     assert (kind.string_value, use_sim_time.bool_value) == ('inverted_slider', True)
 
 
+@pytest.mark.slow
 def test_a_file_is_found_before_a_name(launched, client, tmp_path):
     (tmp_path / 'paper').write_text('/**: {ros__parameters: {linkage.a1: 0.4, linkage.a2: 1.2, '
                                     'linkage.a3: 0.8, linkage.a4: 1.2, frame_id: mine, '
@@ -80,16 +81,19 @@ def test_a_file_is_found_before_a_name(launched, client, tmp_path):
     assert answer.state.header.frame_id == 'mine'
 
 
-@pytest.mark.parametrize('arguments, reason', [(['scene:=papr'], 'no scene of this name; known: '),
-                                               (['use_sim_time:=maybe'], 'use_sim_time')])
+@pytest.mark.slow
+@pytest.mark.parametrize('arguments, reason', [
+    (['scene:=papr'], 'nor the name of a scene; did you mean paper?'),
+    (['use_sim_time:=maybe'], 'use_sim_time')])
 def test_what_cannot_be_is_one_line(launched, arguments, reason):
     process = launched(*arguments)
     said, _ = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1 and reason in said
 
 
+@pytest.mark.slow
 def test_a_robot_of_several_relays_in_one_process(launched, client):
-    launched(f'file:={ARM}', 'nodes:=boom,stick', 'namespace:=left',
+    launched('file:=arm', 'nodes:=boom, stick', 'namespace:=left',
              'joint_states:=/joint_states', name='robot')
     robot = Robot(client, 'left/boom')
     for name, position in (('boom', 1.4), ('stick', 1.5)):
@@ -102,6 +106,7 @@ def test_a_robot_of_several_relays_in_one_process(launched, client):
         client.node.get_node_names_and_namespaces())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('machine, nodes', [('watt', ('four_bar', 'dyad')),
                                             ('quick_return', ('lever', 'ram'))])
 def test_a_machine_of_nodes(launched, client, machine, nodes):

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import Motion
-from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.read.reader import Bag
 from fourbar_ros.cli.main import main
 from fourbar_ros.scene.scene import load
 from fourbar_ros.scene.topics import PICTURES
@@ -18,7 +18,8 @@ import yaml
 SCENES = ('paper', 'slider_crank', 'cylinder', 'scotch_yoke', 'jansen', 'bucket')
 
 
-@pytest.fixture(params=SCENES)
+@pytest.fixture(params=[pytest.param(name, marks=[pytest.mark.slow] * (name != 'paper'))
+                        for name in SCENES])
 def recorded(request, run_node, client, tmp_path):
     """Return (scene file, {topic: message}) of a fresh bag of a scene with pictures."""
     values = load(ROOT / f'config/{request.param}.yaml').values

@@ -8,12 +8,13 @@ from fourbar_ros.scene.files import read_values
 import pytest
 from support.exchange import BY_MESSAGES, check_bag, check_extrema, check_topics
 from support.harness import set_parameters
+from support.samples import some
 
 ALL = ['state', 'output', 'joint_states', 'loads', 'shaking_wrench', 'drive_wrench', 'links',
        'reactions', 'points']
 
 
-@pytest.mark.parametrize('name', ['jansen', 'bucket'])
+@some('name', ['jansen', 'bucket'], 1)
 def test_topics_services_and_bag_are_those_of_the_core(name, run_node, client, tmp_path):
     parameters = {**read_values(name), **BY_MESSAGES, 'outputs': ALL}
     its = scene.from_values(parameters)
@@ -65,6 +66,7 @@ def check_services(client, its):
     assert answer.result == answer.RESULT_INVALID_REQUEST and 'mode = ' in answer.message
 
 
+@pytest.mark.slow
 def test_jansens_leg_holds_500_hz(run_node, client):
     """As many steps as samples of the clock, by their stamps, with every topic subscribed."""
     parameters = {**read_values('jansen'), 'drive.rate': 500.0, 'outputs': ALL}

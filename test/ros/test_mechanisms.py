@@ -13,6 +13,7 @@ from fourbar_ros.scene.topics import OUTPUTS
 import pytest
 from support.exchange import BY_MESSAGES, check_bag, check_extrema, check_topics
 from support.harness import ALL_OUTPUTS, fields_of, set_parameters
+from support.samples import some
 from support.scenes import PAPER, RODS, TIP
 
 BODIES = {**RODS, 'bodies.output.mass': 1.5, 'bodies.output.inertia': 0.02, 'gravity.y': -9.81}
@@ -38,7 +39,7 @@ MECHANISMS = {
 }
 
 
-@pytest.mark.parametrize('name', MECHANISMS)
+@some('name', MECHANISMS, 1)
 def test_the_same_outputs_services_and_bag(name, run_node, client, tmp_path):
     values, joints = MECHANISMS[name]
     parameters = {**values, **TIP, 'points.pin.link': 'crank', 'points.pin.along': 0.05,

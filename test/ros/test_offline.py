@@ -1,10 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Bags of simulated runs: as a node would write them."""
-from fourbar_ros.bag.info import info
-from fourbar_ros.bag.modes import Modes
-from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.recompute import compare
+from fourbar_ros.bag.comparison.recompute import compare, Modes
+from fourbar_ros.bag.read.info import info
+from fourbar_ros.bag.read.reader import Bag
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError
 from fourbar_ros.ros.offline import write_bag
@@ -12,6 +11,7 @@ from fourbar_ros.scene import files, scene
 from fourbar_ros.scene.simulated import simulate_scene
 import numpy as np
 import pytest
+from support.samples import some
 from support.scenes import PAPER, RODS
 
 MOTOR = {**PAPER, **RODS, 'drive.source': 'motor', 'motor.stall_torque': 400.0,
@@ -58,7 +58,7 @@ BOTH_MODES = {
                       'drive.start': 1.0, 'drive.start_speed': 9.0}}
 
 
-@pytest.mark.parametrize('name', BOTH_MODES)
+@some('name', BOTH_MODES, 1)
 def test_a_run_through_both_modes_has_a_bag_of_both(name, tmp_path, monkeypatch):
     values = {**RELEASED, **BOTH_MODES[name]}
     found = simulate_scene(scene.from_values(values), 2.0, 1e-7)

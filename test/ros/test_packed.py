@@ -10,8 +10,7 @@ import math
 import zlib
 
 from fourbar_msgs.msg import LinkageState
-from fourbar_ros.formats.cdr import Layout
-from fourbar_ros.formats.definitions import Definition
+from fourbar_ros.bag.cdr import Definition, Layout
 from fourbar_ros.pipeline.status import STATUS_NAMES
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.ros.messages import filler, resolve, set_constants

@@ -6,9 +6,9 @@ from math import atan2, hypot
 
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import Motion
-from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.recompute import compare
-from fourbar_ros.description.describe import describe
+from fourbar_ros.bag.comparison.recompute import compare
+from fourbar_ros.bag.read.reader import Bag
+from fourbar_ros.description.formats import describe
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.ros.pictures import traces
 from fourbar_ros.ros.schemas import type_hash
@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from support import ROOT
+from support.samples import some
 from support.scenes import PAPER, RODS, TIP
 from visualization_msgs.msg import Marker
 
@@ -76,7 +77,7 @@ def test_the_type_hash_of_tf_messages_is_the_official_one():
     assert type_hash('tf2_msgs/msg/TFMessage') == OFFICIAL
 
 
-@pytest.mark.parametrize('name', SCENES)
+@some('name', SCENES, 1)
 def test_frames_are_where_the_links_are(run_node, client, name):
     run_node(given(SCENES[name]))
     scene = from_values(SCENES[name])
@@ -145,6 +146,7 @@ def test_the_bag_alone_shows_the_machine(run_node, client, tmp_path):
     assert found.inputs == 20 and max(d.largest for d in found.differences) == 0.0
 
 
+@pytest.mark.slow
 def test_late_subscribers_see_the_description_and_the_traces(run_node, client):
     values = {**PAPER, **RODS, **TIP, 'drive.source': 'motion', 'outputs': ['state', *PICTURES]}
     run_node(values)
@@ -198,6 +200,7 @@ def test_pictures_are_not_sent_more_often_than_eyes_need(run_node, client):
     assert len(client.received['tf']) == 26, last        # every fourth sample: 40 ms
 
 
+@pytest.mark.slow
 def test_a_scene_of_which_no_description_can_be_made_does_not_start(run_node):
     node = run_node({**PAPER, 'outputs': ['robot_description'],
                      'joint_states.ratios': [1.0, 2.0, 1.0, 1.0]})

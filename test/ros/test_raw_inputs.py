@@ -11,9 +11,9 @@ import struct
 
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import Motion
-from fourbar_ros.pipeline import message_fields as records
 from fourbar_ros.ros.node import inputs
 from fourbar_ros.ros.node.inputs import Reader
+from fourbar_ros.scene import message_fields as records
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState

@@ -4,18 +4,18 @@
 import math
 
 from fourbar_msgs.msg import Motion
-from fourbar_ros.bag.info import info
-from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.recompute import compare
-import pytest
+from fourbar_ros.bag.comparison.recompute import compare
+from fourbar_ros.bag.read.info import info
+from fourbar_ros.bag.read.reader import Bag
 from rosbags.rosbag2 import Reader
 from support.harness import ALL_OUTPUTS
+from support.samples import some
 from support.scenes import PAPER, RODS
 
 
-@pytest.mark.parametrize('split', [{'recording.split_duration': 0.3},
-                                   {'recording.split_size': 0.03}, {'recording.keep': 2.0}],
-                         ids=['duration', 'size', 'keep'])
+@some('split', [{'recording.split_duration': 0.3},
+                {'recording.split_size': 0.03}, {'recording.keep': 2.0}], 1,
+      ids=['duration', 'size', 'keep'])
 def test_a_node_splits_its_bag_by_its_parameters(run_node, client, tmp_path, split):
     node = run_node({**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 200.0,
                      'outputs': ALL_OUTPUTS,
@@ -36,7 +36,7 @@ def test_a_node_splits_its_bag_by_its_parameters(run_node, client, tmp_path, spl
         assert reader.message_count == sum(1 for _ in reader.messages())
 
 
-@pytest.mark.parametrize('given', ['everything', 'velocity', 'position'])
+@some('given', ['everything', 'velocity', 'position'], ('position',))
 def test_the_driven_joint_is_computed_again_from_what_came_in(run_node, client, tmp_path, given):
     node = run_node({**PAPER, **RODS, 'drive.source': 'motion', 'drive.timeout': 60.0,
                      'outputs': ['state', 'loads'],

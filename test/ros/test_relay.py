@@ -7,26 +7,32 @@ Judged by forward kinematics of the URDF in another program, by power balance, a
 """
 from io import StringIO
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 from builtin_interfaces.msg import Time
-from fourbar_msgs.msg import LinkageLoads
-from fourbar_ros.bag.recompute import compare
-from fourbar_ros.description.describe import describe
+from diagnostic_msgs.msg import DiagnosticArray
+from fourbar_msgs.msg import LinkageLoads, Motion
+from fourbar_ros.bag.comparison.recompute import compare
+from fourbar_ros.description.formats import describe
 from fourbar_ros.description.model import model_of
 from fourbar_ros.ros.clients.client import NoAnswer
+from fourbar_ros.ros.node.circles import through
 from fourbar_ros.scene.files import read_values
 from fourbar_ros.scene.scene import from_values, load
 from fourbar_ros.scene.topics import DRIVEN
 import numpy as np
 import pytest
+import rclpy
 from sensor_msgs.msg import JointState
 from support import contract, ROOT
 from support.harness import PATIENCE
 from support.power import power
+from support.samples import some
 from support.scenes import PAPER, RODS, values_of
 
 SAME_TOPIC = ('~/input_joint_states:=joint_states',)
@@ -108,11 +114,7 @@ class Checked:
             assert np.linalg.norm(one - other) <= bound
 
 
-BOTH_MODES = [pytest.param(case, marks=[] if case.mode == 2 else pytest.mark.slow,
-                           id=contract.name_of(case)) for case in contract.CASES]
-
-
-@pytest.mark.parametrize('case', BOTH_MODES)
+@some('case', contract.CASES, 1, ids=contract.name_of)
 def test_the_answers_close_the_urdf_over_the_whole_range(run_node, client, case):
     pytest.importorskip('yourdfpy')
     mechanism, _ = next(contract.ordinary(case, 11, 1))
@@ -126,6 +128,7 @@ def test_the_answers_close_the_urdf_over_the_whole_range(run_node, client, case)
         checked.check(low + share * (high - low))
 
 
+@pytest.mark.slow
 def test_jansens_leg_as_a_relay_over_a_revolution(run_node, client):
     pytest.importorskip('yourdfpy')
     values = read_values('jansen') | RELAY | {'drive.joint': 'base'}
@@ -135,8 +138,8 @@ def test_jansens_leg_as_a_relay_over_a_revolution(run_node, client):
         checked.check(float(position))
 
 
-@pytest.mark.parametrize('name, start', [('paper', 0.2), ('slider_crank', 0.5),
-                                         ('cylinder', 1.4), ('jansen', 0.2)])
+@some('name, start', [('paper', 0.2), ('slider_crank', 0.5),
+                      ('cylinder', 1.4), ('jansen', 0.2)], 1)
 def test_the_drive_effort_is_what_power_asks_for(run_node, client, name, start):
     """With all joints shown, effort times velocity of the driven joint is the power needed."""
     values, mechanism = read_values(name), load(name).linkage
@@ -192,6 +195,7 @@ def start(*arguments, file=FILE):
                             env=os.environ)
 
 
+@pytest.mark.slow
 def test_two_mechanisms_of_a_robot_answer_from_one_process_and_one_file(client):
     process, robot = start('boom', 'stick'), Robot(client, 'boom')
     try:
@@ -214,11 +218,11 @@ def test_two_mechanisms_of_a_robot_answer_from_one_process_and_one_file(client):
     assert process.returncode == 0 and 'Traceback' not in said, said
 
 
-@pytest.mark.parametrize('names, why', [
+@some('names, why', [
     (['boom', 'arm'], 'contains nothing for the node /arm, only /**/boom, /**/stick'),
     (['boom', 'boom'], 'boom: two nodes of one name'),
     (['boom', '--fast'], '--fast: not understood'),
-])
+], 1)
 def test_names_that_cannot_be_are_one_line(names, why):
     process = start(*names)
     said, _ = process.communicate(timeout=PATIENCE)
@@ -230,3 +234,100 @@ def test_a_file_of_several_nodes_is_read_by_name(capsys):
     assert main(['scene', 'check', f'{FILE}:stick']) == 0
     assert main(['scene', 'check', str(FILE)]) == 1
     assert f'or name one: {FILE}:boom' in capsys.readouterr().err
+
+
+# --- what comes back -----------------------------------------------------------------------------
+
+HEARS_ITSELF = [({'drive.source': 'joint_state', 'drive.joint': 'O1', 'outputs': ['joint_states']},
+                 '~/input_joint_states:=joint_states', JointState, '/joint_states',
+                 'joint_states.only_passive leaves the driven joint to its publisher'),
+                ({'drive.source': 'motion', 'outputs': ['output']}, '~/input:=/fourbar/output',
+                 Motion, '/fourbar/output', 'the node does not take its own messages')]
+
+
+def sent_as(kind, stamp):
+    """Return an input of this type with a stamp."""
+    made = (JointState(name=['O1'], position=[0.3], velocity=[1.0]) if kind is JointState
+            else Motion(position=0.3, velocity=1.0, acceleration=0.0))
+    made.header.stamp.sec = stamp
+    return made
+
+
+@some('values, remap, kind, topic, said', HEARS_ITSELF, 1)
+def test_a_node_does_not_take_its_own_messages(run_node, client, values, remap, kind, topic, said):
+    """An input on its own topic has one answer, and no answers to answers (issue P 9)."""
+    node = run_node({**PAPER, **values}, remaps=[remap])
+    heard, newest = [], []
+    client.node.create_subscription(kind, topic, heard.append, 1000)
+    client.node.create_subscription(DiagnosticArray, '/diagnostics', newest.append, 10)
+    publisher = client.node.create_publisher(kind, topic, 10)
+    stamps = iter(range(1, 10**6))
+
+    def answered():
+        stamp = next(stamps)
+        publisher.publish(sent_as(kind, stamp))
+        client.spin(0.3)
+        return sum(m.header.stamp.sec == stamp for m in heard) > 1
+    client.until(answered, 'an answer')
+    heard.clear()
+    for _ in range(5):
+        client.until(answered, 'an answer')
+    newest.clear()
+    client.until(lambda: newest, 'diagnostics')          # a circle would have gone on meanwhile
+    for stamp in {m.header.stamp.sec for m in heard}:
+        assert sum(m.header.stamp.sec == stamp for m in heard) <= 2
+    values = {pair.key: pair.value for pair in newest[-1].status[0].values}
+    assert int(values['own messages']) >= 5 and values['repeated stamps'] == '0'
+    assert node.said.count(said) == 1 and f'are one topic, {topic}' in node.said
+
+
+def test_nodes_in_a_circle_are_named_with_the_rate(run_node, client):
+    """One answers what the other answers: once begun it never ends, and no stamp is new."""
+    values = {**PAPER, 'drive.source': 'motion', 'drive.timeout': 0.0, 'outputs': ['output']}
+    for name, other in (('one', 'two'), ('two', 'three'), ('three', 'one')):
+        run_node(values, name=name, remaps=[f'~/input:=/{other}/output'])
+    newest = []
+    client.node.create_subscription(DiagnosticArray, '/diagnostics', newest.append, 100)
+    publisher = client.node.create_publisher(Motion, '/one/output', 10)
+    client.until(lambda: all(client.node.count_subscribers(f'/{name}/output')
+                             for name in ('one', 'two', 'three')), 'the circle')
+
+    def told():
+        publisher.publish(sent_as(Motion, 1))
+        client.spin(0.3)
+        return [status.message for array in newest for status in array.status
+                if status.name.startswith('one') and 'in a circle' in status.message]
+    client.until(told, 'diagnostics that say so')
+    assert re.search(r'in a circle through /three, /two: \d+ inputs a second repeat a stamp',
+                     told()[-1])
+
+
+@pytest.mark.slow
+def test_a_driven_joint_that_never_comes_is_missed(run_node, client):
+    node = run_node({**PAPER, **RODS, **RELAY, 'drive.joint': 'motr',
+                     'joint_names': ['motr', 'a', 'b', 'c']}, remaps=SAME_TOPIC)
+    newest = []
+    client.node.create_subscription(DiagnosticArray, '/diagnostics', newest.append, 10)
+    publisher = client.node.create_publisher(JointState, '/joint_states', 10)
+
+    def told():
+        publisher.publish(joint_state({'wheel': 7.0, 'motor': 0.2}, (0.0, 1.0), 1))
+        client.spin(0.02)
+        return 'did you mean motor?' in node.said and any(
+            "joint 'motr' never came" in array.status[0].message for array in newest)
+    client.until(told, 'the warning')
+    assert "drive.joint = 'motr' was in none of the first 20 messages on /joint_states" in (
+        node.said)
+
+
+def test_an_endpoint_whose_node_is_not_discovered_yet_ends_no_search_for_circles():
+    """ROS reports such a node as _NODE_NAME_UNKNOWN_, without a slash: rclpy refuses to ask it."""
+    rclpy.init()
+    try:
+        node = rclpy.create_node('asks')
+        unknown = SimpleNamespace(node_namespace='_NODE_NAMESPACE_UNKNOWN_',
+                                  node_name='_NODE_NAME_UNKNOWN_')
+        node.get_subscriptions_info_by_topic = lambda topic: [unknown]
+        assert through(node, '/heard', ['/sent']) == []
+    finally:
+        rclpy.shutdown()

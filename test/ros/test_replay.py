@@ -9,10 +9,10 @@ import sys
 import time
 
 from fourbar_msgs.msg import Motion
-from fourbar_ros.bag.reader import Bag, records
-from fourbar_ros.bag.recompute import compare
-from fourbar_ros.bag.recorder import BagWriter
-from fourbar_ros.ros.clients.answers import stamp_of
+from fourbar_ros.bag.comparison.recompute import compare
+from fourbar_ros.bag.read.reader import Bag, records
+from fourbar_ros.bag.write.recorder import BagWriter
+from fourbar_ros.ros.clients.rerun import stamp_of
 from fourbar_ros.ros.messages import resolve
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -77,6 +77,7 @@ def test_replay_sends_every_message_again_as_it_was(client, bag):
                 assert list(ours.position) == theirs.position and list(ours.name) == theirs.name
 
 
+@pytest.mark.slow
 def test_the_clock_of_the_bag_is_published_at_its_rate(client, bag):
     clocks = []
     client.node.create_subscription(Clock, '/clock', clocks.append, 1000)
@@ -105,6 +106,7 @@ def test_a_live_node_driven_by_the_bag_answers_exactly_what_was_recorded(run_nod
                                                    for line in lines)), said
 
 
+@pytest.mark.slow
 def test_the_scene_of_a_bag_runs_a_node(client, bag, tmp_path):
     code, text = finished(fourbar('bag', 'scene', bag), client)
     assert code == 0
@@ -121,6 +123,7 @@ def test_the_scene_of_a_bag_runs_a_node(client, bag, tmp_path):
         assert node.wait(PATIENCE) == 0
 
 
+@pytest.mark.slow
 def test_points_are_compared_and_changes_of_the_scene_are_reported_and_taken_over(
         run_node, client, tmp_path):
     values = {**FULL, **TIP, 'outputs': [*ALL_OUTPUTS, 'points']}
@@ -151,6 +154,7 @@ def test_points_are_compared_and_changes_of_the_scene_are_reported_and_taken_ove
             and len(lines) == len(ALL_OUTPUTS) + 1), said
 
 
+@pytest.mark.slow
 def test_a_node_that_stands_still_for_a_while_loses_no_input(run_node, client, bag):
     """The rest of the bag is more than its queue holds."""
     node = run_node(FULL)
@@ -168,6 +172,7 @@ def test_a_node_that_stands_still_for_a_while_loses_no_input(run_node, client, b
     assert code == 0, said
 
 
+@pytest.mark.slow
 def test_a_node_that_does_not_know_its_publisher_yet_misses_no_motion(client, bag):
     """A subscription that ignores the first messages and answers from the bag plays the node."""
     recorded = {}
@@ -201,6 +206,7 @@ def test_readers_that_are_waited_for_hear_the_first_message(client, bag):
         assert stamps(heard) == stamps([r.message for r in records(bag, [topic])]), name
 
 
+@pytest.mark.slow
 def test_a_bag_of_rosbag2_drives_a_live_node_from_its_topics(run_node, client, bag, tmp_path):
     """No word of the scene in its metadata; each step noted in the reverse order."""
     told = [topic['topic_metadata'] for topic in Bag(bag).metadata()['topics_with_message_count']]
@@ -253,6 +259,7 @@ def test_messages_of_another_definition_are_left_out_and_reported(client, tmp_pa
             and 'no_msgs/msg/Such is not installed' in said)
 
 
+@pytest.mark.slow
 def test_a_bag_being_written_is_replayed_to_its_end(run_node, client, tmp_path):
     node = run_node({**PAPER, 'outputs': ['state'], 'recording.directory': str(tmp_path),
                      'recording.start': True,

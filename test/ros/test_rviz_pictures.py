@@ -27,6 +27,7 @@ def test_description_and_markers_are_drawn(rviz, tmp_path):
         assert 0.01 < ink < 0.5
 
 
+@pytest.mark.slow
 def test_every_picture_of_the_pages_has_its_scene(rviz):
     drawn = {path.stem.removeprefix('rviz_') for path in (ROOT / 'docs/images').glob('rviz_*.png')}
     assert drawn == set(rviz.SHOWN)

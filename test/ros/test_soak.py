@@ -5,6 +5,7 @@ The node cannot be broken from outside: garbage, floods, storms, restarts; nothi
 
 ``make soak`` runs the same for SOAK_MINUTES (default there: 60) instead of some seconds.
 """
+from contextlib import contextmanager
 import math
 import os
 from pathlib import Path
@@ -17,16 +18,22 @@ import time
 
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import LinkageState, Motion
-from fourbar_ros.bag.info import info
-from fourbar_ros.bag.recompute import compare
+from fourbar_ros.bag.comparison.recompute import compare
+from fourbar_ros.bag.read.info import info
+from fourbar_ros.ros.node import trajectories as points
 from fourbar_ros.scene import scene
+from geometry_msgs.msg import WrenchStamped
+import numpy as np
 import pytest
 from rclpy.serialization import serialize_message
 from ros.test_inputs import set_parameters
 from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+from support import browser
 from support.faults import Faults
-from support.harness import ALL_OUTPUTS, NodeProcess
+from support.harness import ALL_OUTPUTS, NodeProcess, PATIENCE
 from support.scenes import PAPER, RODS
+from trajectory_msgs.msg import JointTrajectory
 
 SOAK = float(os.environ.get('SOAK_MINUTES', '0')) * 60.0
 ROUNDS = 200 if not SOAK else 10_000            # malformed inputs of each kind
@@ -60,24 +67,26 @@ def check_alive(client, publisher, linkage):
     """Send a good message and demand the exact answer."""
     angle = random.uniform(0.0, 6.0)
     client.received['state'].clear()
-    deadline = time.monotonic() + 30.0
+    deadline = time.monotonic() + PATIENCE
     while not any(s.theta1 == angle for s in client.received['state']):
         assert time.monotonic() < deadline, (
             f'no answer to a good message; the newest: {client.received["state"][-1:]}')
         publisher.publish(Motion(position=angle, velocity=2.0, acceleration=1.0))
-        client.executor.spin_once(timeout_sec=0.05)
+        client.spin(0.05)            # all that came: one message at a time, the queue would grow
     state = next(s for s in client.received['state'] if s.theta1 == angle)
     expected = linkage.motion(angle, 2.0, 1.0)
     assert (state.status, state.theta4, state.alpha4) == (LinkageState.STATUS_OK, expected.theta4,
                                                           expected.alpha4)
 
 
-def stream(client, publisher, seconds, rate):
-    """Send inputs at a rate [Hz] for some seconds."""
+def stream(client, publisher, seconds, rate, also=lambda: None):
+    """Send inputs at a rate [Hz] for some seconds; after every tenth ``also()``."""
     began, k = time.monotonic(), 0
     while time.monotonic() - began < seconds:
         publisher.publish(Motion(position=0.001 * k, velocity=1.0))
         k += 1
+        if k % 10 == 0:
+            also()
         ahead = k / rate - (time.monotonic() - began)
         if ahead > 0.0 or k % 20 == 0:
             client.executor.spin_once(timeout_sec=max(ahead, 0.0))
@@ -135,6 +144,7 @@ def test_malformed_inputs_of_every_kind(driven, client):
     assert node.process.poll() is None and 'Traceback' not in node.said
 
 
+@pytest.mark.slow
 def test_joint_states_of_every_shape(run_node, client):
     node = run_node({**PAPER, 'drive.source': 'joint_state', 'drive.joint': 'motor',
                      'outputs': ['state']})
@@ -162,6 +172,7 @@ def test_joint_states_of_every_shape(run_node, client):
     assert 'Traceback' not in node.said
 
 
+@pytest.mark.slow
 def test_garbage_to_services_and_parameters(driven, client):
     node, publisher, linkage = driven
     rng = random.Random(3)
@@ -185,6 +196,7 @@ def test_garbage_to_services_and_parameters(driven, client):
     assert 'Traceback' not in node.said
 
 
+@pytest.mark.slow
 def test_a_parameter_storm_while_streaming_never_gives_a_mixed_answer(driven, client):
     _, publisher, _ = driven
     kinds = [scene.from_values({**PAPER, 'linkage.a1': a1, 'linkage.mode': mode}).linkage
@@ -200,6 +212,80 @@ def test_a_parameter_storm_while_streaming_never_gives_a_mixed_answer(driven, cl
     assert {(s.mode, s.theta4) for s in client.received['state']} == allowed
 
 
+class Beside:
+    """
+    A node for each round, moved by torque, that translates trajectories; it records too.
+
+    Its torques and trajectories are good ones, hard numbers, and bytes of any kind.
+    """
+
+    def __init__(self, client, faults, folder, rng):
+        self._client, self._faults, self._folder, self._rng = client, faults, folder, rng
+        self._torque = client.node.create_publisher(WrenchStamped, '/beside/torque', 10)
+        self._trajectory = client.node.create_publisher(JointTrajectory,
+                                                        '/beside/output_trajectory', 10)
+        self.answered, self.refused = [], []
+        for kind, topic, heard in (
+                (JointTrajectory, 'output_trajectory/drive', self.answered),
+                (String, 'trajectory_refused', self.refused)):
+            client.node.create_subscription(kind, f'/beside/{topic}', heard.append, 100)
+        self._times = np.arange(200) * 10**7
+        angle = 1e-9 * self._times
+        self._columns = {'positions': 1.6 + 0.5 * np.sin(angle), 'velocities': 0.5 * np.cos(angle)}
+
+    def start(self, number):
+        """Start the node of a round."""
+        self.answered.clear()
+        self.refused.clear()
+        self.node = self._faults.start(lambda: NodeProcess(
+            {**PAPER, **RODS, 'drive.source': 'torque', 'drive.rate': 100.0, 'drive.start': 1.0,
+             'trajectories': True, 'recording.start': True, 'recording.name': f'beside{number}'},
+            self._folder, name='beside'))
+
+    def disturb(self):
+        """Send a torque, now and then a trajectory, seldom anything else."""
+        rng, torque = self._rng, WrenchStamped()
+        torque.wrench.torque.z = rng.choice([rng.uniform(-20.0, 20.0), rng.choice(EDGES)])
+        self._torque.publish(torque)
+        if rng.random() < 0.2:
+            data = points.write(torque.header, 'output', self._times, self._columns)
+            broken = bytearray(data)
+            broken[rng.randrange(4, 60)] = rng.randrange(256)
+            self._trajectory.publish(data if rng.random() < 0.8 else bytes(broken))
+        if rng.random() < 0.1:
+            joint = rng.choice(['output', 'crank', ''])
+            columns = {name: np.array([rng.choice(EDGES)]) for name in points.FIELDS}
+            self._trajectory.publish(points.write(torque.header, joint, np.zeros(1, np.int64),
+                                                  columns))
+            self._torque.publish(random_bytes(rng))
+
+    def end(self, number):
+        """Have it answer still, then end by a signal, by its number."""
+        count = len(self.answered)
+
+        def is_answered():
+            self.disturb()
+            self._client.spin(0.02)
+            return len(self.answered) > count and self.refused
+        self._client.until(is_answered, 'an answer to a trajectory')
+        assert self.node.stop(number) == 0, self.node.said
+        assert 'Traceback' not in self.node.said, self.node.said
+
+
+@contextmanager
+def page_of_the_node(folder):
+    """Give the page of a node in a real browser and its server; None if none is to be soaked."""
+    if not (SOAK and browser.CHROMIUM and browser.DRIVER):
+        yield None
+        return
+    with browser.browser(folder / 'profile') as driver:
+        server, address = browser.start('--node', '/fourbar', '--wait', browser.PATIENCE)
+        try:
+            yield browser.Tab(driver, address), server
+        finally:
+            browser.stop(server)
+
+
 class Soak:
     """
     Rounds of every trouble in turn, for a node that records; :meth:`round` does one.
@@ -212,36 +298,44 @@ class Soak:
         (self.node, self.publisher, self.linkage), self.client = driven, client
         self.faults, self.folder, self.rng = faults, tmp_path, random.Random(4)
         self.number = self.messages = self.dropped = self.steps = 0
+        self._beside = Beside(client, faults, tmp_path, self.rng)
 
     def round(self, seconds):
         """Do it all once, 500 inputs a second between; return the usage of the node."""
         self.number += 1
         assert self.client.call('start_recording',
                                 name=f'soak{self.number}').success, self.node.said
-        beside = self._another()
+        self._beside.start(self.number)
         for trouble in (self._flood, self._garbage, self._set_clock, self._slow_disk,
                         self._readers, self._set_clock,
                         self._services):
             trouble()
-            stream(self.client, self.publisher, seconds / 7.0, 500.0)
+            self.stream(seconds / 7.0)
         end = self.rng.choice([signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-        assert beside.stop(end) == 0, beside.said
+        self._beside.end(end)
         check_alive(self.client, self.publisher, self.linkage)
         self._check(Path(self.client.call('stop_recording').message),
                     'stopped by ~/stop_recording')
         self._check(self.folder / f'bags/beside{self.number}', f'the node ended by {end.name}')
-        assert 'Traceback' not in self.node.said + beside.said
+        assert 'Traceback' not in self.node.said
         self.faults.set()
         for messages in self.client.received.values():
             messages.clear()
         return usage(self.node.process)
 
-    def _another(self):
-        """Start a node on a timer, as long as a round: it is stopped while the disk is slow."""
-        return self.faults.start(lambda: NodeProcess(
-            {**PAPER, **RODS, 'drive.rate': 100.0, 'recording.start': True,
-             'recording.name': f'beside{self.number}'},
-            self.folder, name='beside'))
+    def stream(self, seconds):
+        """Send inputs to the one node, torques and trajectories to the one beside."""
+        stream(self.client, self.publisher, seconds, 500.0, self._beside.disturb)
+
+    def look_at(self, page):
+        """Demand that the page moves; return the memory of its server [MB]."""
+        tab, server = page
+        before = tab.picture()
+        end = time.monotonic() + browser.PATIENCE
+        while tab.picture() == before:
+            assert time.monotonic() < end, f'the page does not move: {tab.alarm()!r}'
+            self.stream(1.0)
+        return usage(server)[0]
 
     def _flood(self):
         # as fast as it goes: 20 times a usual rate
@@ -293,12 +387,13 @@ class Soak:
         shutil.rmtree(path)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not shutil.which('cc'), reason='needs a C compiler')
 def test_all_troubles_in_turn_leave_nothing_behind(run_node, client, tmp_path):
     """
     Floods, garbage, readers that pass, a clock that is set, a slow disk, restarts beside.
 
-    Bags to the bit.
+    Beside it torques and trajectories, in a soak an open page too. Bags to the bit.
     """
     faults = Faults(tmp_path)
     parameters = {**PAPER, **RODS, 'drive.source': 'motion', 'drive.timeout': 0.5,
@@ -308,25 +403,30 @@ def test_all_troubles_in_turn_leave_nothing_behind(run_node, client, tmp_path):
     publisher = client.publisher()
     client.handshake(lambda: publisher.publish(Motion(position=0.1)))
     soak = Soak((node, publisher, scene.from_values(parameters).linkage), client, faults, tmp_path)
-    began, found = time.monotonic(), []
-    while len(found) < 2 or time.monotonic() - began < SOAK:
-        found.append(soak.round(20.0 if SOAK else 1.4))
-        if SOAK:
-            memory, threads, files, shared = found[-1]
-            print(f'{time.monotonic() - began:6.0f} s, round {soak.number}: {memory:.1f} MB, '
-                  f'{threads} threads, {files} files, {shared} shared maps; {soak.messages} '
-                  f'messages recorded, {soak.dropped} dropped, {soak.steps} clock steps',
-                  flush=True)
+    began, found, served = time.monotonic(), [], []
+    with page_of_the_node(tmp_path) as page:
+        while len(found) < 2 or time.monotonic() - began < SOAK:
+            found.append(soak.round(20.0 if SOAK else 1.4))
+            served += [soak.look_at(page)] if page else []
+            if SOAK:
+                memory, threads, files, shared = found[-1]
+                print(f'{time.monotonic() - began:6.0f} s, round {soak.number}: {memory:.1f} MB, '
+                      f'{threads} threads, {files} files, {shared} shared maps; {soak.messages} '
+                      f'messages recorded, {soak.dropped} dropped, {soak.steps} clock steps; '
+                      f'server of the page {served[-1:]} MB', flush=True)
     # the first flood fills what the middleware keeps
     settled = found[len(found) // 4:]
     memory, threads, files, shared = (max(column) - column[0] for column in zip(*settled))
     # allocator noise; a leak per message is 100 MB
     assert memory < 20.0, f'memory grew by {memory:.1f} MB'
     assert (threads, files) == (0, 0)
+    settled_server = served[len(served) // 4:]
+    assert max(settled_server, default=0.0) - min(settled_server, default=0.0) < 50.0, served
     # Fast DDS keeps one map of each node that has left
     assert shared <= len(settled) + 2
 
 
+@pytest.mark.slow
 def test_it_starts_and_stops_again_and_again(tmp_path, client):
     for k in range(RESTARTS):
         node = NodeProcess({**PAPER, **RODS, 'outputs': ALL_OUTPUTS, 'recording.start': True,
@@ -344,6 +444,7 @@ def test_it_starts_and_stops_again_and_again(tmp_path, client):
         assert file.read_bytes().endswith(b'\x89MCAP0\r\n') and 'Traceback' not in node.said
 
 
+@pytest.mark.slow
 def test_two_nodes_with_one_name_both_work(run_node, client, tmp_path):
     other = tmp_path / 'other'
     other.mkdir()

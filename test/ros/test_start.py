@@ -6,10 +6,13 @@ import subprocess
 import sys
 
 from fourbar_ros.scene import scene
+from fourbar_ros.scene.arguments import check_node_arguments, full_name, UsageError
+from fourbar_ros.scene.files import folder
 import pytest
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from ros.test_inputs import set_parameters
 from support.harness import PATIENCE
+from support.samples import some
 from support.scenes import PAPER
 
 
@@ -31,12 +34,6 @@ def paper(tmp_path):
     return str(file)
 
 
-def some(cases, number):
-    """Return the cases, of which all after the first ones are slow: each starts a process."""
-    return [pytest.param(*case, id=str(case[0]), marks=[pytest.mark.slow] * (k >= number))
-            for k, case in enumerate(cases)]
-
-
 QOS = 'qos_overrides./fourbar/'
 REFUSED = [
     ('use_sim_time:=maybe', "use_sim_time = 'maybe': must be a bool"),
@@ -45,6 +42,7 @@ REFUSED = [
     (QOS + 'state.publisher.reliability:=maybe', 'reliable, best_effort'),
     ('start_type_description_service:=3', 'start_type_description_service = 3: must be a bool'),
     ('linkage.mode:=1.0', 'linkage.mode = 1.0: must be an integer'),
+    ('frame_id:=/base', "frame_id = '/base': must not begin with a slash"),
     ('outputs:=state', "outputs = 'state': must be"),
     (QOS + 'state.subscription.depth:=3', '/fourbar/state is a publisher'),
     (QOS + 'state.publisher.deph:=3', 'must be one of reliability'),
@@ -53,24 +51,66 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize('given, why', some(REFUSED, 4))
+@some('given, why', REFUSED, 2, ids=str)
 def test_bad_parameters_are_refused_in_one_line(tmp_path, paper, given, why):
     code, line = start(tmp_path, '--ros-args', '--params-file', paper, '-p', 'outputs:=[state]',
                        '-p', given)
     assert code == 2 and why in line
 
 
-@pytest.mark.parametrize('arguments, why', some([
+@some('arguments, why', [
     (['--ros-args', '--params-fle', 'x'], '--params-fle'), (['--ros-args', '-r', 'a:b'], 'remap'),
     (['--ros-args', '-r', '__node:=a/b'], 'remap'), (['--ros-args', '--log-level', 'foo'],
                                                      'log level'),
-    (['scene.yaml'], 'scene.yaml')], 2))
+    (['scene.yaml'], 'scene.yaml')], 1, ids=str)
 def test_arguments_that_nobody_understands_are_refused_in_one_line(tmp_path, arguments, why):
     code, line = start(tmp_path, *arguments)
     assert code == 2 and why in line
 
 
-@pytest.mark.parametrize('source', ['parameter', 'file'])
+EMPTY = ('joint_names', 'linkage.range', 'linkage.dyads', 'joint_states.ratios', 'outputs',
+         'services')
+
+
+def test_empty_lists_of_a_file_are_empty(run_node, client):
+    """As ``ros2 param dump`` writes them."""
+    run_node({**PAPER, **dict.fromkeys(EMPTY, [])})
+    client.until(lambda: 'fourbar' in client.node.get_node_names(), 'the node')
+    client.until(lambda: client.node.count_publishers('/fourbar/scene'), 'its topics')
+    assert set_parameters(client, {'outputs': ['state']})[0].successful
+    client.listen(['state'])
+    client.until(lambda: client.received['state'], 'the stream')
+
+
+@some('arguments, where', [
+    (['left/boom', 'right/boom', '--ros-args', '-r', '__ns:=/cell'], '/cell'),
+    # as robot.launch.py starts them
+    (['left/boom', 'right/boom', '--ros-args', '-r', '__ns:=/'], '')], 1)
+def test_names_in_namespaces_stay_distinct(client, tmp_path, arguments, where):
+    process = subprocess.Popen(
+        [sys.executable, '-m', 'fourbar_ros.ros.node.start', *arguments, '--params-file',
+         str(folder() / 'robots/arm.yaml')], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        text=True, cwd=tmp_path)
+    try:
+        client.until(lambda: {('boom', f'{where}/left'), ('boom', f'{where}/right')} <= set(
+            client.node.get_node_names_and_namespaces()), 'both nodes')
+    finally:
+        process.terminate()
+        said, _ = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 0, said
+
+
+def test_two_nodes_of_one_name_are_refused():
+    rule = ['--ros-args', '-r', 'boom:__ns:=/left']
+    with pytest.raises(UsageError, match='/left/boom: two nodes of one name'):
+        check_node_arguments(['boom', 'left/stick', '--ros-args', '--params-file', 'x.yaml', '-r',
+                              'boom:__ns:=/left', '-r', 'stick:__node:=boom'])
+    assert full_name(rule, 'boom') == '/left/boom'
+    assert full_name(rule, 'left/stick') == '/left/stick'
+    assert full_name(['--ros-args', '-r', '__ns:=/a/b'], 'left/boom') == '/a/b/left/boom'
+
+
+@some('source', ['parameter', 'file'], 1)
 def test_a_number_with_a_point_wins_over_a_whole_one_in_a_file(run_node, client, tmp_path, source):
     """Rcl alone keeps 25, of the file, whatever -p says."""
     more = ['-p', 'drive.speed:=3.5']
@@ -87,6 +127,7 @@ def test_a_number_with_a_point_wins_over_a_whole_one_in_a_file(run_node, client,
                      'the line in the log')
 
 
+@pytest.mark.slow
 def test_the_quality_of_service_can_be_overridden(run_node, client):
     given = {'/fourbar/state.publisher.reliability': 'best_effort',
              '/fourbar/state.publisher.depth': 3,

@@ -16,7 +16,7 @@ import time
 
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import Motion
-from fourbar_ros.bag.info import info
+from fourbar_ros.bag.read.info import info
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.ros.node.worker import Abandoned, Worker
 from fourbar_ros.ros.stop import SIGNALS, Stop
@@ -24,6 +24,7 @@ from fourbar_ros.scene.topics import SERVICES
 import pytest
 from support import ROOT
 from support.harness import ALL_OUTPUTS, PATIENCE
+from support.samples import some
 from support.scenes import PAPER, RODS
 
 RECORDING = {**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 200.0, 'outputs': ALL_OUTPUTS,
@@ -32,6 +33,7 @@ RECORDING = {**PAPER, **RODS, 'drive.speed': 25.0, 'drive.rate': 200.0, 'outputs
 LAUNCH = 5.0
 # [s] of CPU time from the signal to the end; the search takes some ten
 ABANDONED = 2.0
+MANY = 60     # requests: some ten seconds of work
 FLOODS, MANY_FLOODS = 2, 25
 TICKS = os.sysconf('SC_CLK_TCK')
 
@@ -65,14 +67,14 @@ def flood(process, rng, period):
 
 
 def test_a_certified_search_is_abandoned_and_the_bag_closed(run_node, client, tmp_path):
-    """All quantities in both modes: some ten seconds of proofs, and nobody waits for them."""
+    """All quantities in both modes, asked many times: nobody waits for the proofs."""
     node = run_node(RECORDING)
     client.listen(['state'])
     # so that the next request arrives
     client.call('find_extrema', quantities=['?'])
     service = SERVICES['find_extrema']
-    asked = client.service('find_extrema').call_async(
-        resolve(service.type).Request(mode=3, certify=True))
+    *_, asked = [client.service('find_extrema').call_async(
+        resolve(service.type).Request(mode=3, certify=True)) for _ in range(MANY)]
     client.until(lambda: len(client.received['state']) > 200, 'the stream')
     assert not asked.done()
     before, others = cpu_of(node.process.pid), cpu_of_the_ended()
@@ -97,7 +99,7 @@ def flooded(run_node, client, tmp_path, seed):
     assert info(tmp_path / 'bags/run', check=True).is_sound
 
 
-@pytest.mark.parametrize('seed', range(FLOODS))
+@some('seed', range(FLOODS), 1)
 def test_a_flood_of_signals_ends_it_like_one(run_node, client, tmp_path, seed):
     flooded(run_node, client, tmp_path, seed)
 
@@ -108,7 +110,7 @@ def test_many_floods_of_signals(run_node, client, tmp_path, seed):
     flooded(run_node, client, tmp_path, 100 + seed)
 
 
-@pytest.mark.parametrize('wait', [0.0, 0.1, 0.3])
+@some('wait', [0.0, 0.1, 0.3], (0.1,))
 def test_a_signal_while_it_starts_ends_it_without_a_traceback(run_node, wait):
     """From the first line of ours on: before that, Python itself answers."""
     node = run_node(RECORDING)
@@ -130,6 +132,7 @@ os.fsync = slow
 """
 
 
+@pytest.mark.slow
 def test_a_slow_disk_at_the_end_of_a_bag_holds_up_no_input(run_node, client):
     """
     What is sent after the request to stop is answered before that.
@@ -158,8 +161,8 @@ def test_a_slow_disk_at_the_end_of_a_bag_holds_up_no_input(run_node, client):
     client.until(lambda: f'recorded {path}' in node.said, 'the line of its log')
 
 
-@pytest.mark.parametrize('name, remap',
-                         [('fourbar', ''), ('mine', ''), ('fourbar', '__ns:=/cell')])
+@some('name, remap',
+      [('fourbar', ''), ('mine', ''), ('fourbar', '__ns:=/cell')], 1)
 def test_every_node_is_there_once_and_has_all_its_services(run_node, client, name, remap):
     run_node({**PAPER, 'outputs': ['state']}, name=name, remaps=[remap] if remap else [])
     namespace = remap[6:] or '/'
@@ -192,6 +195,15 @@ def test_a_flag_takes_signals_from_within_signals():
         signal.signal(signal.SIGALRM, before)
         stop.restore()
     assert stop.requested and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_under_nohup_it_stays_when_its_terminal_goes(run_node, client):
+    node = run_node(PAPER, first='import signal; signal.signal(signal.SIGHUP, signal.SIG_IGN)')
+    client.call('evaluate', position=0.5)
+    assert not catches(node.process, signal.SIGHUP) and catches(node.process, signal.SIGTERM)
+    node.process.send_signal(signal.SIGHUP)
+    client.call('evaluate', position=0.5)
+    assert node.process.poll() is None
 
 
 def test_no_handler_sets_an_event():

@@ -3,28 +3,29 @@
 """A design picked from a study runs in a real node."""
 import time
 
+from fourbar_lab.studies.chunks import compute
+from fourbar_lab.studies.folder import encode, Folder
+from fourbar_lab.studies.results import Results
+from fourbar_lab.studies.study import from_document
 from fourbar_ros.scene.files import read_values
 from fourbar_ros.scene.scene import from_values
-from fourbar_ros.studies.answers import Answers
-from fourbar_ros.studies.parts import encode, Folder
-from fourbar_ros.studies.rows import compute
-from fourbar_ros.studies.study import from_document
 import pytest
 from support.harness import Client, NodeProcess, PATIENCE
 
 pytest.importorskip('pyarrow')
 
 
+@pytest.mark.slow
 def test_a_picked_design_runs_in_the_node(tmp_path):
     study = from_document({'scene': 'paper', 'rows': 4, 'objectives': {'omega4.peak': 'minimize'},
                            'vary': {'linkage.a1': {'range': [0.2, 0.3]}}})
     folder = Folder(tmp_path / 'study')
     folder.begin(study, False)
     folder.add(0, encode(study, compute(study, 0)))
-    answers = Answers(folder.path)
-    row = answers.best()[0]
+    results = Results(folder.path)
+    row = results.best()[0]
     file = tmp_path / 'best.yaml'
-    file.write_text(answers.scene_text(row))
+    file.write_text(results.scene_text(row))
     client, node = Client(), NodeProcess(read_values(file), tmp_path)
     try:
         client.listen(['state'])

@@ -3,28 +3,28 @@
 """A real node that is driven by torque, of a topic or of a motor; its bags are stepped again."""
 from math import inf, isnan, nan
 import re
-from threading import Lock
 import time
 from types import SimpleNamespace
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from fourbar_msgs.msg import DriveState, LinkageState
-from fourbar_ros.bag.info import info
-from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.recompute import compare
-from fourbar_ros.dynamics import mover
-from fourbar_ros.dynamics.drives import MotorLine
-from fourbar_ros.dynamics.simulate import simulate
-from fourbar_ros.dynamics.steps import Steps
+from fourbar_ros.bag.comparison.recompute import compare
+from fourbar_ros.bag.read.info import info
+from fourbar_ros.bag.read.reader import Bag
+from fourbar_ros.dynamics.model.drives import MotorLine
+from fourbar_ros.dynamics.model.equation import Equation
+from fourbar_ros.dynamics.solve.simulate import simulate
+from fourbar_ros.dynamics.step import mover
+from fourbar_ros.ros.clients.client import NoAnswer
+from fourbar_ros.ros.node.circles import Circles
 from fourbar_ros.ros.node.drives import TimerDrive
 from fourbar_ros.ros.node.torque import TorqueDrive
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.topics import DRIVE_STATE, TORQUE
-from geometry_msgs.msg import Vector3, Wrench, WrenchStamped
+from geometry_msgs.msg import WrenchStamped
 import numpy as np
 import pytest
-from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 from support.harness import set_parameters
 from support.scenes import PAPER, RODS
@@ -64,16 +64,9 @@ def torques(client, axis='z'):
 
 def without_its_thread(node, first, monkeypatch):
     """Return a drive of a scene, its stream, and the growing list of where it moves."""
-    moved, lock = [], Lock()
-
-    def alone(*work):
-        assert lock.acquire(blocking=False)          # that of a stream is held once at most
-        for part in work:
-            part()
-        lock.release()
-    stream = SimpleNamespace(
-        scene=first, between_steps=lambda topic, data, take: alone(take),
-        step_by=lambda stamp, move, then: alone(lambda: moved.append(move()), then))
+    moved = []
+    stream = SimpleNamespace(scene=first, step_by=lambda stamp, move: moved.append(move()))
+    monkeypatch.setattr(node, 'circles', Circles(node, first), raising=False)
     drive = TorqueDrive(node, stream, None)
     monkeypatch.setattr(TimerDrive, 'start', lambda drive: None)
     drive.start()
@@ -146,6 +139,7 @@ def test_a_torque_topic_with_gaps_nan_and_jumps(run_node, client, tmp_path):
     assert len(in_bag(tmp_path / 'run', '/fourbar/torque')) >= 7
 
 
+@pytest.mark.slow
 def test_a_torque_that_changes_as_often_as_samples(run_node, client, tmp_path):
     node = run_node({**TORQUE_DRIVEN, **recording(tmp_path), 'drive.rate': 1000.0})
     heard = states(client)
@@ -161,6 +155,7 @@ def test_a_torque_that_changes_as_often_as_samples(run_node, client, tmp_path):
     assert len({m.command for m in in_bag(tmp_path / 'run', '/fourbar/drive_state')}) > 50
 
 
+@pytest.mark.slow
 def test_silence_may_hold_the_torque(run_node, client, tmp_path):
     run_node({**TORQUE_DRIVEN, 'drive.timeout': 0.2, 'drive.when_silent': 'hold'})
     heard = states(client)
@@ -170,6 +165,7 @@ def test_silence_may_hold_the_torque(run_node, client, tmp_path):
                  == (4.0, DriveState.STATUS_SILENT), 'silence')
 
 
+@pytest.mark.slow
 def test_a_bag_of_another_motor_is_found_out(run_node, client, tmp_path, monkeypatch):
     node = run_node({**MOTOR_DRIVEN, **recording(tmp_path)})
     heard = states(client)
@@ -203,10 +199,10 @@ def test_parameters_change_while_it_runs_and_the_state_goes_on(run_node, client,
     assert not compare(tmp_path / 'run').problems()
 
 
-def test_the_equation_of_another_scene_is_made_before_it_holds(monkeypatch):
+def test_the_equation_of_another_scene_is_made_before_it_holds(client, monkeypatch):
     first, then = (scene.from_values({**MOTOR_DRIVEN, 'motor.stall_torque': torque})
                    for torque in (400.0, 100.0))
-    drive, stream, moved = without_its_thread(None, first, monkeypatch)
+    drive, stream, moved = without_its_thread(client.node, first, monkeypatch)
     drive._sample((0, 0), first.drive, 0.0)
     drive.prepare(then)
     monkeypatch.setattr(scene.Scene, 'mover', property(lambda _: pytest.fail('made in a step')))
@@ -216,35 +212,7 @@ def test_the_equation_of_another_scene_is_made_before_it_holds(monkeypatch):
     assert torques[0] == 400.0 and torques[2] == pytest.approx(0.25 * torques[1], rel=0.1)
 
 
-def test_a_step_is_made_before_its_tick(client, monkeypatch):
-    first = scene.from_values(TORQUE_DRIVEN)
-    drive, _, moved = without_its_thread(client.node, first, monkeypatch)
-    advance, made = Steps.advance, []
-    monkeypatch.setattr(Steps, 'advance', lambda steps, place, length, torque: made.append(torque)
-                        or advance(steps, place, length, torque))
-
-    def sampled(*torques):
-        """Return torques for which steps were made before a sample, with it and after it."""
-        made.clear()
-        for torque in torques:
-            drive._command._receive(serialize_message(
-                WrenchStamped(wrench=Wrench(torque=Vector3(z=float(torque))))))
-        ahead = len(made)
-        drive._sample((0, 0), first.drive, 0.0)
-        assert moved[-1][-1].command == (torques[-1] if torques else moved[-2][-1].command)
-        return made[:ahead], made[ahead:]
-    sampled(5.0)
-    assert sampled() == ([], [5.0])                  # after it: that of the next one
-    assert sampled(1.0) == ([1.0], [1.0])
-    assert sampled(2.0) == ([2.0], [])               # one more will come
-    assert sampled(3.0, 4.0) == ([3.0, 4.0], [])
-    assert sampled(4.0, 4.0, 4.0) == ([4.0], [])
-    assert sampled(*range(30)) == ([0.0, 1.0], [29.0])       # more than a sample has time for
-    assert sampled() == ([], [29.0, 29.0])           # none came
-    assert sampled() == ([], [29.0])
-    assert sampled(7.0) == ([7.0], [7.0]) and sampled() == ([], [7.0])     # every other sample
-
-
+@pytest.mark.slow
 def test_topics_of_other_drives_are_not_there(run_node, client):
     run_node({**PAPER, **RODS})
     client.call('evaluate', position=0.5)
@@ -256,6 +224,16 @@ def test_a_change_point_linkage_is_refused(run_node):
     node = run_node({**TORQUE_DRIVEN, 'linkage.a1': 0.5, 'linkage.a2': 1.0, 'linkage.a3': 0.5,
                      'linkage.a4': 1.0, 'drive.start': 1.0})
     assert node.wait() == 2 and 'fourbar simulate' in node.said
+
+
+@pytest.mark.slow
+def test_a_change_to_a_change_point_is_refused_as_at_start(run_node, client):
+    run_node({**TORQUE_DRIVEN, 'linkage.a1': 0.5, 'linkage.a2': 1.0, 'linkage.a3': 0.5,
+              'linkage.a4': 0.9, 'drive.start': 1.0})
+    client.call('evaluate', position=0.5)
+    refused, = set_parameters(client, {'linkage.a4': 1.0})
+    assert not refused.successful and 'fourbar simulate' in refused.reason
+    assert set_parameters(client, {'linkage.a4': 0.95})[0].successful
 
 
 ROCKER = {**TORQUE_DRIVEN, 'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.start': -0.5}
@@ -301,6 +279,7 @@ def test_a_released_rocker_swings_through_its_toggles_as_simulate_says(
     assert [m.mode for m in there[1:count]] == run.modes.tolist()
 
 
+@pytest.mark.slow
 def test_a_bag_that_begins_anywhere_in_a_swing_recomputes(run_node, client, tmp_path):
     node = run_node({**ROCKER, **recording(tmp_path), 'recording.start': False,
                      'recording.name': ''})
@@ -317,6 +296,7 @@ def test_a_bag_that_begins_anywhere_in_a_swing_recomputes(run_node, client, tmp_
     assert node.stop() == 0
 
 
+@pytest.mark.slow
 def test_at_an_end_of_its_stroke_the_input_is_held_until_the_force_pulls_it_back(
         run_node, client, tmp_path):
     values = {**SLIDE, **recording(tmp_path)}
@@ -389,11 +369,61 @@ def test_simulated_time_moves_the_state_and_starts_again_when_it_goes_back(run_n
     assert start.step == start.position == 0.0
 
 
-def test_loads_of_a_scene_with_springs_are_not_given(run_node, client):
-    run_node({**TORQUE_DRIVEN, 'outputs': ['state'], 'torsion_springs.pivot.stiffness': 50.0})
+@pytest.mark.slow
+def test_silence_runs_on_simulated_time_that_may_pause_and_go_back(run_node, client, tmp_path):
+    """The clock of a simulation rests for longer than the timeout: no torque is missed by it."""
+    silent, period = DriveState.STATUS_SILENT, 10_000_000
+    node = run_node({**TORQUE_DRIVEN, **recording(tmp_path), 'drive.timeout': 0.3,
+                     'drive.rate': 100.0, 'drive.budget': 1000, 'use_sim_time': True})
+    heard, now, send = states(client), [5 * 10**9], torques(client)
+    clock = client.node.create_publisher(Clock, '/clock', 10)
+
+    def stamp(message):
+        return message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+
+    def tick(torque=None):
+        """Go on by a period, and until there is the state of that time; return it."""
+        if torque is not None:
+            send(torque)
+            client.spin(0.05)                # of two topics, the order is not told
+        now[0] += period
+        clock.publish(Clock(clock=Time(sec=now[0] // 10**9, nanosec=now[0] % 10**9)))
+        client.until(lambda: heard and stamp(heard[-1]) == now[0], 'the state', 2.0)
+        return heard[-1]
+
+    def ticked(torque, status):
+        try:
+            return tick(torque).status == status
+        except NoAnswer:                     # not discovered yet, or a timer that begins anew
+            return False
+    client.until(lambda: ticked(30.0, DriveState.STATUS_OK), 'a torque in effect')
+    for _ in range(3):
+        client.spin(0.5)                     # simulated: nothing
+        assert {tick(30.0).status} | {tick().status for _ in range(5)} == {DriveState.STATUS_OK}
+    given = now[0] - 6 * period              # of the last torque, or a step before
+    while (last := tick()).status != silent:
+        assert last.torque == 30.0 and stamp(last) - given <= 3 * 10**8 + period
+    assert stamp(last) - given >= 3 * 10**8 and last.torque == 0.0
+    tick(-20.0)
+    assert tick().torque == -20.0
+    now[0], count = 10**9, len(heard)        # it starts again, as it started
+    client.until(lambda: ticked(None, silent), 'a start in time that goes back')
+    assert heard[count].step == 0.0 and node.stop() == 0
+    assert {(m.status, m.torque) for m in heard[count:]} == {(silent, 0.0)}
+    found = compare(tmp_path / 'run')
+    assert not found.problems() and found.largest == 0.0, found
+
+
+@pytest.mark.slow
+def test_loads_of_a_scene_with_springs_are_given_at_a_pose_alone(run_node, client):
+    """The torque that the motion needs is that of Eksergian's equation; extrema are refused."""
+    given = {**TORQUE_DRIVEN, 'outputs': ['state'], 'torsion_springs.pivot.stiffness': 50.0}
+    run_node(given)
     answer = client.call('evaluate', position=0.5, velocity=2.0)
-    assert answer.result == answer.RESULT_OK and not answer.has_loads
-    assert isnan(answer.loads.f41) and answer.state.theta4 != 0.0
+    assert answer.result == answer.RESULT_OK and answer.has_loads
+    known = scene.from_values(given)
+    needed = Equation(known.linkage, known.elements).torque(0.5, 2.0, 0.0)
+    assert answer.loads.driving_torque == pytest.approx(needed, rel=1e-12)
     found = client.call('find_extrema', quantities=['shaking_force'], velocity=2.0)
     assert found.result == found.RESULT_INVALID_REQUEST and 'springs' in found.message
     found = client.call('find_extrema', velocity=2.0)

@@ -1,11 +1,24 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Trajectories of the output over the wire: there and back, gears, and refusals with a reason."""
+import random
+
 from builtin_interfaces.msg import Duration
-from fourbar_ros.scene.topics import TRAJECTORIES
+from diagnostic_msgs.msg import DiagnosticArray
+from fourbar_ros.ros.node import trajectories as points
+from fourbar_ros.ros.node.trajectories import FIELDS
+from fourbar_ros.scene.scene import from_values
+from fourbar_ros.scene.topics import ANSWERS, TRAJECTORIES
+from fourbar_ros.transmission import trajectory, Transmission
 import numpy as np
 import pytest
+from rclpy.serialization import deserialize_message, serialize_message
+from ros.test_inputs import set_parameters
+from ros.test_start import start
+from sensor_msgs.msg import JointState
 from std_msgs.msg import String
+from support import ROOT
+from support.samples import some
 from support.scenes import PAPER, RODS
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
@@ -31,31 +44,37 @@ def message(joint, positions, **others):
 class Asker:
     """Publishes trajectories and hears answers and refusals."""
 
-    def __init__(self, client):
-        self.client, self.heard = client, {}
-        self._publishers = {}
+    def __init__(self, client, node='fourbar'):
+        self.client, self.heard, self._publishers = client, {}, {}
         for name, topic in TRAJECTORIES.items():
             kind = String if topic.type.endswith('String') else JointTrajectory
-            full = topic.topic.replace('~', '/fourbar')
-            if name in ('output_trajectory', 'input_trajectory'):
-                self._publishers[name] = client.node.create_publisher(kind, full, 10)
+            full = topic.topic.replace('~', f'/{node}')
+            if name in ANSWERS:
+                self._publishers[name] = client.node.create_publisher(kind, full, 1000)
             else:
                 client.node.create_subscription(
-                    kind, full, self.heard.setdefault(name, []).append, 10)
+                    kind, full, self.heard.setdefault(name, []).append, 1000)
         client.until(lambda: all(p.get_subscription_count() for p in self._publishers.values())
-                     and all(client.node.count_publishers(t.topic.replace('~', '/fourbar'))
+                     and all(client.node.count_publishers(t.topic.replace('~', f'/{node}'))
                              for n, t in TRAJECTORIES.items() if n in self.heard), 'the topics')
+        self.client.until(self._is_discovered, 'an answer')
+
+    def _is_discovered(self):
+        """Send what is refused until it is, then forget the refusals."""
+        for name in self._publishers:
+            self.send(name, JointTrajectory())
+        self.client.spin(0.2)
+        return len(self.heard['trajectory_refused']) >= 2
+
+    def send(self, name, what):
+        self._publishers[name].publish(what)
 
     def ask(self, name, what, answer):
+        self.client.spin(0.3)                # refusals on their way
         count = len(self.heard[answer])
-        for _ in range(20):
-            self._publishers[name].publish(what)
-            try:
-                self.client.until(lambda: len(self.heard[answer]) > count, answer, 3.0)
-                return self.heard[answer][-1]
-            except Exception:
-                continue
-        raise AssertionError(answer)
+        self.send(name, what)
+        self.client.until(lambda: len(self.heard[answer]) > count, answer)
+        return self.heard[answer][-1]
 
 
 def column(trajectory, name):
@@ -63,26 +82,210 @@ def column(trajectory, name):
 
 
 def test_a_wanted_output_becomes_a_drive_and_comes_back(run_node, client):
-    run_node(GEARED)
+    run_node({**GEARED, 'trajectory_fields': list(FIELDS[1:])})
     asker, wanted = Asker(client), message('leg', 2.0 * np.linspace(1.7, 2.2, 5) - 0.5)
     drive = asker.ask('output_trajectory', wanted, 'drive_trajectory')
     assert list(drive.joint_names) == ['motor']
     assert [p.time_from_start.sec for p in drive.points] == [0, 1, 2, 3, 4]
     back = asker.ask('input_trajectory', drive, 'followed_trajectory')
     assert list(back.joint_names) == ['leg']
-    for name in ('positions', 'velocities', 'accelerations', 'effort'):
+    for name in FIELDS:
         want = column(wanted, name)
         assert np.abs(column(back, name) - want).max() <= 1e-12 * (1.0 + np.abs(
             column(drive, name)).max() + np.abs(want).max())
 
 
-@pytest.mark.parametrize('wrong, why', [
+REFUSED = [
     (message('leg', [20.0]), 'lies beyond the toggle'),
     (message('arm', [3.0]), 'must hold leg'),
     (message('leg', []), 'must not be empty'),
     (message('leg', [3.0], velocities=[]), 'must be given for leg in point 0'),
     (message('leg', [float('nan')]), 'must be finite'),
-])
-def test_what_cannot_be_followed_is_refused_with_its_reason(run_node, client, wrong, why):
+    (message('leg', [1e308]), 'theta4 = 1.4285714e+307 rad tells no angle'),
+    (message('leg', [14.0], velocities=[0.0, 1e308]), 'of theta1 overflows'),
+]
+
+
+def test_what_cannot_be_followed_is_refused_with_its_reason(run_node, client):
     run_node({**GEARED, 'joint_states.ratios': [1.0, 1.0, 1.0, 7.0]})
-    assert why in Asker(client).ask('output_trajectory', wrong, 'trajectory_refused').data
+    asker = Asker(client)
+    for wrong, why in REFUSED:
+        assert why in asker.ask('output_trajectory', wrong, 'trajectory_refused').data
+
+
+def test_an_answer_holds_what_is_asked_for_and_known(run_node, client):
+    """Without a word no effort, which joint_trajectory_controller would refuse."""
+    node = run_node(GEARED)
+    asker, wanted = Asker(client), message('leg', [3.0, 3.2])
+    plain = message('leg', [3.0, 3.2], accelerations=[], effort=[])
+    for asked, given, has in ((None, wanted, FIELDS[:3]), (None, plain, FIELDS[:2]),
+                              (['accelerations'], wanted, ('positions', 'accelerations')),
+                              (['effort'], wanted, ('positions', 'effort'))):
+        if asked is not None:
+            assert set_parameters(client, {'trajectory_fields': asked})[0].successful
+        answer = asker.ask('output_trajectory', given, 'drive_trajectory')
+        assert all(len(getattr(point, name)) == (name in has)
+                   for point in answer.points for name in FIELDS), answer
+    why = asker.ask('output_trajectory', plain, 'trajectory_refused').data
+    assert 'acceleration: must be given for an effort' in why
+    assert 'Traceback' not in node.said
+
+
+TURNING = {'linkage.a1': 0.5, 'linkage.a2': 0.6, 'linkage.a3': 0.55, 'linkage.a4': 0.2,
+           'drive.source': 'motion', 'drive.start': 0.5, 'trajectories': True,
+           'outputs': ['state'], 'joint_names': ['motor', 'a', 'b', 'leg']}
+
+
+@some('is_wrapped', [False, True], 1)
+def test_a_stream_of_single_points_turns_on_and_on(run_node, client, is_wrapped):
+    """Five turns of the output in points 0.05 s apart: the drive goes on without jumps."""
+    run_node(TURNING)
+    asker, answers = Asker(client), []
+    positions = 0.3 + 0.2 * np.arange(160)
+    for k, position in enumerate(positions):
+        wrapped = (position + np.pi) % (2.0 * np.pi) - np.pi
+        point = JointTrajectoryPoint(positions=[wrapped if is_wrapped else position],
+                                     velocities=[4.0], accelerations=[0.0])
+        sent = JointTrajectory(joint_names=['leg'], points=[point])
+        sent.header.stamp.sec, sent.header.stamp.nanosec = divmod(10**9 + k * 50_000_000, 10**9)
+        asker.send('output_trajectory', sent)
+        client.until(lambda k=k: len(asker.heard['drive_trajectory']) > k, 'an answer')
+        answers.append(asker.heard['drive_trajectory'][k].points[0].positions[0])
+    through = Transmission(from_values(TURNING).linkage, 0.5)
+    assert np.abs(np.diff(answers)).max() < 1.0 and answers[-1] - answers[0] > 28.0
+    assert np.abs(through.to_output(trajectory(answers)).position - positions).max() <= 1e-11
+
+
+@pytest.mark.slow
+def test_what_is_not_answered_is_counted(run_node, client):
+    run_node({**GEARED, 'drive.timeout': 0.0})
+    newest = []
+    client.node.create_subscription(DiagnosticArray, '/diagnostics', newest.append, 10)
+    asker = Asker(client)
+    asker.ask('output_trajectory', message('leg', [20.0]), 'trajectory_refused')
+    asker.ask('output_trajectory', message('leg', [3.0]), 'drive_trajectory')
+    refused, answered = (len(asker.heard[name])
+                         for name in ('trajectory_refused', 'drive_trajectory'))
+
+    def counted():
+        values = {pair.key: pair.value for pair in newest[-1].status[0].values} if newest else {}
+        return (values.get('trajectories') == str(refused + answered)
+                and values['trajectories refused'] == str(refused)
+                and values['trajectories lost'] == '0')
+    client.until(counted, 'the counts')
+    assert any('trajectories refused' in array.status[0].message for array in newest)
+
+
+WAITING = """
+from pathlib import Path
+import time
+from fourbar_ros.transmission import Transmission
+answer = Transmission.to_input
+def wait_and_answer(self, wanted):
+    print('at work', flush=True)
+    while len(wanted.position) > 1000 and not Path('go').exists():
+        time.sleep(0.01)
+    return answer(self, wanted)
+Transmission.to_input = wait_and_answer
+"""
+
+
+@pytest.mark.slow
+def test_while_a_long_trajectory_is_answered_the_inputs_are(run_node, client, tmp_path):
+    """In order of events, not by the clock: the answer may take as long as it likes."""
+    node = run_node({**TURNING, 'drive.source': 'joint_state', 'drive.joint': 'motor',
+                     'joint_states.only_passive': True, 'outputs': ['joint_states']},
+                    first=WAITING)
+    asker, states = Asker(client), []
+    client.node.create_subscription(JointState, '/joint_states', states.append, 1000)
+    motor = client.node.create_publisher(JointState, '/fourbar/input_joint_states', 1000)
+
+    def moved(number):
+        sent = JointState(name=['motor'], position=[0.1], velocity=[1.0])
+        sent.header.stamp.sec = number
+        motor.publish(sent)
+        client.spin(0.1)
+        return any(state.header.stamp.sec == number for state in states)
+    client.until(lambda: moved(1), 'an answer')
+    columns = {name: np.zeros(20_000) for name in FIELDS[:3]}
+    asker.send('output_trajectory', deserialize_message(points.write(
+        JointTrajectory().header, 'leg', np.arange(20_000), columns), JointTrajectory))
+    client.until(lambda: 'at work' in node.said, 'the worker')
+    for number in range(2, 12):
+        client.until(lambda number=number: moved(number), 'an answer')
+    assert not asker.heard['drive_trajectory']
+    (tmp_path / 'go').touch()
+    client.until(lambda: asker.heard['drive_trajectory'], 'the answer')
+    assert len(asker.heard['drive_trajectory'][0].points) == 20_000
+
+
+def test_a_scene_whose_output_has_no_joint_is_refused_by_check_and_node(tmp_path, capsys):
+    from fourbar_ros.cli.main import main
+    file = tmp_path / 'leg.yaml'
+    file.write_text((ROOT / 'config/jansen.yaml').read_text().replace(
+        'ros__parameters:', 'ros__parameters:\n    trajectories: true', 1))
+    assert main(['scene', 'check', str(file)]) == 1
+    said = capsys.readouterr().err.strip()
+    assert said.count('\n') == 0 and 'the output theta_foot is of no joint' in said
+    code, line = start(tmp_path, '--ros-args', '--params-file', str(file))
+    assert code == 2 and line.split(': ', 1)[1] in said
+
+
+def random_trajectory(rng):
+    """Return a JointTrajectory of lengths and texts that shift what lies behind them."""
+    made = JointTrajectory(joint_names=['x' * rng.randrange(6) for _ in range(rng.randrange(4))])
+    made.header.frame_id, made.header.stamp.sec = 'f' * rng.randrange(6), rng.randrange(-5, 5)
+    lengths = [rng.choice([0, 0, 1, 2, 3]) for _ in FIELDS]
+    for _ in range(rng.randrange(6)):
+        if rng.random() < 0.05:              # points that differ
+            lengths = [rng.choice([0, 1]) for _ in FIELDS]
+        made.points.append(JointTrajectoryPoint(
+            time_from_start=Duration(sec=rng.randrange(-3, 3), nanosec=rng.randrange(10**9)),
+            **{name: [rng.random() for _ in range(length)]
+               for name, length in zip(FIELDS, lengths)}))
+    return made
+
+
+def as_read(message):
+    """Return what points.read is to find in what ROS has read."""
+    return (message.header, list(message.joint_names),
+            repr([[list(getattr(point, name)) for point in message.points] for name in FIELDS]),
+            [point.time_from_start.sec * 10**9 + point.time_from_start.nanosec
+             for point in message.points])
+
+
+def found_by(data):
+    found = points.read(data)
+    return (found.header, list(found.joint_names),
+            repr([[list(map(float, row)) for row in found.columns[name]] for name in FIELDS]),
+            found.times.tolist())
+
+
+def test_columns_are_those_that_ros_reads_and_ros_reads_those_that_are_written():
+    rng = random.Random(1)
+    for _ in range(500):
+        made = random_trajectory(rng)
+        data = serialize_message(made)
+        assert found_by(data) == as_read(made)
+        broken = bytearray(data)             # ROS judges what is none
+        for _ in range(rng.randrange(1, 5)):
+            broken[rng.randrange(len(data))] = rng.randrange(256)
+        broken = bytes(broken[:rng.randrange(4, len(data) + 1)])
+        try:
+            expected = as_read(deserialize_message(broken, JointTrajectory))
+        except Exception:
+            expected = None
+        try:
+            found = found_by(broken)
+        except Exception:
+            found = None
+        assert found == expected
+        count, joint = rng.randrange(5), 'leg' * rng.randrange(3)
+        columns = {name: np.array([rng.random() for _ in range(count)])
+                   for name in FIELDS if rng.random() < 0.6}
+        times = np.array([rng.randrange(10**12) for _ in range(count)], np.int64)
+        found = deserialize_message(points.write(made.header, joint, times, columns),
+                                    JointTrajectory)
+        assert as_read(found) == (made.header, [joint], repr(
+            [[[float(x)] for x in columns[name]] if name in columns else [[]] * count
+             for name in FIELDS]), times.tolist())

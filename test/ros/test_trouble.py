@@ -15,15 +15,16 @@ import time
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from fourbar_msgs.msg import LinkageState, Motion
-from fourbar_ros.bag.recompute import compare
+from fourbar_ros.bag.comparison.recompute import compare
 from fourbar_ros.ros.node.quiet_log import QuietLog
-from fourbar_ros.ros.node.sequence import Sequence
+from fourbar_ros.ros.node.sequence import SequenceNumbers
 import pytest
 from ros.test_inputs import answers, NANOSECONDS, set_parameters, stamped
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from support.faults import Faults
 from support.harness import PATIENCE
+from support.samples import some
 from support.scenes import PAPER
 
 DRIVEN = {**PAPER, 'drive.source': 'motion', 'drive.timeout': 0.0, 'outputs': ['state']}
@@ -52,7 +53,7 @@ Stream.step = lambda self, *given: (time.sleep(0.001), step(self, *given))
 """
 
 
-@pytest.mark.parametrize('publishers', [1, 2])
+@some('publishers', [1, 2], (2,))
 def test_what_is_lost_is_counted_to_the_last_message(run_node, client, heard, publishers):
     """
     Inputs faster than a step, and more of them than are kept.
@@ -83,7 +84,7 @@ def test_what_is_lost_is_counted_to_the_last_message(run_node, client, heard, pu
 
 
 def test_gaps_in_the_numbers_of_several_publishers():
-    sequence = Sequence(lambda: 2)
+    sequence = SequenceNumbers(lambda: 2)
     for number in (1, 2, 901, 3, 902, 6, 903, 7, 905):               # 4, 5 and 904 are missing
         sequence.take(number)
     assert sequence.lost == 3 and sequence.is_numbered
@@ -126,8 +127,7 @@ def test_one_line_per_cause_and_interval_with_the_number():
     assert said[-1] == 'at once'
 
 
-@pytest.mark.parametrize('bad', [Motion(position=math.nan),
-                                 pytest.param(Motion(velocity=math.inf), marks=pytest.mark.slow)])
+@some('bad', [Motion(position=math.nan), Motion(velocity=math.inf)], 1)
 def test_good_and_bad_inputs_in_turns_are_a_few_lines(run_node, client, heard, bad):
     node = run_node(DRIVEN)
     client.listen(['state'])
@@ -170,7 +170,7 @@ def test_diagnostics_and_timeout_go_on_when_the_clock_is_set_back(run_node, clie
 
 
 @pytest.mark.skipif(not shutil.which('cc'), reason='needs a C compiler')
-@pytest.mark.parametrize('step', [-3600.0, 3600.0])
+@some('step', [-3600.0, 3600.0], 1)
 def test_a_node_on_a_timer_stops_and_has_diagnostics_whatever_the_clock(run_node, client, heard,
                                                                         tmp_path, step):
     """Nothing comes in that would wake it, and its executor waits by the clock that was set."""
@@ -218,6 +218,7 @@ def test_a_timeout_counts_simulated_time(run_node, client):
     assert client.received['state'][0].status == LinkageState.STATUS_INPUT_TIMEOUT
 
 
+@pytest.mark.slow
 def test_a_simulation_that_is_reset_by_less_than_the_timeout_has_rates_at_once(
         run_node, client, tmp_path):
     """Before, samples counted as late, and rates were unknown, until the old time was passed."""
@@ -267,6 +268,7 @@ def test_a_simulation_that_is_reset_by_less_than_the_timeout_has_rates_at_once(
     assert not found.problems() and found.largest == 0.0 and found.inputs >= 30
 
 
+@pytest.mark.slow
 def test_simulated_time_is_chosen_at_start(run_node, client):
     run_node(DRIVEN)
     refused, kept = (set_parameters(client, {'use_sim_time': value})[0] for value in (True, False))
@@ -292,6 +294,7 @@ def test_a_stamp_that_is_no_time_is_replaced_and_counted(run_node, client, heard
     client.until(lambda: heard()[1].get('bad stamps') == '3', 'the count')
 
 
+@pytest.mark.slow
 def test_an_estimated_acceleration_that_is_noise_is_reported(run_node, client, heard):
     """An encoder of 1000 counts at 500 Hz: its acceleration is 1e3 rad/s2 of nothing."""
     run_node({**DRIVEN, 'drive.source': 'joint_state', 'drive.joint': 'motor'})
@@ -318,6 +321,7 @@ def test_an_estimated_acceleration_that_is_noise_is_reported(run_node, client, h
     assert float(heard()[1]['lag of the estimated acceleration [s]']) == pytest.approx(0.004)
 
 
+@pytest.mark.slow
 def test_nodes_of_one_name_in_two_namespaces_have_diagnostics_of_their_own(run_node, client):
     messages = []
     client.node.create_subscription(DiagnosticArray, '/diagnostics', messages.append, 10)

@@ -8,6 +8,7 @@ It streams on and says what is missing.
 import os
 
 import pytest
+from support.samples import some
 from support.scenes import PAPER
 
 
@@ -24,9 +25,9 @@ def without(tmp_path, monkeypatch):
     return hide
 
 
-@pytest.mark.parametrize('names', [('mcap',), ('lz4', 'zstandard'),
-                                   ('mcap', 'lz4', 'zstandard', 'flint', 'scipy',
-                                    'matplotlib', 'mpmath', 'pyarrow', 'rich')])
+@some('names', [('mcap',), ('lz4', 'zstandard'),
+                ('mcap', 'lz4', 'zstandard', 'flint', 'scipy',
+                 'matplotlib', 'mpmath', 'pyarrow', 'rich')], (('mcap',),))
 def test_the_stream_goes_on_and_one_line_says_what_to_install(run_node, client, without, names):
     without(*names)
     node = run_node({**PAPER, 'outputs': ['state'], 'recording.start': True})

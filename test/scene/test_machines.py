@@ -7,9 +7,10 @@ from fourbar_ros import FourBar, InvalidParameter
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.pipeline.status import LOADS_UNKNOWN
 from fourbar_ros.pipeline.stepper import Stepper
-from fourbar_ros.pipeline.wrenches import NAMES, Wrench
-from fourbar_ros.scene import scene
+from fourbar_ros.pipeline.wrenches import Wrench
+from fourbar_ros.scene import parameters, scene
 from fourbar_ros.scene.files import read_values
+from fourbar_ros.scene.message_fields import DRIVE_WRENCH
 import numpy as np
 import pytest
 from support.scenes import PAPER, RODS
@@ -57,7 +58,7 @@ def without(*names, of=None):
     ({**WATT, 'linkage.range': [0.0, 1.0]}, 'linkage.range', 'only a driven slide'),
     ({**WATT, 'bodies.rcoker.mass': 1.0}, 'bodies.rcoker', 'did you mean rocker?'),
     ({**WATT, 'bodies.output.mass': 1.0}, 'bodies.output.inertia', 'must be given'),
-    ({**WATT, 'external.crank.couple': 1.0}, 'external.crank', 'no such link here'),
+    ({**WATT, 'external.crnak.couple': 1.0}, 'external.crnak', 'did you mean crank?'),
     ({**WATT, 'points.tip.link': 'coupelr'}, 'points.tip.link', 'must be one of crank, coupler'),
     ({**WATT, 'joint_names': ['a']}, 'joint_names', 'seven different names'),
     ({**BUCKET, 'cylinder.pin.along': 0.0}, 'cylinder.pin', 'away from O1'),
@@ -135,7 +136,7 @@ def test_a_cylinder_pushes_along_its_rod_and_a_wrench_acts_on_a_link_by_name():
     _, loads = its.linkage.step(1.8, 0.3, -2.0)
     # the cylinder has no mass: what the drive feels is what the crank does to the rod
     expected = loads.cylinder_first_x, loads.cylinder_first_y
-    wrench = [found[its.layout.place[name]] for name in NAMES]
+    wrench = [found[its.layout.place[name]] for name in DRIVE_WRENCH]
     assert wrench[:2] == pytest.approx(expected, rel=1e-12) and wrench[2] == 0.0
     topic = scene.from_values({**values, 'external.bucket.from_topic': True,
                                'external.bucket.force_x': 0.0, 'external.bucket.force_y': 0.0})
@@ -166,3 +167,65 @@ def test_the_quick_return_has_the_ratio_of_times_of_its_geometry():
     ratio = max(share, 1.0 - share) / min(share, 1.0 - share)
     arc = 2.0 * np.arcsin(0.4)
     assert ratio == pytest.approx((pi + arc) / (pi - arc), rel=1e-3)
+
+
+BOOM = {'linkage.a1': 1.2, 'linkage.a4': 1.6, 'linkage.kind': 'inverted_slider',
+        'linkage.input': 'slide', 'linkage.range': [1.0, 1.8], 'gravity.y': -9.81,
+        'bodies.crank.mass': 800.0, 'bodies.crank.inertia': 900.0, 'bodies.crank.cg_along': 2.0,
+        'bodies.coupler.mass': 40.0, 'bodies.coupler.inertia': 4.0, 'bodies.output.mass': 60.0,
+        'bodies.output.inertia': 8.0, 'bodies.output.cg_along': 0.5,
+        'external.crank.force_x': 300.0, 'external.crank.force_y': -5000.0,
+        'external.crank.along': 3.7, 'external.crank.across': 0.1, 'external.crank.couple': -700.0}
+
+
+def test_a_boom_is_a_cylinder_without_dyads_and_bears_a_load():
+    """As the inverted slider-crank, whose formulas are others; and the power balances."""
+    names = {'bodies.coupler': 'bodies.rod', 'bodies.output': 'bodies.tube'}
+    machine = {'linkage.kind': 'machine', 'linkage.input': 'cylinder', 'linkage.dyads': [],
+               'linkage.range': [1.0, 1.8], 'cylinder.base.along': 1.6, 'cylinder.pin.along': 1.2}
+    for name, value in BOOM.items():
+        if not name.startswith('linkage.'):
+            group = '.'.join(name.split('.')[:2])
+            machine[name.replace(group, names.get(group, group))] = value
+    one, other = scene.from_values(BOOM).linkage, scene.from_values(machine).linkage
+    assert other.outputs[0].coordinate.position == 'theta_crank'
+    for slide in np.linspace(1.01, 1.79, 9):
+        for rate, acceleration in ((0.0, 0.0), (0.3, 0.5), (-2.0, 7.0)):
+            motion, loads = one.step(slide, rate, acceleration)
+            own, by_dyads = other.step(slide, rate, acceleration)
+            bound = 64.0 * 2.2e-16 * max(motion.condition, 1.0)
+            assert own.theta_crank == pytest.approx(motion.theta1, rel=bound)
+            size = max(abs(loads.f21), abs(loads.f41), abs(loads.f32))
+            for field in ('driving_force', 'shaking_force_x', 'shaking_force_y',
+                          'shaking_moment'):
+                assert abs(getattr(loads, field) - getattr(by_dyads, field)) <= bound * size * 4.0
+    at_rest, without = one.step(1.4, 0.0, 0.0)[1], scene.from_values(
+        {name: value for name, value in BOOM.items() if not name.startswith('external.')}
+    ).linkage.step(1.4, 0.0, 0.0)
+    # virtual work of the load alone: its point is 3.7 along and 0.1 across the crank
+    motion = without[0]
+    c, s = np.cos(motion.theta1), np.sin(motion.theta1)
+    turning = (300.0 * -(3.7 * s + 0.1 * c) - 5000.0 * (3.7 * c - 0.1 * s) - 700.0)
+    assert at_rest.driving_force - without[1].driving_force == pytest.approx(
+        -turning * motion.crank_ratio, rel=1e-12)
+
+
+@pytest.mark.parametrize('values, has, has_not', [
+    ({**PAPER, **RODS}, ('linkage.a1', 'drive.speed', 'external.crank.force_x', 'services'),
+     ('motor.kind', 'shaft.stiffness', 'cylinder.mode', 'drive.joint', 'linkage.dyads',
+      'drive.torque_limit', 'external.timeout', 'linkage.offset')),
+    ({**PAPER, 'drive.source': 'joint_state', 'drive.joint': 'm', 'motor.gear': 2.0},
+     ('drive.joint_ratio', 'drive.window', 'motor.gear'),
+     ('drive.speed', 'motor.kind', 'external.crank.force_x')),
+    ({**PAPER, **RODS, 'drive.source': 'torque', 'external.crank.couple': 1.0},
+     ('drive.when_silent', 'shaft.stiffness', 'drive.start_speed'), ('motor.kind',)),
+    (WATT, ('bodies.rocker.mass', 'linkage.output', 'dyads.one.mode'),
+     ('cylinder.mode', 'linkage.a1', 'linkage.mode')),
+    (read_values('jansen'), ('bodies.foot.mass', 'dyads.leg.mode'), ('bodies.output.mass',))])
+def test_what_a_scene_does_not_need_is_not_declared(values, has, has_not):
+    every = scene.from_values(values).values
+    found = set(parameters.meant(every, values))
+    assert set(values) <= found and found >= set(has) and not found & set(has_not)
+    # what is left out has no say: another value makes the same scene
+    assert all(every[name] == parameters.of_name(name).default or every[name] != every[name]
+               for name in every.keys() - found)

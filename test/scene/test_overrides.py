@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """What a command line asks for last, whatever type rcl prefers."""
-from fourbar_ros.scene.overrides import Asked, asked, is_ignored
+from fourbar_ros.ros.node.parameters import Asked, asked_outside, is_ignored
 import pytest
 
 
@@ -16,7 +16,7 @@ def file(tmp_path):
 
 
 def values(arguments, node='/fourbar'):
-    return {name: found.value for name, found in asked(arguments, node).items()}
+    return {name: found.value for name, found in asked_outside(arguments, node).items()}
 
 
 def test_the_last_of_files_and_parameters_is_what_was_asked(file):
@@ -31,7 +31,7 @@ def test_the_last_of_files_and_parameters_is_what_was_asked(file):
     assert values(['-p', 'drive.speed:=3.5', '--ros-args', '--params-file', first, '--', '-p',
                    'drive.speed:=2.0']
                   ) == {'drive.speed': 25}
-    assert asked(['--ros-args', '--param', 'a:=b:=c'],
+    assert asked_outside(['--ros-args', '--param', 'a:=b:=c'],
                  '/fourbar') == {'a': Asked('b:=c', '-p a:=b:=c')}
 
 

@@ -5,10 +5,9 @@ import json
 import math
 
 from fourbar_ros import InvalidParameter
-from fourbar_ros.scene import of_kinds, scene
-from fourbar_ros.scene.families import NAMED
-from fourbar_ros.scene.parameter import REQUIRED
-from fourbar_ros.scene.parameters import PARAMETERS
+from fourbar_ros.scene import scene
+from fourbar_ros.scene.parameter_table import FAMILIES, LINKS, PARAMETERS, REQUIRED
+from fourbar_ros.scene.parameters import check_value
 import pytest
 from support import ROOT
 from support.scenes import PAPER, RODS
@@ -24,7 +23,7 @@ def test_every_scene_that_is_shipped_is_good(file):
 def test_defaults_are_themselves_allowed():
     for parameter in PARAMETERS.values():
         if parameter.default is not REQUIRED:
-            value = parameter.check(parameter.default)
+            value = check_value(parameter, parameter.default)
             assert value == parameter.default or math.isnan(value)
 
 
@@ -42,7 +41,7 @@ def test_json_of_a_scene_is_strict_and_gives_the_same_scene():
 
 
 def test_bodies_one_by_one():
-    bodies = {f'bodies.{link}.{field}': value for link in of_kinds.LINKS
+    bodies = {f'bodies.{link}.{field}': value for link in LINKS
               for field, value in (('mass', 2.0), ('inertia', 0.5), ('cg_across', 0.01))}
     linkage = scene.from_values({**PAPER, **bodies, 'bodies.coupler.cg_along': 0.9}).linkage
     assert (linkage.bodies.crank.cg_along, linkage.bodies.coupler.cg_along) == (0.2, 0.9)
@@ -153,7 +152,7 @@ def test_numbers_that_overflow_are_refused(values):
                            'bodies.output.mass': 1.0, **values})
 
 
-@pytest.mark.parametrize('parameter', [parameter for table in (PARAMETERS, *NAMED.values())
+@pytest.mark.parametrize('parameter', [parameter for table in (PARAMETERS, *FAMILIES.values())
                                        for parameter in table.values()],
                          ids=lambda parameter: parameter.name)
 def test_every_text_of_a_parameter_reads_alone(parameter):

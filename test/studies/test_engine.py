@@ -13,11 +13,10 @@ import sys
 import threading
 import time
 
-from fourbar_ros.studies import StudyError
-from fourbar_ros.studies.engine import run
-from fourbar_ros.studies.executors import Cluster, Local
-from fourbar_ros.studies.parts import Folder
-from fourbar_ros.studies.study import from_document
+from fourbar_lab.studies import StudyError
+from fourbar_lab.studies.engine import Cluster, Local, run
+from fourbar_lab.studies.folder import Folder
+from fourbar_lab.studies.study import from_document
 import pytest
 
 pytest.importorskip('pyarrow')
@@ -94,11 +93,13 @@ def is_gone(process):
     return state == 'Z'
 
 
+@pytest.mark.slow
 def test_any_number_of_workers_gives_the_same_bits(tmp_path, expected):
     run_locally(tmp_path / 'three', study_of(), workers=3)
     assert bytes_of(tmp_path / 'three') == expected
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_killed_is_replaced(tmp_path, expected):
     process = start(write_study(tmp_path / 's.yaml'), '-o', tmp_path / 'out', '--workers', 2)
     wait_for(lambda: bytes_of(tmp_path / 'out'), 'first part')
@@ -129,6 +130,7 @@ def test_the_command_is_killed_and_resumed_and_leaves_no_process(tmp_path, expec
     assert bytes_of(folder) == expected and not list(folder.glob('.*'))
 
 
+@pytest.mark.slow
 def test_ctrl_c_says_how_to_go_on(tmp_path):
     process = start(write_study(tmp_path / 's.yaml'), '-o', tmp_path / 'out', '--workers', 1)
     wait_for(lambda: bytes_of(tmp_path / 'out'), 'first part')
@@ -150,7 +152,7 @@ def test_another_study_and_a_foreign_folder_are_refused(tmp_path):
 
 
 def test_a_chunk_that_fails_is_listed_and_the_others_are_kept(tmp_path, monkeypatch):
-    from fourbar_ros.studies import executors
+    from fourbar_lab.studies import engine as executors
 
     def fails(study, number):
         if number == 1:
@@ -230,6 +232,7 @@ def dask(tmp_path):
         yield parts
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_the_bits_of_this_machine_though_a_worker_dies(tmp_path, expected, dask):
     address, _, workers = dask
     folder, study = Folder(tmp_path / 'out'), study_of()
@@ -248,7 +251,8 @@ def test_a_cluster_gives_the_bits_of_this_machine_though_a_worker_dies(tmp_path,
     assert seen[-1].in_this_run == 240 and bytes_of(tmp_path / 'out') == expected
 
 
-def test_a_scheduler_dies_and_another_cluster_goes_on(tmp_path, expected, dask):
+@pytest.mark.slow
+def test_a_scheduler_dies_and_another_cluster_goes_on(tmp_path, expected, dask, capfd):
     address, scheduler, _ = dask
     folder, study = Folder(tmp_path / 'out'), study_of()
     folder.begin(study, False)
@@ -265,6 +269,7 @@ def test_a_scheduler_dies_and_another_cluster_goes_on(tmp_path, expected, dask):
     finally:
         executor.close()
     assert time.monotonic() - begun < PATIENCE
+    assert 'Traceback' not in capfd.readouterr().err
     before = bytes_of(tmp_path / 'out')
     assert 3 <= len(before) < 12
     (tmp_path / 'again').mkdir()
@@ -280,8 +285,60 @@ def test_a_scheduler_dies_and_another_cluster_goes_on(tmp_path, expected, dask):
 
 def test_no_scheduler_is_one_line(tmp_path, monkeypatch):
     pytest.importorskip('distributed')
-    from fourbar_ros.studies import executors
+    from fourbar_lab.studies import engine as executors
     monkeypatch.setattr(executors, 'PATIENCE', 1.0)
     with pytest.raises(StudyError, match='no Dask scheduler answers at tcp://127.0.0.1'):
         Cluster(f'tcp://127.0.0.1:{free_port()}')
     assert not [thread for thread in threading.enumerate() if 'executor' in thread.name.lower()]
+
+
+@pytest.mark.slow
+def test_two_commands_do_not_compute_the_same(tmp_path):
+    file, out = write_study(tmp_path / 's.yaml'), tmp_path / 'out'
+    first = start(file, '-o', out, '--workers', 1)
+    try:
+        wait_for(lambda: bytes_of(out), 'first part')
+        os.kill(first.pid, signal.SIGSTOP)
+        for arguments, why in (([], 'holds a study already'),
+                               (['--resume'], 'another command computes it now')):
+            second = start(file, '-o', out, '--workers', 1, *arguments)
+            _, err = second.communicate(timeout=PATIENCE)
+            assert second.returncode == 1 and why in err and err.count('\n') == 1, err
+    finally:
+        first.kill()            # the kernel ends its lock, and nothing is left to remove
+        first.communicate()
+    folder = Folder(out)
+    folder.begin(study_of(), True)
+    with folder.locked(), pytest.raises(StudyError, match='another command'):
+        Folder(out).begin(study_of(), True)
+    folder.begin(study_of(), True)
+
+
+@pytest.mark.slow
+def test_a_full_disk_is_one_line_with_the_path_and_resume_goes_on(tmp_path, expected):
+    code = (f'import resource, sys; from fourbar_ros.cli.main import main; '
+            f'resource.setrlimit(resource.RLIMIT_FSIZE, (9000, 9000)); '
+            f'sys.exit(main(["study", {str(write_study(tmp_path / "s.yaml"))!r}, "-o", '
+            f'{str(tmp_path / "out")!r}, "--workers", "1"]))')
+    (tmp_path / 'run.py').write_text(f'if __name__ == "__main__":\n    {code}\n')
+    done = subprocess.run([sys.executable, '-B', tmp_path / 'run.py'], capture_output=True,
+                          text=True, timeout=PATIENCE, check=False,
+                          env={name: value for name, value in os.environ.items()
+                               if 'COVERAGE' not in name})
+    assert done.returncode == 1 and done.stderr.count('\n') == 1, done.stderr
+    assert re.search(rf'{tmp_path}/out/\S+: File too large; what is done is kept, '
+                     '--resume goes on', done.stderr)
+    assert not list((tmp_path / 'out').glob('.*'))
+    process = start(tmp_path / 's.yaml', '-o', tmp_path / 'out', '--resume', '--workers', 2)
+    _, err = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 0, err
+    assert bytes_of(tmp_path / 'out') == expected
+
+
+@pytest.mark.slow
+def test_a_study_that_keeps_nothing_says_so(tmp_path):
+    file = write_study(tmp_path / 's.yaml', rows=20, constraints={'omega4.max': {'least': 1e9}})
+    process = start(file, '-o', tmp_path / 'out', '--workers', 1)
+    out, err = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 0 and 'no design fulfils the constraints' in err
+    assert 'most fail omega4.max' in err and 'omega4.max: 20' in out

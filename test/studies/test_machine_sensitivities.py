@@ -3,18 +3,19 @@
 """Exact derivatives of machines of dyads beside those of another formulation in fifty digits."""
 from copy import copy
 
+from fourbar_lab.studies.derivatives import Derivatives
+from fourbar_lab.studies.design import Design
+from fourbar_lab.studies.measures import Measures
 from fourbar_ros import load_scene
 from fourbar_ros.mechanics.bodies import Applied, Body, unchecked
-from fourbar_ros.mechanisms.machine.description import Cylinder, DIMENSIONS, Point
+from fourbar_ros.mechanisms.machine.describe.description import Cylinder, DIMENSIONS, Point
 from fourbar_ros.numerics.duals import derivatives_of, value_of
 from fourbar_ros.scene.scene import from_values
-from fourbar_ros.studies.derivatives import Derivatives
-from fourbar_ros.studies.measures import Measures
-from fourbar_ros.studies.one_design import Design
 import mpmath as mp
 import numpy as np
 import pytest
 from support.dyad_reference import loads_of, motion_of
+from support.samples import some
 
 STEP = mp.mpf(10)**-20           # of differences, whose error is its square
 ZERO = mp.mpf(10)**-15           # beside outputs that are zero
@@ -114,8 +115,8 @@ def slopes(function, step=STEP):
     return {name: (after[name] - before[name]) / (2 * step) for name in after}
 
 
-@pytest.mark.parametrize('name', ['jansen', 'watt', 'bucket', 'quick_return', 'v_engine',
-                                  'slides'])
+@some('name', ['jansen', 'watt', 'bucket', 'quick_return', 'v_engine',
+               'slides'], ('slides',))
 def test_every_output_has_the_derivatives_of_fifty_digits(name):
     scene, rng = scene_of(name), np.random.default_rng(7)
     found = Derivatives(scene)
@@ -140,8 +141,7 @@ def test_every_output_has_the_derivatives_of_fifty_digits(name):
 
 
 EXTREMA = [('jansen', 'omega_foot', ('dyads.leg.first.along', 'dyads.lower.second.across')),
-           pytest.param('jansen', 'driving_torque', (
-               'dyads.upper.length_1', 'bodies.foot.cg_across'), marks=pytest.mark.slow),
+           ('jansen', 'driving_torque', ('dyads.upper.length_1', 'bodies.foot.cg_across')),
            ('watt', 'alpha_output', ('dyads.one.length_1', 'dyads.two.first.across')),
            ('bucket', 'omega_bucket', ('cylinder.base.along', 'dyads.bucket.length_2')),
            ('quick_return', 'slide_ram_velocity', ('dyads.lever.second.across',
@@ -149,7 +149,7 @@ EXTREMA = [('jansen', 'omega_foot', ('dyads.leg.first.along', 'dyads.lower.secon
            ('quick_return', 'ram_inner', ('dyads.lever.first.along', 'bodies.ram.mass'))]
 
 
-@pytest.mark.parametrize('name, quantity, names', EXTREMA)
+@some('name, quantity, names', EXTREMA, EXTREMA[2:3])
 def test_extrema_move_as_in_fifty_digits(name, quantity, names):
     scene = scene_of(name)
     design, found = Design(scene), Derivatives(scene, names)

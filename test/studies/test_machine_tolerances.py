@@ -3,15 +3,16 @@
 """Bounds of a tolerance box of a machine of dyads hold for random machines of the box."""
 from math import isinf, isnan, pi
 
+from fourbar_lab.studies.derivatives import Derivatives
+from fourbar_lab.studies.measures import LEAST_ANGLE, Measures, STROKE, SWING
+from fourbar_lab.studies.parametric import constants_of
+from fourbar_lab.studies.study import from_document
+from fourbar_lab.studies.tolerance_analysis import box_of, tolerances
 from fourbar_ros.numerics.number_types import ARRAY, columns_of
 from fourbar_ros.scene.scene import from_values
-from fourbar_ros.studies.derivatives import Derivatives
-from fourbar_ros.studies.designs import constants_of
-from fourbar_ros.studies.measures import LEAST_ANGLE, Measures, STROKE, SWING
-from fourbar_ros.studies.study import from_document
-from fourbar_ros.studies.tolerances import box_of, tolerances
 import numpy as np
 import pytest
+from support.samples import some
 
 pytest.importorskip('scipy')
 MACHINES, SAMPLES = 600, 512
@@ -73,7 +74,7 @@ def sampled(study, drawn):
     return found
 
 
-@pytest.mark.parametrize('name', BOXES)
+@some('name', BOXES, ('watt',))
 def test_the_bounds_enclose_random_machines(name):
     pytest.importorskip('flint')
     study = study_of(name, *BOXES[name])
@@ -101,6 +102,7 @@ def test_a_box_in_which_another_dyad_opens_is_not_said_to_be_bounded():
     assert isinf(one.proven.high)
 
 
+@pytest.mark.slow
 def test_where_another_dyad_is_nearest_to_its_toggle_an_angle_has_a_kink():
     pytest.importorskip('flint')
     name = 'dyads.right.length_1'

@@ -3,17 +3,18 @@
 """Measures of designs of every kind beside a dense scan of the mechanism itself."""
 from math import inf, isnan, pi
 
+from fourbar_lab.studies import chunks
+from fourbar_lab.studies.chunks import compute
+from fourbar_lab.studies.study import from_document
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.scene.scene import from_values
-from fourbar_ros.studies import rows
-from fourbar_ros.studies.rows import compute
-from fourbar_ros.studies.study import from_document
 import numpy as np
 import pytest
+from support.samples import some
 
 pytest.importorskip('scipy')
 SCAN = 20_001
-one_by_one = rows._row
+one_by_one = chunks._row
 SCENES = {
     'watt': ({'dyads.one.length_1': {'range': [1.15, 1.25]}, 'gravity.y': {'list': [0.0, -9.81]}},
              ['shaking_force', 'driving_torque.rms']),
@@ -48,7 +49,7 @@ def scanned(scene):
     return x, weights / weights.sum(), linkage.step(x, rate)
 
 
-@pytest.mark.parametrize('name', SCENES)
+@some('name', SCENES, 2)
 def test_measures_are_those_of_a_dense_scan(name):
     study = study_of(name)
     columns = compute(study, 0).columns
@@ -130,7 +131,7 @@ def test_a_curve_is_the_path_of_the_point():
         assert np.abs(columns['middle.y'][i] - there.y).max() < 1e-15
 
 
-@pytest.mark.parametrize('name', ['paper', 'slider_crank', 'scotch_yoke'])
+@some('name', ['paper', 'slider_crank', 'scotch_yoke'], 1)
 def test_designs_computed_together_are_those_computed_one_by_one(name, monkeypatch):
     quantities = ['shaking_force', 'shaking_moment', 'driving_torque.rms', 'f21.peak', 'f43',
                   'class', 'change_point_margin', 'least_transmission_angle', 'time_ratio',
@@ -143,10 +144,10 @@ def test_designs_computed_together_are_those_computed_one_by_one(name, monkeypat
                  'drive.speed': {'range': [5.0, 20.0]}}})
     together = compute(study, 0)
     alone = []
-    monkeypatch.setattr(rows, '_row', lambda *given: alone.append(given) or one_by_one(*given))
+    monkeypatch.setattr(chunks, '_row', lambda *given: alone.append(given) or one_by_one(*given))
     again = compute(study, 0)
     assert len(alone) < 80 and again.counts == together.counts     # most are computed together
-    monkeypatch.setattr(rows, '_together', lambda study, drawn: ({}, [None] * 96))
+    monkeypatch.setattr(chunks, '_together', lambda study, drawn: ({}, [''] * 96))
     expected = compute(study, 0)
     assert together.counts == expected.counts
     for measure in study.measures:
@@ -166,7 +167,7 @@ def test_curves_computed_together_are_those_computed_one_by_one(curves, monkeypa
                                     'linkage.a2': {'range': [0.1, 0.3]}},
                            'quantities': ['middle.speed', 'middle.acceleration.max']})
     together = compute(study, 0)
-    monkeypatch.setattr(rows, '_together', lambda study, drawn: ({}, [None] * 40))
+    monkeypatch.setattr(chunks, '_together', lambda study, drawn: ({}, [''] * 40))
     expected = compute(study, 0)
     assert together.counts == expected.counts
     for name, column in expected.columns.items():
@@ -182,11 +183,11 @@ def test_rates_of_any_four_bars_computed_together_are_those_computed_one_by_one(
         'vary': {**{f'linkage.a{i}': {'range': [0.2, 1.0]} for i in (1, 2, 3, 4)},
                  'linkage.mode': {'list': [1, 2]}, 'drive.speed': {'list': [-7.0, 0.5, 25.0]}}})
     alone = []
-    monkeypatch.setattr(rows, '_row', lambda *given: alone.append(given) or one_by_one(*given))
+    monkeypatch.setattr(chunks, '_row', lambda *given: alone.append(given) or one_by_one(*given))
     together = compute(study, 0)
     not_built = together.counts['cannot be built']
     assert 0 < not_built == len(alone)          # the others are all computed together
-    monkeypatch.setattr(rows, '_together', lambda study, drawn: ({}, [None] * 200))
+    monkeypatch.setattr(chunks, '_together', lambda study, drawn: ({}, [''] * 200))
     expected = compute(study, 0)
     assert together.counts == expected.counts
     infinite = 0

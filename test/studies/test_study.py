@@ -1,16 +1,21 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """What a study may say: refused before anything is computed, drawn as it says."""
+from contextlib import suppress
 from copy import deepcopy
 from dataclasses import replace
 
+from fourbar_lab.studies import StudyError
+from fourbar_lab.studies.chunks import compute
+from fourbar_lab.studies.study import from_document, read
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.studies import StudyError
-from fourbar_ros.studies.rows import compute
-from fourbar_ros.studies.study import from_document, read
+from fourbar_ros.mechanisms.kinds import KINDS
+from fourbar_ros.scene.files import find
+from fourbar_ros.scene.scene import from_values, load
 import numpy as np
 import pytest
 from support import ROOT
+from support.samples import some
 
 scipy_stats = pytest.importorskip('scipy.stats')
 GOOD = {'scene': 'paper', 'rows': 100, 'vary': {'linkage.a1': {'range': [0.2, 0.6]}},
@@ -41,12 +46,21 @@ BAD = [
     ('quantities', ['omega5.max'], 'did you mean omega4'),
     ('quantities', ['omega4.maxi'], 'unknown part; did you mean max'),
     ('quantities', [], 'must be given'),
+    ('quantities', [{'omega4': 'max'}], 'unknown'),         # no name, and no key of a table
+    ('quantities', [['omega4.max']], 'unknown'),
     ('quantities', ['stroke'], 'ask for swing'),
     ('constraints', {'omega4': {'least': 1.0}}, 'say which part'),
     ('constraints', {'swing': {'least': 2.0, 'most': 1.0}}, 'no design can fulfil'),
     ('constraints', {'swing': 2.0}, 'must be {least: VALUE}'),
     ('constraints', {'class': 3}, 'a type or a list of types'),
-    ('objectives', {'class': 'minimize'}, 'is a text'),
+    ('constraints', {'class': ['crank-rokcer']}, 'no type of a .*; did you mean .*crank-rocker'),
+    ('constraints', {'class': ['crank-rocker', 'wheel']}, "= 'wheel': no type of a .*known: "),
+    ('constraints', {'swing': {'least': 60}}, r'swing lies in \[0, 6.28319\] rad'),
+    ('constraints', {'least_transmission_angle': {'least': 40}}, r'lies in \[0, 1.5708\] rad'),
+    ('constraints', {'time_ratio': {'most': 0.9}}, r'lies in \[1, inf\]'),
+    ('constraints', {'omega4.peak': {'most': -1.0}}, 'no design can fulfil it'),
+    ('constraints', {'omega4.rms': {'most': -1.0}}, 'no design can fulfil it'),
+    ('objectives', {'class': 'minimize'}, 'is text and cannot'),
     ('objectives', {'swing': 'max'}, 'must be one of minimize, maximize'),
     ('curves', {'tip': 36}, 'no point of the scene, which has none'),
     ('seed', -1, 'must be an integer from 0'),
@@ -59,6 +73,32 @@ def test_a_bad_study_is_refused_with_the_reason(key, value, text):
     document = deepcopy(GOOD) | {key: value}
     with pytest.raises(InvalidParameter, match=text):
         from_document(document)
+
+
+@some('name', sorted(file.stem for file in (ROOT / 'config').glob('*.yaml')),
+      ('paper', 'jansen', 'cylinder'))
+def test_every_type_that_a_random_design_has_may_be_asked_for(name):
+    scene = load(find(name))
+    rng = np.random.default_rng(1)
+    seen = {scene.linkage.classification}
+    for _ in range(30 if scene.values['linkage.kind'] in KINDS else 0):
+        lengths = dict(zip(scene.linkage.length_names, rng.uniform(0.1, 2.0, 9)))
+        with suppress(InvalidParameter):
+            seen.add(from_values(scene.values | {f'linkage.{key}': value for key, value in
+                                                 lengths.items()}).linkage.classification)
+    for kind in seen:
+        from_document({'scene': name, 'rows': 1, 'quantities': ['change_point_margin'],
+                       'vary': {'drive.speed': {'range': [1.0, 2.0]}},
+                       'constraints': {'class': [kind]}})
+
+
+@pytest.mark.parametrize('text', [
+    'rows: 10\nrows: 20\n', 'scene: paper\nvary:\n  linkage.a1: {range: [0.2, 0.6]}\n'
+    '  linkage.a1: {range: [0.3, 0.4]}\n', 'vary: {linkage.a1: {normal: 1, normal: 2}}\n'])
+def test_a_key_that_is_given_twice_is_refused(tmp_path, text):
+    (tmp_path / 's.yaml').write_text(text)
+    with pytest.raises(StudyError, match='is given twice.*line'):
+        read(tmp_path / 's.yaml')
 
 
 def test_a_load_of_a_scene_without_masses_is_refused():
@@ -124,8 +164,8 @@ def test_a_grid_has_all_combinations_once():
     assert {two for _, two in pairs} == {1.0, 1.1, 1.3}
 
 
-@pytest.mark.parametrize('file', sorted((ROOT / 'config' / 'studies').glob('*.yaml')),
-                         ids=lambda file: file.stem)
+@some('file', sorted((ROOT / 'config' / 'studies').glob('*.yaml')), 1,
+      ids=lambda file: file.stem)
 def test_the_shipped_studies_find_designs(file):
     chunk = compute(replace(read(file), rows=400), 0)
     assert not chunk.failures and chunk.counts['feasible'] >= 5, chunk.counts

@@ -8,9 +8,9 @@ complex numbers and J from their derivatives; and by Taylor series of the equati
 time, in ball arithmetic. The first knows no equation of motion, the second no energy. Run as a
 program it computes both again.
 """
-from fourbar_ros.numerics.enclosures import ENCLOSURE, Series, series_of
 from fourbar_ros.numerics.number_types import converted
 import mpmath as mp
+from support.arb_series import ARB_SERIES, Series, series_of
 from support.dyad_reference import links_of
 from support.machines import andrews, ANDREWS_BETA
 from support.taylor import taylor
@@ -67,7 +67,7 @@ def by_taylor_series(steps=240, order=36, digits=45):
 
     def derivative(state):
         beta, rate = state
-        motion = machine.motion_formula(ENCLOSURE, converted(machine.constants, flint.arb))
+        motion = machine.motion_formula(ARB_SERIES, converted(machine.constants, flint.arb))
         fields = dict(zip(machine.MOTION._fields, motion(Series(beta), flint.arb(1),
                                                          flint.arb(0))))
         curves = {name: [series_of(fields[f'{part}_{name}']) for part in (

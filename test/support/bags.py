@@ -3,12 +3,12 @@
 """Bags without ROS: messages made by rosbags, a codec that shares no line with ours."""
 import json
 
-from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.recorder import BagWriter, Channel
+from fourbar_ros.bag.read.reader import Bag
+from fourbar_ros.bag.write.recorder import BagWriter, Channel
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.scene import scene as scenes
-from fourbar_ros.scene.topics import APPLIED, DRIVEN, SCENE, WRENCHES
+from fourbar_ros.scene.topics import applied_topic, DRIVEN, SCENE, wrench_topic
 import numpy as np
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 from support import ROOT
@@ -152,7 +152,7 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
             stepper = say_scene()
         for link, given in dict(loads).get(k, {}).items():
             stepper.act(link, Wrench(*given))
-            for topic, frame in ((WRENCHES[link], ''), (APPLIED[link], scene.frame_id)):
+            for topic, frame in ((wrench_topic(link), ''), (applied_topic(link), scene.frame_id)):
                 writer.write(number[topic.name], wrench(k, given, frame))
         status, found = stepper.step(*crank, scene.needs_loads, 'points' in scene.outputs)
         writer.write(number['driven'], output_message('driven', (k + 1) * step_ns, 0,

@@ -147,6 +147,12 @@ class Tab:
                                           '[aria-label="the mechanism in its pose"]')
         return found[0].get_attribute('innerHTML') if found else ''
 
+    def frame(self):
+        """Return where the picture begins in the window [px], and how much it is enlarged."""
+        return self.driver.execute_script(
+            'const m = arguments[0].getScreenCTM(); return [m.e, m.f, m.a]',
+            self.by('the mechanism in its pose'))
+
     def alarm(self):
         """Return the line that says what is wrong."""
         return self.driver.find_element('css selector', '[role=alert]').text

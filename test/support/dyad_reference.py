@@ -6,10 +6,13 @@ Machines of dyads to many digits, by other formulas, and random ones.
 Places and directions are complex numbers with two derivatives by time; the loads are the solution
 of one dense system of all bodies (Newton-Euler), whose unknowns are the forces of all joints.
 """
+from dataclasses import replace
+
 from fourbar_ros import Applied, Body, InvalidParameter
-from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad, Point
+from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
-from fourbar_ros.numerics.number_types import COMPLEX_WITH_ANGLES, converted
+from fourbar_ros.mechanisms.machine.solve.pairs import shaped
+from fourbar_ros.numerics.number_types import COMPLEX_WITH_ANGLES, converted, power_of_two
 import mpmath as mp
 import numpy as np
 
@@ -322,10 +325,17 @@ def exact_values(machine, name, inputs, rates):
 
 # --- conditions ----------------------------------------------------------------------------------
 
+# Complex steps of data: sums and units of lengths, too, are columns.
+SENSITIVE = replace(COMPLEX_WITH_ANGLES, exact_sum=sum, power_of_two=lambda *lengths: (
+    power_of_two(*[np.ravel(length)[0].real for length in lengths])))
+
+
 def conditions(machine, given, with_loads):
     """Return {field: |value| + sum of |datum d field/d datum|}; x, y together."""
-    constants = machine.constants if with_loads else machine.constants._replace(
-        bodies=None, external=None)
+    constants = machine.constants._replace(lengths=tuple([
+        dyad.numbers for dyad in machine.stages]))
+    if not with_loads:
+        constants = constants._replace(bodies=None, external=None)
     data = []
     converted((constants, given), data.append)
     count = iter(range(len(data)))
@@ -337,13 +347,14 @@ def conditions(machine, given, with_loads):
 
     own, at = converted((constants, tuple(given)), moved)
     signs = tuple([np.asarray(sign).real for sign in own.sign])
-    own = own._replace(sign=signs)
     with np.errstate(all='ignore'):
-        motion = machine.motion_formula(COMPLEX_WITH_ANGLES, own)(*at)
+        own = own._replace(sign=signs, lengths=shaped(machine.layout, own.lengths,
+                                                      SENSITIVE.hypot))
+        motion = machine.motion_formula(SENSITIVE, own)(*at)
         fields = dict(zip(machine.MOTION._fields, motion))
         if with_loads:
             fields.update(zip(machine.LOADS._fields,
-                              machine.loads_formula(COMPLEX_WITH_ANGLES, own)(motion)))
+                              machine.loads_formula(SENSITIVE, own)(motion)))
     found = {}
     for name, value in fields.items():
         if f'{name}_x' in fields:
@@ -376,9 +387,13 @@ def random_dimensions(rng, kind):
     return {name: float(value) for name, value in draw().items()}
 
 
-def random_dyads(rng, driven, count, structure=None):
-    """Return dyads that hang on each other at random, or as (kind, first, second) of each say."""
-    links, dyads = ['ground', driven], []
+def random_dyads(rng, driven, count, structure=None, before=()):
+    """
+    Return dyads that hang on each other at random, or as (kind, first, second) of each say.
+
+    ``before``: dyads that are there already.
+    """
+    links, dyads = ['ground', driven, *(link for dyad in before for link in dyad.links)], []
     for number in range(count):
         if structure:
             kind, *ends = structure[number]

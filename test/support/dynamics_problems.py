@@ -4,9 +4,9 @@
 from math import pi
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, round_rod, SliderCrank
-from fourbar_ros.dynamics.elements import Attachment, Spring
-from fourbar_ros.dynamics.system import System
-from fourbar_ros.mechanisms.machine.description import Dyad, Point
+from fourbar_ros.dynamics.model.elements import Attachment, Spring
+from fourbar_ros.dynamics.model.system import System
+from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp
 from support.machines import exact_links

@@ -86,7 +86,7 @@ def free_bodies(lengths, place, x, omega, alpha, bodies, applied, gravity):
               place.dy * alpha + place.ddy * omega**2)
     of_a, links = 0, []
     for i, (mass, along, across, inertia) in enumerate(bodies):
-        force_x, force_y, at_along, at_across, couple = applied[i - 1] if i else (0,) * 5
+        force_x, force_y, at_along, at_across, couple = (*applied, (0,) * 5)[(i - 1) % 3]
         turn, spin = mp.expj(angles[i]), mp.mpc(-rates[i]**2, second[i])
         centre, end = turn * mp.mpc(along, across), turn * lengths[i]
         acceleration = spin * centre + (of_a if i == 1 else 0)

@@ -141,7 +141,7 @@ def loads_of(kind, lengths, sign, given, bodies, applied, gravity):
     right, forces = [], []
     for i, ((mass, along, across, inertia), (origin_a, spin,
                                              frame)) in enumerate(zip(bodies, frames)):
-        force_x, force_y, at_along, at_across, couple = applied[i - 1] if i else (0,) * 5
+        force_x, force_y, at_along, at_across, couple = (*applied, (0,) * 5)[(i - 1) % 3]
         centre, push = frame * mp.mpc(along, across), mp.mpc(force_x, force_y)
         needed = mass * (origin_a + spin * centre - mp.mpc(*gravity))
         alpha = (e.acceleration[0], e.acceleration[1], spin3)[i]

@@ -53,7 +53,7 @@ def loads_of(driven, lengths, sign, given, bodies, applied, gravity):
     right = []
     for i, ((mass, along, across, inertia), (origin, spin, frame,
                                              alpha)) in enumerate(zip(bodies, frames)):
-        force_x, force_y, at_along, at_across, couple = applied[i - 1] if i else (0,) * 5
+        force_x, force_y, at_along, at_across, couple = (*applied, (0,) * 5)[(i - 1) % 3]
         centre, push = frame * mp.mpc(along, across), mp.mpc(force_x, force_y)
         needed = mass * (origin + spin * centre - mp.mpc(*gravity))
         right += [(needed - push).real, (needed - push).imag, inertia * alpha - couple

@@ -1,9 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Trajectories through a mechanism and back, power balance, and what cannot be followed."""
-from fourbar_ros import FourBar, InvalidParameter
-from fourbar_ros.transmission.branches import branch_of
-from fourbar_ros.transmission.transmission import CannotFollow, trajectory, Transmission
+import re
+
+from fourbar_ros import FourBar, InvalidParameter, load_scene
+from fourbar_ros.transmission import branch_of, CannotFollow, trajectory, Transmission
 import numpy as np
 import pytest
 from support import contract
@@ -119,12 +120,95 @@ def test_an_output_that_turns_on_and_on_is_followed_for_many_turns():
     assert np.abs(through.to_input(output).position - inputs).max() <= 1e-12 * 40.0
 
 
-def test_wrapped_angles_are_taken_the_short_way():
-    through = Transmission(DOUBLE, 0.3)
-    inputs = 0.3 + np.linspace(0.0, 10.0, 501)
-    output = through.to_output(trajectory(inputs))
-    wrapped = (output.position + np.pi) % (2.0 * np.pi) - np.pi
-    assert np.abs(through.to_input(trajectory(wrapped)).position - inputs).max() <= 1e-11
+# issue P 8: a double crank whose points are far apart
+TURNING = FourBar(0.5, 0.6, 0.55, 0.2)
+
+
+@pytest.mark.parametrize('step', [3.5, 4.0, 12.0, -9.0, 200.0, -1000.0])
+@pytest.mark.parametrize('way', ['to_input', 'to_output'])
+def test_points_far_apart_are_answered_as_dense_ones(way, step):
+    """Where a continuous motion ends does not depend on how many points it is sent with."""
+    through = Transmission(TURNING, 0.5)
+    begin = 0.5 if way == 'to_output' else through.to_output(trajectory(0.5)).position[0]
+    dense = begin + step * np.linspace(0.0, 1.0, 20 * int(abs(step)) + 1)
+    followed = getattr(through, way)(trajectory(dense, 1.0)).position
+    assert np.abs(np.diff(followed)).max() < 1.0          # continuous, so a reference for turns
+    found = getattr(through, way)(trajectory(dense[[0, -1]], 1.0)).position
+    assert np.abs(found - followed[[0, -1]]).max() <= 8.0 * EPS * (1.0 + abs(step))
+
+
+def test_turns_are_those_of_the_positions_in_whatever_message():
+    """An output some turns on belongs to a drive as many turns on, point by point."""
+    rng = np.random.default_rng(5)
+    for start in (0.5, -20.0, 0.5 + 400.0 * np.pi):
+        through = Transmission(TURNING, start)
+        assert abs(through.to_output(trajectory(start)).position[0]) <= np.pi
+        inputs = start + rng.uniform(-300.0, 300.0, 50)
+        output = through.to_output(trajectory(inputs)).position
+        turns = np.round((output - through.to_output(trajectory(start)).position) / (2 * np.pi))
+        assert (np.abs(turns - (inputs - start) / (2 * np.pi)) <= 1.5).all()
+        for x, y in zip(inputs, output):                  # each alone, as in a stream
+            assert through.to_output(trajectory(x)).position[0] == y
+            assert abs(through.to_input(trajectory(y)).position[0] - x) <= 1e-10
+
+
+def test_a_swinging_output_may_count_from_another_turn():
+    through, turn = Transmission(ROCKER, 1.0), 2.0 * np.pi
+    one, other = (through.to_input(trajectory([1.9 + k * turn, 2.0 + k * turn])).position
+                  for k in (0, 3))
+    assert np.abs(one - other).max() <= 64.0 * EPS * turn
+    one, other = (through.to_output(trajectory([1.9 + k * turn, 2.0 + k * turn])).position
+                  for k in (0, -2))
+    assert np.abs(one - other).max() <= 64.0 * EPS * turn
+    for way in (through.to_input, through.to_output):     # within a message it cannot
+        with pytest.raises(CannotFollow, match='sample 1: .* lies beyond'):
+            way(trajectory([1.9, 1.9 + turn]))
+
+
+@pytest.mark.parametrize('linkage', [TURNING, ROCKER])
+@pytest.mark.parametrize('given, why', [
+    (({'position': 1e308}), 'sample 0: theta. = 1e\\+308 rad tells no angle'),
+    (({'position': [1.9, -1e12]}), 'sample 1: theta. = -1e\\+12 rad tells no angle: .* 0.00012'),
+    (({'rate': 1e308}), 'sample 0: the (rate|acceleration) of theta. overflows, for .* rate 1e'),
+    (({'rate': 1e200}), 'the acceleration of theta. overflows'),
+    (({'effort': 1.7e308, 'acceleration': 1.7e308}), 'the (effort|acceleration) of'),
+])
+def test_numbers_too_large_are_refused_for_that(linkage, given, why):
+    through = Transmission(linkage, 1.0)
+    for way in (through.to_input, through.to_output):
+        try:
+            found = way(trajectory(**{'position': 1.9, **given}))
+        except CannotFollow as error:
+            assert re.search(why, str(error)), error
+        else:                                             # a ratio above 1: nothing overflows
+            assert 'effort' in given and np.isfinite(found).all()
+
+
+def test_a_velocity_in_the_toggle_is_refused_and_rest_is_not():
+    through = Transmission(ROCKER, 1.0)
+    for end in through.branch.ends:
+        with pytest.raises(CannotFollow, match='lies at the toggle'):
+            through.to_input(trajectory(end.output, 1e-9))
+        found = through.to_input(trajectory(end.output))
+        assert abs(found.position[0] - end.input) <= 1e-7 and found.rate[0] == 0.0
+        # the output rests there whatever the drive does, but gives no effort
+        assert abs(through.to_output(trajectory(end.input, 1.0, effort=None)).rate[0]) <= 1e-7
+
+
+def test_what_is_not_given_is_not_answered():
+    through = Transmission(ROCKER, 1.0)
+    full = through.to_input(trajectory([1.9, 2.0], 1.0, 0.5, 3.0))
+    found = through.to_input(trajectory([1.9, 2.0], 1.0, None, 3.0))
+    assert found.acceleration is None and (found.rate == full.rate).all()
+    assert (found.effort == full.effort).all()            # without masses it needs none
+    back = through.to_output(found)
+    assert back.acceleration is None and np.abs(back.effort - 3.0).max() <= 1e-12
+    assert through.to_output(full._replace(effort=None)).effort is None
+    heavy = Transmission(load_scene('paper').linkage, 1.0)
+    assert heavy.to_input(trajectory(1.9, 1.0, None, None)).effort is None
+    for way in (heavy.to_input, heavy.to_output):
+        with pytest.raises(InvalidParameter, match='acceleration: must be given for an effort'):
+            way(trajectory(1.9, 1.0, None, 0.0))
 
 
 def test_without_masses_the_effort_is_the_static_map():

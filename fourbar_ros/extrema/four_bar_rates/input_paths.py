@@ -14,16 +14,23 @@ in u need only log(1/gap) points; at a toggle, u passes from one assembly mode i
 without a root.
 
 Input ranges are symmetric about theta1 = 0, so the points of 0 < theta1 < pi give all.
+
+Jacobi's functions are computed by the descending Landen transformation from the complementary
+parameter m1 = 1 - m. Not by scipy.special.ellipj: it takes m, and next to a change point, m -> 1,
+everything depends on digits of 1 - m that m has lost.
+
+Sources: NIST Digital Library of Mathematical Functions, section 22.7(i); Abramowitz and Stegun,
+section 16.12.
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import pi
 from typing import NamedTuple
 
 from fourbar_ros.extrema.input_paths import closer_points, End, InputPath
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.numerics.arrays import Array, Values
-from fourbar_ros.numerics.elliptic_functions import jacobi, landen_steps
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
 import numpy as np
 
@@ -109,9 +116,7 @@ def half_turn(s1: Values, s2: Values, k: Values, crosses_out: bool, crosses_in: 
 
 def phases(count: int, low_is_toggle: bool, high_is_toggle: bool) -> tuple[Array, Array, float]:
     """
-    Return the arguments of the function of :func:`half_turn` for equal steps of u.
-
-    Sines, cosines; the step of t.
+    Return the arguments of a :class:`HalfTurn` for equal steps of u, and the step of t.
 
     They include a toggle, and leave half a step where the motion goes on symmetrically.
     """
@@ -159,3 +164,33 @@ def input_paths(linkage: FourBar, points: int) -> list[InputPath]:
 
 def _mirror(end: End) -> End:
     return End(-end.x, end.is_flat)
+
+
+def landen_steps(m1: Values) -> list[tuple[Values, Values]]:
+    """
+    Return the steps of the descending Landen transformation.
+
+    ``m1`` = 1 - m, the complementary parameter, is a float or an array, in (0, 1]. Each step is
+    the modulus k it leads to and that modulus' complement k' before it; the last step first, as
+    :func:`jacobi` needs them. Written in the complementary modulus, with sums of positive terms
+    only, it loses nothing for m1 -> 0. It ends where k' is 1 to 1e-3, and errors are of this size:
+    the functions only place samples.
+    """
+    steps: list[tuple[Values, Values]] = []
+    modulus, smallest = m1**0.5, float(np.min(m1))**0.5
+    while not steps or smallest < 1.0 - 1e-3:
+        next_one = 1.0 / (1.0 + modulus)
+        steps.append(((1.0 - modulus) * next_one, 2.0 * modulus * next_one))
+        modulus, smallest = 2.0 * modulus**0.5 * next_one, 2.0 * smallest**0.5 / (1.0 + smallest)
+    return steps[::-1]
+
+
+def jacobi(sine: Values, cosine: Values,
+           steps: Sequence[tuple[Values, Values]]) -> tuple[Values, Values, Values]:
+    """Return sn, cn, dn of u at the phase pi u/(2 K), given by its sine and cosine."""
+    sn, cn, dn = sine, cosine, sine * sine + cosine * cosine
+    for k, k1 in steps:
+        square = sn * sn
+        scale = 1.0 / (1.0 + k * square)
+        sn, cn, dn = (1.0 + k) * sn * scale, cn * dn * scale, (k1 + k * cn * cn) * scale
+    return sn, cn, dn

@@ -4,38 +4,57 @@
 The planar 4R linkage: lengths, assembly mode, masses.
 
 What it is, how far it moves, how it moves.
+
+How far the cranks of a planar 4R linkage turn, and where its output turns back.
+
+The 4R linkage with its output link as the one that is driven.
+
+Mirrored at the middle of its ground, x -> a4 - x, the linkage a1, a2, a3, a4 is the linkage a3,
+a2, a1, a4 whose crank stands at p = pi - theta4 and whose output link at pi - theta1; its coupler,
+from B to A, is at -beta.
+
+The picture of a 4R linkage and its velocity and acceleration polygons.
 """
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from math import acos, asin, asinh, atan2, fsum, pi, sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External
-from fourbar_ros.mechanisms.contract import Constants, CRANK, CROSSED, OPEN, Ranges
-from fourbar_ros.mechanisms.four_bar import diagram
+from fourbar_ros.mechanisms.contract import Constants, CRANK, CROSSED, of_geometry, OPEN
 from fourbar_ros.mechanisms.four_bar.loads import Loads, make_loads
 from fourbar_ros.mechanisms.four_bar.motion import make_motion, Motion
-from fourbar_ros.mechanisms.four_bar.ranges import DeadPoint, ranges_of, squares_of_half
-from fourbar_ros.mechanisms.four_bar.seen_from_output import SeenFromOutput
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
+    around,
+    Arrow,
+    Bar,
     BETA,
     Connection,
+    Diagram,
     GROUND,
     Joint,
     Length,
     Link,
+    ORIGIN,
     Output,
+    Ranges,
     reaction,
     THETA1,
     THETA2,
     THETA3,
     THETA4,
+    total,
 )
-from fourbar_ros.mechanisms.points import crank_motion, LinkMotion, point_of
+from fourbar_ros.mechanisms.points import (
+    crank_motion,
+    link_motion,
+    LinkMotion,
+    point_motion,
+    point_of,
+)
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
 from fourbar_ros.numerics.number_types import Function, NumberType
 
@@ -98,7 +117,7 @@ class FourBar(Mechanism):
     LENGTHS = (Length('a1', 'length of the crank O1-A'), Length('a2', 'length of the coupler A-B'),
                Length('a3', 'length of the output link O4-B'),
                Length('a4', 'length of the ground link O1-O4'))
-    LINKS = (Link('crank', 'crank', 'O1', 'a1', is_loadable=False),
+    LINKS = (Link('crank', 'crank', 'O1', 'a1'),
              Link('coupler', 'coupler', 'A', 'a2'),
              Link('output', 'output link', 'O4', 'a3'))
     MODES = {CROSSED: '1 (crossed)', OPEN: '2 (open)'}
@@ -117,7 +136,6 @@ class FourBar(Mechanism):
     DRAWN = (THETA1, BETA, THETA4)
     MOTION, LOADS = Motion, Loads
     BODIES, EXTERNAL = Bodies, External
-    PICTURE = diagram
 
     def __post_init__(self) -> None:
         self._check()
@@ -130,13 +148,13 @@ class FourBar(Mechanism):
 
     # --- what it is -----------------------------------------------------------------------------
 
-    @cached_property
+    @of_geometry
     def margins(self) -> tuple[float, ...]:
         """Return a4 - a1 + a3 - a2, a4 - a1 - a3 + a2 and a2 + a3 - a4 - a1 [m]."""
         a1, a2, a3, a4 = self.lengths
         return (fsum((a4, -a1, a3, -a2)), fsum((a4, -a1, -a3, a2)), fsum((a2, a3, -a4, -a1)))
 
-    @cached_property
+    @of_geometry
     def classification(self) -> str:
         """
         Return the Grashof type by name.
@@ -152,7 +170,7 @@ class FourBar(Mechanism):
         """Return what it is as text: its type."""
         return self.classification
 
-    @cached_property
+    @of_geometry
     def closing_ranges(self) -> Ranges:
         """
         Return the ranges of theta1 in which the linkage can be assembled [rad].
@@ -183,7 +201,7 @@ class FourBar(Mechanism):
                 else complex(2.0 * asin(min(inner, 1.0))))
         return [far, -far, near, -near, complex(0.0, 2.0 * asinh(abs(a1 - a4) / root))]
 
-    @cached_property
+    @of_geometry
     def output_ranges(self) -> Ranges:
         """
         Return the ranges of theta4 over all poses of both modes, as :attr:`input_ranges`.
@@ -203,7 +221,7 @@ class FourBar(Mechanism):
         """Return the ranges of theta4 over both modes by its name."""
         return {'theta4': self.output_ranges}
 
-    @cached_property
+    @of_geometry
     def dead_points(self) -> tuple[Any, ...]:
         """
         Return where theta4 turns back in this mode: its rate is zero at any speed of the crank.
@@ -252,8 +270,8 @@ class FourBar(Mechanism):
         crank = crank_motion(motion)
         if link == 'crank':
             return crank
-        return LinkMotion._make((*point_of(crank, self.a1), motion.cos_b, motion.sin_b,
-                                 motion.omega_beta, motion.alpha_beta))
+        return LinkMotion(*point_of(crank, self.a1), motion.cos_b, motion.sin_b,
+                          motion.omega_beta, motion.alpha_beta)
 
     def driven_otherwise(self) -> tuple[SeenFromOutput, ...]:
         """Return the same linkage driven at its output link, once for each assembly mode."""
@@ -268,3 +286,106 @@ class FourBar(Mechanism):
         """Return {unit: size} of the terms of rates and accelerations, for noise bounds."""
         gain = min(1.0, self.a1 / min(self.a2, self.a3))
         return {'rad/s': gain * abs(rate), 'rad/s^2': gain * (abs(acceleration) + rate**2)}
+
+    def diagram(self, motion: Any) -> Diagram:
+        """Return the :class:`Diagram` of one pose."""
+        joints = {'O_1': ORIGIN, 'A': point_motion(self, motion, 'crank', self.a1).place,
+                  'B': point_motion(self, motion, 'output', self.a3).place,
+                  'O_4': point_motion(self, motion, 'output', 0.0).place}
+        bars = tuple(Bar(joints[one], joints[other])
+                     for one, other in (('O_1', 'A'), ('A', 'B'), ('O_4', 'B')))
+        return Diagram(joints, ('O_1', 'O_4'), bars, (), {'f41': 'O_1', 'f21': 'A', 'f32': 'B',
+                                                          'f43': 'O_4'},
+                       {'theta1': 'O_1', 'theta4': 'O_4'})
+
+    def velocity_polygon(self, motion: Any) -> list[Arrow]:
+        """Return the arrows of V_B = V_A + V_B/A [m/s]."""
+        v_a = point_motion(self, motion, 'crank', self.a1).velocity
+        v_b = point_motion(self, motion, 'coupler', self.a2).velocity
+        return [total(v_a, 'V_A'), total(v_b, 'V_B'), Arrow(v_a, v_b - v_a, 'V_{B/A}', False)]
+
+    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
+        """Return the arrows of A_B = A_A + A_B/A, with normal and tangential parts [m/s^2]."""
+        crank, coupler, output = (link_motion(self, motion, link)
+                                  for link in ('crank', 'coupler', 'output'))
+        a_a = point_motion(self, motion, 'crank', self.a1).acceleration
+        a_b = point_motion(self, motion, 'coupler', self.a2).acceleration
+        return [total(a_a, 'A_A'), *around(ORIGIN, crank, self.a1 * crank.direction, 'A'),
+                *around(a_a, coupler, self.a2 * coupler.direction, 'B/A'), total(a_b, 'A_B'),
+                *around(ORIGIN, output, self.a3 * output.direction, 'B')]
+
+
+class DeadPoint(NamedTuple):
+    """Crank and coupler in line, one behind the other (stretched) or folded; angles in [rad]."""
+
+    theta1: float
+    theta4: float
+    stretched: bool
+
+
+def squares_of_half(one: float, other: float, a3: float, a4: float) -> tuple[float, float]:
+    """Return 4 r a4 (sin^2, cos^2) of half the angle at O1 of r = one + other, a3, a4."""
+    return (fsum((a3, -one, -other, a4)) * fsum((a3, one, other, -a4)),
+            fsum((one, other, a4, -a3)) * fsum((one, other, a4, a3)))
+
+
+def ranges_of(a1: float, a2: float, a3: float, a4: float) -> Ranges:
+    """
+    Return the ranges of the angle at which a1 leaves the ground link.
+
+    See FourBar.closing_ranges.
+    """
+    a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
+    s1 = difference_of_squares(a2, a3, a1, a4)
+    s2 = difference_of_squares(a1, -a4, a2, -a3)
+    far = 2.0 * atan2(sqrt(difference_of_squares(a2, a3, a1, -a4)), sqrt(-s1)) if s1 < 0.0 else pi
+    near = (2.0 * atan2(sqrt(-s2), sqrt(difference_of_squares(a1, a4, a2, -a3))) if s2 < 0.0
+            else 0.0)
+    if s1 >= 0.0:
+        return ((-pi, pi),) if s2 >= 0.0 else ((near, 2.0 * pi - near),)
+    return ((-far, far),) if s2 >= 0.0 else ((-far, -near), (near, far))
+
+
+class SeenFromOutput:
+    """
+    A 4R linkage whose coordinate is p = pi - theta4.
+
+    What is asked of it and not defined here is that of the mirrored linkage.
+
+    Parameters
+    ----------
+    mirrored : FourBar
+        The linkage a3, a2, a1, a4 in one of its assembly modes.
+    crank : float
+        a1 [m].
+
+    """
+
+    def __init__(self, mirrored: Any, crank: float) -> None:
+        self.mirrored, self._crank = mirrored, crank
+
+    def __getattr__(self, name: str) -> Any:
+        if name == 'mirrored':
+            raise AttributeError(name)      # while it is being copied
+        return getattr(self.mirrored, name)
+
+    def in_mode(self, mode: int) -> SeenFromOutput:
+        """Return the same in another assembly mode."""
+        return SeenFromOutput(self.mirrored.in_mode(mode), self._crank)
+
+    def make_coefficients(self, numbers: NumberType) -> Function:
+        """Return p -> coefficients of crank, coupler and output, as those of a mechanism."""
+        mirrored, crank, ground = self.mirrored.make_coefficients(numbers), self._crank, self.a4
+
+        def coefficients(position: Any) -> list[tuple[Any, ...]]:
+            (*_, cos_p, sin_p, _, _), (*_, cos_b, sin_b, d_b, dd_b), (
+                *_, cos_x, sin_x, d_x, dd_x) = mirrored(position)
+            first = LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -cos_x, sin_x, -d_x, -dd_x)
+            return [first, (*point_of(first, crank), cos_b, -sin_b, -d_b, -dd_b),
+                    (ground, 0.0, 0.0, 0.0, 0.0, 0.0, -cos_p, sin_p, -1.0, 0.0)]
+        return coefficients
+
+    def read_coordinate(self, numbers: NumberType, curves: Any) -> tuple[Any, Any, Any]:
+        """Return p in (-pi, pi] and its two derivatives from coefficients of the links."""
+        *_, cosine, sine, turn, bend = curves[2]
+        return pi - numbers.atan2(sine, cosine), -turn, -bend

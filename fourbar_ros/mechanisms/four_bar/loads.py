@@ -31,16 +31,20 @@ crank.
 """
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanics.newton_euler import (
     about_first_joint,
     crank_with_pin,
-    make_needs_of_crank_and_carried,
-    make_needs_of_pivoted,
+    Gravity,
+    needs_of_crank_and_carried,
+    needs_of_pivoted,
+    Turning,
 )
-from fourbar_ros.numerics.number_types import Function, NumberType
+from fourbar_ros.mechanisms.four_bar.motion import Motion
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
+from fourbar_ros.numerics.vectors import Vector
 
 
 class Loads(NamedTuple):
@@ -71,49 +75,44 @@ class Loads(NamedTuple):
     shaking_moment: float     # on the ground about O1: T14 + (O4 - O1) x F34
 
 
-def make_loads(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any, bodies: Bodies,
-               gravity: tuple[Any, Any], external: External) -> Function:
+def make_loads(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar, bodies: Bodies,
+               gravity: Gravity, external: External) -> Function:
     """
-    Return the function (fields of Motion) -> fields of :class:`Loads` for a fixed linkage.
+    Return the function Motion -> :class:`Loads` for a fixed linkage.
 
     ``gravity``: (x, y) of the field [m/s^2]. Lengths are scaled by a power of two into masses and
     inertias, so that no square of a length can overflow.
     """
     hypot, unit = n.hypot, n.power_of_two(a1, a2, a3, a4)
     a1, a2, a3, a4 = a1 / unit, a2 / unit, a3 / unit, a4 / unit
-    mass2 = bodies.coupler.mass * unit
-    coupler = about_first_joint(bodies.coupler, unit, gravity, external.coupler)
-    output = about_first_joint(bodies.output, unit, gravity, external.output)
-    crank = crank_with_pin(bodies, unit, gravity, external, coupler, a1)
-    needs_of_crank_and_carried = make_needs_of_crank_and_carried(crank, coupler, mass2, a1)
-    needs_of_pivoted = make_needs_of_pivoted(output)
+    coupler_terms = about_first_joint(bodies.coupler, unit, gravity, external.coupler)
+    output_terms = about_first_joint(bodies.output, unit, gravity, external.output)
+    crank_terms = crank_with_pin(bodies, unit, gravity, external, coupler_terms, a1)
 
-    def loads(motion: tuple[Any, ...]) -> tuple[Any, ...]:
-        (_, omega1, alpha1, _, omega2, _, _, _, _, _, omega4, alpha4, _, omega_beta, alpha_beta,
-         _, velocity_ratio, coupler_ratio, _,
-         cos_x, sin_x, cos_b, sin_b, cos_y, sin_y, _, sin_mu) = motion
-        square = omega1 * omega1
-        f1_x, f1_y, f2_x, f2_y, moment1, about_a, aside = needs_of_crank_and_carried(
-            cos_x, sin_x, square, alpha1,
-            cos_b, sin_b, omega_beta * omega_beta, alpha_beta)
-        f3_x, f3_y, moment3 = needs_of_pivoted(cos_y, sin_y, omega4 * omega4, alpha4)
+    def loads(m: Motion) -> Loads:
+        e_x, e_b = Vector(m.cos_x, m.sin_x), Vector(m.cos_b, m.sin_b)
+        e_y = Vector(m.cos_y, m.sin_y)
+        crank, coupler = needs_of_crank_and_carried(
+            crank_terms, Turning(e_x, m.omega1, m.alpha1),
+            coupler_terms, Turning(e_b, m.omega_beta, m.alpha_beta), a1)
+        output = needs_of_pivoted(output_terms, Turning(e_y, m.omega4, m.alpha4))
 
-        moment2 = about_a + aside * square
-        from_output, from_coupler = moment3 / (a3 * sin_mu), moment2 / (a2 * sin_mu)
-        f32_x = from_output * cos_b + from_coupler * cos_y                              # (L1)
-        f32_y = from_output * sin_b + from_coupler * sin_y
-        f21_x, f21_y = f32_x - f2_x, f32_y - f2_y                                       # (L2)
-        f43_x, f43_y = f3_x + f32_x, f3_y + f32_y                                       # (L3)
-        f41_x, f41_y = f1_x - f21_x, f1_y - f21_y                                       # (L4)
-        f41, f21, f32, f43 = (hypot(f41_x, f41_y), hypot(f21_x, f21_y), hypot(f32_x, f32_y),
-                              hypot(f43_x, f43_y))
-        torque = (moment1 + about_a * coupler_ratio - aside * (omega_beta * omega2)
-                  + moment3 * velocity_ratio)
-        driving_torque = unit * torque                                                  # (L5)
-        shaking_force_x, shaking_force_y = -(f1_x + f2_x + f3_x), -(f1_y + f2_y + f3_y)     # (L6)
-        shaking_force = hypot(shaking_force_x, shaking_force_y)
-        shaking_moment = unit * (aside * (omega2 * (omega1 + omega_beta))                # (L7)
-                                 - (moment1 + about_a + moment3 + a4 * f3_y))
-        return (f41_x, f41_y, f21_x, f21_y, f32_x, f32_y, f43_x, f43_y, f41, f21, f32, f43,
-                driving_torque, shaking_force_x, shaking_force_y, shaking_force, shaking_moment)
+        M2 = coupler.moment + coupler.a_cross_r * (m.omega1 * m.omega1)
+        F32 = e_b * (output.moment / (a3 * m.sin_mu)) + e_y * (M2 / (a2 * m.sin_mu))    # (L1)
+        F21 = F32 - coupler.force                                                       # (L2)
+        F43 = output.force + F32                                                        # (L3)
+        F41 = crank.force - F21                                                         # (L4)
+        T41 = (crank.moment + coupler.moment * m.coupler_ratio                          # (L5)
+               - coupler.a_cross_r * (m.omega_beta * m.omega2) + output.moment * m.velocity_ratio)
+        shaking_force = -(crank.force + coupler.force + output.force)                   # (L6)
+        shaking_moment = (coupler.a_cross_r * (m.omega2 * (m.omega1 + m.omega_beta))    # (L7)
+                          - (crank.moment + coupler.moment + output.moment
+                             + a4 * output.force.y))
+        return Loads(
+            f41_x=F41.x, f41_y=F41.y, f21_x=F21.x, f21_y=F21.y, f32_x=F32.x, f32_y=F32.y,
+            f43_x=F43.x, f43_y=F43.y, f41=hypot(F41.x, F41.y), f21=hypot(F21.x, F21.y),
+            f32=hypot(F32.x, F32.y), f43=hypot(F43.x, F43.y), driving_torque=unit * T41,
+            shaking_force_x=shaking_force.x, shaking_force_y=shaking_force.y,
+            shaking_force=hypot(shaking_force.x, shaking_force.y),
+            shaking_moment=unit * shaking_moment)
     return loads

@@ -9,10 +9,10 @@ acceleration plus the second derivative times its rate squared.
 from __future__ import annotations
 
 from math import pi
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.mechanisms.loop import make_loop
-from fourbar_ros.numerics.number_types import Function, NumberType
+from fourbar_ros.numerics.number_types import Function, nudge, NumberType, Scalar
 
 
 class Motion(NamedTuple):
@@ -56,32 +56,33 @@ class Motion(NamedTuple):
     sin_mu: float
 
 
-def make_motion(n: NumberType, a1: Any, a2: Any, a3: Any, a4: Any, sign: Any) -> Function:
+def make_motion(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
+                sign: Scalar) -> Function:
     """
-    Return the function (theta1, omega1, alpha1) -> fields of :class:`Motion` for fixed lengths.
+    Return the function (theta1, omega1, alpha1) -> :class:`Motion` for fixed lengths.
 
     ``sign`` is the sign of sin(theta4 - beta): +1 for mode 2 (open), -1 for mode 1 (crossed).
     """
-    sin, cos, atan2, infinitesimal, straight = n.sin, n.cos, n.atan2, n.infinitesimal, sign * pi
+    sin, cos, atan2, straight = n.sin, n.cos, n.atan2, sign * pi
+    beside_0 = nudge(n, n.exact_sum((a1, -a4, a2, -a3)), n.exact_sum((a1, -a4, -a2, a3)))
     loop = make_loop(n, a1, a2, a3, a4, sign)
 
-    def motion(theta1: Any, omega1: Any, alpha1: Any) -> tuple[Any, ...]:
+    def motion(theta1: Scalar, omega1: Scalar, alpha1: Scalar) -> Motion:
         half = 0.5 * theta1
-        sh, ch = sin(half) + infinitesimal, cos(half)
-        (cos_x, sin_x, cos_bx, sin_bx, cos_b, sin_b, cos_y, sin_y, cos_mu, sin_mu, d_theta2,
-         d_theta3, velocity_ratio, coupler_ratio, dd_mu, dd_y, dd_b,
-         condition) = loop(sh * sh, ch * ch, sh * ch)
-        mu, square = atan2(sin_mu, cos_mu), omega1 * omega1
-        transmission_angle = sign * mu
-        theta2, omega2 = atan2(sin_bx, cos_bx), d_theta2 * omega1
-        theta3, omega3 = mu - straight, d_theta3 * omega1
-        theta4, omega4 = atan2(sin_y, cos_y), velocity_ratio * omega1
-        beta, omega_beta = atan2(sin_b, cos_b), coupler_ratio * omega1
-        alpha2, alpha3 = d_theta2 * alpha1 + dd_b * square, d_theta3 * alpha1 + dd_mu * square
-        alpha4 = velocity_ratio * alpha1 + dd_y * square
-        alpha_beta = coupler_ratio * alpha1 + dd_b * square
-        return (theta1, omega1, alpha1, theta2, omega2, alpha2, theta3, omega3, alpha3,
-                theta4, omega4, alpha4, beta, omega_beta, alpha_beta,
-                transmission_angle, velocity_ratio, coupler_ratio, condition,
-                cos_x, sin_x, cos_b, sin_b, cos_y, sin_y, cos_mu, sin_mu)
+        sh, ch = sin(half) + beside_0, cos(half)
+        at = loop(sh * sh, ch * ch, sh * ch)
+        mu, square = atan2(at.sin_mu, at.cos_mu), omega1 * omega1
+        return Motion(
+            theta1, omega1, alpha1,
+            theta2=atan2(at.sin_bx, at.cos_bx), omega2=at.d_bx * omega1,
+            alpha2=at.d_bx * alpha1 + at.dd_b * square,
+            theta3=mu - straight, omega3=at.d_mu * omega1,
+            alpha3=at.d_mu * alpha1 + at.dd_mu * square,
+            theta4=atan2(at.sin_y, at.cos_y), omega4=at.d_y * omega1,
+            alpha4=at.d_y * alpha1 + at.dd_y * square,
+            beta=atan2(at.sin_b, at.cos_b), omega_beta=at.d_b * omega1,
+            alpha_beta=at.d_b * alpha1 + at.dd_b * square,
+            transmission_angle=sign * mu, velocity_ratio=at.d_y, coupler_ratio=at.d_b,
+            condition=at.condition, cos_x=at.cos_x, sin_x=at.sin_x, cos_b=at.cos_b,
+            sin_b=at.sin_b, cos_y=at.cos_y, sin_y=at.sin_y, cos_mu=at.cos_mu, sin_mu=at.sin_mu)
     return motion

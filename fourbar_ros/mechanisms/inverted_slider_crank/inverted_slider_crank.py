@@ -4,42 +4,59 @@
 The inverted slider-crank RPR with offset: rocking block, oscillating cylinder.
 
 What it is, how far it moves, how it moves.
+
+Picture and velocity and acceleration polygons of an inverted slider-crank.
 """
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from math import atan2, atanh, pi, sqrt
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanics.bodies import Bodies, External
-from fourbar_ros.mechanisms.contract import Constants, CRANK, OPEN, Ranges, SLIDE
-from fourbar_ros.mechanisms.inverted_slider_crank import diagram
+from fourbar_ros.mechanics.moving_frames import acceleration_terms, turned
+from fourbar_ros.mechanisms.contract import Constants, CRANK, of_geometry, OPEN, SLIDE
 from fourbar_ros.mechanisms.inverted_slider_crank.loads import make_loads
 from fourbar_ros.mechanisms.inverted_slider_crank.motion import (
     InvertedSliderMotion,
     make_crank_motion,
     make_slide_motion,
 )
-from fourbar_ros.mechanisms.mechanism import EPS
 from fourbar_ros.mechanisms.offset_slide import OffsetSlide
 from fourbar_ros.mechanisms.parts import (
+    around,
+    Arrow,
+    Bar,
+    Block,
+    chain,
     Connection,
+    Diagram,
     GROUND,
     Joint,
     Length,
     Link,
+    ORIGIN,
     Output,
+    Ranges,
     reaction,
     THETA1,
     THETA2,
     THETA4,
+    total,
     TRAVEL,
 )
-from fourbar_ros.mechanisms.points import crank_motion, LinkMotion, point_of
+from fourbar_ros.mechanisms.points import (
+    crank_motion,
+    link_motion,
+    LinkMotion,
+    point_motion,
+    point_of,
+)
 from fourbar_ros.mechanisms.slide_dyad import reach, singular_slides, slide_ranges
+from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
 from fourbar_ros.numerics.number_types import Function, NumberType
+import numpy as np
 
 
 class InvertedDeadPoint(NamedTuple):
@@ -47,6 +64,19 @@ class InvertedDeadPoint(NamedTuple):
 
     theta1: float     # [rad]
     theta4: float     # [rad]
+
+
+BEYOND = 0.14      # length of the bar beyond its block, over the size of the mechanism
+
+
+def _tube(mechanism: Any) -> float:
+    """
+    Return the length of the tube of a cylinder.
+
+    Its rod is in at the shortest, or half the longest.
+    """
+    low, high = sorted(map(abs, mechanism.input_ranges[-1]))
+    return max(0.9 * low, 0.45 * high)
 
 
 @dataclass(frozen=True)
@@ -107,7 +137,7 @@ class InvertedSlider(OffsetSlide):
                Length('a4', 'length of the ground link O1-O4'),
                Length('offset', 'distance of the path of A on the bar from O4, positive to the '
                                 'left of the bar', signed=True))
-    LINKS = (Link('crank', 'crank', 'O1', 'a1', is_loadable=False), Link('coupler', 'block', 'A'),
+    LINKS = (Link('crank', 'crank', 'O1', 'a1'), Link('coupler', 'block', 'A'),
              Link('output', 'bar', 'O4'))
     OUTPUTS = {CRANK: (Output(THETA4, 'output_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
     JOINTS = (Joint('O1', THETA1, 'crank'), Joint('A', THETA2, 'block'),
@@ -120,7 +150,6 @@ class InvertedSlider(OffsetSlide):
     DRAWN = (THETA1, THETA4, TRAVEL)
     MOTION = InvertedSliderMotion
     BODIES, EXTERNAL = Bodies, External
-    PICTURE = diagram
 
     @property
     def classification(self) -> str:
@@ -131,7 +160,7 @@ class InvertedSlider(OffsetSlide):
         return ('Grashof crank-rocker' if rocks > 0.0 else
                 'Grashof double-crank' if turns > 0.0 else 'non-Grashof double-rocker')
 
-    @cached_property
+    @of_geometry
     def closing_ranges(self) -> Ranges:
         """
         Return the ranges of the input in which the links close, from low to high.
@@ -214,8 +243,8 @@ class InvertedSlider(OffsetSlide):
         crank = crank_motion(motion)
         if link == 'crank':
             return crank
-        return LinkMotion._make((*point_of(crank, self.a1), motion.cos_y, motion.sin_y,
-                                 motion.omega4, motion.alpha4))
+        return LinkMotion(*point_of(crank, self.a1), motion.cos_y, motion.sin_y,
+                          motion.omega4, motion.alpha4)
 
     def read_coordinate(self, numbers: NumberType, curves: Any) -> tuple[Any, Any, Any]:
         """Return the input and its two derivatives from coefficients of the links."""
@@ -236,3 +265,46 @@ class InvertedSlider(OffsetSlide):
         slide, aside = motion.slide / size, self.offset / size
         opposite = slide if self.input == CRANK else self.a4 / size * motion.sin_x
         return opposite / (slide * slide + aside * aside)**0.5
+
+    def diagram(self, motion: Any) -> Diagram:
+        """
+        Return the :class:`Diagram` of one pose.
+
+        A bar with its block, or a cylinder with its rod.
+        """
+        a = point_motion(self, motion, 'crank', self.a1).place
+        o4 = point_motion(self, motion, 'output', 0.0).place
+        bar = link_motion(self, motion, 'output').direction
+        foot, sense = a - motion.slide * bar, np.sign(motion.slide) * bar
+        bars, blocks = [Bar(ORIGIN, a), Bar(o4, foot)], []
+        if self.is_driven_by_slide:        # a cylinder: the tube from O4, the rod out of it to A
+            tube = foot + min(_tube(self), 0.98 * abs(motion.slide)) * sense
+            bars += [Bar(foot, a, 0.7), Bar(foot, tube, 2.4)]
+        else:
+            size = max(np.ptp(np.array([ORIGIN, a, o4]), axis=0))
+            bars.append(Bar(foot, a + BEYOND * size * sense))
+            blocks.append(Block(a, bar))
+        return Diagram({'O_1': ORIGIN, 'A': a, 'O_4': o4}, ('O_1', 'O_4'), tuple(bars),
+                       tuple(blocks), {'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'O_4'},
+                       {'theta1': 'O_1', 'theta4': 'O_4'}, drawn_whole=('output',))
+
+    def velocity_polygon(self, motion: Any) -> list[Arrow]:
+        """Return the arrows of V_A = V_Q + V_rel, Q of the bar at A [m/s]."""
+        output = link_motion(self, motion, 'output')
+        v_a = point_motion(self, motion, 'crank', self.a1).velocity
+        v_q = point_motion(self, motion, 'output', motion.slide, self.offset).velocity
+        return [total(v_a, 'V_A'), total(v_q, 'V_Q'),
+                Arrow(v_q, motion.slide_velocity * output.direction, 'V_{rel}', False)]
+
+    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
+        """Return the arrows of A_A = A_Q + A_Cor + A_rel, Eq. (9), Q of the bar at A [m/s^2]."""
+        crank, output = (link_motion(self, motion, link) for link in ('crank', 'output'))
+        a_a = point_motion(self, motion, 'crank', self.a1).acceleration
+        arm = motion.slide * output.direction + self.offset * turned(1.0, output.direction)
+        relative = motion.slide_acceleration * output.direction
+        terms = acceleration_terms(ORIGIN, output.omega, output.alpha, arm,
+                                   motion.slide_velocity * output.direction, relative)
+        a_q = terms.normal + terms.tangential
+        return [total(a_a, 'A_A'), *around(ORIGIN, crank, self.a1 * crank.direction, 'A'),
+                *around(ORIGIN, output, arm, 'Q'), total(a_q, 'A_Q'),
+                *chain(a_q, (terms.coriolis, 'A_{Cor}'), (relative, 'A_{rel}'))]

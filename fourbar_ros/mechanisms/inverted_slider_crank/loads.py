@@ -18,68 +18,58 @@ crank, or a force along the slide.
 """
 from __future__ import annotations
 
-from typing import Any
-
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanics.newton_euler import (
     about_first_joint,
     crank_with_pin,
-    make_needs_of_crank_and_carried,
-    make_needs_of_pivoted,
+    Gravity,
+    needs_of_crank_and_carried,
+    needs_of_pivoted,
+    Turning,
 )
-from fourbar_ros.numerics.number_types import Function, NumberType
+from fourbar_ros.mechanisms.inverted_slider_crank.motion import InvertedSliderMotion
+from fourbar_ros.mechanisms.slide_dyad import slider_loads, SliderLoads
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
+from fourbar_ros.numerics.vectors import Vector
 
 
-def make_loads(n: NumberType, a1: Any, a4: Any, h: Any, is_crank_driven: bool, bodies: Bodies,
-               gravity: tuple[Any, Any], external: External) -> Function:
+def make_loads(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, is_crank_driven: bool,
+               bodies: Bodies, gravity: Gravity, external: External) -> Function:
     """
-    Return the function (fields of InvertedSliderMotion) -> fields of :class:`.SliderLoads`.
+    Return the function InvertedSliderMotion -> :class:`.SliderLoads`.
 
     The force between block and bar from the moments of both about O4 and, for a driven slide, of
     the crank; the drive from virtual power.
     """
-    hypot, unit = n.hypot, n.power_of_two(a1, a4, h)
+    unit = n.power_of_two(a1, a4, h)
     a1, a4, h, per_unit = a1 / unit, a4 / unit, h / unit, 1.0 / unit
-    mass2 = bodies.coupler.mass * unit
-    block = about_first_joint(bodies.coupler, unit, gravity, external.coupler)
-    bar = about_first_joint(bodies.output, unit, gravity, external.output)
-    crank = crank_with_pin(bodies, unit, gravity, external, block, a1)
-    needs_of_crank_and_carried = make_needs_of_crank_and_carried(crank, block, mass2, a1)
-    needs_of_pivoted = make_needs_of_pivoted(bar)
+    block_terms = about_first_joint(bodies.coupler, unit, gravity, external.coupler)
+    bar_terms = about_first_joint(bodies.output, unit, gravity, external.output)
+    crank_terms = crank_with_pin(bodies, unit, gravity, external, block_terms, a1)
 
-    def loads(motion: tuple[Any, ...]) -> tuple[Any, ...]:
-        (_, omega1, alpha1, _, omega2, _, _, omega4, alpha4, slide, _, _,
-         _, crank_ratio, output_ratio, _, _, cos_x, sin_x, cos_y, sin_y, _, sin_2) = motion
-        square, square_4 = omega1 * omega1, omega4 * omega4
-        f1_x, f1_y, f2_x, f2_y, moment1, about_a, aside = needs_of_crank_and_carried(
-            cos_x, sin_x, square, alpha1, cos_y, sin_y, square_4, alpha4)
-        f3_x, f3_y, moment3 = needs_of_pivoted(cos_y, sin_y, square_4, alpha4)
-        moment2 = about_a + aside * square
-        # (L4)
-        drive = unit * (moment1 * crank_ratio + (about_a + moment3) * output_ratio
-                        - aside * (omega4 * omega2) * crank_ratio)
-        turning = moment2 + moment3
+    def loads(m: InvertedSliderMotion) -> SliderLoads:
+        e_x, e_y = Vector(m.cos_x, m.sin_x), Vector(m.cos_y, m.sin_y)
+        of_bar = Turning(e_y, m.omega4, m.alpha4)
+        crank, block = needs_of_crank_and_carried(
+            crank_terms, Turning(e_x, m.omega1, m.alpha1), block_terms, of_bar, a1)
+        bar = needs_of_pivoted(bar_terms, of_bar)
+
+        M2 = block.moment + block.a_cross_r * (m.omega1 * m.omega1)
+        drive = unit * (crank.moment * m.crank_ratio                                    # (L4)
+                        + (block.moment + bar.moment) * m.output_ratio
+                        - block.a_cross_r * (m.omega4 * m.omega2) * m.crank_ratio)
         if is_crank_driven:
             driving_torque, driving_force = drive, 0.0
-            guide_force = -turning / (slide * per_unit)                                 # (L1)
+            N = -(M2 + bar.moment) / (m.slide * per_unit)                               # (L1)
         else:
             driving_torque, driving_force = 0.0, drive
-            # (L2)
-            guide_force = (h * (moment1 - aside * square_4) / a1 - turning * sin_2) / (a4 * sin_x)
-        # (L3)
-        f32_x = driving_force * cos_y - guide_force * sin_y
-        f32_y = driving_force * sin_y + guide_force * cos_y
-        f21_x, f21_y = f32_x - f2_x, f32_y - f2_y
-        f43_x, f43_y = f3_x + f32_x, f3_y + f32_y
-        f41_x, f41_y = f1_x - f21_x, f1_y - f21_y
-        f41, f21, f32, f43 = (hypot(f41_x, f41_y), hypot(f21_x, f21_y), hypot(f32_x, f32_y),
-                              hypot(f43_x, f43_y))
-        guide_couple = unit * moment2
-        shaking_force_x, shaking_force_y = -(f1_x + f2_x + f3_x), -(f1_y + f2_y + f3_y)     # (L5)
-        shaking_force = hypot(shaking_force_x, shaking_force_y)
-        shaking_moment = unit * (aside * (omega2 * (omega1 + omega4))
-                                 - (moment1 + about_a + moment3 + a4 * f3_y))
-        return (f41_x, f41_y, f21_x, f21_y, f32_x, f32_y, f43_x, f43_y, f41, f21, f32, f43,
-                guide_force, guide_couple, driving_torque, driving_force,
-                shaking_force_x, shaking_force_y, shaking_force, shaking_moment)
+            M1 = crank.moment - block.a_cross_r * (m.omega4 * m.omega4)
+            N = (h * M1 / a1 - (M2 + bar.moment) * m.sin_2) / (a4 * m.sin_x)            # (L2)
+        F32 = e_y * driving_force + e_y.normal * N                                      # (L3)
+        shaking_moment = (block.a_cross_r * (m.omega2 * (m.omega1 + m.omega4))          # (L5)
+                          - (crank.moment + block.moment + bar.moment + a4 * bar.force.y))
+        return slider_loads(
+            n, forces=(crank.force, block.force, bar.force), f32=F32, f43=bar.force + F32,
+            guide_force=N, guide_couple=unit * M2, driving_torque=driving_torque,
+            driving_force=driving_force, shaking_moment=unit * shaking_moment)
     return loads

@@ -17,38 +17,32 @@ from typing import Any
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Applied, Body, NOT_APPLIED
 from fourbar_ros.mechanisms.checks import two_numbers
-from fourbar_ros.mechanisms.contract import Constants, CRANK, SLIDE
-from fourbar_ros.mechanisms.machine import diagram
-from fourbar_ros.mechanisms.machine.connections import connections_of
-from fourbar_ros.mechanisms.machine.description import (
-    CYLINDER,
-    Cylinder,
-    Dyad,
-    RPR,
-)
-from fourbar_ros.mechanisms.machine.given import (
+from fourbar_ros.mechanisms.contract import Constants, CRANK, of_geometry, SLIDE
+from fourbar_ros.mechanisms.machine.describe import diagram
+from fourbar_ros.mechanisms.machine.describe.description import (
     by_link,
     checked_cylinder,
     checked_dyads,
+    connections_of,
+    CYLINDER,
+    Cylinder,
+    Dyad,
+    Numbers,
+    RPR,
     with_lengths,
 )
-from fourbar_ros.mechanisms.machine.layout import layout_of
-from fourbar_ros.mechanisms.machine.limits import WithLimits
-from fourbar_ros.mechanisms.machine.loads import make_loads
-from fourbar_ros.mechanisms.machine.loops import with_loops
-from fourbar_ros.mechanisms.machine.motion import make_motion
-from fourbar_ros.mechanisms.machine.names import lengths_of, names_of
-from fourbar_ros.mechanisms.parts import Connection
+from fourbar_ros.mechanisms.machine.describe.layout import layout_of
+from fourbar_ros.mechanisms.machine.describe.names import lengths_of, names_of
+from fourbar_ros.mechanisms.machine.limits.limits import WithLimits
+from fourbar_ros.mechanisms.machine.solve.loads import make_loads
+from fourbar_ros.mechanisms.machine.solve.motion import make_motion
+from fourbar_ros.mechanisms.machine.solve.pairs import shaped, with_pairs
+from fourbar_ros.mechanisms.parts import Arrow, Connection, Diagram
 from fourbar_ros.mechanisms.points import LinkMotion
-from fourbar_ros.mechanisms.stroke import motion_within
-from fourbar_ros.numerics.number_types import Function, NumberType, REAL
-from fourbar_ros.numerics.straight_line import straight_line
+from fourbar_ros.numerics.number_types import Function, NumberType
 
 DRIVERS = (CRANK, SLIDE, CYLINDER)
 NO_BODY = Body(0.0)
-# What a machine makes of its dyads when it is asked for.
-_MADE = ('constants', 'stages', 'input_ranges', '_closings', '_near', '_made',
-         '_motion_of_one', '_of_one', 'record_of_motion', 'record_with_loads')
 
 
 @dataclass(frozen=True)
@@ -61,7 +55,8 @@ class Machine(WithLimits):
     Parameters
     ----------
     dyads : sequence of Dyad
-        In order: each hangs on the ground, the driven link or dyads before it.
+        In order: each hangs on the ground, the driven link or dyads before it. Driven by a
+        cylinder it may have none: a boom.
     input : str
         'crank': its angle; 'slide': the place of the slider; 'cylinder': the length of a cylinder
         that turns the crank.
@@ -74,7 +69,7 @@ class Machine(WithLimits):
     gravity : tuple of 2 floats
         Field of gravity (x, y) [m/s^2].
     external : mapping {link: Applied}
-        Forces and couples on links other than a driven crank.
+        Forces and couples on links.
     stroke : tuple of 2 floats, optional
         Shortest and longest slide or cylinder [m].
 
@@ -85,7 +80,7 @@ class Machine(WithLimits):
 
     Examples
     --------
-    >>> from fourbar_ros.mechanisms.machine.description import Dyad, Point
+    >>> from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
     >>> four_bar = Machine([Dyad('d', 'RRR', Point('crank', 0.4), Point('ground', 1.0),
     ...                          ('coupler', 'rocker'), length_1=1.2, length_2=0.8)])
     >>> round(four_bar.motion(0.5, 25.0).omega_rocker, 6)
@@ -103,18 +98,18 @@ class Machine(WithLimits):
     stroke: tuple[float, float] | None = None
 
     TITLE = 'machine of dyads'
-    MARGIN_SIGNS, PICTURE = (), diagram
+    MARGIN_SIGNS = ()
     LEAVES_OUT_ZEROS = True       # most of their links have no mass or no offset
     TEXT = 'a driven link and dyads, any planar linkage of Assur groups of class II'
 
     def __post_init__(self) -> None:
         if self.input not in DRIVERS:
             raise InvalidParameter('input', self.input, f'must be one of {", ".join(DRIVERS)}')
-        self._set(dyads=checked_dyads(self.dyads),
+        self._set(dyads=checked_dyads(self.dyads, self.input),
                   cylinder=checked_cylinder(self.cylinder, self.input))
         layout = layout_of(self.input, self.stages, self.output)
-        layout, flats = with_loops(layout, self.stages)
-        self._set(layout=layout, flats=flats, output=layout.output, **names_of(layout),
+        layout = with_pairs(layout, [dyad.numbers for dyad in self.stages])
+        self._set(layout=layout, output=layout.output, **names_of(layout),
                   LENGTHS=tuple([length for length, _ in lengths_of(self.stages)]))
         self._set(bodies=by_link('bodies', self.bodies, Body, self.BODIES, NO_BODY),
                   external=by_link('external', self.external, Applied, self.EXTERNAL,
@@ -127,13 +122,18 @@ class Machine(WithLimits):
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
-    @cached_property
+    @of_geometry
     def stages(self) -> tuple[Dyad, ...]:
         """Return all dyads; a cylinder is one whose slide is driven, and the first."""
         if self.cylinder is None:
             return self.dyads
         base, pin, links, mode = self.cylinder
         return (Dyad(CYLINDER, RPR, pin, base, links, mode=mode), *self.dyads)
+
+    @of_geometry
+    def numbers(self) -> tuple[Numbers, ...]:
+        """Return what the formulas of all dyads take."""
+        return tuple(shaped(self.layout, [dyad.numbers for dyad in self.stages]))
 
     # --- lengths and modes ----------------------------------------------------------------------
 
@@ -148,17 +148,15 @@ class Machine(WithLimits):
         return self._with_stages([with_lengths(dyad, given) for dyad in self.stages])
 
     def _with_stages(self, stages: Sequence[Dyad]) -> Machine:
-        """Return the same structure of other dyads, its own of a cylinder first."""
-        other = object.__new__(type(self))
-        kept = {name: value for name, value in self.__dict__.items() if name not in _MADE}
-        layout, flats = with_loops(self.layout, stages)
-        other.__dict__.update(kept, stages=tuple(stages), dyads=tuple(stages), layout=layout,
-                              flats=flats)
-        if self.cylinder is not None:
-            own = stages[0]
-            other.__dict__.update(dyads=tuple(stages[1:]), cylinder=self.cylinder._replace(
-                base=own.second, pin=own.first, mode=own.mode))
-        return other
+        """Return a copy with other dyads; with a cylinder, the first of them is the cylinder's."""
+        # the lengths decide which dyads need the closed form of a kind
+        layout = with_pairs(self.layout, [dyad.numbers for dyad in stages])
+        if self.cylinder is None:
+            return self._copy(stages=tuple(stages), dyads=tuple(stages), layout=layout)
+        own = stages[0]
+        cylinder = self.cylinder._replace(base=own.second, pin=own.first, mode=own.mode)
+        return self._copy(stages=tuple(stages), dyads=tuple(stages[1:]), layout=layout,
+                          cylinder=cylinder)
 
     @property
     def signs(self) -> tuple[float, ...]:
@@ -194,8 +192,7 @@ class Machine(WithLimits):
     @cached_property
     def constants(self) -> Constants:
         """Return the numbers of each stage in place of lengths, the modes in place of one."""
-        return Constants(tuple([dyad.numbers for dyad in self.stages]), self.signs, self.bodies,
-                         self.gravity, self.external)
+        return Constants(self.numbers, self.signs, self.bodies, self.gravity, self.external)
 
     @property
     def SLIDE_DIRECTION(self) -> tuple[str, str] | None:  # type: ignore[override]  # noqa: N802
@@ -207,30 +204,6 @@ class Machine(WithLimits):
     def is_driven_by_slide(self) -> bool:
         """Return whether the input is a length, not an angle."""
         return self.input != CRANK
-
-    def make_motion(self, numbers: NumberType) -> Function:
-        """
-        Return (position, rate, acceleration) -> fields of MOTION for a number type.
-
-        For floats it is one straight line, without the calls and choices of dyads.
-        """
-        key = 'motion', numbers
-        if numbers is REAL and key not in self._made:
-            line = straight_line(lambda n: self.motion_formula(n, self.constants), 3)
-            self._made[key] = (line if self.stroke is None
-                               else motion_within(line, self.stroke, numbers))
-        return super().make_motion(numbers)
-
-    def make_loads(self, numbers: NumberType) -> Function:
-        """Return (fields of MOTION) -> fields of LOADS for a number type; see make_motion."""
-        key = 'loads', numbers
-        if numbers is REAL and key not in self._made:
-            def formula(n: NumberType) -> Function:
-                loads = self.loads_formula(n, self.constants)
-                return lambda *fields: loads(fields)
-            line = straight_line(formula, len(self.MOTION._fields))
-            self._made[key] = lambda motion: line(*motion)
-        return super().make_loads(numbers)
 
     def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
@@ -244,7 +217,7 @@ class Machine(WithLimits):
     @property
     def classification(self) -> str:
         """Return the kinds of its dyads."""
-        return ' + '.join(dyad.kind for dyad in self.dyads)
+        return ' + '.join(dyad.kind for dyad in self.dyads) or 'cylinder on a crank'
 
     @property
     def connections(self) -> tuple[Connection, ...]:
@@ -267,6 +240,18 @@ class Machine(WithLimits):
         for sine in motion[len(motion) - len(self.stages):]:
             product = product * sine
         return product
+
+    def diagram(self, motion: Any) -> Diagram:
+        """Return what a picture shows in one pose."""
+        return diagram.diagram(self, motion)
+
+    def velocity_polygon(self, motion: Any) -> list[Arrow]:
+        """Return the arrows of the velocities of all joints [m/s]; the pole is the origin."""
+        return diagram.velocity_polygon(self, motion)
+
+    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
+        """Return the arrows of the accelerations of all joints [m/s^2]."""
+        return diagram.acceleration_polygon(self, motion)
 
     def __reduce__(self) -> tuple[Any, ...]:
         given = {own.name: getattr(self, own.name) for own in fields_of(self)}

@@ -17,15 +17,19 @@ power.
 """
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanics.newton_euler import (
     about_first_joint,
     crank_with_pin,
-    make_needs_of_crank_and_carried,
+    Gravity,
+    needs_of_crank_and_carried,
+    Turning,
 )
-from fourbar_ros.numerics.number_types import Function, NumberType
+from fourbar_ros.mechanisms.scotch_yoke.motion import ScotchYokeMotion
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
+from fourbar_ros.numerics.vectors import Vector
 
 
 class ScotchYokeLoads(NamedTuple):
@@ -60,47 +64,43 @@ class ScotchYokeLoads(NamedTuple):
     shaking_moment: float     # about O1
 
 
-def make_loads(n: NumberType, a1: Any, e: Any, is_crank_driven: bool, bodies: Bodies,
-               gravity: tuple[Any, Any],
-               external: External) -> Function:
-    """Return the function (fields of ScotchYokeMotion) -> fields of :class:`ScotchYokeLoads`."""
+def make_loads(n: NumberType, a1: Scalar, e: Scalar, is_crank_driven: bool, bodies: Bodies,
+               gravity: Gravity, external: External) -> Function:
+    """Return the function ScotchYokeMotion -> :class:`ScotchYokeLoads`."""
     hypot, unit = n.hypot, n.power_of_two(a1, e)
     a1, e, per_unit = a1 / unit, e / unit, 1.0 / unit
-    mass2, mass3 = bodies.coupler.mass * unit, bodies.output.mass * unit
-    block = about_first_joint(bodies.coupler, unit, gravity, external.coupler)
+    block_terms = about_first_joint(bodies.coupler, unit, gravity, external.coupler)
     yoke = about_first_joint(bodies.output, unit, gravity, external.output)
-    crank = crank_with_pin(bodies, unit, gravity, external, block, a1)
-    across, hold_x, f3_y, couple = (yoke.across, yoke.hold_x, yoke.hold_y,
-                                    yoke.by_cosine + yoke.couple)
-    needs_of_crank_and_carried = make_needs_of_crank_and_carried(crank, block, mass2, a1)
+    crank_terms = crank_with_pin(bodies, unit, gravity, external, block_terms, a1)
+    upright = Turning(Vector(0.0, 1.0), 0.0, 0.0)       # the block stands along the slot
+    at_rest = yoke.by_cosine + yoke.couple              # the moment that the yoke needs
 
-    def loads(motion: tuple[Any, ...]) -> tuple[Any, ...]:
-        (_, omega1, alpha1, _, _, _, slide, _, slide_acceleration, slot, _, _, _, crank_ratio,
-         slide_ratio, _,
-         cos_x, sin_x) = motion
-        square = omega1 * omega1
-        f1_x, f1_y, f2_x, f2_y, moment1, about_a, aside = needs_of_crank_and_carried(
-            cos_x, sin_x, square, alpha1, 0.0, 1.0, 0.0, 0.0)
-        acceleration, moment2 = slide_acceleration * per_unit, about_a + aside * square
-        f3_x, moment3 = mass3 * acceleration + hold_x, couple - across * acceleration
+    def loads(m: ScotchYokeMotion) -> ScotchYokeLoads:
+        crank, block = needs_of_crank_and_carried(
+            crank_terms, Turning(Vector(m.cos_x, m.sin_x), m.omega1, m.alpha1),
+            block_terms, upright, a1)
+        acceleration = m.slide_acceleration * per_unit
+        F3 = Vector(yoke.mass * acceleration + yoke.held.x, yoke.held.y)
+        M2 = block.moment + block.a_cross_r * (m.omega1 * m.omega1)
+        M3 = at_rest - yoke.first_moment.y * acceleration
 
-        drive = unit * (moment1 * crank_ratio) + f3_x * slide_ratio
+        drive = unit * (crank.moment * m.crank_ratio) + F3.x * m.slide_ratio
         if is_crank_driven:
-            driving_torque, driving_force, f32_x = drive, 0.0, -f3_x                    # (L1)
+            driving_torque, driving_force, N = drive, 0.0, -F3.x                        # (L1)
         else:
-            driving_torque, driving_force, f32_x = 0.0, drive, -moment1 / (a1 * sin_x)
-        f32_y = 0.0 * f32_x
-        f21_x, f21_y = f32_x - f2_x, f32_y - f2_y
-        f43_x, f43_y = driving_force, f3_y + f32_y
-        f41_x, f41_y = f1_x - f21_x, f1_y - f21_y
-        f41, f21, f32, f43 = (hypot(f41_x, f41_y), hypot(f21_x, f21_y), hypot(f32_x, f32_y),
-                              hypot(f43_x, f43_y))
-        slot_couple, guide_force = unit * moment2, f43_y                                # (L2)
-        guide_couple = unit * (moment3 - slot * per_unit * f32_x + moment2)             # (L3)
-        shaking_force_x, shaking_force_y = -(f1_x + f2_x + f3_x), -(f1_y + f2_y + f3_y)
-        shaking_force = hypot(shaking_force_x, shaking_force_y)
-        shaking_moment = -unit * (moment1 + moment2 + moment3 + slide * per_unit * f3_y - e * f3_x)
-        return (f41_x, f41_y, f21_x, f21_y, f32_x, f32_y, f43_x, f43_y, f41, f21, f32, f43,
-                guide_force, guide_couple, slot_couple, driving_torque, driving_force,
-                shaking_force_x, shaking_force_y, shaking_force, shaking_moment)
+            driving_torque, driving_force, N = 0.0, drive, -crank.moment / (a1 * m.sin_x)
+        F32 = Vector(N, 0.0 * N)                        # NaN too where nothing is known
+        F21, F43 = F32 - block.force, Vector(driving_force, F3.y + F32.y)
+        F41 = crank.force - F21
+        guide_couple = M3 - m.slot * per_unit * N + M2                                  # (L3)
+        shaking_force = -(crank.force + block.force + F3)
+        shaking_moment = -unit * (crank.moment + M2 + M3 + m.slide * per_unit * F3.y - e * F3.x)
+        return ScotchYokeLoads(
+            f41_x=F41.x, f41_y=F41.y, f21_x=F21.x, f21_y=F21.y, f32_x=F32.x, f32_y=F32.y,
+            f43_x=F43.x, f43_y=F43.y, f41=hypot(F41.x, F41.y), f21=hypot(F21.x, F21.y),
+            f32=hypot(F32.x, F32.y), f43=hypot(F43.x, F43.y), guide_force=F43.y,
+            guide_couple=unit * guide_couple, slot_couple=unit * M2,                    # (L2)
+            driving_torque=driving_torque, driving_force=driving_force,
+            shaking_force_x=shaking_force.x, shaking_force_y=shaking_force.y,
+            shaking_force=hypot(shaking_force.x, shaking_force.y), shaking_moment=shaking_moment)
     return loads

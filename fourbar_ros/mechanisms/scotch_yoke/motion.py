@@ -25,9 +25,9 @@ Slide input, with root = a1 sin x of the sign of the assembly mode:
 from __future__ import annotations
 
 from math import pi
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from fourbar_ros.numerics.number_types import Function, NumberType
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 
 class ScotchYokeMotion(NamedTuple):
@@ -63,54 +63,46 @@ class ScotchYokeMotion(NamedTuple):
     sin_x: float
 
 
-def make_crank_motion(n: NumberType, a1: Any, e: Any, sign: Any) -> Function:
-    """Return the function (theta1, omega1, alpha1) -> fields of :class:`ScotchYokeMotion`."""
+def make_crank_motion(n: NumberType, a1: Scalar, e: Scalar, sign: Scalar) -> Function:
+    """Return the function (theta1, omega1, alpha1) -> :class:`ScotchYokeMotion`."""
     sin, cos, atan2, fabs = n.sin, n.cos, n.atan2, n.fabs
 
-    def motion(theta1: Any, omega1: Any, alpha1: Any) -> tuple[Any, ...]:
+    def motion(theta1: Scalar, omega1: Scalar, alpha1: Scalar) -> ScotchYokeMotion:
         cos_x, sin_x = cos(theta1), sin(theta1)
-        theta2, omega2, alpha2 = atan2(cos_x, sin_x), -omega1, -alpha1
-        slide, rise = a1 * cos_x, a1 * sin_x                                            # (M1)
-        slot, square = rise - e, omega1 * omega1
-        # (M2)
-        slide_velocity, slide_acceleration = -rise * omega1, -rise * alpha1 - slide * square
-        # (M3)
-        slot_velocity, slot_acceleration = slide * omega1, slide * alpha1 - rise * square
-        transmission_angle, crank_ratio, slide_ratio = 0.5 * pi, 1.0, -rise
-        condition = fabs(slide)                                                         # (M4)
-        return (theta1, omega1, alpha1, theta2, omega2, alpha2, slide, slide_velocity,
-                slide_acceleration,
-                slot, slot_velocity, slot_acceleration, transmission_angle, crank_ratio,
-                slide_ratio, condition,
-                cos_x, sin_x)
+        slide, rise, square = a1 * cos_x, a1 * sin_x, omega1 * omega1                   # (M1)
+        return ScotchYokeMotion(
+            theta1, omega1, alpha1, theta2=atan2(cos_x, sin_x), omega2=-omega1, alpha2=-alpha1,
+            slide=slide, slide_velocity=-rise * omega1,                                 # (M2)
+            slide_acceleration=-rise * alpha1 - slide * square,
+            slot=rise - e, slot_velocity=slide * omega1,                                # (M3)
+            slot_acceleration=slide * alpha1 - rise * square,
+            transmission_angle=0.5 * pi, crank_ratio=1.0, slide_ratio=-rise,
+            condition=fabs(slide), cos_x=cos_x, sin_x=sin_x)                            # (M4)
     return motion
 
 
-def make_slide_motion(n: NumberType, a1: Any, e: Any, sign: Any) -> Function:
-    """Return (slide, velocity, acceleration) -> fields of :class:`ScotchYokeMotion`."""
+def make_slide_motion(n: NumberType, a1: Scalar, e: Scalar, sign: Scalar) -> Function:
+    """Return the function (slide, velocity, acceleration) -> :class:`ScotchYokeMotion`."""
     sqrt, atan2, fabs = n.sqrt, n.atan2, n.fabs
     unit = n.power_of_two(a1, e)
     a1, e, per_unit = a1 / unit, e / unit, 1.0 / unit
     per_a1, square_1 = 1.0 / a1, a1 * a1
 
-    def motion(slide: Any, slide_velocity: Any, slide_acceleration: Any) -> tuple[Any, ...]:
+    def motion(slide: Scalar, slide_velocity: Scalar,
+               slide_acceleration: Scalar) -> ScotchYokeMotion:
         s, v, a = slide * per_unit, slide_velocity * per_unit, slide_acceleration * per_unit
         square = v * v
         root = sign * sqrt((a1 - s) * (a1 + s))                                         # (M5)
         cos_x, sin_x = s * per_a1 + 0.0 * root, root * per_a1     # NaN too where nothing is real
         per = 1.0 / root
-        cube = per * per * per
-        # (M6), (M7)
-        d_t = -s * per
-        theta1, omega1, alpha1 = atan2(sin_x, cos_x), -per * v, -per * a - s * cube * square
-        theta2, omega2, alpha2 = atan2(cos_x, sin_x), -omega1, -alpha1
-        slot, slot_velocity = unit * (root - e), unit * (d_t * v)
-        slot_acceleration = unit * (d_t * a - square_1 * cube * square)
-        transmission_angle, crank_ratio, slide_ratio = fabs(theta1), -per * per_unit, 1.0
-        condition = fabs(d_t)                                                           # (M8)
-        return (theta1, omega1, alpha1, theta2, omega2, alpha2, slide, slide_velocity,
-                slide_acceleration,
-                slot, slot_velocity, slot_acceleration, transmission_angle, crank_ratio,
-                slide_ratio, condition,
-                cos_x, sin_x)
+        cube, d_t = per * per * per, -s * per                                           # (M7)
+        theta1 = atan2(sin_x, cos_x)
+        omega1, alpha1 = -per * v, -per * a - s * cube * square                         # (M6)
+        return ScotchYokeMotion(
+            theta1, omega1, alpha1, theta2=atan2(cos_x, sin_x), omega2=-omega1, alpha2=-alpha1,
+            slide=slide, slide_velocity=slide_velocity, slide_acceleration=slide_acceleration,
+            slot=unit * (root - e), slot_velocity=unit * (d_t * v),
+            slot_acceleration=unit * (d_t * a - square_1 * cube * square),
+            transmission_angle=fabs(theta1), crank_ratio=-per * per_unit, slide_ratio=1.0,
+            condition=fabs(d_t), cos_x=cos_x, sin_x=sin_x)                              # (M8)
     return motion

@@ -1,6 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The Scotch yoke: what it is, how far it moves, what it is made of."""
+"""
+The Scotch yoke: what it is, how far it moves, what it is made of.
+
+The picture of a Scotch yoke and its velocity and acceleration polygons.
+"""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -11,21 +15,34 @@ from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.contract import Constants, CRANK, OPEN, SLIDE
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
+    around,
+    Arrow,
+    Bar,
+    Block,
+    chain,
     Connection,
+    Diagram,
     GROUND,
     Joint,
     Length,
     Link,
+    ORIGIN,
     Output,
     Quantity,
     reaction,
     SLOT,
     THETA1,
     THETA2,
+    total,
     TRAVEL,
 )
-from fourbar_ros.mechanisms.points import crank_motion, LinkMotion, point_of
-from fourbar_ros.mechanisms.scotch_yoke import diagram
+from fourbar_ros.mechanisms.points import (
+    crank_motion,
+    link_motion,
+    LinkMotion,
+    point_motion,
+    point_of,
+)
 from fourbar_ros.mechanisms.scotch_yoke.loads import make_loads, ScotchYokeLoads
 from fourbar_ros.mechanisms.scotch_yoke.motion import (
     make_crank_motion,
@@ -33,6 +50,7 @@ from fourbar_ros.mechanisms.scotch_yoke.motion import (
     ScotchYokeMotion,
 )
 from fourbar_ros.numerics.number_types import Function, NumberType
+import numpy as np
 
 
 class YokeDeadPoint(NamedTuple):
@@ -40,6 +58,9 @@ class YokeDeadPoint(NamedTuple):
 
     theta1: float     # [rad]
     slide: float      # [m]
+
+
+X, Y = np.array([1.0, 0.0]), np.array([0.0, 1.0])
 
 
 @dataclass(frozen=True)
@@ -90,7 +111,7 @@ class ScotchYoke(Mechanism):
     TEXT = 'a crank pin in the slot of a yoke that slides parallel to x, a Scotch yoke'
     LENGTHS = (Length('a1', 'length of the crank O1-A'),
                Length('offset', 'y of the guide', signed=True))
-    LINKS = (Link('crank', 'crank', 'O1', 'a1', is_loadable=False),
+    LINKS = (Link('crank', 'crank', 'O1', 'a1'),
              Link('coupler', 'block', 'A', turns=False),
              Link('output', 'yoke', 'B', turns=False))
     INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
@@ -104,7 +125,6 @@ class ScotchYoke(Mechanism):
     DRAWN = (THETA1, TRAVEL, SLOT)
     MOTION, LOADS = ScotchYokeMotion, ScotchYokeLoads
     BODIES, EXTERNAL = Bodies, External
-    PICTURE = diagram
     MARGIN_SIGNS = ((1, 0),)
     QUANTITIES = (Quantity('slot_velocity', 'm/s', 'velocity of the block in the slot', False),
                   Quantity('slot_acceleration', 'm/s^2', 'acceleration of the block in the slot',
@@ -176,9 +196,43 @@ class ScotchYoke(Mechanism):
                               motion.slide_acceleration, 0.0,
                               1.0, 0.0, 0.0, 0.0)
         crank = crank_motion(motion)
-        return (crank if link == 'crank' else LinkMotion._make((*point_of(crank, self.a1), 0.0,
-                                                                1.0, 0.0, 0.0)))
+        return (crank if link == 'crank' else LinkMotion(*point_of(crank, self.a1),
+                                                           0.0, 1.0, 0.0, 0.0))
 
     def transmission_sine(self, motion: Any) -> Any:
         """Return a number that is zero where the yoke cannot turn the crank, at most one."""
         return 1.0 + 0.0 * motion.sin_x if self.input == CRANK else motion.sin_x
+
+    def diagram(self, motion: Any) -> Diagram:
+        """
+        Return the :class:`Diagram` of one pose.
+
+        The slot reaches over the whole travel of the block.
+        """
+        a, b = (point_motion(self, motion, link, along).place
+                for link, along in (('crank', self.a1), ('output', 0.0)))
+        low, high = (b + (end - self.offset) * Y
+                     for end in (-1.1 * self.a1, 1.1 * self.a1))
+        ends = min((low, b, high), key=lambda at: at[1]), max((low, b, high), key=lambda at: at[1])
+        return Diagram({'O_1': ORIGIN, 'A': a, 'B': b}, ('O_1',), (Bar(*ends), Bar(ORIGIN, a)),
+                       (Block(b, X, is_guided=True), Block(a, Y)),
+                       {'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'B'}, {'theta1': 'O_1'})
+
+    def velocity_polygon(self, motion: Any) -> list[Arrow]:
+        """Return the arrows of V_A = V_B + V_rel, along guide and slot [m/s]."""
+        v_a = point_motion(self, motion, 'crank', self.a1).velocity
+        v_b = motion.slide_velocity * X
+        return [total(v_a, 'V_A'), total(v_b, 'V_B'),
+                *chain(v_b, (motion.slot_velocity * Y, 'V_{rel}'))]
+
+    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
+        """
+        Return the arrows of A_A = A_B + A_rel.
+
+        The slot does not turn, so there is no Coriolis term [m/s^2].
+        """
+        crank = link_motion(self, motion, 'crank')
+        a_a = point_motion(self, motion, 'crank', self.a1).acceleration
+        a_b = motion.slide_acceleration * X
+        return [total(a_a, 'A_A'), *around(ORIGIN, crank, self.a1 * crank.direction, 'A'),
+                total(a_b, 'A_B'), *chain(a_b, (motion.slot_acceleration * Y, 'A_{rel}'))]

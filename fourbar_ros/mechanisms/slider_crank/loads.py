@@ -19,68 +19,62 @@ along the slide.
 """
 from __future__ import annotations
 
-from typing import Any
-
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanics.newton_euler import (
     about_first_joint,
     crank_with_pin,
-    make_needs_of_crank_and_carried,
+    Gravity,
+    needs_of_crank_and_carried,
+    Turning,
 )
-from fourbar_ros.numerics.number_types import Function, NumberType
+from fourbar_ros.mechanisms.slide_dyad import slider_loads, SliderLoads
+from fourbar_ros.mechanisms.slider_crank.motion import SliderCrankMotion
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
+from fourbar_ros.numerics.vectors import Vector
 
 
-def make_loads(n: NumberType, a1: Any, a2: Any, e: Any, is_crank_driven: bool, bodies: Bodies,
-               gravity: tuple[Any, Any], external: External) -> Function:
+def make_loads(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, is_crank_driven: bool,
+               bodies: Bodies, gravity: Gravity, external: External) -> Function:
     """
-    Return the function (fields of SliderCrankMotion) -> fields of :class:`.SliderLoads`.
+    Return the function SliderCrankMotion -> :class:`.SliderLoads`.
 
     The force at B from the moment of the coupler and, for a driven crank, the slider's own
     equation along the guide, for a driven slider the moment of the crank; the drive from virtual
     power.
     """
-    hypot, unit = n.hypot, n.power_of_two(a1, a2, e)
+    unit = n.power_of_two(a1, a2, e)
     a1, a2, e, per_unit = a1 / unit, a2 / unit, e / unit, 1.0 / unit
-    mass2, mass3 = bodies.coupler.mass * unit, bodies.output.mass * unit
-    coupler = about_first_joint(bodies.coupler, unit, gravity, external.coupler)
+    coupler_terms = about_first_joint(bodies.coupler, unit, gravity, external.coupler)
     slider = about_first_joint(bodies.output, unit, gravity, external.output)
-    crank = crank_with_pin(bodies, unit, gravity, external, coupler, a1)
-    across, hold_x, f3_y, couple = (slider.across, slider.hold_x, slider.hold_y,
-                                    slider.by_cosine + slider.couple)
-    needs_of_crank_and_carried = make_needs_of_crank_and_carried(crank, coupler, mass2, a1)
+    crank_terms = crank_with_pin(bodies, unit, gravity, external, coupler_terms, a1)
+    at_rest = slider.by_cosine + slider.couple          # the moment that the slider needs
 
-    def loads(motion: tuple[Any, ...]) -> tuple[Any, ...]:
-        (_, omega1, alpha1, _, omega2, _, _, _, _, slide, _, slide_acceleration,
-         _, omega_beta, alpha_beta, _, crank_ratio, coupler_ratio, slide_ratio, _,
-         cos_x, sin_x, cos_b, sin_b, _, sin_2) = motion
-        square, square_b = omega1 * omega1, omega_beta * omega_beta
-        f1_x, f1_y, f2_x, f2_y, moment1, about_a, aside = needs_of_crank_and_carried(
-            cos_x, sin_x, square, alpha1, cos_b, sin_b, square_b, alpha_beta)
-        acceleration = slide_acceleration * per_unit
-        f3_x, moment3 = mass3 * acceleration + hold_x, couple - across * acceleration
-        drive = (unit * (moment1 * crank_ratio + about_a * coupler_ratio             # (L4)
-                         - aside * (omega_beta * omega2) * crank_ratio) + f3_x * slide_ratio)
-        along_x = -(about_a + aside * square) / a2
+    def loads(m: SliderCrankMotion) -> SliderLoads:
+        e_x, e_b = Vector(m.cos_x, m.sin_x), Vector(m.cos_b, m.sin_b)
+        crank, coupler = needs_of_crank_and_carried(
+            crank_terms, Turning(e_x, m.omega1, m.alpha1),
+            coupler_terms, Turning(e_b, m.omega_beta, m.alpha_beta), a1)
+        acceleration = m.slide_acceleration * per_unit
+        F3 = Vector(slider.mass * acceleration + slider.held.x, slider.held.y)
+        M3 = at_rest - slider.first_moment.y * acceleration
+
+        drive = (unit * (crank.moment * m.crank_ratio + coupler.moment * m.coupler_ratio     # (L4)
+                         - coupler.a_cross_r * (m.omega_beta * m.omega2) * m.crank_ratio)
+                 + F3.x * m.slide_ratio)
+        M2_per_a2 = (coupler.moment + coupler.a_cross_r * (m.omega1 * m.omega1)) / a2
         if is_crank_driven:
             driving_torque, driving_force = drive, 0.0
-            f32_x, f32_y = -f3_x, (-along_x - sin_b * f3_x) / cos_b                     # (L1)
+            F32 = Vector(-F3.x, (M2_per_a2 - m.sin_b * F3.x) / m.cos_b)                 # (L1)
         else:
             driving_torque, driving_force = 0.0, drive
-            along_b = (moment1 - aside * square_b) / a1
-            f32_x = (along_b * cos_b + along_x * cos_x) / sin_2                         # (L2)
-            f32_y = (along_b * sin_b + along_x * sin_x) / sin_2
-        f21_x, f21_y = f32_x - f2_x, f32_y - f2_y                                       # (L3)
-        f43_x, f43_y = driving_force, f3_y + f32_y
-        f41_x, f41_y = f1_x - f21_x, f1_y - f21_y
-        f41, f21, f32, f43 = (hypot(f41_x, f41_y), hypot(f21_x, f21_y), hypot(f32_x, f32_y),
-                              hypot(f43_x, f43_y))
-        guide_force, guide_couple = f43_y, unit * moment3
-        shaking_force_x, shaking_force_y = -(f1_x + f2_x + f3_x), -(f1_y + f2_y + f3_y)     # (L5)
-        shaking_force = hypot(shaking_force_x, shaking_force_y)
-        shaking_moment = unit * (aside * (omega2 * (omega1 + omega_beta))
-                                 - (moment1 + about_a + moment3 + (slide * per_unit) * f3_y
-                                    - e * f3_x))
-        return (f41_x, f41_y, f21_x, f21_y, f32_x, f32_y, f43_x, f43_y, f41, f21, f32, f43,
-                guide_force, guide_couple, driving_torque, driving_force,
-                shaking_force_x, shaking_force_y, shaking_force, shaking_moment)
+            M1 = crank.moment - coupler.a_cross_r * (m.omega_beta * m.omega_beta)
+            F32 = (e_b * (M1 / a1) - e_x * M2_per_a2) / m.sin_2                         # (L2)
+        F43 = Vector(driving_force, F3.y + F32.y)                                       # (L3)
+        shaking_moment = (coupler.a_cross_r * (m.omega2 * (m.omega1 + m.omega_beta))    # (L5)
+                          - (crank.moment + coupler.moment + M3 + (m.slide * per_unit) * F3.y
+                             - e * F3.x))
+        return slider_loads(
+            n, forces=(crank.force, coupler.force, F3), f32=F32, f43=F43, guide_force=F43.y,
+            guide_couple=unit * M3, driving_torque=driving_torque, driving_force=driving_force,
+            shaking_moment=unit * shaking_moment)
     return loads

@@ -4,34 +4,48 @@
 The slider-crank RRRP with offset, driven by its crank or by its slider.
 
 What it is, how far it moves, how it moves.
+
+The picture of a slider-crank and its velocity and acceleration polygons.
 """
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from math import asin, atan2, fsum, log1p, pi, sqrt
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanics.bodies import Bodies, External
-from fourbar_ros.mechanisms.contract import Constants, CRANK, OPEN, Ranges, SLIDE
+from fourbar_ros.mechanisms.contract import Constants, CRANK, of_geometry, OPEN, SLIDE
 from fourbar_ros.mechanisms.offset_slide import OffsetSlide
 from fourbar_ros.mechanisms.parts import (
+    around,
+    Arrow,
+    Bar,
     BETA,
+    Block,
     Connection,
+    Diagram,
     GROUND,
     Joint,
     Length,
     Link,
+    ORIGIN,
     Output,
+    Ranges,
     reaction,
     THETA1,
     THETA2,
     THETA3,
+    total,
     TRAVEL,
 )
-from fourbar_ros.mechanisms.points import crank_motion, LinkMotion, point_of
+from fourbar_ros.mechanisms.points import (
+    crank_motion,
+    link_motion,
+    LinkMotion,
+    point_motion,
+    point_of,
+)
 from fourbar_ros.mechanisms.slide_dyad import reach, singular_slides, slide_ranges
-from fourbar_ros.mechanisms.slider_crank import diagram
 from fourbar_ros.mechanisms.slider_crank.loads import make_loads
 from fourbar_ros.mechanisms.slider_crank.motion import (
     make_crank_motion,
@@ -40,6 +54,7 @@ from fourbar_ros.mechanisms.slider_crank.motion import (
 )
 from fourbar_ros.numerics.exact_sums import scaled
 from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two
+import numpy as np
 
 
 class SliderDeadPoint(NamedTuple):
@@ -104,7 +119,7 @@ class SliderCrank(OffsetSlide):
     TEXT = 'a slider on a guide parallel to x'
     LENGTHS = (Length('a1', 'length of the crank O1-A'), Length('a2', 'length of the coupler A-B'),
                Length('offset', 'y of the guide', signed=True))
-    LINKS = (Link('crank', 'crank', 'O1', 'a1', is_loadable=False),
+    LINKS = (Link('crank', 'crank', 'O1', 'a1'),
              Link('coupler', 'coupler', 'A', 'a2'),
              Link('output', 'slider', 'B', turns=False))
     OUTPUTS = {CRANK: (Output(TRAVEL, 'slide_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
@@ -119,7 +134,6 @@ class SliderCrank(OffsetSlide):
     DRAWN = (THETA1, BETA, TRAVEL)
     MOTION = SliderCrankMotion
     BODIES, EXTERNAL = Bodies, External
-    PICTURE = diagram
 
     @property
     def classification(self) -> str:
@@ -130,7 +144,7 @@ class SliderCrank(OffsetSlide):
         return ('Grashof crank-slider' if crank > 0.0 else
                 'Grashof rocker-slider' if coupler > 0.0 else 'non-Grashof rocker-slider')
 
-    @cached_property
+    @of_geometry
     def closing_ranges(self) -> Ranges:
         """
         Return the ranges of the input in which the links close, from low to high.
@@ -233,9 +247,31 @@ class SliderCrank(OffsetSlide):
         crank = crank_motion(motion)
         if link == 'crank':
             return crank
-        return LinkMotion._make((*point_of(crank, self.a1), motion.cos_b, motion.sin_b,
-                                 motion.omega_beta, motion.alpha_beta))
+        return LinkMotion(*point_of(crank, self.a1), motion.cos_b, motion.sin_b,
+                          motion.omega_beta, motion.alpha_beta)
 
     def transmission_sine(self, motion: Any) -> Any:
         """Return a number that is zero where the dyad is in line, at most one."""
         return motion.cos_b if self.input == CRANK else motion.sin_2
+
+    def diagram(self, motion: Any) -> Diagram:
+        """Return the :class:`Diagram` of one pose."""
+        a, b = (point_motion(self, motion, link, along).place
+                for link, along in (('crank', self.a1), ('output', 0.0)))
+        return Diagram({'O_1': ORIGIN, 'A': a, 'B': b}, ('O_1',), (Bar(ORIGIN, a), Bar(a, b)),
+                       (Block(b, np.array([1.0, 0.0]), is_guided=True),),
+                       {'f41': 'O_1', 'f21': 'A', 'f32': 'B', 'f43': 'B'}, {'theta1': 'O_1'})
+
+    def velocity_polygon(self, motion: Any) -> list[Arrow]:
+        """Return the arrows of V_B = V_A + V_B/A [m/s]."""
+        v_a = point_motion(self, motion, 'crank', self.a1).velocity
+        v_b = point_motion(self, motion, 'coupler', self.a2).velocity
+        return [total(v_a, 'V_A'), total(v_b, 'V_B'), Arrow(v_a, v_b - v_a, 'V_{B/A}', False)]
+
+    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
+        """Return the arrows of A_B = A_A + A_B/A, with normal and tangential parts [m/s^2]."""
+        crank, coupler = (link_motion(self, motion, link) for link in ('crank', 'coupler'))
+        a_a = point_motion(self, motion, 'crank', self.a1).acceleration
+        a_b = point_motion(self, motion, 'coupler', self.a2).acceleration
+        return [total(a_a, 'A_A'), *around(ORIGIN, crank, self.a1 * crank.direction, 'A'),
+                *around(a_a, coupler, self.a2 * coupler.direction, 'B/A'), total(a_b, 'A_B')]

@@ -8,9 +8,9 @@ from pathlib import Path
 import time
 from typing import Any
 
-from fourbar_ros.bag.playback import Pace, play, TICK
-from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.records import Raw
+from fourbar_ros.bag.read.playback import Pace, play, TICK
+from fourbar_ros.bag.read.reader import Bag
+from fourbar_ros.bag.read.records import Raw
 from fourbar_ros.errors import BagError
 from fourbar_ros.ros.messages import resolve, to_stamp
 from fourbar_ros.ros.schemas import type_hash

@@ -3,18 +3,29 @@
 """The node as its parts see it that are made first: rclpy's, and what all parts share."""
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from traceback import format_exc
+from typing import Any
+
+from fourbar_ros.ros.messages import Message
+from fourbar_ros.ros.node.circles import Circles
 from fourbar_ros.ros.node.quiet_log import QuietLog
 from fourbar_ros.ros.node.steady import SteadyTimers
 from fourbar_ros.ros.node.worker import Worker
+from fourbar_ros.scene.parameters import find
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.exceptions import ParameterNotDeclaredException
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 
 class Base(Node):
     """
-    What the parts of a node may use of it.
+    What the parts of a node may use of it; and what rclpy's own would not survive.
 
     Attributes
     ----------
+    circles : Circles
     failure : Exception or None
         A fault in any thread, which main raises.
     log : QuietLog
@@ -24,7 +35,48 @@ class Base(Node):
 
     """
 
+    circles: Circles
     failure: Exception | None
     log: QuietLog
     steady_timers: SteadyTimers
     workers: dict[str, Worker]
+
+    def declare_parameters(self, namespace: str, parameters: Any,
+                           ignore_override: bool = False) -> list[Parameter]:
+        """Declare parameters; an empty list of a file reaches rclpy without type and value."""
+        return super().declare_parameters(
+            namespace, [(name, [] if value is None else value, *rest)
+                        for name, value, *rest in parameters], ignore_override)
+
+    def set_parameters_atomically(self, parameter_list: Sequence[Parameter]
+                                  ) -> SetParametersResult:
+        """Set parameters; whole numbers are good for doubles, empty lists for any list."""
+        for parameter in parameter_list:
+            if not self.has_parameter(parameter.name):   # rclpy overlooks an empty name
+                raise ParameterNotDeclaredException(parameter.name)
+        return super().set_parameters_atomically(list(map(_as_declared, parameter_list)))
+
+    def create_service(self, srv_type: type[Any], srv_name: str,
+                       callback: Callable[[Message, Message], Message], **options: Any) -> Any:
+        """Create a service; a fault in it, as by a request that cannot be, is logged."""
+        def guarded(request: Message, response: Message) -> Message:
+            try:
+                return callback(request, response)
+            except Exception:                # whatever a foreign client asks, the node goes on
+                self.get_logger().error(f'a fault in {srv_name}: {format_exc()}')
+                return response
+        return super().create_service(srv_type, srv_name, guarded, **options)
+
+
+def _as_declared(given: Parameter) -> Parameter:
+    """Return a parameter in the type of the table, where its value is good for that."""
+    declared, types = find(given.name), Parameter.Type
+    kind = declared.type if declared else ''
+    is_empty = given.type_.name.endswith('_ARRAY') and not len(given.value)
+    if kind == 'double' and given.type_ == types.INTEGER:
+        return Parameter(given.name, types.DOUBLE, float(given.value))
+    if kind == 'doubles' and (is_empty or given.type_ == types.INTEGER_ARRAY):
+        return Parameter(given.name, types.DOUBLE_ARRAY, list(map(float, given.value)))
+    if kind == 'strings' and is_empty:
+        return Parameter(given.name, types.STRING_ARRAY, [])
+    return given

@@ -12,6 +12,8 @@ from fourbar_ros.ros.node.running import Running
 
 PERIOD = 1.0               # [s]
 NEAR_TOGGLE = 0.05         # |sin| of the transmission angle below which a warning is due
+# What is counted and no trouble.
+HARMLESS = ('received', 'torques', 'of_other_joints', 'trajectories')
 
 
 class Diagnostics:
@@ -36,14 +38,15 @@ class Diagnostics:
         # before the counters, which it brings up to date
         more, problems = drive.state()
         before, steps, bad, counts = self._before
-        counted = {**drive.counts, **(node.wrenches.counts if node.wrenches else {})}
+        counted = {**drive.counts, **(node.wrenches.counts if node.wrenches else {}),
+                   **(node.trajectories.counts if node.trajectories else {})}
         self._before = (now, stream.steps, stream.bad_steps, counted)
         grown = {name: count - counts.get(name, 0) for name, count in counted.items()}
         sine = stream.transmission_sine()
         recorder = node.recording.state()
 
         problems += [f'{count} {name.replace("_", " ")}' for name, count in grown.items()
-                     if count and name != 'received']
+                     if count and name not in HARMLESS]
         if stream.bad_steps - bad:
             problems.append(f'{stream.bad_steps - bad} steps not ok')
         if stream.status != OK:
@@ -57,6 +60,7 @@ class Diagnostics:
             'steps': stream.steps, 'steps not ok': stream.bad_steps,
             'input age [s]': 'none' if isnan(drive.age()) else f'{drive.age():.3f}',
             **{name.replace('_', ' '): count for name, count in counted.items()},
+            **({'own messages': node.circles.own} if node.circles.own else {}),
             **more,
             'status': STATUS_NAMES[stream.status],
             'sin of transmission angle': 'unknown' if isnan(sine) else f'{sine:.6g}',

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from contextlib import suppress
-from math import nan
+from math import ceil, nan
 from pathlib import Path
 import threading
 import time
@@ -68,15 +68,17 @@ class TimerDrive(Drive):
     Constant speed on the wall clock.
 
     Sample k belongs to the time start + k / rate, however late the scheduler is, and its angle
-    follows from that time, without accumulating errors. It is a thread, not a ROS timer, because
-    rclpy's timers drop missed ticks and slip from their grid.
+    follows from that time, without accumulating errors. So it makes none while nobody listens.
+    It is a thread, not a ROS timer, because rclpy's timers drop missed ticks and slip from their
+    grid.
     """
 
     COUNTED: tuple[str, ...] = ('late', 'missed', 'clock_steps')
+    _may_sleep = True      # what nobody hears need not be computed: the next sample has all of it
 
     def start(self) -> None:
         """Start the thread."""
-        self._stopping = False
+        self._stopping = self._is_asleep = False
         self._thread = threading.Thread(target=self._guarded, name='drive', daemon=True)
         self._thread.start()
 
@@ -84,6 +86,10 @@ class TimerDrive(Drive):
         """Stop it and wait for the current sample."""
         self._stopping = True
         self._thread.join()
+
+    def state(self) -> tuple[dict[str, Any], list[str]]:
+        """Return (values, problems): whether it sleeps."""
+        return ({'asleep': 'nobody listens'} if self._is_asleep else {}), []
 
     def _guarded(self) -> None:
         try:
@@ -101,8 +107,16 @@ class TimerDrive(Drive):
         while not self._stopping:
             elapsed = sample * period
             wait = began + elapsed - time.monotonic()
-            if wait > SLEEP:
+            self._is_asleep = self._may_sleep and not self._stream.is_heard
+            if self._is_asleep or wait > SLEEP:
                 time.sleep(SLEEP)
+                elapsed = time.monotonic() - began
+                if self.settings is not settings:
+                    self._go_on(settings, elapsed)
+                    settings, began, sample = self.settings, began + elapsed, 1
+                    period = 1.0 / settings.rate
+                elif self._is_asleep:
+                    sample = max(sample, ceil(elapsed / period))
                 continue
             if wait > 0.0:
                 time.sleep(wait)

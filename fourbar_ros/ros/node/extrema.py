@@ -11,8 +11,8 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Quantity
 from fourbar_ros.mechanisms.quantities import select, UnknownQuantity
-from fourbar_ros.pipeline.message_fields import mode_number
 from fourbar_ros.ros.messages import Message, resolve
+from fourbar_ros.scene.message_fields import mode_number
 from fourbar_ros.scene.scene import Scene
 
 if TYPE_CHECKING:      # not needed by a node that only streams
@@ -95,8 +95,7 @@ class Search:
         missing = [quantity.name for quantity in quantities
                    if quantity.is_load and linkage.bodies is None]
         if missing:
-            why = 'has no masses' if scene.linkage.bodies is None else 'has springs or dampers'
-            raise _BadRequest(f'{missing[0]}: the scene {why}')
+            raise _BadRequest(f'{missing[0]}: {scene.why_no_loads}')
         return quantities, modes, velocity
 
 
@@ -112,7 +111,7 @@ def _modes(request: Message, linkage: Mechanism) -> tuple[int, ...]:
 
 
 def _message(extremum: Extremum) -> Message:
-    message, mode = resolve('fourbar_msgs/msg/Extremum')(), mode_number(extremum)
+    message, mode = resolve('fourbar_msgs/msg/Extremum')(), mode_number(extremum.mode)
     message.quantity, message.unit, message.mode = extremum.quantity, extremum.unit, mode
     message.kind = getattr(message, f'KIND_{extremum.kind.upper()}')
     message.place = getattr(message, f'PLACE_{extremum.place.upper().replace("-", "_")}')

@@ -9,8 +9,9 @@ import gc
 import sys
 from typing import Any, TYPE_CHECKING
 
-from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros.node import parameters, services
+from fourbar_ros.ros.node.circles import Circles
 from fourbar_ros.ros.node.diagnostics import Diagnostics
 from fourbar_ros.ros.node.drives import Drive, SimulatedTimerDrive, TimerDrive
 from fourbar_ros.ros.node.quiet_log import QuietLog
@@ -20,9 +21,9 @@ from fourbar_ros.ros.node.steady import SteadyTimers
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.ros.node.worker import Worker
 from fourbar_ros.ros.stop import Stop
-from fourbar_ros.scene.arguments import check_node_arguments, NODE_HELP, node_names
-from fourbar_ros.scene.of_dynamics import SOURCES
-from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.arguments import check_node_arguments, full_name, NODE_HELP, node_names
+from fourbar_ros.scene.parameter_table import SOURCES
+from fourbar_ros.scene.scene import check_for_node, Scene
 from fourbar_ros.scene.topics import FIND_EXTREMA, SERVICES
 import rclpy
 from rclpy.exceptions import NameValidationException, ParameterException
@@ -56,23 +57,27 @@ class FourBarNode(Running):
 
     def __init__(self, arguments: Sequence[str] = (), name: str = 'fourbar', **kwargs: Any
                  ) -> None:
-        namespace, _, name = name.rpartition('/')
-        super().__init__(name, namespace=namespace or None,
-                         automatically_declare_parameters_from_overrides=True, **kwargs)
+        if '/' in name:      # a rule of its own, as that of the command line would move it away
+            namespace, name = full_name(arguments, name).rsplit('/', 1)
+            kwargs['cli_args'] = ['--ros-args', '-r', f'__ns:={namespace}']
+        super().__init__(name, automatically_declare_parameters_from_overrides=True, **kwargs)
         scene = parameters.scene(self, arguments)
+        check_for_node(scene)
         self.failure = None                  # a fault in any thread, raised by main
         self.steady_timers = SteadyTimers()
         self.log = QuietLog(self.get_logger())
+        self.circles = Circles(self, scene)
         self.recording = Recording(self)
         self.stream = Stream(self, scene, self.recording)
         self.drive = self._drive_of(scene.drive.source)(self, self.stream, self.recording)
         self.wrenches = self._wrench_inputs(scene)
         self.trajectories = self._trajectories(scene)
         parameters.watch(self, lambda: self.stream.scene, self.apply)
+        wanted = [SERVICES[name] for name in scene.values['services']]
         self.workers = {name: Worker(name, self.get_logger().error) for name in
-                        dict.fromkeys(service.worker for service in SERVICES.values()) if name}
+                        dict.fromkeys(service.worker for service in wanted) if name}
         services.create(self)
-        self._extrema = self._action_server()
+        self._extrema = self._action_server() if 'search' in self.workers else None
         self._diagnostics = Diagnostics(self)
         if scene.recording.start:
             self.recording.begin(scene, self.stream.start_recording)
@@ -83,10 +88,6 @@ class FourBarNode(Running):
     def _drive_of(self, source: str) -> type[Drive]:
         is_simulated = self.get_parameter('use_sim_time').value
         if source in SOURCES:
-            if self.stream.scene.linkage.change_point_margin == 0.0:
-                raise InvalidParameter('drive.source', source, 'at its change points this linkage '
-                                       'goes on in the other assembly mode, which a node does not '
-                                       'follow: use fourbar simulate')
             # only these scenes need their modules and messages
             from fourbar_ros.ros.node.torque import SimulatedTorqueDrive, TorqueDrive
             return SimulatedTorqueDrive if is_simulated else TorqueDrive
@@ -120,6 +121,7 @@ class FourBarNode(Running):
     def apply(self, scene: Scene) -> None:
         """Take over a changed scene between two steps."""
         settings_changed = scene.drive != self.stream.scene.drive
+        check_for_node(scene)
         self.drive.prepare(scene)
         self.stream.apply(scene)
         if self.wrenches:
@@ -139,16 +141,22 @@ class FourBarNode(Running):
 
         ``why`` is what the bag says of its end.
         """
-        self.workers['search'].abandon()     # first: it holds up all that follows
+        search, bag = map(self.workers.get, ('search', 'bag'))
+        if search:
+            search.abandon()                 # first: it holds up all that follows
         self.drive.stop()
-        self.workers['bag'].stop()           # a bag in its hands is closed there
+        if bag:
+            bag.stop()                       # a bag in its hands is closed there
         try:
             self.stream.stop_recording(why)
         except FourBarError:
             pass                             # the bag ended by an error before, which was logged
         finally:
             self.log.flush(0.0)
-            self.workers['search'].stop(PATIENCE)
+            if search:
+                search.stop(PATIENCE)
+            if self.trajectories:
+                self.trajectories.stop(PATIENCE)
             if self._extrema:
                 self._extrema.destroy()
             self.destroy_node()

@@ -10,14 +10,14 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
-from fourbar_ros.pipeline.message_fields import mode_number
 from fourbar_ros.pipeline.status import OK
 from fourbar_ros.ros.messages import Stamp
+from fourbar_ros.ros.node.base import Base
 from fourbar_ros.ros.node.publishers import TopicPublisher
 from fourbar_ros.ros.node.recording import Recording
+from fourbar_ros.scene.message_fields import mode_number
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, Topic
-from rclpy.node import Node
 
 
 class Wanted(NamedTuple):
@@ -36,7 +36,7 @@ class Outputs:
 
     Parameters
     ----------
-    node : rclpy.node.Node
+    node : Base
     recording : Recording
 
     Attributes
@@ -45,30 +45,38 @@ class Outputs:
         The outputs that the scene names.
     mode : int
         The assembly mode that messages tell.
+    are_heard : bool
+        Whether any has a subscriber.
 
     """
 
-    def __init__(self, node: Node, recording: Recording) -> None:
+    def __init__(self, node: Base, recording: Recording) -> None:
         self._node, self._recording = node, recording
         # (topic, bytes), to be recorded at the end of the step
         self._sent: list[tuple[str, bytes]] = []
         self._drive_state: TopicPublisher | None = None
         self.named: list[TopicPublisher] = []
+        # Kept when a scene no longer names them: an event of a publisher that is gone ends the
+        # process in rclpy's EventsExecutor, and who listens to it makes such events.
+        self._made: dict[str, TopicPublisher] = {}
         self._driven = self._publisher(DRIVEN)
 
     def apply(self, scene: Scene) -> None:
-        """Take over a scene: create and destroy publishers."""
-        self.mode = mode_number(scene.linkage)
-        there = {output.name: output for output in self.named}
-        for name in there.keys() - scene.topics.keys():
-            there[name].destroy()
-        self.named = [there.get(name) or self._publisher(topic)
-                      for name, topic in scene.topics.items()]
+        """Take over a scene: create publishers, leave those silent that it does not name."""
+        self.mode = mode_number(scene.linkage.mode)
+        for name, topic in scene.topics.items():
+            if name not in self._made:
+                self._made[name] = self._publisher(topic)
+        self.named = [self._made[name] for name in scene.topics]
         if scene.dynamics and not self._drive_state:
             self._drive_state = self._publisher(DRIVE_STATE)
         for output in self._every():
             output.apply(scene)
         self._update()
+
+    def topics(self) -> list[str]:
+        """Return the full names of what is sent for every input."""
+        return [output.topic for output in self._every()]
 
     def _every(self) -> list[TopicPublisher]:
         return [self._driven, *([self._drive_state] if self._drive_state else []), *self.named]
@@ -79,8 +87,9 @@ class Outputs:
     def _update(self) -> None:
         """Note what is needed: when a subscriber comes or leaves, not in every step."""
         every = self._every()
-        self._all = self._needed_for(every)
-        self._subscribed = self._needed_for([output for output in every if output.is_subscribed])
+        subscribed = [output for output in every if output.is_subscribed]
+        self._all, self._subscribed = self._needed_for(every), self._needed_for(subscribed)
+        self.are_heard = bool(subscribed)
 
     def _needed_for(self, those: Collection[TopicPublisher]) -> Wanted:
         outputs = [output for output in self.named if output in those]

@@ -14,8 +14,8 @@ from operator import itemgetter
 from struct import Struct
 from typing import Any, NamedTuple
 
-from fourbar_ros.pipeline.message_fields import FieldMap
 from fourbar_ros.ros.messages import filler, Message, Stamp
+from fourbar_ros.scene.message_fields import FieldMap
 from rclpy.serialization import deserialize_message, serialize_message
 
 _STAMP, _STATUS, _NUMBER = Struct('<iI'), Struct('<BB'), Struct('<d')
@@ -44,7 +44,7 @@ def writer(output: str, message: Message, layout: FieldMap) -> tuple[Pack, bool]
         Name of the output in the layout.
     message : ROS message
         With its constants set; what is written depends on them, so on the scene.
-    layout : fourbar_ros.pipeline.message_fields.FieldMap
+    layout : fourbar_ros.scene.message_fields.FieldMap
 
     """
     fill = filler(output, message, layout)

@@ -8,6 +8,7 @@ Their messages and the description are imported by the scenes that name them.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 from fourbar_ros.ros.messages import Message, resolve, Stamp
 from fourbar_ros.ros.node import qos
@@ -20,6 +21,13 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
 
 Make = Callable[[Stamp, Sequence[float]], Message]      # None where there is nothing to see
+
+
+class Drawn(NamedTuple):
+    """The pictures of a scene: what makes those of a step, and the latched ones as bytes."""
+
+    makers: dict[str, Make]
+    latched: dict[str, bytes]
 
 
 class Pictures:
@@ -41,28 +49,21 @@ class Pictures:
     def __init__(self, node: Node, recording: Recording) -> None:
         self._node, self._recording = node, recording
         self._publishers: dict[str, Publisher] = {}
-        self._latched: dict[str, bytes] = {}
-        self._makers: dict[str, Make] = {}
+        self._makers, self._latched = Drawn({}, {})
         self._last: int | None = None
-        self._period, self.of_loads = 0, False
+        self._period, self.of_loads = 0.0, False
 
-    def apply(self, scene: Scene) -> None:
-        """Take over a scene; send what is latched."""
-        for name in self._publishers.keys() - scene.pictures.keys():
-            self._node.destroy_publisher(self._publishers.pop(name))
-            self._latched.pop(name, None)
+    def apply(self, scene: Scene, drawn: Drawn) -> None:
+        """Take over a scene and what :func:`drawn_of` makes of it; send what is latched."""
         for name, topic in scene.pictures.items():
-            if name not in self._publishers:
+            if name not in self._publishers:             # and kept: see Outputs
                 self._publishers[name] = self._publisher(topic)
         rate = scene.values['pictures.rate']
-        self._period, self._last = round(1e9 / rate) if rate else 0, None
-        self._makers = {name: make(scene) for name, make in _makers().items()
-                        if name in scene.pictures} if scene.pictures else {}
+        self._period, self._last = 1e9 / rate if rate else 0.0, None
+        self._makers, self._latched = drawn
         self.of_loads = 'markers' in self._makers and scene.linkage.bodies is not None
-        for name, make in (_latched().items() if scene.pictures else ()):
-            if name in scene.pictures:
-                self._latched[name] = serialize_message(make(scene))
-                self._send(name, self._latched[name])
+        for name, data in self._latched.items():
+            self._send(name, data)
 
     def record_latched(self) -> None:
         """Have a new bag begin with what is latched."""
@@ -71,8 +72,7 @@ class Pictures:
 
     def are_due(self, stamp: Stamp) -> bool:
         """Return whether a step at this time, (seconds, nanoseconds), is to be seen."""
-        if not self._makers or not (self._recording.active or any(map(self._is_subscribed,
-                                                                      self._makers))):
+        if not (self._makers and (self._recording.active or self.are_seen)):
             return False
         now = stamp[0] * 10**9 + stamp[1]
         # the grid of the input is kept: every third sample, say, not every fourth
@@ -80,6 +80,11 @@ class Pictures:
             return False
         self._last = now
         return True
+
+    @property
+    def are_seen(self) -> bool:
+        """Return whether anyone listens to the pictures of steps."""
+        return any(map(self._is_subscribed, self._makers))
 
     def send(self, stamp: Stamp, values: Sequence[float]) -> None:
         """Send the pictures of one step: its values in the places of the layout."""
@@ -101,6 +106,16 @@ class Pictures:
         self._recording.write(name, data)
 
 
+def drawn_of(scene: Scene) -> Drawn:
+    """Return the pictures of a scene; raise FourBarError for one that cannot be drawn."""
+    wanted = scene.pictures
+    if not wanted:
+        return Drawn({}, {})
+    return Drawn({name: make(scene) for name, make in _makers().items() if name in wanted},
+                 {name: serialize_message(make(scene)) for name, make in _latched().items()
+                  if name in wanted})
+
+
 def _makers() -> dict[str, Callable[[Scene], Make]]:
     """Return {output: function (scene) -> function (stamp, values) -> message or None}."""
     from fourbar_ros.ros.pictures import markers, transforms
@@ -109,7 +124,7 @@ def _makers() -> dict[str, Callable[[Scene], Make]]:
 
 def _latched() -> dict[str, Callable[[Scene], Message]]:
     """Return {output: function (scene) -> message}."""
-    from fourbar_ros.description.describe import describe
+    from fourbar_ros.description.formats import describe
     from fourbar_ros.ros.pictures import traces
     from std_msgs.msg import String
     return {'robot_description': lambda scene: String(data=describe(scene)),

@@ -7,13 +7,13 @@ from collections.abc import Callable, Sequence
 from math import isnan
 from typing import Any
 
-from fourbar_ros.pipeline.message_fields import FieldMap
 from fourbar_ros.ros.messages import resolve, set_constants
 from fourbar_ros.ros.node import packed, qos
+from fourbar_ros.ros.node.base import Base
+from fourbar_ros.scene.message_fields import FieldMap
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import DRIVE_STATE, QUEUE_DEPTH, Topic
 from rclpy.event_handler import PublisherEventCallbacks, UnsupportedEventTypeError
-from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 PARTS = 'points', 'links'      # families whose values are computed for a topic alone
@@ -25,7 +25,7 @@ class TopicPublisher:
 
     Parameters
     ----------
-    node : rclpy.node.Node
+    node : Base
     topic : fourbar_ros.scene.topics.Topic
     changed : function ()
         Called when the first subscriber has come or the last one has left.
@@ -37,7 +37,7 @@ class TopicPublisher:
 
     """
 
-    def __init__(self, node: Node, topic: Topic, changed: Callable[[], None]) -> None:
+    def __init__(self, node: Base, topic: Topic, changed: Callable[[], None]) -> None:
         self.name, self._topic, self._node = topic.name, topic, node
         self.is_part = topic.name.partition('/')[0] in PARTS
         self.is_subscribed, self._changed = False, changed
@@ -53,6 +53,11 @@ class TopicPublisher:
                           QUEUE_DEPTH,
                           event_callbacks=callbacks)
 
+    @property
+    def topic(self) -> str:
+        """Return the full name of the topic."""
+        return str(self._publisher.topic_name)
+
     def _matched(self, info: Any) -> None:
         is_subscribed = info.current_count > 0
         if is_subscribed != self.is_subscribed:
@@ -62,7 +67,7 @@ class TopicPublisher:
     def apply(self, scene: Scene) -> None:
         """Take over a scene."""
         set_constants(self.name, self._message, scene)
-        self._positions = needed(self.name, scene)
+        self._positions = scene.needed_for(self.name)
         layout = drive_layout() if self.name == DRIVE_STATE.name else scene.layout
         self.pack, is_packed = packed.writer(self.name, self._message, layout)
         if not is_packed:
@@ -70,9 +75,7 @@ class TopicPublisher:
                                          'packed here, ROS serialises every message', once=True)
         self.needs_loads = (self._topic.needs_loads
                             or (self.name == 'joint_states' and scene.needs_loads))
-        # Half the time of Publisher.publish, which guards against being destroyed meanwhile: that
-        # happens between two steps only.
-        self.publish = self._publisher.handle.publish_raw
+        self.publish = self._node.circles.sender(self._publisher, self._topic)
 
     def has_something(self, values: Sequence[float]) -> bool:
         """
@@ -82,21 +85,10 @@ class TopicPublisher:
         """
         return not any(isnan(values[place]) for place in self._positions)
 
-    def destroy(self) -> None:
-        """Leave the graph."""
-        self._node.destroy_publisher(self._publisher)
-
 
 def drive_layout() -> FieldMap:
     """Return the FieldMap of a DriveState, whose values are those of DriveValues."""
-    from fourbar_ros.dynamics.mover import DriveValues  # only these scenes need it
+    from fourbar_ros.dynamics.step.mover import DriveValues  # only these scenes need it
     names = DriveValues._fields
     return FieldMap({DRIVE_STATE.name: dict(zip(names, names))}, {},
                     {name: i for i, name in enumerate(names)}, ())
-
-
-def needed(name: str, scene: Scene) -> Sequence[int]:
-    """Return the places of the values without which a message is not sent."""
-    if name != 'joint_states' or scene.joint_states.when_unknown != 'skip':
-        return ()
-    return [scene.layout.place[position] for position in scene.layout.fields[name]['position']]

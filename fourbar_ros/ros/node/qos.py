@@ -13,12 +13,12 @@ from typing import Any
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import (
+    ANSWERS,
     applied_topic,
     DRIVEN,
     INPUTS,
     OUTPUTS,
     PICTURES,
-    RECEIVED_TRAJECTORIES,
     SCENE,
     topics_of,
     TRAJECTORIES,
@@ -93,7 +93,7 @@ def _topics(node: Node, scene: Scene) -> dict[str, str]:
     """Return {resolved topic: publisher or subscription} of all that a scene may ever use."""
     loaded = scene.linkage.EXTERNAL._fields
     outputs = topics_of(OUTPUTS, scene.members).values()
-    received = [TRAJECTORIES[name] for name in RECEIVED_TRAJECTORIES]
+    received = [TRAJECTORIES[name] for name in ANSWERS]
     sent = [topic for topic in TRAJECTORIES.values() if topic not in received]
     published = (DRIVEN, SCENE, *map(applied_topic, loaded), *outputs, *PICTURES.values(), *sent)
     taken = *INPUTS.values(), *map(wrench_topic, loaded), *received

@@ -20,7 +20,7 @@ from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE, Topic
 from rclpy.node import Node
 
 if TYPE_CHECKING:      # only scenes that record need the mcap library
-    from fourbar_ros.bag.recorder import BagWriter
+    from fourbar_ros.bag.write.recorder import BagWriter
 
 SOFTWARE = ('numpy', 'mcap', 'rclpy')       # whose versions a bag keeps, beside our own
 
@@ -70,7 +70,7 @@ class Recording:
 
         The stream goes on if that fails: the log and the diagnostics then give the reason.
         """
-        from fourbar_ros.formats.rosbag2_folder import free_name
+        from fourbar_ros.bag.rosbag2 import free_name
         log, wanted = self._node.get_logger(), scene.recording.name
         try:
             name = free_name(directory_of(scene), wanted)
@@ -89,7 +89,7 @@ class Recording:
         """
         # only scenes that record need the mcap library
         try:
-            from fourbar_ros.bag.recorder import BagError, BagWriter, Split
+            from fourbar_ros.bag.write.recorder import BagError, BagWriter, Split
         except ModuleNotFoundError as error:
             raise MissingPackage('recording', error) from None
         from fourbar_ros.ros.schemas import channel
@@ -107,8 +107,8 @@ class Recording:
         topics, resolved = self._without_our_own(topics)
         about = about_of(scene, resolved, self._node.get_fully_qualified_name())
         if scene.dynamics:
-            from fourbar_ros.dynamics import steps
-            about[steps.KEY] = steps.name_of(scene.linkage)
+            from fourbar_ros.dynamics.step import mover
+            about[mover.KEY] = mover.name_of(scene.linkage, scene.dynamics.drive.source)
         writer = BagWriter(directory_of(scene), name,
                            [channel(topic, resolved[topic.name]) for topic in topics], about,
                            tell=self._node.get_logger().error,

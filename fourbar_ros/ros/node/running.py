@@ -10,14 +10,16 @@ from fourbar_ros.ros.node.drives import Drive
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.stream import Stream
 
-if TYPE_CHECKING:      # only scenes with wrenches from topics have them
+if TYPE_CHECKING:      # only some scenes have them
+    from fourbar_ros.ros.node.trajectories import Trajectories
     from fourbar_ros.ros.node.wrenches import WrenchInputs
 
 
 class Running(Base):
-    """A node with all its parts; ``wrenches`` are None where no topic loads a link."""
+    """A node with all its parts; None for those that its scene does not need."""
 
     recording: Recording
     stream: Stream
     drive: Drive
     wrenches: WrenchInputs | None
+    trajectories: Trajectories | None

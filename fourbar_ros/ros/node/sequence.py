@@ -8,7 +8,7 @@ from inspect import Parameter, Signature
 from typing import Any
 
 
-class Sequence:
+class SequenceNumbers:
     """
     Counts what is missing in the numbers of the messages of one topic.
 

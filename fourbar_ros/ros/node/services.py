@@ -4,6 +4,8 @@
 The services of the node: extrema, one evaluation, recording.
 
 Errors become responses, never exceptions.
+
+Every number of a mechanism by name and unit, for answers that no fixed message has room for.
 """
 from __future__ import annotations
 
@@ -11,10 +13,10 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from math import nan
 from traceback import format_exc
+from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError, OutOfRange
-from fourbar_ros.pipeline import named_values
-from fourbar_ros.pipeline.message_fields import mode_number
+from fourbar_ros.mechanisms.quantities import known
 from fourbar_ros.pipeline.status import (
     evaluate,
     INVALID_INPUT,
@@ -26,15 +28,17 @@ from fourbar_ros.pipeline.status import (
 from fourbar_ros.ros.messages import filler, Message, resolve, sec_nanosec, set_constants
 from fourbar_ros.ros.node.extrema import Search
 from fourbar_ros.ros.node.running import Running
+from fourbar_ros.scene.message_fields import mode_number
 from fourbar_ros.scene.topics import SERVICES
 
 
 def create(node: Running) -> None:
-    """Create all services of a node; its workers run those that take long."""
+    """Create the services of the node's scene; its workers run those that take long."""
     handlers = {'find_extrema': find_extrema, 'evaluate': evaluate_one,
                 'start_recording': start_recording, 'stop_recording': stop_recording}
 
-    for service in SERVICES.values():
+    for name in node.stream.scene.values['services']:
+        service = SERVICES[name]
         kind, answer = resolve(service.type), partial(_answered, handlers[service.name], node)
         if service.worker:
             node.workers[service.worker].serve(node, kind, service.service, answer)
@@ -70,12 +74,12 @@ def evaluate_one(node: Running, request: Message, response: Message) -> Message:
                             f'scene){"".join(f" or {mode}" for mode in modes)}')
         return _with_values(node, response, request.mode, INVALID_INPUT,
                             (nan,) * len(scene.layout.place))
-    linkage = scene.known_linkage.in_mode(request.mode or scene.linkage.mode)
+    linkage = scene.linkage_at(scene.in_mode(request.mode), request.position, request.velocity)
     response.has_loads = linkage.bodies is not None
     status, motion, loads = evaluate(linkage, request.position, request.velocity,
                                      request.acceleration,
                                      response.has_loads)
-    _with_values(node, response, mode_number(linkage), status, (*motion, *loads))
+    _with_values(node, response, mode_number(linkage.mode), status, (*motion, *loads))
     response.result = {OK: response.RESULT_OK, OUT_OF_RANGE: response.RESULT_OUT_OF_RANGE,
                        INVALID_INPUT: response.RESULT_INVALID_REQUEST,
                        RATES_UNKNOWN: response.RESULT_INVALID_REQUEST,
@@ -104,7 +108,7 @@ def _with_values(node: Running, response: Message, mode: int, status: int, value
         return response
     as_message, place = resolve('fourbar_msgs/msg/NamedValue'), scene.layout.place
     response.values = [as_message(name=name, unit=unit, value=values[place[name]])
-                       for name, unit in named_values.names(scene.linkage)]
+                       for name, unit in names(scene.linkage)]
     return response
 
 
@@ -127,3 +131,35 @@ def stop_recording(node: Running, _: object, response: Message) -> Message:
     except FourBarError as error:
         response.message = str(error)
     return response
+
+
+class Named(NamedTuple):
+    """A field of motion or loads, and its unit; empty for a pure number."""
+
+    name: str
+    unit: str
+
+
+def names(mechanism: Any) -> tuple[Named, ...]:
+    """
+    Return the numbers of a mechanism that have a meaning of their own.
+
+    Joints and moving parts with rates and accelerations, the angle of transmission, the condition;
+    with masses also all loads.
+    """
+    coordinates = dict.fromkeys((*(joint.coordinate for joint in mechanism.JOINTS),
+                                 *mechanism.PARTS))
+    units: dict[str, str] = {}
+    for coordinate in coordinates:
+        units |= zip(coordinate, (coordinate.unit, f'{coordinate.unit}/s',
+                                  f'{coordinate.unit}/s^2'))
+    units |= {'transmission_angle': 'rad', 'condition': ''}
+    if mechanism.bodies is not None:
+        for reaction in mechanism.REACTIONS:
+            units |= dict.fromkeys((reaction.x, reaction.y, reaction.magnitude), 'N')
+            if reaction.couple:
+                units[reaction.couple] = 'N m'
+        units |= {quantity.name: quantity.unit
+                  for quantity in known(mechanism, mechanism.input).values() if quantity.is_load}
+    there = set(mechanism.MOTION._fields + mechanism.LOADS._fields)
+    return tuple(Named(name, unit) for name, unit in units.items() if name in there)

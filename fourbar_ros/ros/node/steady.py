@@ -14,9 +14,17 @@ from threading import Event, Thread
 import time
 
 from rclpy.executors import Executor
+from rclpy.node import Node
 
 PERIOD = 0.1        # [s] so finely are these timers spaced
 WAKE = 0.3          # [s] so often at least is the executor woken, which then sees signals
+
+
+def clock_of(node: Node) -> Callable[[], float]:
+    """Return the clock of silences, in [s]: steady, or that of a simulation with use_sim_time."""
+    if node.get_parameter('use_sim_time').value:
+        return lambda: node.get_clock().now().nanoseconds * 1e-9
+    return time.monotonic
 
 
 class SteadyTimers:

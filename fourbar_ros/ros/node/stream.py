@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""From one input to all outputs with subscribers or a recorder."""
+"""The steps of a node: from one input to all outputs that a subscriber or a bag wants."""
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -10,30 +10,27 @@ import threading
 from typing import TYPE_CHECKING
 
 from builtin_interfaces.msg import Time
-from fourbar_ros.errors import FourBarError
-from fourbar_ros.pipeline.in_modes import InModes
-from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK
+from fourbar_ros.errors import FourBarError, OutOfRange
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.pipeline.status import INPUT_TIMEOUT, OK, OUT_OF_RANGE, STATUS_NAMES
+from fourbar_ros.pipeline.stepper import InModes
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.ros.messages import Stamp
 from fourbar_ros.ros.node import qos
 from fourbar_ros.ros.node.base import Base
 from fourbar_ros.ros.node.outputs import Outputs, Wanted
-from fourbar_ros.ros.node.pictures import Pictures
+from fourbar_ros.ros.node.pictures import drawn_of, Pictures
+from fourbar_ros.ros.node.quiet_log import QuietLog
 from fourbar_ros.ros.node.recording import Recording
-from fourbar_ros.ros.node.status_log import StatusLog
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.topics import SCENE
+from fourbar_ros.scene.topics import applied_topic, SCENE
+from geometry_msgs.msg import WrenchStamped
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 
-if TYPE_CHECKING:      # only some scenes need these
-    from fourbar_ros.dynamics.mover import DriveValues
-    from fourbar_ros.ros.node.applied import Applied
-
-
-def _nothing() -> None:
-    """Do nothing."""
+if TYPE_CHECKING:
+    from fourbar_ros.dynamics.step.mover import DriveValues
 
 
 class Stream:
@@ -63,23 +60,27 @@ class Stream:
         self._applied = {}
         # only these scenes need the messages of wrenches
         if scene.wrenches.links:
-            from fourbar_ros.ros.node.applied import Applied
             self._applied = {link: Applied(node, link) for link in scene.wrenches.links}
         self.apply(scene)
-        for link, wrench in self._stepper.acting.items():
+        for link, wrench in self._stepper.wrenches.items():
             self.act(link, wrench, node.get_clock().now().to_msg())
 
     # --- changes --------------------------------------------------------------------------------
 
     def apply(self, scene: Scene) -> None:
-        """Take over a scene: linkage and outputs; publish and record it."""
+        """
+        Take over a scene: linkage and outputs; publish and record it.
+
+        Raises FourBarError, and changes nothing, for one whose pictures cannot be drawn.
+        """
+        drawn = drawn_of(scene)              # takes long: outside of the lock
         with self._lock:
             self.scene, self._layout = scene, scene.layout
             self._renew_stepper()
             self._values = self._unknown = (nan,) * len(self._layout.place)
             self._given = [self._layout.place[name] for name in scene.linkage.input_coordinate]
             self.outputs.apply(scene)
-            self.pictures.apply(scene)
+            self.pictures.apply(scene, drawn)
             data = self._scene_bytes()
             self._scene_publisher.publish(data)
             self._recording.write(SCENE.name, data)
@@ -120,9 +121,14 @@ class Stream:
         # outside of the lock: it waits for the disk
         return self._recording.close(writer, why) if writer else None
 
+    @property
+    def is_heard(self) -> bool:
+        """Return whether anyone listens to what steps give, or a bag records it."""
+        return self.outputs.are_heard or self._recording.active or self.pictures.are_seen
+
     def _renew_stepper(self) -> None:
         """Evaluate the scene from now on, without values held from before."""
-        self._stepper = InModes(self.scene, self._stepper.acting)
+        self._stepper = InModes(self.scene, self._stepper.wrenches)
         self._mode = self._stepper.own_mode
         if self.scene.dynamics:
             self._stepper.prepare(self.scene.dynamics.modes_passed(self.scene.linkage))
@@ -138,13 +144,11 @@ class Stream:
             status = self._step(stamp, position, rate, acceleration, self.outputs.wanted())
         self._note(status, position)
 
-    def step_by(self, stamp: Stamp, move: Callable[[], tuple[int, int, DriveValues]],
-                then: Callable[[], None] = _nothing) -> None:
+    def step_by(self, stamp: Stamp, move: Callable[[], tuple[int, int, DriveValues]]) -> None:
         """
         Step to where a drive moves: ``move()`` gives its status, assembly mode and DriveValues.
 
-        Nothing else happens meanwhile, and until ``then()``, which is called when the outputs are
-        sent, returns: what a bag holds before a step had a say in it.
+        Nothing is recorded meanwhile, so a bag holds a step after all that influenced it.
         """
         with self._lock:
             wanted, (drive_status, mode, values) = self.outputs.wanted(), move()
@@ -153,7 +157,6 @@ class Stream:
                 self.outputs.send_drive_state(stamp, drive_status, values)
             status = self._step(stamp, values.position, values.velocity, values.acceleration,
                                 wanted)
-            then()
         self._note(status, values.position)
 
     def between_steps(self, topic: str, data: bytes, take: Callable[[], None]) -> None:
@@ -210,3 +213,51 @@ class Stream:
     def transmission_sine(self) -> float:
         """Return |sin| of the transmission angle of the latest step that was computed, or NaN."""
         return abs(sin(self._values[self._layout.place['transmission_angle']]))
+
+
+class Applied:
+    """The latched topic that says what acts on a link."""
+
+    def __init__(self, node: Base, link: str) -> None:
+        topic = applied_topic(link)
+        self.name, self.data = topic.name, b''
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self._publish = node.circles.sender(
+            qos.create(node, 'publisher', WrenchStamped, topic.topic, latched), topic)
+
+    def send(self, stamp: Time, wrench: Wrench, frame_id: str, recording: Recording) -> None:
+        """Publish and record a Wrench."""
+        message = WrenchStamped()
+        message.header.stamp, message.header.frame_id = stamp, frame_id
+        message.wrench.force.x, message.wrench.force.y, message.wrench.torque.z = wrench
+        self.data = serialize_message(message)
+        self._publish(self.data)
+        recording.write(self.name, self.data)
+
+
+class StatusLog:
+    """
+    Logs changes of the status.
+
+    Parameters
+    ----------
+    log : QuietLog
+
+    """
+
+    def __init__(self, log: QuietLog) -> None:
+        self._log = log
+
+    def changed(self, status: int, position: float, linkage: Mechanism) -> None:
+        """Log a new status, and the input that caused it."""
+        if status == OK:
+            self._log.info(status, 'input good again')
+            return
+        name, unit = linkage.input_coordinate.position, linkage.input_coordinate.unit
+        self._log.warning(status, str(OutOfRange(name, position, linkage.input_ranges, unit))
+                          if status == OUT_OF_RANGE else f'{name} = {position!r} {unit}: '
+                                                         f'{STATUS_NAMES[status]}')
+
+    def timeout(self, seconds: float) -> None:
+        """Log that the input has stopped."""
+        self._log.warning('timeout', f'no input for {seconds:g} s')

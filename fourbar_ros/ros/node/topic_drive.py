@@ -4,23 +4,27 @@
 from __future__ import annotations
 
 from math import isnan
-import time
 from traceback import format_exc
 from typing import Any
 
+from fourbar_ros.errors import nearest
 from fourbar_ros.pipeline import joints
-from fourbar_ros.pipeline.message_fields import is_time
 from fourbar_ros.pipeline.rate_estimator import estimator_of
 from fourbar_ros.ros.messages import resolve, sec_nanosec, Stamp
 from fourbar_ros.ros.node import qos
+from fourbar_ros.ros.node.circles import Repeats
 from fourbar_ros.ros.node.drives import Drive, SLEEP
-from fourbar_ros.ros.node.sequence import Sequence, WithInfo
+from fourbar_ros.ros.node.sequence import SequenceNumbers, WithInfo
+from fourbar_ros.ros.node.steady import clock_of
+from fourbar_ros.scene.message_fields import is_time
 from fourbar_ros.scene.scene import DriveSettings
 from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
 
 FUTURE = 1.0           # [s] a stamp further ahead of our clock is counted as of the future
+UNHEARD = 20           # messages of a relay without the driven joint before it says so
 
 
 class TopicDrive(Drive):
@@ -33,18 +37,21 @@ class TopicDrive(Drive):
     def start(self) -> None:
         """Subscribe to raw bytes, which are recorded as they are."""
         self._topic = INPUTS[self.settings.source]
-        self._simulated = self._node.get_parameter('use_sim_time').value
+        self._now = clock_of(self._node)
         self._received, self._waiting, self._horizon = self._now(), False, 0
         self._estimated = False
         self._is_relay = self._stream.scene.joint_states.only_passive
+        self._of_others: list[bytes] = []    # the first ones, while the driven joint never came
         self.estimator = estimator_of(self._stream.scene)
         self.apply(self.settings)
         profile = QoSProfile(depth=INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
-        self._sequence = Sequence(lambda: self._subscription.get_publisher_count())
+        self._sequence = SequenceNumbers(lambda: self._subscription.get_publisher_count())
         self._subscription = qos.create(
             self._node, 'subscription', resolve(self._topic.type), self._topic.topic,
             WithInfo(self._receive),
             profile, raw=True, event_callbacks=self._events())
+        self._repeats = Repeats(self._node, self._subscription.topic_name,
+                                self._stream.outputs.topics)
         self._timer = self._node.steady_timers.add(SLEEP, self._watch)
 
     def _events(self) -> SubscriptionEventCallbacks:
@@ -77,29 +84,30 @@ class TopicDrive(Drive):
         """Return the time since the newest input [s]: steady, or simulated with use_sim_time."""
         return self._now() - self._received
 
-    def _now(self) -> float:
-        return (self._node.get_clock().now().nanoseconds * 1e-9 if self._simulated
-                else time.monotonic())
-
     def state(self) -> tuple[dict[str, Any], list[str]]:
-        """Return (values, problems): the quality of an estimated acceleration."""
+        """Return (values, problems): lost, circles, the quality of an estimated acceleration."""
         self.counts.update(lost=self._sequence.lost, late=self.estimator.late,
                            estimate_restarts=self.estimator.restarts)
-        lost = ({} if self._sequence.is_numbered
-                else {'lost': 'unknown: the middleware gives no numbers'})
+        values: dict[str, Any]
+        values, problems = self._repeats.state()
+        if not self._sequence.is_numbered:
+            values['lost'] = 'unknown: the middleware gives no numbers'
+        if self._is_relay and self.counts['of_other_joints'] and not self.counts['received']:
+            problems.append(f'joint {self.settings.joint!r} never came')
         if isnan(self.estimator.lag) or not self._estimated:
-            return lost, []
+            return values, problems
         unit = 'm/s^2' if self._stream.scene.linkage.is_driven_by_slide else 'rad/s^2'
         noise = self.estimator.noise
-        return ({**lost, f'noise of the estimated acceleration [{unit}]': 'unknown' if isnan(noise)
-                 else f'{noise:.3g}',
+        return ({**values, f'noise of the estimated acceleration [{unit}]':
+                 'unknown' if isnan(noise) else f'{noise:.3g}',
                  'lag of the estimated acceleration [s]': f'{self.estimator.lag:.3g}'},
-                ['the estimated acceleration is noise'] if self.estimator.is_noise else [])
+                problems + ['the estimated acceleration is noise'] * self.estimator.is_noise)
 
     def _receive(self, data: bytes, info: dict[str, Any]) -> None:
         try:
             self._sequence.take(info['publication_sequence_number'])
-            self._take(data)
+            if not self._node.circles.is_own(self._subscription.topic_name, data):
+                self._take(data)
         # a fault of ours: told, and the next message is taken
         except Exception:
             self._note('faults', f'a fault in taking an input: {format_exc()}')
@@ -109,6 +117,8 @@ class TopicDrive(Drive):
             stamp, given = self._read(data)
             if given is None and self._is_relay:         # our own, or of another part of the robot
                 self.counts['of_other_joints'] += 1
+                if not self.counts['received'] and len(self._of_others) < UNHEARD:
+                    self._note_others(data)
                 return
             self._note_arrival()
         # whatever a foreign writer sends, the node goes on
@@ -120,8 +130,9 @@ class TopicDrive(Drive):
             return
         self._recording.write(self._topic.name, data)
         if given is None:
+            joints = '' if self.counts['without_joint'] else self._nearest([data])
             self._note('without_joint', f'joint {self.settings.joint!r} is not in the input '
-                                        'message')
+                                        f'message{joints}')
             return
         stamp, time_of = self._stamp(*stamp)
         if self.settings.source == 'joint_state':
@@ -132,6 +143,21 @@ class TopicDrive(Drive):
             velocity, estimate = self.estimator.update(time_of, position, velocity)
             acceleration = estimate if isnan(acceleration) else acceleration
         self._stream.step(stamp, position, velocity, acceleration)
+
+    def _note_others(self, data: bytes) -> None:
+        """Keep a message without the driven joint; say so when many came, and it in none."""
+        self._of_others.append(data)
+        if len(self._of_others) == UNHEARD:
+            self._node.log.warning('of_other_joints', (
+                f'drive.joint = {self.settings.joint!r} was in none of the first {UNHEARD} '
+                f'messages on {self._subscription.topic_name}{self._nearest(self._of_others)}'))
+
+    def _nearest(self, messages: list[bytes]) -> str:
+        """Return what to say of the joints that are in messages without the driven one."""
+        kind = resolve(self._topic.type)
+        names = dict.fromkeys(name for data in messages
+                              for name in deserialize_message(data, kind).name)
+        return nearest(self.settings.joint, names) if names else ''
 
     def _note_arrival(self) -> None:
         self.counts['received'] += 1
@@ -146,6 +172,7 @@ class TopicDrive(Drive):
         time_of = sec * 10**9 + nanosec
         is_good = is_time(sec, nanosec)
         if time_of and is_good:
+            self._repeats.take(time_of)
             if time_of > self._horizon:
                 self._look_ahead(time_of)
             return (sec, nanosec), time_of
@@ -168,7 +195,7 @@ class TopicDrive(Drive):
 
     def _watch(self) -> None:
         self._horizon = 0                                # the clock may have been set
-        if self.age() < 0.0:                             # so was that of a simulation
+        if self.age() < 0.0 or not self._received:       # that of a simulation: set, or begun
             self._received = self._now()
         limit = self.settings.timeout
         if limit and self._waiting and self.age() > limit:

@@ -3,12 +3,10 @@
 """Move the input by torque, of a topic or of a motor, on the grid of the clock."""
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import inf, isfinite, isnan, nan
-import time
 from typing import Any
 
-from fourbar_ros.dynamics.mover import (
+from fourbar_ros.dynamics.step.mover import (
     AT_LIMIT,
     DriveValues,
     Mover,
@@ -22,6 +20,7 @@ from fourbar_ros.ros.messages import resolve, sec_nanosec, Stamp
 from fourbar_ros.ros.node import qos
 from fourbar_ros.ros.node.base import Base
 from fourbar_ros.ros.node.drives import CATCH_UP, Drive, TimerDrive
+from fourbar_ros.ros.node.steady import clock_of
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.scene import DriveSettings, Scene
 from fourbar_ros.scene.topics import INPUT_DEPTH, TORQUE
@@ -32,7 +31,6 @@ COUNTED = ('late', 'missed', 'clock_steps', 'torques', 'malformed', 'not_finite'
            'silences', 'budgets_used_up', 'stops_at_a_limit', 'failures')
 _COUNTER = {OUT_OF_BUDGET: 'budgets_used_up', AT_LIMIT: 'stops_at_a_limit',
             NOT_FINITE: 'failures'}
-MOST_AHEAD = 2         # steps made ahead for one sample: torques may come faster than samples
 
 
 class Command:
@@ -45,17 +43,13 @@ class Command:
     stream : Stream
     counts : dict
         To count in.
-    on_torque : callable
-        Called between two steps with a torque that has come into effect.
 
     """
 
-    def __init__(self, node: Base, stream: Stream, counts: dict[str, int],
-                 on_torque: Callable[[float], None]) -> None:
+    def __init__(self, node: Base, stream: Stream, counts: dict[str, int]) -> None:
         self._node, self._stream, self._counts = node, stream, counts
-        self._on_torque = on_torque
-        self._type, self._torque, self._received = resolve(TORQUE.type), 0.0, -inf
-        self._was_silent = True
+        self._type, self._now = resolve(TORQUE.type), clock_of(node)
+        self._forget()
         profile = QoSProfile(depth=INPUT_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         self._subscription = qos.create(node, 'subscription', self._type, TORQUE.topic,
                                         self._receive, profile, raw=True)
@@ -64,13 +58,20 @@ class Command:
         """Unsubscribe."""
         self._node.destroy_subscription(self._subscription)
 
+    def _forget(self) -> None:
+        self._torque, self._received, self._was_silent = 0.0, -inf, True
+
     @property
     def age(self) -> float:
         """Return the time since the newest torque [s], NaN before the first."""
-        return time.monotonic() - self._received if self._received > -inf else nan
+        return self._now() - self._received if self._received > -inf else nan
 
     def now(self, settings: DriveSettings) -> tuple[float, bool]:
         """Return (torque in effect, whether the topic is silent), during a step."""
+        if self._received == 0.0:            # it came before simulated time began
+            self._received = self._now()
+        elif self.age < 0.0:                 # simulated time went back: as at the start
+            self._forget()
         is_silent = self._received == -inf or 0.0 < settings.timeout < self.age
         if is_silent and not self._was_silent:
             self._counts['silences'] += 1
@@ -80,6 +81,8 @@ class Command:
         return (0.0 if is_silent and settings.when_silent == 'zero' else self._torque), is_silent
 
     def _receive(self, data: bytes) -> None:
+        if self._node.circles.is_own(self._subscription.topic_name, data):
+            return
         try:
             wrench = deserialize_message(data, self._type).wrench
         # whatever a foreign writer sends, the node goes on; a bag does not hold it
@@ -92,8 +95,7 @@ class Command:
 
         def take() -> None:
             if isfinite(torque):
-                self._torque, self._received = self._limited(torque, scene.drive), time.monotonic()
-                self._on_torque(self._torque)
+                self._torque, self._received = self._limited(torque, scene.drive), self._now()
         if not isfinite(torque):
             self._note('not_finite', 'a torque that is not finite: ignored')
         self._stream.between_steps(TORQUE.name, data, take)
@@ -119,18 +121,14 @@ class Moving(Drive):
         self._scene: Scene | None = None
         self._values: DriveValues | None = None
         self._mode: int | None = None
-        self._torque = nan
         self._status, scene = OK, self._stream.scene
         self.prepare(scene)
-        self._command = (Command(self._node, self._stream, self.counts, self._on_torque)
+        self._command = (Command(self._node, self._stream, self.counts)
                          if scene.drive.source == TORQUE.name else None)
 
     def prepare(self, scene: Scene) -> None:
         """Make the equation of motion of a scene, which takes as long as hundreds of steps."""
         self._prepared = scene, _ready(scene)
-
-    def _on_torque(self, torque: float) -> None:        # noqa: B027 # a step of unknown length
-        """Make the next step under a torque that has come."""
 
     def age(self) -> float:
         """Return the time since the newest torque [s], NaN if there is none to wait for."""
@@ -154,7 +152,6 @@ class Moving(Drive):
             self._scene, self._mover = scene, mover if prepared is scene else _ready(scene)
         command, is_silent = (self._command.now(scene.drive) if self._command
                               else (nan, False))
-        self._torque = command
         if self._values is None:
             self._values = self._mover.start(command)
             self._mode = self._mover.mode
@@ -181,12 +178,10 @@ class TorqueDrive(Moving, TimerDrive):
     Torque on the wall clock: sample k belongs to start + k / rate.
 
     Every sample moves the state by one period. Samples that a machine misses are not made up for:
-    the motion stands still meanwhile. A step is made before its sample is due, which then goes out
-    as early as a timer allows: right after the one before, and again when a torque comes. Where
-    torques came before the last two samples, it waits for the next one.
+    the motion stands still meanwhile.
     """
 
-    _came, _came_before = 0, 0        # torques since the last sample, and before it
+    _may_sleep = False                # the state depends on every step
 
     def start(self) -> None:
         """Subscribe, start the thread."""
@@ -203,22 +198,7 @@ class TorqueDrive(Moving, TimerDrive):
         """Begin at the start of the scene."""
 
     def _sample(self, stamp: Stamp, settings: DriveSettings, elapsed: float) -> None:
-        self._step = 1.0 / settings.rate
-        self._stream.step_by(stamp, lambda: self._move(self._step), self._after_sample)
-
-    def _after_sample(self) -> None:
-        if not (self._came and self._came_before):       # else one more is expected
-            self._work_ahead(self._torque)
-        self._came, self._came_before = 0, self._came
-
-    def _on_torque(self, torque: float) -> None:
-        if self._came < MOST_AHEAD:
-            self._work_ahead(torque)
-        self._came += 1
-
-    def _work_ahead(self, torque: float) -> None:
-        if self._values:
-            self._mover.work_ahead(self._values, self._step, torque, self._mode)
+        self._stream.step_by(stamp, lambda: self._move(1.0 / settings.rate))
 
     def _go_on(self, settings: DriveSettings, elapsed: float) -> None:
         """Go on from the state of now."""

@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 from functools import partial
-import time
 
-from fourbar_ros.pipeline.wrenches import in_silence, Wrench
+from fourbar_ros.pipeline.wrenches import a_step_later, in_silence, Wrench
 from fourbar_ros.ros.node import qos
 from fourbar_ros.ros.node.base import Base
 from fourbar_ros.ros.node.recording import Recording
+from fourbar_ros.ros.node.steady import clock_of
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import INPUT_DEPTH, wrench_topic
@@ -39,7 +39,11 @@ class WrenchInputs:
         for link in stream.scene.wrenches.links:
             qos.create(node, 'subscription', WrenchStamped, wrench_topic(link).topic,
                        partial(self._take, link), profile, raw=True)
-        node.steady_timers.add(PERIOD, self._watch)
+        self._now = clock_of(node)
+        if node.get_parameter('use_sim_time').value:     # silence by that clock, however fast
+            node.create_timer(PERIOD, self._watch)
+        else:
+            node.steady_timers.add(PERIOD, self._watch)
 
     def apply(self, scene: Scene) -> None:
         """Take over a scene: what acts in a silence may be another."""
@@ -48,12 +52,16 @@ class WrenchInputs:
                 self._be_silent(link)
 
     def _take(self, link: str, data: bytes) -> None:
-        self._recording.write(wrench_topic(link).name, data)
+        topic = wrench_topic(link)
+        if self._node.circles.is_own(self._node.resolve_topic_name(topic.topic), data):
+            return
         try:
             message = deserialize_message(data, WrenchStamped)
-        except Exception:                    # whatever a foreign writer sends, the node goes on
+        # whatever a foreign writer sends, the node goes on; a bag does not hold it
+        except Exception:
             self._once('wrenches_malformed', link, 'a message that is no WrenchStamped')
             return
+        self._recording.write(topic.name, data)
         force, torque = message.wrench.force, message.wrench.torque
         frame, ours = message.header.frame_id, self._stream.scene.frame_id
         if frame not in ('', ours) and (force.x or force.y):   # a couple is the same in all
@@ -61,7 +69,10 @@ class WrenchInputs:
                        f'a force in the frame {frame!r}, this one is {ours!r}')
             return
         wrench = Wrench(force.x, force.y, torque.z)
-        self._received[link], self._last[link] = time.monotonic(), wrench
+        before = self._last.get(link) if link in self._received else None
+        self._received[link], self._last[link] = self._now(), wrench
+        if self._stream.scene.wrenches.extrapolated:
+            wrench = a_step_later(wrench, before)
         self._stream.act(link, wrench, message.header.stamp)
 
     def _once(self, what: str, link: str, text: str) -> None:
@@ -73,9 +84,11 @@ class WrenchInputs:
                 '(logged once; counted in the diagnostics)')
 
     def _watch(self) -> None:
-        limit, now = self._stream.scene.wrenches.timeout, time.monotonic()
+        limit, now = self._stream.scene.wrenches.timeout, self._now()
         for link, last in list(self._received.items()):
-            if limit and now - last > limit:
+            if last == 0.0 or now < last:    # simulated time has begun, or gone back
+                self._received[link] = now
+            elif limit and now - last > limit:
                 del self._received[link]
                 self.counts['wrench_silences'] += 1
                 self._be_silent(link)

@@ -8,20 +8,29 @@ largest moment, along z, which is the axis it turns about.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from math import atan2, isnan
-from typing import Any
+from collections.abc import Callable, Iterable, Sequence
+from math import atan2, cos, isnan, sin
+from typing import Any, NamedTuple, Union
 
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Diagram
-from fourbar_ros.mechanisms.points import LinkMotion, point_of
+from fourbar_ros.mechanisms.parts import Bar, Block, Diagram, ORIGIN
+from fourbar_ros.mechanisms.picture import Arm, Force, forces_of, Joint, of_kind, picture
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.ros.messages import Stamp
-from fourbar_ros.ros.pictures import shapes
 from fourbar_ros.scene.scene import Scene
+from geometry_msgs.msg import Point
+import numpy as np
+from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 LONGEST = 0.4          # of the longest arrow, over the size of the mechanism
 WIDTH = 0.02           # of a link, over that size
+Colour = tuple[float, float, float]
+Place = Union[Sequence[float], Array]       # x, y, or x, y, z [m]
+
+LINK, JOINT, BLOCK = (0.20, 0.45, 0.70), (0.15, 0.15, 0.15), (0.45, 0.45, 0.45)
+FORCE, MOMENT, POINT = (0.10, 0.55, 0.20), (0.75, 0.35, 0.05), (0.55, 0.30, 0.00)
+TOGGLE, EXTREMUM = (0.80, 0.10, 0.10), (0.45, 0.15, 0.60)
 
 
 def size_of(mechanism: Mechanism) -> float:
@@ -40,40 +49,32 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None
         motion = mechanism.MOTION(*values[:count])
         if isnan(motion.transmission_angle):
             return None
-        diagram = mechanism.diagram(motion)
-        made = pose(scene, motion, diagram)
+        made = pose(scene, motion)
         loads = mechanism.LOADS(*values[count:loads_end])
         if mechanism.bodies is not None:
-            made += arrows(scene, loads, diagram, scales)
+            made += arrows(scene, loads, mechanism.diagram(motion), scales)
         for one in made:
             one.header.stamp.sec, one.header.stamp.nanosec = stamp
         return MarkerArray(markers=made)
     return make
 
 
-def pose(scene: Scene, motion: Any, diagram: Diagram) -> list[Marker]:
+def pose(scene: Scene, motion: NamedTuple) -> list[Marker]:
     """Return the markers of links, joints, blocks and points."""
-    mechanism, frame = scene.linkage, scene.frame_id
-    width = WIDTH * size_of(mechanism)
-    made = [shapes.lines(frame, 'links', i, [bar[:2]], width * bar.width, shapes.LINK)
-            for i, bar in enumerate(diagram.bars)]
-    made.append(shapes.spheres(frame, 'joints', 0, diagram.joints.values(), 1.8 * width,
-                               shapes.JOINT))
-    made += [shapes.box(frame, 'blocks', i, block.place, atan2(*block.direction[::-1]),
-                        (5.0 * width, 3.0 * width, 2.0 * width), shapes.BLOCK)
-             for i, block in enumerate(diagram.blocks)]
-    if scene.points:
-        arms = [_arm(mechanism.link_motion(motion, link), along, across)
-                for link, along, across in scene.points.values()]
-        made += [shapes.lines(frame, 'arms', 0, arms, 0.5 * width, shapes.LINK, 0.6),
-                 shapes.spheres(frame, 'points', 0, [end for _, end in arms], 2.0 * width,
-                                shapes.POINT)]
+    frame, width = scene.frame_id, WIDTH * size_of(scene.linkage)
+    parts = picture(scene.linkage, motion, scene.points)
+    made = [lines(frame, 'links', i, [bar[:2]], width * bar.width, LINK)
+            for i, bar in enumerate(of_kind(Bar, parts))]
+    made.append(spheres(frame, 'joints', 0, [joint.place for joint in of_kind(Joint, parts)],
+                        1.8 * width, JOINT))
+    made += [box(frame, 'blocks', i, block.place, atan2(*block.direction[::-1]),
+                 (5.0 * width, 3.0 * width, 2.0 * width), BLOCK)
+             for i, block in enumerate(of_kind(Block, parts))]
+    if arms := of_kind(Arm, parts):
+        made += [lines(frame, 'arms', 0, [(arm.start, arm.end) for arm in arms], 0.5 * width,
+                       LINK, 0.6),
+                 spheres(frame, 'points', 0, [arm.end for arm in arms], 2.0 * width, POINT)]
     return made
-
-
-def _arm(link: LinkMotion, along: float, across: float) -> tuple[shapes.Place, shapes.Place]:
-    """Return the first joint of a link and a point on it."""
-    return (link.x, link.y), point_of(link, along, across)[:2]
 
 
 class Scales:
@@ -96,18 +97,82 @@ class Scales:
 def arrows(scene: Scene, loads: Any, diagram: Diagram, scales: Scales) -> list[Marker]:
     """Return the arrows of the forces at the joints, shaking force, shaking moment and drive."""
     frame, width = scene.frame_id, 0.6 * WIDTH * size_of(scene.linkage)
-    forces = [(f'force {name}', diagram.joints[at],
-               *(getattr(loads, f'{name}_{axis}') for axis in 'xy'))
-              for name, at in diagram.forces.items()]
-    forces.append(('shaking force', (0.0, 0.0), loads.shaking_force_x, loads.shaking_force_y))
+    forces = [Force('shaking force', '', ORIGIN,
+                    np.array([loads.shaking_force_x, loads.shaking_force_y]))]
+    forces[:0] = [force._replace(name=f'force {force.name}')
+                  for force in forces_of(diagram, loads)]
     moments = [('shaking moment', loads.shaking_moment),
                ('driving torque', getattr(loads, 'driving_torque', 0.0))]
-    if any(isnan(value) for _, _, *force in forces for value in force):
+    if any(np.isnan(force.vector).any() for force in forces):
         return []
-    per_force = scales.force(max((f_x * f_x + f_y * f_y)**0.5 for _, _, f_x, f_y in forces))
+    per_force = scales.force(max(force.size for force in forces))
     per_moment = scales.moment(max(abs(value) for _, value in moments))
-    made = [shapes.arrow(frame, name, 0, at,
-                         (at[0] + per_force * f_x, at[1] + per_force * f_y), width, shapes.FORCE)
-            for name, at, f_x, f_y in forces]
-    return made + [shapes.arrow(frame, name, 0, (0.0, 0.0), (0.0, 0.0, per_moment * value), width,
-                                shapes.MOMENT) for name, value in moments]
+    made = [arrow(frame, force.name, 0, force.place, force.place + per_force * force.vector,
+                  width, FORCE) for force in forces]
+    return made + [arrow(frame, name, 0, ORIGIN, (0.0, 0.0, per_moment * value), width, MOMENT)
+                   for name, value in moments]
+
+
+def marker(frame: str, group: str, number: int, kind: int, colour: Colour, scale: Iterable[float],
+           opacity: float = 1.0) -> Marker:
+    """Return a marker of a group (its namespace in RViz) with a number."""
+    made = Marker(ns=group, id=number, type=kind, action=Marker.ADD,
+                  color=ColorRGBA(r=colour[0], g=colour[1], b=colour[2], a=opacity))
+    made.header.frame_id = frame
+    made.scale.x, made.scale.y, made.scale.z = map(float, scale)
+    made.pose.orientation.w = 1.0
+    return made
+
+
+def lines(frame: str, group: str, number: int, pairs: Iterable[Iterable[Place]], width: float,
+          colour: Colour, opacity: float = 1.0) -> Marker:
+    """Return a marker of separate lines: pairs of places."""
+    made = marker(frame, group, number, Marker.LINE_LIST, colour, (width, 0.0, 0.0), opacity)
+    made.points = [point(*place) for pair in pairs for place in pair]
+    return made
+
+
+def strip(frame: str, group: str, number: int, places: Iterable[Place], width: float,
+          colour: Colour) -> Marker:
+    """Return a marker of one line through places."""
+    made = marker(frame, group, number, Marker.LINE_STRIP, colour, (width, 0.0, 0.0))
+    made.points = [point(*place) for place in places]
+    return made
+
+
+def spheres(frame: str, group: str, number: int, places: Iterable[Place], size: float,
+            colour: Colour) -> Marker:
+    """Return a marker of spheres."""
+    made = marker(frame, group, number, Marker.SPHERE_LIST, colour, (size, size, size))
+    made.points = [point(*place) for place in places]
+    return made
+
+
+def box(frame: str, group: str, number: int, place: Place, angle: float, scale: Iterable[float],
+        colour: Colour) -> Marker:
+    """Return a marker of a box that is turned."""
+    made = marker(frame, group, number, Marker.CUBE, colour, scale)
+    made.pose.position = point(*place)
+    made.pose.orientation.z, made.pose.orientation.w = sin(0.5 * angle), cos(0.5 * angle)
+    return made
+
+
+def arrow(frame: str, group: str, number: int, start: Place, end: Place, width: float,
+          colour: Colour) -> Marker:
+    """Return a marker of an arrow between two places of space."""
+    made = marker(frame, group, number, Marker.ARROW, colour, (width, 2.0 * width, 3.0 * width))
+    made.points = [point(*start), point(*end)]
+    return made
+
+
+def label(frame: str, group: str, number: int, place: Place, text: str, height: float,
+          colour: Colour) -> Marker:
+    """Return a marker of a text that faces the viewer."""
+    made = marker(frame, group, number, Marker.TEXT_VIEW_FACING, colour, (0.0, 0.0, height))
+    made.pose.position, made.text = point(*place), text
+    return made
+
+
+def point(x: float, y: float, z: float = 0.0) -> Point:
+    """Return a Point."""
+    return Point(x=float(x), y=float(y), z=float(z))

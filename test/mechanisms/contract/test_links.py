@@ -14,6 +14,7 @@ import pytest
 from support import contract
 from support.contract import every_case, every_mechanism
 from support.reference import EPS
+from support.samples import some
 
 STEP = 1e-40  # of the complex step: its square is lost beside anything
 
@@ -76,9 +77,10 @@ def first(numbers):
     return complex(np.ravel(numbers)[0])
 
 
+@some('count', [6, 20], 1)
 @every_mechanism
-def test_rates_and_accelerations_are_derivatives(case):
-    for mechanism, (value, _, _) in contract.ordinary(case, 208, 20):
+def test_rates_and_accelerations_are_derivatives(case, count):
+    for mechanism, (value, _, _) in contract.ordinary(case, 208, count):
         motion = mechanism.motion(np.array([value]) + 1j * STEP, 1.0)
         size = max(
             1.0,
@@ -178,4 +180,5 @@ def test_another_coordinate_gives_the_same_links_by_the_chain_rule(case):
                 error = max(error, *(abs(a - b) / (1.0 + abs(b))
                                      for a, b in zip(by_chain, exact)))
             errors.append(error)
-        assert min(errors) <= 1e-9, (mechanism, value)
+        # next to its own limit the other coordinate has half of the digits
+        assert min(errors) <= EPS**0.5, (mechanism, value)

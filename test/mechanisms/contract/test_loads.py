@@ -10,6 +10,7 @@ import numpy as np
 from support import contract
 from support.contract import every_mechanism
 from support.reference import EPS
+from support.samples import some
 
 
 @every_mechanism
@@ -54,10 +55,11 @@ def needed(mechanism, motion):
     return complex(*total[:2]), total[2], total[3], sizes
 
 
+@some('count', [15, 60], 1)
 @every_mechanism
-def test_power_and_momentum_balance(case):
+def test_power_and_momentum_balance(case, count):
     """Shaking = -dP/dt, -dH/dt + loads; power of the drive = dE/dt: 1e-13 of the summed sizes."""
-    for mechanism, given in contract.ordinary(case, 210, 60):
+    for mechanism, given in contract.ordinary(case, 210, count):
         motion, loads = mechanism.step(*given)
         force, moment, power, (size_force, size_moment, size_power) = needed(mechanism, motion)
         assert (
@@ -71,11 +73,12 @@ def test_power_and_momentum_balance(case):
         assert drives[mechanism.is_driven_by_slide] != 0.0
 
 
+@some('count', [2, 10], 1)
 @every_mechanism
-def test_loads_that_overflow_are_refused(case):
+def test_loads_that_overflow_are_refused(case, count):
     """At rising speeds each load is a number, or all are refused."""
     refused = given = 0
-    for mechanism, (position, rate, acceleration) in contract.ordinary(case, 216, 10):
+    for mechanism, (position, rate, acceleration) in contract.ordinary(case, 216, count):
         for power in np.linspace(500.0, 512.0, 97).tolist():
             try:
                 loads = mechanism.step(position, rate * 2.0**power, acceleration)[1]

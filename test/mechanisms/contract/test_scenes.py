@@ -10,7 +10,8 @@ from fourbar_ros.scene import scene as scenes
 import numpy as np
 import pytest
 from support import bags, contract
-from support.contract import every_case
+from support.contract import CASES, every_case, name_of
+from support.samples import some
 
 OUTER = ('state', 'loads')
 NOT_SENT = {'slot_couple'}  # loads of one kind alone, without a field in LinkageLoads
@@ -95,7 +96,7 @@ def test_messages_are_complete(case):
             assert bags.output_message(output, 10**9, 0, motion + loads, scene)
 
 
-@every_case
+@some('case', CASES, [case for case in CASES if case.mode == 2], ids=name_of)
 def test_shown_and_drawn(case, tmp_path, capsys):
     pytest.importorskip('matplotlib')
     mechanism, given = next(contract.ordinary(case, 223, 1))

@@ -16,7 +16,7 @@ from fourbar_ros import (
     SliderCrank,
     Toggle,
 )
-from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad, Point
+from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
 import numpy as np

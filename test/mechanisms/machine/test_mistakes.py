@@ -3,8 +3,8 @@
 """Machines that cannot be: each refused in one line that names what is wrong and where."""
 from math import inf, nan, pi
 
-from fourbar_ros import Applied, Body, InvalidParameter
-from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad, Point
+from fourbar_ros import Body, InvalidParameter
+from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import pytest
 
@@ -19,6 +19,14 @@ def rrr(name='d', first=CRANK, second=GROUND, links=('coupler', 'rocker'), **cha
 def second(first, **changed):
     """Return a machine of two dyads, the second from ``first`` to the ground."""
     return Machine([rrr(), rrr('e', first, Point('ground', 2.0), ('rod', 'arm'), **changed)])
+
+
+def stephenson_2(*order):
+    """Return a Stephenson II driven at its crank: its four other links are one group."""
+    dyads = {'one': rrr('one', CRANK, Point('arm', 0.3, 0.1), ('coupler', 'ternary')),
+             'two': rrr('two', Point('ground', 1.0), Point('coupler', 0.5), ('arm', 'rocker')),
+             'behind': rrr('behind', Point('ternary', 0.2), GROUND, ('rod', 'lever'))}
+    return Machine([dyads[name] for name in order])
 
 
 SLIDER = Point('slider', 0.4)
@@ -53,7 +61,28 @@ MISTAKES = {
                                              'dyads.d.first.link = .slider.: there is no such'),
     'a link of a later dyad': (
         lambda: Machine([rrr(first=Point('arm', 0.1)), rrr('e', links=('rod', 'arm'))]),
-        'dyads.d.first.link = .arm.: is a link of dyad e, which must stand before'),
+        'dyads.d.first.link = .arm.: is a link of dyad e, which must stand before this one: '
+        'e, d works$'),
+    'an order that cannot be, Stephenson II': (
+        lambda: stephenson_2('one', 'two'),
+        'dyads.one.second.link = .arm.: is a link of dyad two, but no order of dyads works: the '
+        'links coupler, ternary, arm, rocker close only together, an Assur group of a higher '
+        'class. Drive another link, or hang one of their dyads on links before it$'),
+    'the same, the other first': (
+        lambda: stephenson_2('two', 'one'),
+        'dyads.two.second.link = .coupler.: .*links arm, rocker, coupler, ternary close only'),
+    'a dyad behind an order that cannot be': (
+        lambda: stephenson_2('behind', 'one', 'two'),
+        'dyads.behind.first.link = .ternary.: is a link of dyad one, .*links coupler, ternary, '
+        'arm, rocker close only'),
+    'three dyads that hang on each other': (
+        lambda: Machine([rrr(name, second=Point(f'{other}_1', 0.2), links=(f'{name}_1',
+                                                                           f'{name}_2'))
+                         for name, other in ('ab', 'bc', 'ca')]),
+        'dyads.a.second.link = .b_1.: .*links a_1, a_2, b_1, b_2, c_1, c_2 close only'),
+    'two ends on the ground': (
+        lambda: Machine([rrr(), rrr('e', GROUND, Point('ground', 9.0), ('rod', 'arm'))]),
+        'dyads.e: cannot close at any input: it hangs on ground alone, so no input moves'),
     'a link of its own': (lambda: Machine([rrr(second=Point('coupler', 0.1))]),
                           'dyads.d.second.link = .coupler.*own link'),
     'a point that is none': (lambda: rrr(first=3.0), 'dyads.d.first = 3.0: must be Point'),
@@ -109,8 +138,6 @@ MISTAKES = {
                                   'bodies.rokcer: there is no such link; did you mean rocker'),
     'a body that is none': (lambda: Machine([rrr()], bodies={'rocker': 1.0}),
                             'bodies.rocker = 1.0: must be of type Body'),
-    'a load on a driven crank': (lambda: Machine([rrr()], external={'crank': Applied()}),
-                                 'external.crank: there is no such link'),
     'gravity that is no vector': (lambda: Machine([rrr()], gravity=9.81), 'gravity = 9.81'),
 }
 

@@ -1,0 +1,42 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Balancing: counterweights that take shaking force, moment, torque or reactions away.
+
+>>> from fourbar_lab.balancing import least_rms, Loads, Places
+>>> from fourbar_ros import load_scene
+>>> scene = load_scene('paper')
+>>> places = Places(Loads(scene.linkage, scene.drive.speed), {'crank': 0.6, 'output': 0.6})
+>>> for weight in least_rms(places, ['force'], mass=2.0).counterweights:
+...     print(f'{weight.mass:.3f} kg on the {weight.link}, {weight.along:.3f} m along it')
+1.298 kg on the output, -0.598 m along it
+0.702 kg on the crank, -0.587 m along it
+"""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fourbar_ros.lazy import lazily
+
+if TYPE_CHECKING:
+    from fourbar_lab.balancing.full import full_force_balance
+    from fourbar_lab.balancing.loads import BalanceError, Loads
+    from fourbar_lab.balancing.peak import least_peak
+    from fourbar_lab.balancing.result import Change, changes, scene_text
+    from fourbar_lab.balancing.rms import Balance, Counterweight, front, least_rms, Places
+    from fourbar_lab.balancing.shapes import best_plates, Disc, Sector
+
+__all__ = [
+    'Balance', 'BalanceError', 'Change', 'Counterweight', 'Disc', 'Loads', 'Places', 'Sector',
+    'best_plates', 'changes', 'front', 'full_force_balance', 'least_peak', 'least_rms',
+    'scene_text',
+]
+
+__getattr__, __dir__ = lazily(__name__, {
+    'fourbar_lab.balancing.full': 'full_force_balance',
+    'fourbar_lab.balancing.loads': 'BalanceError, Loads',
+    'fourbar_lab.balancing.peak': 'least_peak',
+    'fourbar_lab.balancing.result': 'Change, changes, scene_text',
+    'fourbar_lab.balancing.rms': 'Balance, Counterweight, front, least_rms, Places',
+    'fourbar_lab.balancing.shapes': 'best_plates, Disc, Sector',
+})

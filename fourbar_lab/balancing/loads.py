@@ -1,0 +1,178 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Loads as linear functions of masses.
+
+At a given motion every component of a load is linear in four numbers of each link: its mass m,
+its first moments m x and m y about its first joint, and its moment of inertia J about that joint,
+
+    (B1)  load(q) = A(q) p,     p = (m, m x, m y, J) of all links.
+
+A counterweight adds to p. What mass within a circle of radius R about the first joint can add is
+a convex cone, spanned by points at distances r <= R in directions f:
+
+    (B2)  m (1, r cos f, r sin f, r^2),   that is   (m x)^2 + (m y)^2 <= m J,   J <= R^2 m.
+
+Only inertia is balanced: weight and forces from outside stay as they are, and are left out here.
+"""
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import cached_property
+from math import isfinite
+
+from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
+from fourbar_ros.mechanics.bodies import Body, NOT_APPLIED
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.number_types import power_of_two
+from fourbar_ros.numerics.quadrature import between, full_turn
+import numpy as np
+
+NUMBERS = 4                 # of a link, (B1)
+# Inputs of a mean square, doubled until two results agree.
+POINTS, MOST_POINTS, AGREE = 128, 2**13, 1e-10
+
+
+class BalanceError(FourBarError, ValueError):
+    """A mechanism cannot be balanced as asked; the message gives the reason."""
+
+
+def numbers_of(body: Body) -> Array:
+    """Return (m, m x, m y, J) of a body."""
+    along, across = body.cg_along, body.cg_across
+    return np.array((body.mass, body.mass * along, body.mass * across,
+                     body.inertia + body.mass * (along * along + across * across)))
+
+
+def body_of(numbers: Array) -> Body:
+    """Return the body with these numbers, as far as rounding allows."""
+    mass, along, across, inertia = numbers.tolist()
+    if mass == 0.0:
+        return Body(0.0, 0.0, 0.0, max(inertia, 0.0))
+    x, y = along / mass, across / mass
+    return Body(mass, x, y, max(inertia - mass * (x * x + y * y), 0.0))
+
+
+def without_weight(mechanism: Mechanism) -> Mechanism:
+    """Return a mechanism without weight and without forces from outside."""
+    links = type(mechanism.external)._fields
+    return replace(mechanism, gravity=(0.0, 0.0),
+                   external=type(mechanism.external)(*[NOT_APPLIED] * len(links)))
+
+
+class Loads:
+    """
+    The loads of a mechanism as functions of its masses.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        With masses.
+    rate : float
+        Constant rate of the input [rad/s or m/s].
+
+    Raises
+    ------
+    BalanceError
+        It has no masses, or its input ends at a toggle position, where no mass helps.
+
+    """
+
+    def __init__(self, mechanism: Mechanism, rate: float):
+        if mechanism.bodies is None:
+            raise BalanceError('nothing to balance: the scene gives no masses')
+        if not rate or not isfinite(rate):
+            raise InvalidParameter('rate', rate, 'must be finite, not zero')
+        ends = [end for bounds in mechanism.closing_ranges for end in bounds]
+        if not mechanism.turns_fully and any(end in ends for bounds in mechanism.input_ranges
+                                             for end in bounds):
+            raise BalanceError('loads grow without bound at the toggle positions where the input '
+                               'ends: give a slide a stroke (linkage.range) that keeps away')
+        self.mechanism, self.rate = mechanism, rate
+        self.links: tuple[str, ...] = mechanism.BODIES._fields
+        # a link of a machine may have none
+        self.given = np.concatenate([numbers_of(body or Body(0.0)) for body in mechanism.bodies])
+        self._still = without_weight(mechanism)
+
+    @cached_property
+    def groups(self) -> dict[str, tuple[str, ...]]:
+        """Return {what can be balanced: fields of the loads, components of one another}."""
+        drive = 'driving_force' if self.mechanism.is_driven_by_slide else 'driving_torque'
+        fields = self.mechanism.LOADS._fields
+        bearings = [name.removesuffix('_x') for name in fields
+                    if name.endswith('_x') and not name.startswith('shaking')]
+        return {'force': ('shaking_force_x', 'shaking_force_y'), 'moment': ('shaking_moment',),
+                'torque': (drive,),
+                **{name: (f'{name}_x', f'{name}_y') for name in bearings}}
+
+    def group(self, name: str) -> tuple[str, ...]:
+        """Return the fields of what is to be balanced; InvalidParameter for an unknown name."""
+        if name not in self.groups:
+            raise InvalidParameter('minimize', name, f'unknown{nearest(name, self.groups)}')
+        return self.groups[name]
+
+    def matrices(self, x: Array, fields: Iterable[str]) -> dict[str, Array]:
+        """Return {field: A of (B1)}, shape (inputs, 4 links)."""
+        fields = tuple(fields)
+        unit = power_of_two(*self.mechanism.lengths)
+        probes = (Body(1.0), Body(1.0, unit), Body(1.0, 0.0, unit), Body(0.0, 0.0, 0.0, 1.0))
+        columns: dict[str, list[Array]] = {name: [] for name in fields}
+        for place in range(len(self.links)):
+            found = [self._of_bodies(x, place, probe, fields) for probe in probes]
+            for name in fields:
+                mass, along, across, inertia = (one[name] for one in found)
+                rest = mass / unit + unit * inertia
+                columns[name] += [mass, along / unit - rest, across / unit - rest, inertia]
+        return {name: np.stack(values, axis=1) for name, values in columns.items()}
+
+    def _of_bodies(self, x: Array, place: int, probe: Body,
+                   fields: tuple[str, ...]) -> dict[str, Array]:
+        """Return fields of the loads with one link as a probe, the others without mass."""
+        bodies = [Body(0.0)] * len(self.links)
+        bodies[place] = probe
+        mechanism = replace(self._still, bodies=self.mechanism.BODIES(*bodies))
+        values = mechanism.step(x, self.rate, fields=fields)
+        return {name: np.broadcast_to(value, x.shape) for name, value in zip(fields, values)}
+
+    def nodes(self, points: int) -> tuple[Array, Array]:
+        """Return inputs and weights, of sum one, of a mean over the input."""
+        if self.mechanism.turns_fully:
+            return full_turn(points)
+        ranges = self.mechanism.input_ranges
+        parts = [between(low, high, min(points, 1024)) for low, high in ranges]
+        widths = np.array([high - low for low, high in ranges])
+        return (np.concatenate([x for x, _ in parts]),
+                np.concatenate([w * width for (_, w), width in zip(parts, widths)]) / widths.sum())
+
+    def root(self, names: Iterable[str]) -> Array:
+        """
+        Return R with |R p| the root mean square of loads of these names, shape (n, n).
+
+        Several names: each over what it is unbalanced, so that they add up to |R p|^2.
+        """
+        names, points, before = tuple(names), POINTS, np.inf
+        while True:
+            x, weights = self.nodes(points)
+            blocks = [self._block(name, x, weights, len(names) > 1) for name in names]
+            root = np.asarray(np.linalg.qr(np.concatenate(blocks), mode='r'))
+            size = float(np.linalg.norm(root))
+            if abs(size - before) <= AGREE * size or points >= MOST_POINTS:
+                return root
+            points, before = 2 * points, size
+
+    def _block(self, name: str, x: Array, weights: Array, is_relative: bool) -> Array:
+        matrices = self.matrices(x, self.group(name)).values()
+        block = np.concatenate([np.sqrt(weights)[:, None] * matrix for matrix in matrices])
+        size = float(np.linalg.norm(block @ self.given))
+        return block / size if is_relative and size else block
+
+    def rms(self, name: str, numbers: Array) -> float:
+        """Return the root mean square of a load with these numbers of all links."""
+        return float(np.linalg.norm(self.root((name,)) @ numbers))
+
+    def balanced(self, numbers: Array) -> Mechanism:
+        """Return the mechanism with these numbers of all links, and its own weight and loads."""
+        bodies = [body_of(part) for part in numbers.reshape(-1, NUMBERS)]
+        return replace(self.mechanism, bodies=self.mechanism.BODIES(*bodies))

@@ -1,0 +1,165 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""``fourbar balance``: counterweights for a scene."""
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from fourbar_ros.cli.common import add_verb, PICTURE_HELP, SCENE_HELP, Verbs
+from fourbar_ros.scene.arguments import not_negative, positive, positive_integer
+
+if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_lab.balancing.loads import Loads
+    from fourbar_lab.balancing.rms import Balance, Places
+    from fourbar_ros.mechanisms.mechanism import Mechanism
+    from fourbar_ros.report.terminal import PlainTable
+
+DESCRIPTION = """\
+Find counterweights that take shaking force, shaking moment, driving torque or joint reactions of
+inertia away, at the constant speed of the scene's drive. Without --minimize: full force balance
+with the least added mass. With it: the least root mean square, or the least peak, that an added
+mass can give; the printed bound proves how close to the best it is.
+"""
+EPILOG = """\
+examples:
+  fourbar balance paper                             no shaking force at all
+  fourbar balance paper -o balanced.yaml            the same as a scene for the node
+  fourbar balance paper --minimize moment --mass 3
+  fourbar balance paper --minimize force moment torque --mass 3 --radius crank=0.2 output=0.3
+  fourbar balance paper --minimize force --mass 2 --peak --plot before_after.png
+  fourbar balance paper --minimize moment --mass 10 --front front.png
+  fourbar balance paper --minimize force --mass 3 --shape disc --thickness 0.02
+"""
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb."""
+    verb = add_verb(verbs, 'balance', 'find counterweights for a scene, with a proof of how good',
+                    DESCRIPTION, EPILOG)
+    verb.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    verb.add_argument('--minimize', nargs='+', metavar='LOAD',
+                      help='force, moment, torque or a joint reaction, as f21; if several, each '
+                           'counts relative to its value before balancing')
+    verb.add_argument('--mass', type=not_negative, metavar='KG',
+                      help='with --minimize: largest mass to be added')
+    verb.add_argument('--peak', action='store_true',
+                      help='with --minimize of one load: its largest magnitude instead of its '
+                           'root mean square')
+    verb.add_argument('--radius', nargs='+', type=_radius, default=[], metavar='[LINK=]M',
+                      help='greatest distance of a counterweight from the first joint of its '
+                           'link; the links that are named are those that get one; default: '
+                           'half the longest length, every link that turns')
+    verb.add_argument('--shape', choices=('disc', 'sector'),
+                      help='with --minimize: plates of this shape instead of point masses, one a '
+                           'link; a sector is about the first joint')
+    verb.add_argument('--thickness', type=positive, metavar='M',
+                      help='with --shape: thickness of the plates')
+    verb.add_argument('--density', type=positive, default=7850.0, metavar='RHO',
+                      help='with --shape: density [kg/m^3] (default 7850)')
+    verb.add_argument('-o', '--out', metavar='SCENE', help='scene file to write')
+    verb.add_argument('--plot', metavar='PICTURE',
+                      help=f'force, moment and torque before and after: {PICTURE_HELP}')
+    verb.add_argument('--front', metavar='PICTURE',
+                      help=f'what remains for each mass up to --mass: {PICTURE_HELP}')
+    verb.add_argument('--points', type=positive_integer, default=100, metavar='N',
+                      help='points of the front (default 100)')
+    verb.set_defaults(run=_run)
+
+
+def _radius(text: str) -> tuple[str, float]:
+    link, _, number = text.rpartition('=')
+    try:
+        return link, float(number)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f'{text!r}: must be LINK=METRES or METRES') from None
+
+
+def _run(arguments: argparse.Namespace) -> None:
+    from fourbar_lab.balancing.loads import Loads
+    from fourbar_lab.balancing.result import draw_changes, scene_text
+    from fourbar_lab.balancing.rms import Places
+    from fourbar_ros.report.terminal import make_console
+    from fourbar_ros.scene.scene import load
+    scene = load(arguments.scene)
+    loads = Loads(scene.linkage, scene.drive.speed)
+    places = Places(loads, _radii(scene.linkage, arguments.radius))
+    found, what = _balanced(arguments, places)
+    console = make_console()
+    console.print(f'{what}: {found.added:.9g} kg added')
+    for table in _tables(loads, found):
+        console.print()
+        console.print(table)
+    if arguments.out:
+        with open(arguments.out, 'x', encoding='utf-8') as file:
+            file.write(scene_text(scene, found, what))
+    if arguments.plot:
+        draw_changes(loads, found.numbers, arguments.plot)
+
+
+def _radii(linkage: Mechanism, given: Sequence[tuple[str, float]]) -> dict[str, float]:
+    """Return {link: radius} for all links that turn, or those that are named."""
+    turning = [link.name for link in linkage.LINKS if link.turns]
+    usual = next((radius for link, radius in given if not link),
+                 0.5 * max(map(abs, linkage.lengths)))
+    named = {link: radius for link, radius in given if link}
+    return named or dict.fromkeys(turning, usual)
+
+
+def _balanced(arguments: argparse.Namespace, places: Places) -> tuple[Balance, str]:
+    """Return the balance that is asked for, and what it is as text."""
+    from fourbar_lab.balancing import BalanceError
+    from fourbar_lab.balancing.full import full_force_balance
+    from fourbar_lab.balancing.peak import least_peak
+    from fourbar_lab.balancing.result import draw_front, unit_of
+    from fourbar_lab.balancing.rms import front, least_rms
+    from fourbar_lab.balancing.shapes import best_plates
+    names = arguments.minimize
+    if not names:
+        if (arguments.peak or arguments.front or arguments.shape
+                or arguments.mass is not None):
+            raise BalanceError('--mass, --peak, --shape and --front go with --minimize')
+        found = full_force_balance(places)
+        return found, f'full force balance, at least {found.bound:.6g} kg are needed'
+    if arguments.mass is None:
+        raise BalanceError('--minimize needs --mass: how much may be added')
+    if arguments.peak and (len(names) > 1 or arguments.front):
+        raise BalanceError('--peak takes one load, and no --front')
+    if arguments.shape and (arguments.peak or arguments.thickness is None):
+        raise BalanceError('--shape needs --thickness, and takes no --peak')
+    if arguments.shape:
+        found = best_plates(places, names, arguments.mass, arguments.shape,
+                            arguments.density * arguments.thickness)
+    else:
+        found = (least_peak(places, names[0], arguments.mass) if arguments.peak
+                 else least_rms(places, names, arguments.mass))
+    if arguments.front:
+        masses = [arguments.mass * i / (arguments.points - 1 or 1)
+                  for i in range(arguments.points)]
+        draw_front(places.loads, names, front(places, names, masses), arguments.front)
+    unit = unit_of(places.loads, names[0]) if len(names) == 1 else 'relative'
+    of = 'peak' if arguments.peak else 'RMS'
+    what = f'least {of} of {" and ".join(names)}' + ' found' * bool(arguments.shape)
+    return found, f'{what}: {found.value:.9g} {unit}, and none below {found.bound:.9g} is possible'
+
+
+MORE = {'radius': 'radius [m]>', 'half_angle': 'half-angle [rad]>'}      # of plates
+
+
+def _tables(loads: Loads, found: Balance) -> tuple[PlainTable, PlainTable]:
+    from fourbar_lab.balancing.result import changes
+    from fourbar_ros.report.terminal import plain_table
+    fields: tuple[str, ...] = found.counterweights[0]._fields if found.counterweights else ()
+    weights = plain_table('counterweights, from the first joint of their link',
+                          ('link', 'mass [kg]>', 'along [m]>', 'across [m]>',
+                           *(MORE[name] for name in fields[4:])))
+    for one in found.counterweights:
+        # a workshop's digits; those behind them are the solver's, and the scene file's
+        weights.add_row(one.link, *(f'{value:.7g}' for value in one[1:]))
+    table = plain_table('loads of inertia', ('', 'unit', 'RMS before>', 'after>', 'peak before>',
+                                             'after>'))
+    for change in changes(loads, found.numbers):
+        table.add_row(change.name, change.unit,
+                      *(f'{value:.6g}' for value in (*change.rms, *change.peak)))
+    return weights, table

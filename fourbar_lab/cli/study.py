@@ -1,0 +1,201 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""``fourbar study``: compute many designs of a scene."""
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+import sys
+
+from fourbar_lab.cli import tolerances
+from fourbar_lab.cli.progress import shown
+from fourbar_ros.cli.common import add_verb, BAD, HelpFormatter, Verbs
+from fourbar_ros.scene.arguments import positive_integer
+
+ACTIONS = ('run', 'show', 'plot', 'pick', 'tolerances')
+DESCRIPTION = """\
+Compute many designs of one scene: draw them, search all their extrema, keep those that fulfil the
+constraints as Parquet files, show which are best. docs/studies.md describes the file STUDY.yaml:
+
+  scene: paper
+  method: sobol                     # or latin_hypercube, random, grid
+  rows: 65536
+  vary:
+    linkage.a1: {range: [0.2, 0.6]}
+    linkage.a3: {normal: 0.001}     # around the scene's value
+  constraints:
+    class: [crank-rocker]
+    least_transmission_angle: {least: 0.5}
+  quantities: [shaking_force, omega4.peak]
+  objectives: {shaking_force.max: minimize, swing: maximize}
+"""
+EPILOG = """\
+examples:
+  fourbar study STUDY.yaml -o DIR              on all processors of this machine; "run" is implied
+  fourbar study STUDY.yaml -o DIR --resume     go on after Ctrl-C, a crash or a power cut
+  fourbar study STUDY.yaml -o DIR --cluster tcp://host:8786       on a Dask cluster
+  fourbar study show DIR                       counts, ranges, the best designs
+  fourbar study plot DIR page.html             the same with figures
+  fourbar study pick DIR best -o best.yaml     one design as a scene for the node
+  fourbar study tolerances STUDY.yaml          sensitivities, worst case, Monte Carlo
+"""
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb and its actions."""
+    verb = add_verb(verbs, 'study', 'compute many designs of a scene; show, plot, pick the best',
+                    DESCRIPTION, EPILOG)
+    parse = verb.parse_known_args
+
+    def with_run_implied(args: Sequence[str], namespace: argparse.Namespace | None
+                         ) -> tuple[argparse.Namespace, list[str]]:
+        if args and args[0] not in (*ACTIONS, '-h', '--help'):
+            args = ['run', *args]
+        return parse(args, namespace)
+
+    verb.parse_known_args = with_run_implied        # type: ignore[method-assign, assignment]
+    actions = verb.add_subparsers(dest='action', required=True, metavar='ACTION')
+    _add_run(actions)
+    _add_answers(actions)
+    tolerances.add(actions)
+
+
+def _add_run(actions: Verbs) -> None:
+    run = actions.add_parser('run', help='compute the designs of a study; "run" may be left out',
+                             description=DESCRIPTION, epilog=EPILOG,
+                             formatter_class=HelpFormatter)
+    run.add_argument('study', metavar='STUDY', help='study to run (YAML, see docs/studies.md)')
+    run.add_argument('-o', '--out', metavar='DIR', required=True,
+                     help='folder for the results; must not exist, or hold this study (--resume)')
+    run.add_argument('--resume', action='store_true',
+                     help='go on with a study that was interrupted')
+    where = run.add_mutually_exclusive_group()
+    where.add_argument('--workers', type=positive_integer, metavar='N',
+                       help='processes on this machine; default: one for each processor')
+    where.add_argument('--cluster', metavar='ADDRESS',
+                       help='address of a Dask scheduler, tcp://host:8786; its workers need '
+                            'pip install fourbar_ros[study], no ROS')
+    run.set_defaults(run=_run)
+
+
+def _add_answers(actions: Verbs) -> None:
+    show = actions.add_parser('show', help='show counts, ranges and the best designs of a study',
+                              description='Show how many designs were left out by what, the '
+                                          'range of each column, and the best designs.')
+    plot = actions.add_parser('plot', help='write the tables and figures of a study as one HTML '
+                                           'page',
+                              description='Write one HTML file: tables, Pareto front, '
+                                          'distributions, sensitivities, pairs.')
+    pick = actions.add_parser('pick', help='write one design as a scene file for the node',
+                              description='Write one design as a scene file, which starts the '
+                                          'node and every other command.')
+    for parser in (show, plot, pick):
+        parser.add_argument('study', metavar='DIR', help='folder of a study, also while it runs')
+    plot.add_argument('page', metavar='PAGE', help='HTML file to write')
+    pick.add_argument('which', metavar='WHICH', help='best, worst, or the number of a row')
+    pick.add_argument('--by', metavar='OBJECTIVE', help='objective to rank by; default: the first')
+    pick.add_argument('-o', '--out', metavar='SCENE', help='file to write; default: print it')
+    show.set_defaults(run=_show)
+    plot.set_defaults(run=_plot)
+    pick.set_defaults(run=_pick)
+
+
+def _show(arguments: argparse.Namespace) -> None:
+    from fourbar_lab.studies.report import (
+        about,
+        best_rows,
+        FRONT,
+        front_rows,
+        front_words,
+        RANGE_HEADS,
+        range_rows,
+    )
+    from fourbar_lab.studies.results import Results
+    from fourbar_ros.report.terminal import make_console, plain_table
+    results, console = Results(arguments.study), make_console()
+    console.print(about(results))
+    parts: list[tuple[str, Sequence[str], Sequence[Sequence[str]]]] = [
+        ('designs', ('', '>'), [(reason, str(number))
+                                for reason, number in results.counts.items()])]
+    if results.kept:
+        parts.append(('ranges', _right(RANGE_HEADS, 2), range_rows(results)))
+        if results.objectives:
+            columns, best = best_rows(results)
+            parts.append(('best designs', _right(columns, 1), best))
+        if len(results.objectives) > 1:
+            columns, front = front_rows(results)
+            parts.append((FRONT, _right(columns, 0), front))
+    for title, heads, lines in parts:
+        table = plain_table(title, heads)
+        for line in lines:
+            table.add_row(*line)
+        console.print()
+        console.print(table)
+        if title == FRONT:
+            console.print(front_words(results))
+    for row, text in results.failures[:5]:
+        console.print(f'row {row} failed: {text}')
+
+
+def _right(heads: Sequence[str], first: int) -> list[str]:
+    """Return the heads of a table whose columns are right-aligned from one on."""
+    return [head + '>' * (place >= first) for place, head in enumerate(heads)]
+
+
+def _plot(arguments: argparse.Namespace) -> None:
+    from fourbar_lab.studies.report import write_page
+    from fourbar_lab.studies.results import Results
+    write_page(Results(arguments.study), arguments.page)
+
+
+def _pick(arguments: argparse.Namespace) -> None:
+    from fourbar_lab.studies import StudyError
+    from fourbar_lab.studies.results import Results
+    from fourbar_ros.scene.scene import from_values
+    results, which = Results(arguments.study), arguments.which
+    if which in ('best', 'worst'):
+        rows = results.best(arguments.by, 1, which == 'worst')
+        if not rows:
+            raise StudyError(f'{arguments.study}: no design fulfils the constraints')
+        row = rows[0]
+    elif which.isdecimal():
+        row = int(which)
+    else:
+        raise StudyError(f'{which}: must be best, worst or the number of a row')
+    text = results.scene_text(row)
+    from_values(results.scene_values(row))          # one that cannot be built is no scene
+    if arguments.out is None:
+        print(text, end='')
+    else:
+        with open(arguments.out, 'x', encoding='utf-8') as file:
+            file.write(text)
+        print(f'row {row}: {arguments.out}')
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    from fourbar_lab.studies.chunks import FEASIBLE
+    from fourbar_lab.studies.engine import Cluster, Local, run
+    from fourbar_lab.studies.folder import Folder
+    from fourbar_lab.studies.study import read
+    study, folder = read(arguments.study), Folder(arguments.out)
+    folder.begin(study, arguments.resume)
+    executor = Cluster(arguments.cluster) if arguments.cluster else Local(arguments.workers)
+    try:
+        with shown() as report:
+            done = run(study, folder, executor, report)
+    except KeyboardInterrupt:
+        print(f'interrupted: {len(folder.parts())} of {study.chunks} chunks are done; --resume '
+              'goes on', file=sys.stderr)
+        raise
+    finally:
+        executor.close()
+    counts, failures = folder.totals()
+    print(f'{done.in_this_run} designs in {done.seconds:.1f} s ({done.rate:.0f}/s) with '
+          f'{executor.workers} workers: {arguments.out}')
+    print(', '.join(f'{reason}: {number}' for reason, number in counts.items()), flush=True)
+    for row, text in failures[:5]:
+        print(f'row {row} failed: {text}', file=sys.stderr)
+    if FEASIBLE not in counts:
+        print('fourbar: no design fulfils the constraints, so there is none to show: most fail '
+              f'{next(iter(counts))}', file=sys.stderr)
+    return BAD if failures else 0

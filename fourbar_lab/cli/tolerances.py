@@ -1,0 +1,124 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""``fourbar study tolerances``: how bad the tolerances of a study make its design."""
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from math import isfinite
+import tempfile
+from typing import TYPE_CHECKING
+
+from fourbar_lab.cli.progress import shown
+from fourbar_ros.cli.common import HelpFormatter
+from fourbar_ros.scene.arguments import positive_integer
+
+if TYPE_CHECKING:      # verbs import when they run
+    from collections.abc import Sequence
+
+    from fourbar_lab.studies import Study, Summary, Toleranced
+    from fourbar_lab.studies.tolerance_analysis import Tolerance
+    from fourbar_ros.cli.common import HelpFormatter, Verbs
+
+DESCRIPTION = """\
+Show how the measures of a study change with the parameters that vary in it, around the middle of
+their tolerances (uniform, normal: three deviations, range): exact derivatives; the worst case by
+the first order, in the corners of the box, and as bounds proven for every design of the box; and
+what the rows of the study, drawn at random, give.
+"""
+
+
+def add(actions: Verbs) -> None:
+    """Add the action."""
+    parser = actions.add_parser('tolerances', help='sensitivities, worst case and Monte Carlo of '
+                                                   'the tolerances of a study',
+                                description=DESCRIPTION,
+                                formatter_class=HelpFormatter)
+    parser.add_argument('study', metavar='STUDY', help='study (YAML, see docs/studies.md)')
+    parser.add_argument('--rows', type=positive_integer, metavar='N',
+                        help='designs to draw; default: the rows of the study')
+    parser.add_argument('--workers', type=positive_integer, metavar='N',
+                        help='processes on this machine; default: one for each processor')
+    parser.add_argument('--no-proof', action='store_true',
+                        help='leave out the proven bounds, which take seconds')
+    parser.set_defaults(run=_run)
+
+
+def _run(arguments: argparse.Namespace) -> None:
+    from fourbar_lab.studies.study import read
+    from fourbar_lab.studies.tolerance_analysis import box_of, tolerances
+    from fourbar_ros.report.terminal import make_console, plain_table
+    study = read(arguments.study)
+    if arguments.rows:
+        study = replace(study, rows=arguments.rows)
+    box = box_of(study)
+    found = tolerances(study, not arguments.no_proof)
+    drawn, share = _drawn(study, arguments.workers)
+    console = make_console()
+    for title, heads, rows in (
+            ('box', ('parameter', 'unit', 'middle>', '+->'),
+             [(one.name, one.unit, _text(one.centre), _text(one.size)) for one in box]),
+            (f'least and greatest value, and percentiles of {study.rows} designs',
+             ('measure', 'unit', 'middle>', *(f'{end} {way}>' for way in
+                                              ('first order', 'of corners', 'proven', 'drawn')
+                                              for end in ('least', 'greatest')),
+              '5 %>', '50 %>', '95 %>'), [_bounds_row(one, drawn) for one in found]),
+            ('derivatives, and what each tolerance contributes',
+             ('measure', 'parameter', 'derivative>', 'unit', '+->'),
+             [row for one in found for row in _derivative_rows(one, box)])):
+        table = plain_table(title, heads)
+        for row in rows:
+            table.add_row(*row)
+        console.print(table)
+        console.print()
+    if study.bounds:
+        console.print(f'{100.0 * share:.6g} % of the designs fulfil the constraints')
+
+
+def _drawn(study: Study, workers: int | None) -> tuple[dict[str, Summary], float]:
+    """Return {measure: its Summary} of the rows of a study, and which share is feasible."""
+    from fourbar_lab.studies.engine import Local, run
+    from fourbar_lab.studies.folder import Folder
+    from fourbar_lab.studies.results import Results
+    study = replace(study, keeps_all=True, objectives=(), curves=())
+    with tempfile.TemporaryDirectory() as path:
+        folder, executor = Folder(f'{path}/drawn'), Local(workers)
+        folder.begin(study, False)
+        try:
+            with shown() as report:
+                run(study, folder, executor, report)
+        finally:
+            executor.close()
+        results = Results(folder.path, feasible_only=False)
+        return ({one.name: one for one in results.summaries()},
+                results.counts.get('feasible', 0) / study.rows)
+
+
+def _bounds_row(one: Toleranced, drawn: dict[str, Summary]) -> tuple[str, ...]:
+    measure, value, _ = one.sensitivity
+    summary = drawn[measure.name]
+    assert not isinstance(value, str)           # tolerances() leaves the class out
+    numbers = (value, value - one.first_order, value + one.first_order, *one.corners, *one.proven,
+               summary.least, summary.greatest, *summary.percentiles)
+    return (measure.name, measure.unit, *map(_text, numbers))
+
+
+def _derivative_rows(one: Toleranced, box: Sequence[Tolerance]) -> list[tuple[str, ...]]:
+    """Return the rows of a measure, what contributes most first."""
+    measure, _, by = one.sensitivity
+    if not any(isfinite(value) for value in by.values()):
+        return []
+    ordered = sorted(box, key=lambda part: -abs(by[part.name]) * part.size)
+    return [(measure.name, part.name, _text(by[part.name]), _unit(measure.unit, part.unit),
+             _text(abs(by[part.name]) * part.size)) for part in ordered]
+
+
+def _unit(of: str, by: str) -> str:
+    """Return the unit of a derivative."""
+    of, by = (f'({unit})' if set(unit) & set(' /') else unit or '1' for unit in (of, by))
+    return of if by == '1' else f'{of}/{by}'
+
+
+def _text(value: float) -> str:
+    """Return a number; a dash for what is not known."""
+    return f'{value:.6g}' if isfinite(value) else '-'

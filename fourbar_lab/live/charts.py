@@ -1,0 +1,227 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Charts of a page as ECharts options: curves over the input with extrema, polar force plots."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import ceil, floor, isfinite, log10, radians
+from typing import Any
+
+from fourbar_lab.live.model import LIMIT, Shown, written
+from fourbar_ros.extrema.find import CONSTANT, Extremum, INTERIOR, MAXIMUM
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.report.cycles import ground_forces
+from fourbar_ros.report.significant import significant
+import numpy as np
+
+COLOURS = ('#2463a8', '#a3501c', '#1e6b37', '#7b3294', '#8a1538', '#4d5b00')
+OF_DARK = ('#6aa9e9', '#e0905c', '#6cc28a', '#c08ad6', '#e8789a', '#b5c24a')
+CURVE_HEIGHT, GAP, TOP, LEFT, RIGHT = 130, 46, 34, 78, 24      # [px]
+CURSOR = '#c0392b'
+NEAR, FAR = 10.0, 30.0      # times the median size: shown of a curve that goes beyond the latter
+GOOD = 50.0                 # [deg] a transmission angle is called good so far off square
+BAND = 'rgba(60,160,80,.16)'
+POLAR_SIZE = 400, 380                                          # [px]
+POLAR_EDGES = 62, 18, 40, 44                                   # left, right, top, bottom [px]
+
+Options = dict[str, Any]        # a tree, as ECharts documents it
+
+
+def height(count: int) -> int:
+    """Return the height [px] of a chart of so many curves."""
+    return TOP + max(1, count) * (CURVE_HEIGHT + GAP)
+
+
+def over_input(shown: Shown, names: Sequence[str], extrema: Sequence[Extremum],
+               is_dark: bool) -> Options:
+    """Return the options of one panel for each quantity, over one input axis, extrema marked."""
+    inputs: list[float | None] = []
+    for cycle in shown.cycles:              # a gap separates the ranges of the input
+        inputs += [*map(shown.shown_input, cycle.inputs.tolist()), None]
+    columns = {'x': inputs} | {name: _column(shown, name) for name in names}
+    series = [_line(place, 0, name) | {
+        'name': name, 'color': _colour(place, is_dark),
+        'markPoint': {'data': _marks(shown, name, extrema), 'silent': False},
+        'markArea': {'silent': True, 'itemStyle': {'color': BAND},
+                     'data': [[{'yAxis': radians(90.0 - GOOD)}, {'yAxis': radians(90.0 + GOOD)}]]
+                     if name.startswith('transmission_angle') else []}}
+              for place, name in enumerate(names)]
+    ends = shown.shown_input(shown.ranges[0][0]), shown.shown_input(shown.ranges[-1][1])
+    label = f'{shown.linkage.input_coordinate.position} [{shown.input_unit}]'
+    options = _panels(shown, names, (series, [columns]), (*ends, label), is_dark)
+    for axis, name in zip(options['yAxis'], names):
+        axis |= _bounds(columns[name], [extremum.value for extremum in extrema
+                                        if extremum.quantity == name
+                                        and extremum.place == INTERIOR])
+    return options
+
+
+def _bounds(values: Sequence[float | None], extrema: Sequence[float]) -> dict[str, float | None]:
+    """Return the bounds of a value axis: None, but where a curve goes to infinity at toggles."""
+    sizes = np.abs([value for value in values if value is not None])
+    typical = float(np.median(sizes)) if len(sizes) else 0.0
+    bound = max([NEAR * typical, *(1.2 * abs(value) for value in extrema)])
+    if not typical or sizes.max() <= max(FAR * typical, bound):
+        return {'min': None, 'max': None}
+    kept = [value for value in values if value is not None and abs(value) <= bound]
+    return {'min': float(f'{min(kept):.2g}'), 'max': float(f'{max(kept):.2g}')}
+
+
+def over_time(shown: Shown, runs: Sequence[tuple[str, Array, dict[str, Array]]],
+              names: Sequence[str], end: float, is_dark: bool) -> Options:
+    """
+    Return the options of one panel for each quantity over time.
+
+    ``runs``: of each its title, times [s], and values of its quantities by name.
+    """
+    columns = [{'x': times.tolist()} | {name: _finite(values) for name, values in found.items()}
+               for _, times, found in runs]
+    series = [_line(place, which, name) | {
+        'name': ' '.join(filter(None, (name, title))), 'color': _colour(which, is_dark),
+        'lineStyle': {'width': 2, 'type': 'dashed' if which else 'solid'}}
+              for place, name in enumerate(names)
+              for which, (title, _, found) in enumerate(runs) if name in found]
+    return _panels(shown, names, (series, columns), (0.0, end, 'time [s]'), is_dark)
+
+
+def _line(place: int, which: int, name: str) -> Options:
+    """Return the series of a column of data set number ``which`` in panel number ``place``."""
+    return {'type': 'line', 'id': f'line{place}_{which}', 'showSymbol': False,
+            'xAxisIndex': place, 'yAxisIndex': place, 'lineStyle': {'width': 2},
+            'datasetIndex': which, 'encode': {'x': 'x', 'y': name}}
+
+
+def _finite(values: Array) -> list[float | None]:
+    return [value if isfinite(value) else None for value in np.asarray(values, float).tolist()]
+
+
+def _panels(shown: Shown, names: Sequence[str],
+            lines: tuple[list[Options], list[Options]],
+            axis: tuple[float, float, str], is_dark: bool) -> Options:
+    """
+    Return the options of stacked panels over one axis (low, high, label).
+
+    ``lines``: the series, and the columns of each data set: a browser copies a few long columns
+    in a fraction of the time of many pairs.
+    """
+    (series, columns), panels, (low, high, label) = lines, range(len(names)), axis
+    ink = {'color': _ink(is_dark)}
+    return {
+        'animation': False, 'backgroundColor': 'transparent',
+        'darkMode': is_dark,
+        'grid': [{'left': LEFT, 'right': RIGHT, 'height': CURVE_HEIGHT,
+                  'top': TOP + i * (CURVE_HEIGHT + GAP)} for i in panels],
+        'title': [{'text': f'{name} [{written(shown.quantities[name].unit)}]',
+                   'left': LEFT - 4,
+                   'top': TOP + i * (CURVE_HEIGHT + GAP) - 24,
+                   'textStyle': {'fontSize': 13, 'fontWeight': 'normal', **ink}}
+                  for i, name in enumerate(names)],
+        'xAxis': [{'type': 'value', 'gridIndex': i, 'min': low, 'max': high, 'axisLabel': ink,
+                   'name': label if i == panels[-1] else '', 'nameLocation': 'middle',
+                   'nameGap': 26, 'nameTextStyle': ink, 'splitLine': _grid(is_dark)}
+                  for i in panels],
+        'yAxis': [{'type': 'value', 'gridIndex': i, 'scale': True, 'splitNumber': 4,
+                   'axisLabel': ink, 'splitLine': _grid(is_dark)} for i in panels],
+        'tooltip': {'trigger': 'axis'},
+        'axisPointer': {'link': [{'xAxisIndex': 'all'}]},
+        'dataset': [{'source': source} for source in columns],
+        'series': series,
+    }
+
+
+def _colour(number: int, is_dark: bool) -> str:
+    return (OF_DARK if is_dark else COLOURS)[number % len(COLOURS)]
+
+
+def _ink(is_dark: bool) -> str:
+    return '#e4e4e4' if is_dark else '#222222'
+
+
+def _grid(is_dark: bool) -> Options:
+    return {'lineStyle': {'color': '#3a3f45' if is_dark else '#dddddd'}}
+
+
+def _column(shown: Shown, name: str) -> list[float | None]:
+    """Return the values of a quantity over all ranges of the input, gaps between them."""
+    data: list[float | None] = []
+    for _, values in shown.curves(name):
+        with np.errstate(invalid='ignore'):
+            bound = LIMIT * float(np.nanmedian(np.abs(values))) or np.inf
+            data += [*_finite(np.where(np.abs(values) <= bound, values, np.nan)), None]
+    return data
+
+
+def _marks(shown: Shown, name: str, extrema: Sequence[Extremum]) -> list[Options]:
+    """Return the marks of the extrema of a quantity, the global ones with their value."""
+    return [{'coord': [shown.shown_input(shown.place_of(extremum)), extremum.value],
+             'value': significant(extremum.value), 'symbol': 'circle',
+             'symbolSize': 9 if extremum.is_global else 5,
+             'label': {'show': extremum.is_global, 'fontSize': 11,
+                       'position': 'bottom' if extremum.kind == MAXIMUM else 'top'}}
+            for extremum in extrema if extremum.quantity == name and extremum.kind != CONSTANT
+            and isfinite(extremum.value)]
+
+
+def cursor_style(at: float, low: float, high: float) -> str:
+    """Return the CSS of the line over the panels that stands at the present input or time."""
+    share = (at - low) / (high - low) if high > low else 0.0
+    return f'left:calc({LEFT}px + {share:.6f} * (100% - {LEFT + RIGHT}px))'
+
+
+def polar(shown: Shown, is_dark: bool) -> Options:
+    """
+    Return the options of the polar diagram: each force as a vector from the origin [N].
+
+    The shaking force, and the reaction of the ground at each of its joints.
+    """
+    names = {'shaking_force': 'shaking force'} | ground_forces(shown.linkage)
+    series: list[Options] = []
+    largest = 0.0
+    for name, text in names.items():
+        data: list[list[float | None]] = []
+        for cycle in shown.cycles:
+            x, y = (getattr(cycle.loads, f'{name}_{axis}') for axis in 'xy')
+            size = np.hypot(x, y)
+            bound = LIMIT * float(np.nanmedian(size)) or np.inf
+            data += [[float(a), float(b)] for a, b, c in zip(x, y, size) if c <= bound]
+            data.append([None, None])
+            largest = max(largest, float(np.nanquantile(size[np.isfinite(size)], 0.99)))
+        series.append({'type': 'line', 'name': text, 'showSymbol': False, 'data': data,
+                       'lineStyle': {'width': 2}, 'color': _colour(len(series), is_dark)})
+    left, right, top, bottom = POLAR_EDGES
+    bound, step = _round_axis(1.04 * largest)
+    axis = {'type': 'value', 'min': -bound, 'max': bound, 'interval': step,
+            'splitLine': _grid(is_dark), 'axisLabel': {'color': _ink(is_dark)},
+            'nameTextStyle': {'color': _ink(is_dark)}}
+    return {'animation': False, 'backgroundColor': 'transparent',
+            'darkMode': is_dark,
+            'legend': {'top': 0, 'itemWidth': 16, 'textStyle': {'color': _ink(is_dark)}},
+            'grid': {'left': left, 'right': right, 'top': top, 'bottom': bottom},
+            'xAxis': axis | {'name': 'x [N]', 'nameLocation': 'middle', 'nameGap': 26},
+            'yAxis': axis | {'name': 'y [N]', 'nameLocation': 'middle', 'nameGap': 46},
+            'tooltip': {}, 'series': series}
+
+
+def _round_axis(largest: float) -> tuple[float, float]:
+    """Return (bound, step) of an axis from -bound to bound with round steps of 1, 2 or 5."""
+    if not largest > 0.0 or not isfinite(largest):
+        return 1.0, 0.5
+    size = 10.0 ** floor(log10(largest / 2.0))
+    step = next(float(f'{size * part:.0e}') for part in (1.0, 2.0, 5.0, 10.0)
+                if 3.0 * size * part >= largest)
+    return step * ceil(largest / step - 1e-9), step
+
+
+def polar_now(shown: Shown, loads: Any, bound: float, is_dark: bool) -> str:
+    """Return SVG dots at the present loads, to lie over the polar diagram of that bound [N]."""
+    left, right, top, bottom = POLAR_EDGES
+    width, height = POLAR_SIZE[0] - left - right, POLAR_SIZE[1] - top - bottom
+    dots = []
+    for i, name in enumerate(('shaking_force', *ground_forces(shown.linkage))):
+        x, y = (getattr(loads, f'{name}_{axis}') / bound for axis in 'xy')
+        if max(abs(x), abs(y)) <= 1.0:
+            dots.append(f'<circle cx="{left + 0.5 * (1.0 + x) * width:.1f}" '
+                        f'cy="{top + 0.5 * (1.0 - y) * height:.1f}" r="5" '
+                        f'fill="{_colour(i, is_dark)}"/>')
+    return (f'<svg width="{POLAR_SIZE[0]}" height="{POLAR_SIZE[1]}" stroke="{_ink(is_dark)}">'
+            f'{"".join(dots)}</svg>')

@@ -1,0 +1,246 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The controls of a page: fields and sliders, one pair for each number of the scene.
+
+A control belongs to its user while he types or moves it. The server may set ``value`` at any
+time; the browser shows it when the control is not in use and the server has answered all that
+its user did. So nothing that arrives late overwrites what he does. ``ui.number`` and
+``ui.slider`` show every value as it comes: on a page that moves they drop digits while they are
+typed, and set a slider back to an older place. A value that the server sets calls nobody back.
+"""
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from math import inf, isfinite, isnan
+import re
+
+from fourbar_lab.live.model import Shown
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.scene import parameters
+from fourbar_ros.scene.parameter_table import Parameter
+from nicegui import ui
+from nicegui.elements.mixins.disableable_element import DisableableElement
+from nicegui.elements.mixins.value_element import ValueElement
+from nicegui.events import GenericEventArguments, ValueChangeEventArguments
+
+THROTTLE = 0.05         # [s] between two values of a slider that is moved
+NUMBER = r'[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?'
+TYPED = re.compile(rf'({NUMBER})(?:\s*/\s*({NUMBER}))?', re.ASCII)
+THOUSANDS = re.compile(r'[-+]?[1-9]\d{0,2},\d{3}', re.ASCII)      # or a point and three digits
+GROUPS = {'linkage': 'Linkage', 'dyads': 'Dyads', 'drive': 'Input', 'gravity': 'Gravity',
+          'bodies': 'Bodies', 'external': 'Loads from outside', 'points': 'Points'}
+OPEN = ('linkage', 'dyads', 'drive')       # groups that are open at first
+HIDDEN = ('external.timeout',)
+OF_DRIVE = ('drive.speed',)                # of the drive, what a picture depends on
+SPAN = 2.5                                 # sliders reach so many times the first value
+
+Answer = Awaitable[None] | None          # of a node it comes later
+Change = Callable[[str, float], Answer]
+Show = Callable[[float], None]
+Then = tuple[Change, Callable[[str], None]]
+
+
+class NoNumber(FourBarError, ValueError):
+    """What was typed is no finite number, or could be two; the message says what is one."""
+
+
+def read_number(text: str) -> float:
+    """Return the number that a user typed, with a point or a comma, or as a fraction."""
+    text = text.strip().replace('\N{MINUS SIGN}', '-')
+    match = TYPED.fullmatch(text)
+    if not match:
+        raise NoNumber(f'{text!r}: must be a number, as 0.5, 0,5 or 1/2' if text
+                       else 'must be given')
+    for part in filter(None, match.groups()):
+        if THOUSANDS.fullmatch(part):
+            raise NoNumber(f'{text!r}: write {part.replace(",", ".")} or {part.replace(",", "")}')
+    above, below = (float(part.replace(',', '.')) if part else 1.0 for part in match.groups())
+    value = above / below if below else inf
+    if not isfinite(value):
+        raise NoNumber(f'{text[:40]!r}: must be a finite number')
+    return value
+
+
+class UserValue(ValueElement, DisableableElement):
+    """
+    A control whose browser counts what its user does, and whose server answers with the count.
+
+    Parameters
+    ----------
+    value : float
+    take : callable, optional
+        Called with the number that the user gives.
+    refuse : callable, optional
+        Called with a :class:`NoNumber` in its place; the control goes back to its value.
+    throttle : float
+        Least time between two values from the browser; the last one always comes [s].
+
+    """
+
+    VALUE_PROP = 'value'
+
+    def __init__(self, value: float, take: Callable[[float], Answer] | None = None,
+                 refuse: Callable[[NoNumber], None] | None = None, throttle: float = 0.0):
+        super().__init__(value=value)
+        self._take, self._refuse = take, refuse
+        self._props['answered'] = 0
+        self.on('commit', self._answer, [None], throttle=throttle)
+
+    def _answer(self, event: GenericEventArguments) -> Answer:
+        """Take what the user did; the browser learns it even if the value stays what it was."""
+        given, self._props['answered'] = event.args
+        self.update()
+        try:
+            value = read_number(str(given))
+        except NoNumber as error:
+            if self._refuse:
+                self._refuse(error)
+            return None
+        self.set_value(value)
+        return self._take(value) if self._take else None
+
+
+class Field(UserValue, component='field.js'):       # type: ignore[call-arg]
+    """A number with a label; a typed one takes effect on Enter or leaving it."""
+
+    def __init__(self, label: str, value: float, take: Callable[[float], Answer],
+                 refuse: Callable[[NoNumber], None], digits: int = 12):
+        self._digits = digits
+        super().__init__(value, take, refuse)
+        self._props.update({'label': label, 'for': self.html_id})
+
+    def _value_to_model_value(self, value: float) -> str:
+        return f'{value:.{self._digits}g}'
+
+
+class Slider(UserValue, component='slider.js'):     # type: ignore[call-arg]
+    """A slider, whose values come while it is moved."""
+
+    def __init__(self, low: float, high: float, step: float, value: float,
+                 take: Callable[[float], Answer] | None = None):
+        super().__init__(value, take, throttle=THROTTLE)
+        self.set_range(low, high, step)
+
+    def set_range(self, low: float, high: float, step: float) -> None:
+        """Set ends and step as numbers: as texts they would be joined, not added."""
+        self._props.update({'min': low, 'max': high, 'step': step})
+
+
+def shown_parameters(shown: Shown) -> dict[str, list[Parameter]]:
+    """Return {group: numbers of the scene that this mechanism has}, in the order of GROUPS."""
+    links = {link.name for link in shown.linkage.LINKS} | {'rods'}
+    found: dict[str, list[Parameter]] = {}
+    for name, value in shown.scene.values.items():
+        group, *rest = name.split('.')
+        parameter = parameters.of_name(name)
+        if (group not in GROUPS or name in HIDDEN or parameter.type not in ('double', 'integer')
+                or (group == 'drive' and name not in OF_DRIVE)
+                or (group in ('bodies', 'external') and rest[0] not in links)
+                or (isnan(value) if isinstance(value, float) else False)
+                or (group == 'linkage' and not _has(shown, rest[0]))):
+            continue
+        found.setdefault(group, []).append(parameter)
+    return {group: found[group] for group in GROUPS if group in found}
+
+
+def _has(shown: Shown, name: str) -> bool:
+    # a machine has a mode for each dyad
+    return (name in shown.linkage.length_names
+            or (name == 'mode' and not shown.scene.values.get('linkage.dyads')))
+
+
+def build(shown: Shown, change: Change, refuse: Callable[[str], None]) -> dict[str, Show]:
+    """
+    Build the controls; return {name of the parameter: a function that shows a value of it}.
+
+    ``change(name, value)`` is called with each new value of the user, ``refuse(why)`` if there is
+    none in what he typed.
+    """
+    shows = {}
+    for group, found in shown_parameters(shown).items():
+        with ui.expansion(GROUPS[group], value=group in OPEN).classes('full-width').props(
+                'dense expand-separator'):
+            for parameter in found:
+                value = shown.scene.values[parameter.name]
+                make = (_choice if parameter.name.endswith('.mode')
+                        and parameter.type == 'integer' else _number)
+                with ui.row().classes('fb-middle full-width no-wrap fb-control'):
+                    shows[parameter.name] = make(parameter, value, shown, (change, refuse))
+    return shows
+
+
+def _tooltip(parameter: Parameter) -> None:
+    """Say what a parameter means, beside its control: below is the next one."""
+    text = parameter.text.partition('; for the sliders')[0]         # a page has no docs
+    ui.tooltip(text[0].upper() + text[1:]).props(
+        'anchor="center right" self="center left" :delay="400"')
+
+
+def _choice(parameter: Parameter, value: int, shown: Shown, then: Then) -> Show:
+    """Build the buttons of an assembly mode."""
+    name, (change, _) = parameter.name, then
+    modes = shown.linkage.modes if name == 'linkage.mode' else {1: '1', 2: '2'}
+    dyad = name.split('.')[1] if name.startswith('dyads.') else ''
+    ui.label(' '.join(filter(None, (dyad, 'assembly mode'))))
+    held: float = value
+
+    def take(event: ValueChangeEventArguments[int]) -> Answer:
+        nonlocal held
+        if event.value == held:             # it was shown, not chosen
+            return None
+        held = event.value
+        return change(name, held)
+
+    def show(value: float) -> None:
+        nonlocal held
+        held = value
+        buttons.set_value(value)
+
+    with ui.toggle(dict(modes), value=value, on_change=take).props(
+            f'dense no-caps aria-label="{name}"') as buttons:
+        _tooltip(parameter)
+    return show
+
+
+def _number(parameter: Parameter, value: float, shown: Shown, then: Then) -> Show:
+    """Build the field of a number with a slider beside it."""
+    name, (change, refuse) = parameter.name, then
+    low, high, step = _span(parameter, float(value), shown)
+
+    def clamped(value: float) -> float:
+        return min(max(value, low), high)
+
+    def take_typed(value: float) -> Answer:
+        slider.set_value(clamped(value))
+        return change(name, value)
+
+    def take_moved(value: float) -> Answer:
+        field.set_value(value)
+        return change(name, value)
+
+    def show(value: float) -> None:
+        field.set_value(value)
+        slider.set_value(clamped(value))
+
+    unit = f' [{parameter.unit}]' if parameter.unit else ''
+    with Field(f'{name.split(".", 1)[1]}{unit}', value, take_typed,
+               lambda why: refuse(f'{name} = {why}')).props(
+            f'dense aria-label="{name}"').classes('fb-number') as field:
+        _tooltip(parameter)
+    slider = Slider(low, high, step, clamped(float(value)), take_moved).props(
+        f'aria-label="{name} slider"').classes('col')
+    return show
+
+
+def _span(parameter: Parameter, value: float, shown: Shown) -> tuple[float, float, float]:
+    """Return (low, high, step) of a slider."""
+    size = max(map(abs, shown.linkage.lengths)) if parameter.unit == 'm' else 1.0
+    reach = SPAN * (abs(value) or size)
+    low = -reach if value < 0.0 or value == 0.0 or parameter.unit == 'rad/s or m/s' else 0.0
+    low = max(low, parameter.low) if parameter.low > -1e300 else low
+    if parameter.positive or parameter.name.split('.')[-1] in ('mass', 'inertia'):
+        low = max(low, 0.0)
+    step = float(f'{(reach - low) / 500.0:.0e}')
+    low = step if parameter.positive and low <= 0.0 else low
+    return low, min(reach, parameter.high), step

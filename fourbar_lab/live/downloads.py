@@ -1,0 +1,125 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Downloads of a page: scene file, pictures, numbers, one page that needs no server."""
+from __future__ import annotations
+
+from collections.abc import Callable
+import csv
+import io
+import json
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from fourbar_lab.live.model import Shown
+from fourbar_lab.live.picture import document, Layers, mechanism_svg, traces_svg
+from fourbar_lab.live.svg import HEIGHT, STYLE, WIDTH
+from fourbar_lab.live.tables import extrema_rows
+from fourbar_ros.errors import FourBarError
+from nicegui import run, ui
+
+FRAMES = 120             # pictures in a page of its own
+
+
+# The picture as the browser draws it, at twice its size.
+PNG = """(name, svg) => {
+const image = new Image();
+image.onload = () => {
+  const canvas = document.createElement('canvas');
+  [canvas.width, canvas.height] = [2 * image.width, 2 * image.height];
+  canvas.getContext('2d').drawImage(image, 0, 0, canvas.width, canvas.height);
+  const link = document.createElement('a');
+  [link.href, link.download] = [canvas.toDataURL('image/png'), name];
+  link.click();
+};
+image.src = 'data:image/svg+xml;charset=utf-8,' + encodeURIComponent(svg);
+}"""
+
+
+def menu(page: Any) -> None:
+    """Build the menu of downloads."""
+    kinds = {'scene file (YAML)': ('yaml', lambda: page.shown.scene.as_text),
+             'picture (SVG)': ('svg', lambda: picture(page)),
+             'picture (PNG)': ('png', lambda: picture(page)),
+             'numbers of a cycle (CSV)': ('csv', lambda: cycle_csv(page.shown)),
+             'page that needs no server (HTML)': ('html', lambda: html(page)),
+             'animation (GIF)': ('gif', lambda: gif(page.shown))}
+    button = ui.button(icon='download').props('flat dense color=white aria-label="download"')
+    with button, ui.menu():
+        for text, (suffix, make) in kinds.items():
+            ui.menu_item(text, lambda suffix=suffix, make=make: _send(page, suffix, make))
+
+
+async def _send(page: Any, suffix: str, make: Callable[[], str | bytes]) -> None:
+    """Make a file without stopping the page, and send it; or say why there is none."""
+    why = page.refusal if page.refusal or suffix not in ('svg', 'png', 'html') else page.no_pose
+    if why:
+        ui.notify(f'nothing to save: {why}', type='warning')
+        return
+    if suffix == 'gif':
+        ui.notify('drawing the animation takes some seconds', type='ongoing', timeout=5000)
+    try:
+        content = await run.io_bound(make)
+    except FourBarError as error:
+        ui.notify(str(error), type='negative')
+        return
+    name = f'{page.title.rpartition("/")[2].removesuffix(".yaml")}.{suffix}'
+    if suffix == 'png':
+        ui.run_javascript(f'({PNG})({json.dumps(name)}, {json.dumps(content)})')
+    else:
+        ui.download.content(content, name)
+
+
+def picture(page: Any) -> str:
+    """Return the present picture as an SVG file."""
+    return document(traces_svg(page.shown, page.view) + mechanism_svg(
+        page.shown, page.pose, page.view, page.per_newton, page.layers))
+
+
+def cycle_csv(shown: Shown) -> str:
+    """Return every field of motion and loads over the ranges of the input, SI units."""
+    text = io.StringIO()
+    writer = csv.writer(text)
+    for place, cycle in enumerate(shown.cycles):
+        columns = dict(zip(cycle.motion._fields, cycle.motion))
+        columns |= dict(zip(cycle.loads._fields, cycle.loads)) if cycle.loads else {}
+        if place == 0:
+            writer.writerow(columns)
+        values = [value if getattr(value, 'shape', ()) else [value] * len(cycle.inputs)
+                  for value in columns.values()]
+        writer.writerows([repr(float(x)) for x in row] for row in zip(*values))
+    return text.getvalue()
+
+
+def html(page: Any) -> str:
+    """Return a page of its own: the moving mechanism, its scene and its extrema, no server."""
+    shown, layers = page.shown, Layers(page.layers.curves, page.layers.forces)
+    frames = [mechanism_svg(shown, pose, page.view, page.per_newton, layers)
+              for _, pose in shown.samples(FRAMES)]
+    rows = ''.join(f'<tr><td>{row["quantity"]}</td><td>{row["kind"]}</td><td>{row["value"]}</td>'
+                   f'<td>{row["unit"]}</td><td>{row["at"]}</td></tr>'
+                   for row in extrema_rows(shown, page.views.found))
+    return f"""<!doctype html><html lang="en"><meta charset="utf-8"><title>{page.title}</title>
+<style>{STYLE}body{{font:16px sans-serif;max-width:60rem;margin:auto}}
+td{{padding:0 .8em 0 0;font-variant-numeric:tabular-nums}}</style>
+<h1>{page.title}</h1><p>{shown.linkage.description}</p>
+<svg viewBox="0 0 {WIDTH:g} {HEIGHT:g}" role="img" aria-label="moving mechanism">
+{traces_svg(shown, page.view)}
+<g id="mechanism"></g></svg>
+<p><button id="play">play or pause</button> <input id="at" type="range" min="0"
+max="{len(frames) - 1}" value="0" aria-label="input" style="width:30rem"></p>
+<h2>Extrema</h2><table>{rows}</table><h2>Scene</h2><pre>{shown.scene.as_text}</pre>
+<script>const frames={json.dumps(frames)};let i=0,on=true;
+const at=document.getElementById('at'),show=()=>{{document.getElementById('mechanism').innerHTML=
+frames[i];at.value=i}};at.oninput=()=>{{on=false;i=+at.value;show()}};
+document.getElementById('play').onclick=()=>{{on=!on}};
+setInterval(()=>{{if(on){{i=(i+1)%frames.length;show()}}}},40);show()</script></html>"""
+
+
+def gif(shown: Shown) -> bytes:
+    """Return an animation of a cycle."""
+    from fourbar_ros.report.animation import animate
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / 'mechanism.gif'
+        animate(shown.linkage, shown.rate, shown.points, path)
+        return path.read_bytes()

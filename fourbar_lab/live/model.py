@@ -1,0 +1,267 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""What a page shows of a scene: a cycle of the mechanism, its extrema, the facts; no page yet."""
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil, degrees, isfinite, remainder, tau
+from typing import Any, NamedTuple
+
+from fourbar_ros.extrema.find import Extremum, find_extrema
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Quantity
+from fourbar_ros.mechanisms.points import point_motion, PointMotion
+from fourbar_ros.mechanisms.quantities import Function, is_published, positions, select
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.pipeline.status import evaluate
+from fourbar_ros.report.cycles import cycles, usual_points
+from fourbar_ros.report.joint_labels import Labels, labels_of
+from fourbar_ros.scene.scene import from_values, Scene
+import numpy as np
+
+SAMPLES = 361           # of a cycle: one a degree of a full turn
+ROUNDING = 64 * 2.0**-52     # of sums of forces and rates
+LIMIT = 1e9             # a curve that grows beyond this many times its median leaves the chart
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """
+    The mechanism over one range of its input at constant rate and acceleration.
+
+    Parameters
+    ----------
+    inputs : array of shape (n,)
+        Position of the input [rad] or [m], from low to high.
+    motion, loads : NamedTuples of arrays of shape (n,)
+        ``loads`` is None without masses.
+
+    """
+
+    inputs: Array
+    motion: Any
+    loads: Any
+
+
+class Pose(NamedTuple):
+    """Motion and loads in one pose, records of the mechanism's kind; None: no loads."""
+
+    motion: Any
+    loads: Any
+
+
+@dataclass(frozen=True)
+class Shown:
+    """
+    A scene as a page shows it: in one assembly mode, at one rate and acceleration of the input.
+
+    Parameters
+    ----------
+    scene : Scene
+    acceleration : float
+        Acceleration of the input [rad/s^2] or [m/s^2].
+    speed : float, optional
+        Rate of the input [rad/s] or [m/s], in place of ``drive.speed`` of the scene.
+
+    """
+
+    scene: Scene
+    acceleration: float = 0.0
+    speed: float | None = None
+
+    @cached_property
+    def linkage(self) -> Mechanism:
+        """Return the mechanism, without masses where its loads do not follow from its motion."""
+        return self.scene.known_linkage
+
+    @property
+    def rate(self) -> float:
+        """Return the rate of the input [rad/s] or [m/s]."""
+        return self.scene.drive.speed if self.speed is None else self.speed
+
+    @property
+    def ranges(self) -> tuple[tuple[float, float], ...]:
+        """Return the ranges of the input [rad] or [m]."""
+        return self.linkage.input_ranges
+
+    def range_of(self, position: float) -> tuple[float, float]:
+        """Return the range of the input in which a position lies, a little inside of its ends."""
+        low, high = min(self.ranges, key=lambda ends: max(ends[0] - position, position - ends[1]))
+        margin = 0.0 if self.linkage.turns_fully else 1e-6 * (high - low)
+        return low + margin, high - margin
+
+    def nearest_input(self, position: float) -> float:
+        """Return the input in the ranges that is nearest to a position, of angles in any turn."""
+        turns = [0.0]
+        if not self.linkage.is_driven_by_slide:
+            whole = remainder(position, tau) - position
+            turns += [whole, whole - tau, whole + tau]
+        near = []
+        for turn in turns:
+            low, high = self.range_of(position + turn)
+            near.append(min(max(position + turn, low), high))
+        return min(zip(near, turns), key=lambda pair: abs(pair[0] - position - pair[1]))[0]
+
+    @cached_property
+    def cycles(self) -> tuple[Cycle, ...]:
+        """Return a :class:`Cycle` for each range of the input."""
+        return tuple(Cycle(inputs, *self.linkage.motion_and_loads(
+            inputs, self.rate, self.acceleration)) for inputs in cycles(self.linkage, SAMPLES))
+
+    @cached_property
+    def quantities(self) -> dict[str, Quantity | Function]:
+        """Return {name: quantity} of all that can be drawn over the input."""
+        found: list[Quantity | Function]
+        found = select((), self.linkage, self.scene.point_quantities)
+        return ({quantity.name: quantity for quantity in found}
+                | positions(self.linkage, self.linkage.input))
+
+    @property
+    def usual_quantities(self) -> list[str]:
+        """Return the names drawn first: the output's rates, the drive, the shaking force."""
+        coordinate = self.linkage.outputs[0].coordinate
+        wanted = (coordinate.rate, coordinate.acceleration, 'driving_torque', 'driving_force',
+                  'shaking_force')
+        return [name for name in wanted if name in self.quantities]
+
+    def curves(self, name: str) -> list[tuple[Array, Array]]:
+        """Return (inputs, values) of a quantity for each range of the input."""
+        quantity = self.quantities[name]
+        return [(cycle.inputs, np.broadcast_to(quantity.of(cycle.motion, cycle.loads),
+                                               cycle.inputs.shape)) for cycle in self.cycles]
+
+    def extrema(self, names: Sequence[str]) -> list[Extremum]:
+        """Return the extrema of these quantities; positions have none but at known places."""
+        wanted = [self.quantities[name] for name in names]
+        return find_extrema(self.linkage, [quantity.name if is_published(quantity) else quantity
+                                           for quantity in wanted],
+                            self.rate, self.acceleration, conditions=False) if wanted else []
+
+    def place_of(self, extremum: Extremum) -> float:
+        """Return the input of an extremum [rad] or [m], within the ranges."""
+        if self.linkage.is_driven_by_slide:
+            return extremum.slide
+        angle = extremum.theta1
+        inside = [angle + turn for turn in (0.0, -tau, tau)
+                  if any(low - 1e-9 <= angle + turn <= high + 1e-9 for low, high in self.ranges)]
+        return inside[0] if inside else angle
+
+    def pose(self, position: float, rate: float | None = None,
+             acceleration: float | None = None) -> tuple[int, Pose]:
+        """
+        Return the status and the :class:`Pose` at an input; loads None without masses.
+
+        Rate and acceleration, where not given, are those of what is shown.
+        """
+        status, motion, loads = evaluate(
+            self.linkage, position, self.rate if rate is None else rate,
+            self.acceleration if acceleration is None else acceleration,
+            self.linkage.bodies is not None)
+        return status, Pose(motion, loads if self.linkage.bodies else None)
+
+    @cached_property
+    def points(self) -> dict[str, tuple[str, float, float]]:
+        """
+        Return {name: (link, along, across)} of the points whose curves are drawn.
+
+        Those of the scene, or the middle of the first link that no pivot of the ground holds.
+        """
+        return dict(usual_points(self.linkage, {
+            name: (point.link, point.along, point.across)
+            for name, point in self.scene.points.items()}))
+
+    @cached_property
+    def traces(self) -> dict[str, list[PointMotion]]:
+        """Return {name: motion of the point over each range}."""
+        return {name: [point_motion(self.linkage, cycle.motion, *point) for cycle in self.cycles]
+                for name, point in self.points.items()}
+
+    def samples(self, most: int) -> list[tuple[float, Pose]]:
+        """Return some (input, pose) over the cycles, at most about so many, where finite."""
+        found = []
+        for cycle in self.cycles:
+            step = max(1, ceil(len(cycle.inputs) * len(self.cycles) / most))
+            for i in range(0, len(cycle.inputs), step):
+                motion = _sample(cycle.motion, i)
+                loads = _sample(cycle.loads, i) if self.linkage.bodies else None
+                if isfinite(sum(motion) + sum(loads or ())):
+                    found.append((float(cycle.inputs[i]), Pose(motion, loads)))
+        return found
+
+    @cached_property
+    def poses(self) -> list[Pose]:
+        """Return some forty poses over the cycles, for the size of pictures."""
+        return [pose for _, pose in self.samples(40)]
+
+    def values(self, pose: Pose) -> dict[str, tuple[float, str]]:
+        """
+        Return {name: (value, unit)} of a pose: all joints, transmission angle, all loads.
+
+        What is less than the rounding of the largest value of its unit over the cycle is 0.
+        """
+        return {name: (0.0 if abs(value) <= ROUNDING * self._largest.get(unit, 0.0) else value,
+                       unit) for name, (value, unit) in self._values(pose).items()}
+
+    @cached_property
+    def _largest(self) -> dict[str, float]:
+        """Return {unit: largest magnitude of a value over the cycle}."""
+        found: dict[str, float] = {}
+        for pose in self.poses:
+            for value, unit in self._values(pose).values():
+                found[unit] = max(found.get(unit, 0.0), abs(value))
+        return found
+
+    def _values(self, pose: Pose) -> dict[str, tuple[float, str]]:
+        found, (motion, loads) = {}, pose
+        for coordinate in self.linkage.PARTS:
+            angle = coordinate.unit == 'rad'
+            for name, factor, unit in zip(coordinate, (degrees(1.0) if angle else 1.0, 1.0, 1.0),
+                                          (('deg', 'rad/s', 'rad/s²') if angle
+                                           else ('m', 'm/s', 'm/s²'))):
+                found[name] = factor * getattr(motion, name), unit
+        found['transmission_angle'] = degrees(motion.transmission_angle), 'deg'
+        if loads is not None:
+            found |= {quantity.name: (quantity.of(motion, loads), written(quantity.unit))
+                      for quantity in select((), self.linkage) if quantity.is_load}
+        return found
+
+    @cached_property
+    def labels(self) -> Labels:
+        """Return what pictures call joints and forces: letters, the same in every pose."""
+        return (labels_of(self.linkage.diagram(self.poses[0].motion)) if self.poses
+                else Labels({}, {}, {}, {}))
+
+    def shown_input(self, position: float) -> float:
+        """Return an input in the unit of the page: degrees, or m."""
+        return position if self.linkage.is_driven_by_slide else degrees(position)
+
+    @property
+    def input_unit(self) -> str:
+        """Return the unit of the input on the page."""
+        return 'm' if self.linkage.is_driven_by_slide else 'deg'
+
+
+def written(unit: str) -> str:
+    """Return a unit as the page writes it."""
+    return unit.replace('^2', '²')
+
+
+def _sample(columns: Any, i: int) -> Any:
+    """Return number i of a NamedTuple of arrays and of numbers that are the same everywhere."""
+    return type(columns)(*[float(column[i] if np.ndim(column) else column) for column in columns])
+
+
+def shown(values: Mapping[str, Any], acceleration: float = 0.0,
+          speed: float | None = None) -> Shown:
+    """
+    Return what is shown of a flat dict of parameters.
+
+    Raises
+    ------
+    InvalidParameter
+        A value is impossible; the message names it and says what is allowed.
+
+    """
+    return Shown(from_values(values), acceleration, speed)

@@ -1,0 +1,240 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""SVG pictures of a mechanism and of its polygons, from the same diagram as print."""
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+from math import hypot, inf, isfinite
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from fourbar_lab.live import svg
+from fourbar_lab.live.model import Pose, Shown
+from fourbar_lab.live.svg import HEIGHT, MARGIN, STYLE, View, view_of, WIDTH
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Arrow, Diagram, without_repeats
+from fourbar_ros.mechanisms.picture import Arm, forces_of, of_kind, picture, Pivot
+from fourbar_ros.mechanisms.points import instant_centre, link_motion, LinkMotion
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.report.mechanism_panel import renamed
+from fourbar_ros.report.significant import significant
+import numpy as np
+
+LONGEST_FORCE = 105.0              # [px]
+DOWN = np.array([1.0, -1.0])       # pixels count downwards
+NEAR = 24.0                        # [px] a joint is caught from so far
+DRAG_SAMPLES = 181                  # of the cycles are places to drag a joint to
+MOST_EDGE, FITS = 130.0, 4         # [px] that arrows may take of a side, steps to find how much
+
+
+class Layers(NamedTuple):
+    """What a picture shows besides the links."""
+
+    curves: bool = True
+    forces: bool = True
+    centres: bool = False
+
+
+def mechanism_view(*several: Shown) -> View:
+    """Return the view in which poses, forces and coupler curves of what is shown have room."""
+    places = [place for shown in several for motion, _ in shown.poses
+              for place in _places(shown.linkage.diagram(motion))]
+    places += [trace.place for shown in several for traces in shown.traces.values()
+               for trace in traces]
+    if not places:
+        return view_of(np.zeros((0, 2)))
+    flat = np.concatenate([np.reshape(place, (-1, 2)) for place in places])
+    tails, arrows = _force_arrows(several)
+    edges = np.full(4, MARGIN)
+    for _ in range(FITS):       # arrows keep their length, so what they need changes little
+        view = view_of(flat, edges)
+        tips = np.stack(view.at(tails.T), axis=-1) + arrows
+        beyond = np.concatenate((-tips, tips - (WIDTH, HEIGHT))).reshape(2, -1, 2)
+        needed = 4.0 + beyond.max(axis=1, initial=-inf).ravel()
+        edges = np.minimum(edges + np.maximum(needed, 0.0), MOST_EDGE)
+    return view_of(flat, edges)
+
+
+def _force_arrows(several: Sequence[Shown]) -> tuple[Array, Array]:
+    """Return tails [m] and arrows [px] of the forces of all poses, shape (n, 2) each."""
+    found: list[tuple[Array, Array]] = []
+    for shown in several:
+        per_newton = force_scale(shown)
+        for motion, loads in shown.poses if per_newton else ():
+            found += [(force.place, per_newton * DOWN * force.vector)
+                      for force in forces_of(shown.linkage.diagram(motion), loads)]
+    tails, arrows = (np.array([pair[i] for pair in found]).reshape(-1, 2) for i in (0, 1))
+    fits = np.hypot(*arrows.T) <= 1.2 * LONGEST_FORCE       # a few near toggles leave the picture
+    return tails[fits], arrows[fits]
+
+
+def _places(diagram: Diagram) -> list[Array]:
+    return [*diagram.joints.values(), *(end for bar in diagram.bars for end in bar[:2]),
+            *(block.place for block in diagram.blocks)]
+
+
+def force_scale(shown: Shown) -> float:
+    """Return [px/N] at which the longest joint force of a cycle has its full length."""
+    names = shown.linkage.diagram(shown.poses[0].motion).forces if shown.poses else ()
+    sizes = [getattr(loads, name) for _, loads in shown.poses if loads for name in names]
+    largest = float(np.quantile(sizes, 0.98)) if sizes else 0.0
+    return LONGEST_FORCE / largest if largest > 0.0 and isfinite(largest) else 0.0
+
+
+def document(content: str, width: float = WIDTH, height: float = HEIGHT) -> str:
+    """Return a complete SVG file."""
+    return (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" '
+            f'width="{width:g}" height="{height:g}"><style>{STYLE}</style>'
+            f'<rect width="100%" height="100%" fill="var(--fb-paper,#fff)"/>{content}</svg>')
+
+
+# --- the mechanism -------------------------------------------------------------------------------
+
+def mechanism_svg(shown: Shown, pose: Pose, view: View, per_newton: float,
+                  layers: Layers = Layers()) -> str:
+    """Return the SVG content of the mechanism in one pose; ``per_newton``: [px/N] of forces."""
+    (motion, loads), linkage = pose, shown.linkage
+    diagram = linkage.diagram(motion)
+    at = {name: view.at(place) for name, place in diagram.joints.items()}
+    primitives = picture(linkage, motion, shown.points if layers.curves else {})
+    parts = [svg.primitive(part, view) for part in primitives]
+    letters = {shown.labels.letters.get(name, name): place for name, place in at.items()}
+    forces = (_forces(shown, diagram, loads, view, per_newton)
+              if layers.forces and loads is not None else [])
+    room = svg.Room(at.values(), [force[:2] for force in forces
+                                      if hypot(*force[1]) <= 2.0 * LONGEST_FORCE])
+    middle = np.mean(list(at.values()), axis=0)
+    parts += [room.label('', place, tuple(place - middle), letter)
+              for letter, place in letters.items()]
+    for arm in of_kind(Arm, primitives):
+        tip, name = view.at(arm.end), arm.name
+        parts += [svg.circle('point', tip, 4.5), room.label(
+            'point', tip, (0.6, -0.8), f'point {name}' if name in letters else name)]
+    parts += [svg.arrow('force', *force, room) for force in forces]
+    if layers.centres:
+        parts += _centres(linkage, motion, view, at.values())
+    return f'<g class="fb">{"".join(parts)}</g>'
+
+
+def grips_svg(shown: Shown, pose: Pose, view: View) -> str:
+    """Return the SVG content of what can be dragged: around each joint that moves."""
+    diagram = shown.linkage.diagram(pose.motion)
+    return ''.join(svg.circle('grip', view.at(place), NEAR)
+                   for name, place in diagram.joints.items() if name not in diagram.ground)
+
+
+def ghost_svg(shown: Shown, pose: Pose, view: View) -> str:
+    """Return the SVG content of a mechanism to compare with, pale and without letters."""
+    links = ''.join(svg.primitive(part, view) for part in picture(shown.linkage, pose.motion)
+                    if not isinstance(part, Pivot))
+    return f'<g class="fb"><g class="ghost">{links}</g></g>'
+
+
+def traces_svg(shown: Shown, view: View) -> str:
+    """Return the SVG content of the coupler curves, which are the same in every pose."""
+    return ''.join(['<g class="fb">', *(svg.polyline('trace', trace.place, view)
+                                        for traces in shown.traces.values() for trace in traces),
+                    '</g>'])
+
+
+def _forces(shown: Shown, diagram: Diagram, loads: NamedTuple, view: View, per_newton: float
+            ) -> list[tuple[tuple[float, float], tuple[float, float], str]]:
+    """Return (start, vector, label) of the forces at the joints, in pixels."""
+    found = []
+    for force in forces_of(diagram, loads):
+        x, y = (per_newton * DOWN * force.vector).tolist()
+        label = f'{shown.labels.forces[force.name]} = {significant(force.size)} N'
+        found.append((view.at(force.place), (x, y), label))
+    return found
+
+
+def _centres(linkage: Mechanism, motion: Any, view: View,
+             joints: Iterable[tuple[float, float]]) -> list[str]:
+    """Return crosses at the instant centres that are no joints, as far as they are in view."""
+    links = [(i + 2, link_motion(linkage, motion, link.name))
+             for i, link in enumerate(linkage.LINKS)]
+    pairs: list[tuple[int, int, LinkMotion | None, LinkMotion]]
+    pairs = [(1, j, None, link) for j, link in links]
+    pairs += [(i, j, one, other) for n, (i, one) in enumerate(links)
+              for j, other in links[n + 1:]]
+    found = []
+    for i, j, one, other in pairs:
+        x, y = view.at(instant_centre(other, one))
+        if 0.0 <= x <= WIDTH and 0.0 <= y <= HEIGHT and all(
+                hypot(x - u, y - v) > 6.0 for u, v in joints):
+            found += [svg.line('centre', (x - 6.0, y - 6.0), (x + 6.0, y + 6.0)),
+                      svg.line('centre', (x - 6.0, y + 6.0), (x + 6.0, y - 6.0)),
+                      svg.text('centre', (x + 9.0, y + 18.0), f'P_{{{i}{j}}}')]
+    return found
+
+
+# --- polygons ------------------------------------------------------------------------------------
+
+def polygon_view(polygons: Iterable[list[Arrow]]) -> View:
+    """Return the view in which all these polygons have room."""
+    ends = [end for arrows in polygons for arrow in arrows
+            for end in (arrow.start, arrow.start + arrow.vector)]
+    return view_of(np.array([(0.0, 0.0), *ends]))
+
+
+def polygon_svg(arrows: list[Arrow], view: View, unit: str,
+                letters: Mapping[str, str] = MappingProxyType({})) -> str:
+    """Return the SVG content of a velocity or acceleration polygon; the pole is o."""
+    pole = view.at((0.0, 0.0))
+    room = svg.Room([pole])
+    drawn = {}          # joints at one place have the same arrow, once
+    for arrow in without_repeats(arrows, 1.0 / view.scale):
+        label = f'{renamed(arrow.label, letters)} = {significant(hypot(*arrow.vector))} {unit}'
+        start = view.at(arrow.start)
+        drawn[label, round(start[0]), round(start[1])] = (
+            'sum' if arrow.is_sum else 'part', start,
+            (view.scale * arrow.vector[0], -view.scale * arrow.vector[1]), label)
+    parts = [svg.arrow(*arrow, room) for arrow in drawn.values()]
+    parts += [svg.circle('pin', pole, 4.0),
+              room.label('', pole, (-0.7, 0.7), 'o')]
+    return f'<g class="fb">{"".join(parts)}</g>'
+
+
+# --- dragging a joint ----------------------------------------------------------------------------
+
+class Handle:
+    """A joint that was caught with the pointer, and the inputs at which it is where."""
+
+    def __init__(self, shown: Shown, pose: Pose, view: View, pixel: tuple[float, float]):
+        self.shown, self.view = shown, view
+        diagram = shown.linkage.diagram(pose.motion)
+        distances = {name: float(np.hypot(*np.subtract(view.at(place), pixel)))
+                     for name, place in diagram.joints.items() if name not in diagram.ground}
+        self.joint = min(distances, key=lambda name: distances[name]) if distances else ''
+        if not distances or distances[self.joint] > NEAR:
+            self.joint = ''
+
+    @cached_property
+    def _path(self) -> tuple[Array, Array]:
+        """Return the inputs and the pixels of the joint at them."""
+        found = [(position, self.view.at(self.shown.linkage.diagram(motion).joints[self.joint]))
+                 for position, (motion, _) in self.shown.samples(DRAG_SAMPLES)]
+        inputs, pixels = zip(*found)
+        return np.array(inputs), np.array(pixels)
+
+    def input_at(self, pixel: tuple[float, float], now: float) -> float:
+        """Return the input that brings the joint nearest to a pixel; of two, the one near now."""
+        inputs, pixels = self._path
+        away = np.hypot(*(pixels - pixel).T)
+        turn = np.array([abs(self.shown.linkage.distance(x, now)) for x in inputs])
+        span = float(np.ptp(inputs)) or 1.0
+        best = int(np.argmin(away + 20.0 * turn / span))
+        return float(inputs[best]) + self._between(inputs, pixels, best, pixel)
+
+    @staticmethod
+    def _between(inputs: Array, pixels: Array, best: int,
+                 pixel: tuple[float, float]) -> float:
+        """Return how far beyond the best sample the foot of the pixel on its path lies."""
+        one, other = max(best - 1, 0), min(best + 1, len(inputs) - 1)
+        way, step = pixels[other] - pixels[one], inputs[other] - inputs[one]
+        square = float(way @ way)
+        if square == 0.0 or abs(step) > 0.1 * float(np.ptp(inputs)):
+            return 0.0
+        share = float(way @ (np.asarray(pixel) - pixels[best])) / square
+        return min(max(share, -0.5), 0.5) * float(step)

@@ -1,0 +1,223 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Strokes of SVG pictures, in pixels, and the view that leads from metres to them.
+
+Colours are CSS variables with the ones of print as fallback, so that a page can be light or dark
+and a saved file is complete.
+"""
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from html import escape
+from math import atan2, cos, hypot, inf, sin
+import re
+from typing import NamedTuple
+
+from fourbar_ros.mechanisms.parts import Bar, Block
+from fourbar_ros.mechanisms.picture import Arm, Joint, outlines, Primitive
+from fourbar_ros.numerics.arrays import Array
+import numpy as np
+
+WIDTH, HEIGHT = 720.0, 420.0       # [px] of a picture
+MARGIN = 44.0                      # [px]
+LINE = 19.0                        # [px] between labels
+INCH = 85.0                        # [px] for the signs of blocks and pivots
+LETTER = 8.6                       # [px] of a letter, in wide fonts
+LESS = 0.75                        # size of a subscript
+AROUND = (0.0, 0.6, -0.6, 1.2, -1.2, 2.0, -2.0, 3.1)    # [rad] where a label looks for room
+ALONG, FREE = (0.35, 0.6, 0.8, 1.0), 5.0        # parts of an arrow that stay free, [px] around
+FARTHER = (5.0, 22.0, 44.0, 70.0)  # [px] ... and how far from its place
+LEAST = 4.0                        # [px] shorter arrows are left out
+STYLE = """
+.fb text{font:italic 15px 'STIX Two Text',Georgia,serif;fill:var(--fb-ink,#1c1c1c);
+paint-order:stroke;stroke:var(--fb-paper,#fff);stroke-width:3px;stroke-linejoin:round}
+.fb .bar{stroke:var(--fb-ink,#1c1c1c);stroke-width:9;stroke-linecap:round}
+.fb .core{stroke:var(--fb-link,#dfe5ec);stroke-width:6;stroke-linecap:round}
+.fb .block{fill:var(--fb-link,#dfe5ec);stroke:var(--fb-ink,#1c1c1c);stroke-width:1.6}
+.fb .pin{fill:var(--fb-paper,#fff);stroke:var(--fb-ink,#1c1c1c);stroke-width:1.6}
+.fb .ground{fill:none;stroke:var(--fb-ink,#1c1c1c);stroke-width:1.6}
+.fb .trace{fill:none;stroke:var(--fb-point,#8a5200);stroke-width:1.6}
+.fb .point{fill:var(--fb-point,#8a5200)} .fb text.point{fill:var(--fb-point,#8a5200)}
+.fb .arm{stroke:var(--fb-point,#8a5200);stroke-dasharray:5 3;stroke-width:1.2}
+.fb .force{stroke:var(--fb-force,#1e6b37);fill:var(--fb-force,#1e6b37);stroke-width:2.4}
+.fb text.force{stroke:var(--fb-paper,#fff);stroke-width:3px}
+.fb .part{stroke:var(--fb-part,#a02c2c);fill:var(--fb-part,#a02c2c);stroke-width:2}
+.fb text.part{stroke:var(--fb-paper,#fff);stroke-width:3px}
+.fb .sum{stroke:var(--fb-sum,#1f4e8c);fill:var(--fb-sum,#1f4e8c);stroke-width:2.6}
+.fb text.sum{stroke:var(--fb-paper,#fff);stroke-width:3px}
+.fb .ghost{opacity:.42} .fb .ghost .core{stroke:var(--fb-point,#8a5200)}
+.fb .centre{stroke:var(--fb-part,#a02c2c);stroke-width:1.8}
+.fb text.centre{stroke:var(--fb-paper,#fff);stroke-width:3px;fill:var(--fb-part,#a02c2c)}
+"""
+
+
+Pixel = tuple[float, float]
+Box = tuple[float, float, float, float]         # left, above, right, below [px]
+INDEX = re.compile(r'([_^])(?:\{([^}]*)\}|(\w))')
+
+
+class View(NamedTuple):
+    """The part of the plane that a picture shows: its upper left corner [m], and [px/m]."""
+
+    left: float
+    top: float
+    scale: float
+
+    def at(self, place: Iterable[float]) -> tuple[float, float]:
+        """Return the pixel of a place [m]."""
+        x, y = place
+        return (x - self.left) * self.scale, (self.top - y) * self.scale
+
+    def place(self, x: float, y: float) -> tuple[float, float]:
+        """Return the place [m] of a pixel."""
+        return self.left + x / self.scale, self.top - y / self.scale
+
+
+def view_of(places: Array, edges: Sequence[float] | Array = (MARGIN,) * 4) -> View:
+    """
+    Return the :class:`View` that holds places of shape (n, 2) [m], centred.
+
+    ``edges``: what is left free on the left, above, on the right, below [px].
+    """
+    places = places[np.isfinite(places).all(axis=1)]
+    low, high = (places.min(axis=0), places.max(axis=0)) if len(places) else np.zeros((2, 2))
+    size = np.maximum(high - low, 1e-300)
+    left, above, right, below = edges
+    room = WIDTH - left - right, HEIGHT - above - below
+    scale = float(np.min(room / size))
+    x, y = 0.5 * (low + high)
+    return View(float(x - (left + 0.5 * room[0]) / scale),
+                float(y + (above + 0.5 * room[1]) / scale), scale)
+
+
+def line(kind: str, start: tuple[float, float], end: tuple[float, float]) -> str:
+    """Return a line."""
+    return (f'<line class="{kind}" x1="{start[0]:.1f}" y1="{start[1]:.1f}" '
+            f'x2="{end[0]:.1f}" y2="{end[1]:.1f}"/>')
+
+
+def circle(kind: str, at: tuple[float, float], radius: float) -> str:
+    """Return a circle."""
+    return f'<circle class="{kind}" cx="{at[0]:.1f}" cy="{at[1]:.1f}" r="{radius:g}"/>'
+
+
+def text(kind: str, at: tuple[float, float], words: str, anchor: str = 'start') -> str:
+    """Return a text; ``words`` may have indices as mathtext has them: V_{B/A}, F_2."""
+    end = '' if anchor == 'start' else f' text-anchor="{anchor}"'
+    return (f'<text class="{kind}" x="{at[0]:.1f}" y="{at[1]:.1f}"{end}>'
+            f'{INDEX.sub(_index, escape(words))}</text>')
+
+
+def _index(match: re.Match[str]) -> str:
+    """Return an index lowered or raised; a shift holds for all that follows it."""
+    shift = 4 if match[1] == '_' else -5
+    return (f'<tspan dy="{shift}" font-size="{LESS:.0%}">{match[2] or match[3]}</tspan>'
+            f'<tspan dy="{-shift}">&#8203;</tspan>')
+
+
+def polyline(kind: str, places: Array, view: View) -> str:
+    """Return a line through places [m], finite ones."""
+    finite = places[np.isfinite(places).all(axis=1)]
+    across, down = (np.asarray(part).tolist() for part in view.at(finite.T))
+    pixels = ' '.join(f'{x:.1f},{y:.1f}' for x, y in zip(across, down))
+    return f'<polyline class="{kind}" points="{pixels}"/>'
+
+
+def primitive(part: Primitive, view: View) -> str:
+    """Return a primitive of the picture of a mechanism."""
+    if isinstance(part, Bar):
+        ends = view.at(part.start), view.at(part.end)
+        return line('bar', *ends) + line('core', *ends)
+    if isinstance(part, Arm):
+        start, foot, end = view.at(part.start), view.at(part.foot), view.at(part.end)
+        return line('arm', start, foot) + line('arm', foot, end)
+    if isinstance(part, Joint):
+        return circle('pin', view.at(part.place), 5.0)
+    corners, ground = outlines(part, INCH / view.scale)
+    points = ' '.join(f'{x:.1f},{y:.1f}' for x, y in map(view.at, corners))
+    fixed = '' if ground is None else line('ground', *map(view.at, ground))
+    kind = 'block' if isinstance(part, Block) else 'ground'
+    return f'{fixed}<polygon class="{kind}" points="{points}"/>'
+
+
+def arrow(kind: str, start: tuple[float, float], vector: tuple[float, float],
+          label: str, room: Room) -> str:
+    """Return an arrow [px] with its label at the tip; nothing of one too short to be seen."""
+    size = hypot(*vector)
+    if not LEAST <= size < 50.0 * WIDTH:
+        return ''
+    u, v = vector[0] / size, vector[1] / size
+    tip = start[0] + vector[0], start[1] + vector[1]
+    back = min(11.0, size)
+    head = ' '.join(f'{i:.1f},{j:.1f}' for i, j in (
+        tip, (tip[0] - back * u - 4.5 * v, tip[1] - back * v + 4.5 * u),
+        (tip[0] - back * u + 4.5 * v, tip[1] - back * v - 4.5 * u)))
+    return (line(kind, start, (tip[0] - 0.8 * back * u, tip[1] - 0.8 * back * v))
+            + f'<polygon class="{kind}" points="{head}"/>'
+            + room.label(kind, tip, (u, v), label))
+
+
+class Room:
+    """
+    Where labels have room: inside the picture, and not above each other.
+
+    Parameters
+    ----------
+    pins : iterable of (float, float)
+        Places that stay free too [px].
+    arrows : iterable of ((float, float), (float, float))
+        Starts and vectors of arrows that stay free too [px].
+
+    """
+
+    def __init__(self, pins: Iterable[tuple[float, float]],
+                 arrows: Iterable[tuple[Pixel, Pixel]] = ()):
+        places = [*pins, *((start[0] + part * vector[0], start[1] + part * vector[1])
+                           for start, vector in arrows for part in ALONG)]
+        self._taken = [(x - FREE, y - FREE, x + FREE, y + FREE) for x, y in places]
+
+    def label(self, kind: str, at: tuple[float, float], away: tuple[float, float],
+              words: str) -> str:
+        """Return a text near a place, if there is room in the direction ``away``."""
+        width = LETTER * len(plain(words))
+        angle = atan2(away[1], away[0])
+        best, least = None, inf
+        for far in FARTHER:
+            for turn in AROUND:
+                box = self._box(at, angle + turn, far, width)
+                overlap = sum(_overlap(box, other) for other in self._taken)
+                if overlap < least:
+                    best, least = box, overlap
+                if least == 0.0:
+                    break
+            if least == 0.0:
+                break
+        assert best is not None
+        self._taken.append(best)
+        left, _, right, below = best
+        # on the side of the edge: a wider font then grows inwards
+        if right > WIDTH - 3.0 * LETTER:
+            return text(kind, (right, below - 4.0), words, 'end')
+        return text(kind, (left, below - 4.0), words)
+
+    @staticmethod
+    def _box(at: tuple[float, float], angle: float, far: float, width: float) -> Box:
+        """Return the box of a label in a direction of its place, moved into the picture."""
+        u, v = cos(angle), sin(angle)
+        x = at[0] + u * (far + 0.5 * width) - 0.5 * width
+        y = at[1] + v * (far + 0.5 * LINE) - 0.5 * LINE
+        x, y = min(max(x, 2.0), WIDTH - 2.0 - width), min(max(y, 1.0), HEIGHT - 4.0 - LINE)
+        return x, y, x + width, y + LINE
+
+
+def _overlap(one: Box, other: Box) -> float:
+    """Return the area that two boxes share."""
+    across = min(one[2], other[2]) - max(one[0], other[0])
+    down = min(one[3], other[3]) - max(one[1], other[1])
+    return across * down if across > 0.0 and down > 0.0 else 0.0
+
+
+def plain(label: str) -> str:
+    """Return a mathtext label as plain text: V_{B/A} as VB/A."""
+    return INDEX.sub(lambda match: match[2] or match[3], label)

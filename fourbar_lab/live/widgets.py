@@ -1,0 +1,252 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""What a page consists of: controls, picture and transport, curves and tables."""
+from __future__ import annotations
+
+from typing import Any
+
+from fourbar_lab.live.charts import CURSOR, GAP, Options, POLAR_SIZE, TOP
+from fourbar_lab.live.controls import build, Field, Slider
+from fourbar_lab.live.downloads import menu
+from fourbar_lab.live.svg import HEIGHT, STYLE, WIDTH
+from fourbar_lab.live.tables import EXTREMA_COLUMNS, now_columns
+from nicegui import ui
+from nicegui.elements.mixins.content_element import ContentElement
+
+HEAD = f"""<style>{STYLE}
+body{{--fb-paper:#ffffff;--fb-ink:#1c1c1c;--fb-link:#dfe5ec;--fb-point:#8a5200;--fb-force:#1e6b37;
+--fb-part:#a02c2c;--fb-sum:#1f4e8c}}
+body.body--dark{{--fb-paper:#161a1f;--fb-ink:#ececec;--fb-link:#3b4653;--fb-point:#e3a857;
+--fb-force:#6fcf8e;--fb-part:#f08a8a;--fb-sum:#8ab8f0}}
+body{{--fb-page:#ffffff}} body.body--dark{{--fb-page:#121212}}
+.fb-head{{padding:2px 12px}} .nicegui-content{{padding:8px 12px}}
+.fb-columns{{display:grid;gap:8px 12px;width:100%;align-items:start;
+grid-template:"controls stage stage" auto "controls options options" auto "controls views now" 1fr
+/ 280px minmax(0,1fr) minmax(22rem,max-content)}}
+.fb-columns:has(>.fb-turned){{
+grid-template:"stage stage" auto "options options" auto "views now" 1fr
+/ minmax(0,1fr) minmax(22rem,max-content)}}
+.fb-controls{{grid-area:controls;position:sticky;top:48px;max-height:calc(100vh - 56px);
+overflow-y:auto}}
+.fb-controls.fb-turned{{display:none}}
+.fb-stage{{grid-area:stage;position:relative;background:var(--fb-page)}}
+.fb-options{{grid-area:options}} .fb-views{{grid-area:views}} .fb-now{{grid-area:now}}
+.fb-picture{{display:block;width:100%;aspect-ratio:{WIDTH:g}/{HEIGHT:g};
+max-height:calc(100vh - 112px);background:var(--fb-paper);
+border:1px solid rgba(128,128,128,.35);user-select:none;-webkit-user-select:none}}
+.fb-picture .grip{{fill:transparent;stroke:none;cursor:grab;touch-action:none}}
+.fb-picture .grip:hover{{stroke:var(--fb-sum);stroke-dasharray:3 3}}
+.fb-held,.fb-held .grip{{cursor:grabbing}}
+@media (min-width:1700px){{.fb-columns{{
+grid-template:"controls stage views" auto "controls options views" auto "controls now views" 1fr
+/ 280px minmax(0,1fr) minmax(0,40rem)}}
+.fb-columns:has(>.fb-turned){{grid-template:"stage views" auto "options views" auto "now views" 1fr
+/ minmax(0,1fr) minmax(0,40rem)}}}}
+@media (max-width:1000px){{.fb-columns,.fb-columns:has(>.fb-turned){{
+grid-template:"stage" "controls" "options" "views" "now" / minmax(0,1fr)}}
+.fb-controls{{display:none;position:static;max-height:none}}
+.fb-controls.fb-turned{{display:block}}
+.fb-picture{{max-height:45vh}} .fb text{{font-size:18px}}}}
+@media (max-width:1000px) and (min-height:600px){{
+.fb-stage{{position:sticky;top:40px;padding-top:4px;z-index:5}}}}
+.fb-alarm{{position:absolute;z-index:1;left:8px;right:8px;top:8px;pointer-events:none}}
+.fb-alarm span,.fb-alarm{{background:var(--fb-paper)}}
+.body--dark .fb-alarm{{color:#ff9c94 !important}}
+.fb-middle{{align-items:center}} .fb-control{{gap:10px}}
+.fb-number{{width:9.5rem;flex:none}}
+.fb-over{{position:relative;max-width:100%;overflow-x:auto;overflow-y:hidden}}
+.fb-cursor{{position:absolute;top:{TOP}px;bottom:{GAP}px;width:0;
+border-left:1.5px solid {CURSOR};pointer-events:none}}
+.fb-dots{{position:absolute;top:0;left:0;pointer-events:none}}
+.fb-table td,.fb-table th{{font-variant-numeric:tabular-nums;white-space:nowrap}}
+.fb-table td,.fb-table th{{padding-left:8px;padding-right:8px}}
+.fb-tight td,.fb-tight th{{padding-left:4px;padding-right:4px;font-size:12px}}
+.fb-words td{{white-space:normal}} .fb-words td:first-child{{white-space:nowrap}}
+</style>"""
+CURVES, FORCES, POLYGONS, EXTREMA, FACTS = TABS = (
+    'Curves', 'Forces', 'Polygons', 'Extrema', 'Facts')
+LAYERS = {'curves': 'coupler curves', 'forces': 'forces', 'centres': 'instant centres'}
+
+
+# A place in the table of extrema: a button, so that the keyboard reaches it.
+GO_THERE = """<q-td :props="props"><q-btn flat dense no-caps :label="props.value"
+  @click.stop="() => $parent.$emit('go', props.row.input)" /></q-td>"""
+
+
+class Picture(ContentElement, component='picture.js'):      # type: ignore[call-arg]
+    """An SVG picture, whose grips can be dragged; ``under``: what rarely changes below it."""
+
+    CONTENT_PROP = 'content'
+
+    def __init__(self, label: str) -> None:
+        super().__init__(content='')
+        self._props.update({'size': [WIDTH, HEIGHT], 'under': ''})
+        self.classes('fb-picture').props(f'role=img aria-label="{label}"')
+
+    def draw_under(self, content: str) -> None:
+        """Show what rarely changes."""
+        self._props['under'] = content
+        self.update()
+
+
+class Elements:
+    """
+    What a page consists of; what its user does goes to the page.
+
+    Parameters
+    ----------
+    page : Page
+        With ``title``, ``shown``, ``playback``, ``names``, ``layers``, ``acceleration`` and the
+        methods that answer to each control.
+
+    """
+
+    def __init__(self, page: Any):
+        self.page = page
+        ui.add_head_html(HEAD)
+        ui.page_title(f'{page.title} - fourbar live')
+        self.dark = ui.dark_mode(None)
+        ui.colors(primary='#1f5f99')
+        self._header()
+        with ui.element('div').classes('fb-columns'):
+            with ui.element('div').classes('fb-controls') as self.panel:
+                self._controls()
+            with ui.element('div').classes('fb-stage'):
+                self.alarm = ui.label().classes('text-negative text-subtitle1 fb-alarm').props(
+                    'role=alert')
+                self._picture()
+                self._transport()
+            with ui.row().classes('fb-options fb-middle'):
+                self._options()
+            with ui.column().classes('fb-views'):
+                self._views()
+            with ui.column().classes('fb-now'):
+                self.now = _table(now_columns(page.title, page.playback.beside), 'name').classes(
+                    'fb-tight' if page.playback.beside else '')
+
+    def _header(self) -> None:
+        page = self.page
+        with ui.header(elevated=False).classes('fb-middle fb-head no-wrap'):
+            # narrow windows show the controls after a click, wide ones until a click
+            ui.button(icon='menu', on_click=lambda: self.panel.classes(toggle='fb-turned')).props(
+                'flat dense color=white aria-label="parameters"')
+            ui.label(page.title).classes('text-h6').props('role=heading aria-level=1')
+            self.words = ui.label().classes('col ellipsis')
+            menu(page)
+            ui.button(icon='contrast', on_click=page.switch_dark).props(
+                'flat dense color=white aria-label="dark or light"')
+
+    def _controls(self) -> None:
+        page = self.page
+        self.show_value = build(page.shown, page.change, page.refuse)
+        Field('acceleration of the input', page.acceleration, page.set_acceleration,
+              lambda why: page.refuse(f'acceleration of the input: {why}')).props(
+            'dense aria-label="acceleration of the input"').classes('full-width')
+
+    def _picture(self) -> None:
+        page = self.page
+        self.picture = Picture('the mechanism in its pose')
+        self.picture.on('take', lambda event: page.take(event.args))
+        self.picture.on('move', lambda event: page.drag(event.args))
+        self.picture.on('leave', page.leave)
+
+    def _transport(self) -> None:
+        page = self.page
+        with ui.row().classes('fb-middle full-width no-wrap q-pt-xs'):
+            self.play = ui.button(icon='play_arrow', on_click=page.play).props(
+                'round dense aria-label="play or pause"')
+            self.slider = Slider(0.0, 1.0, 0.001, 0.0, page.go).classes('col').props(
+                'aria-label="input"')
+            self.field = Field('', 0.0, page.go, lambda why: page.refuse(
+                f'{page.playback.label}: {why}'), digits=6).props(
+                'dense aria-label="input value"').classes('fb-number')
+
+    def _options(self) -> None:
+        page, pace = self.page, self.page.playback.pace
+        if pace:
+            ui.label(pace.label)
+            Slider(pace.least, pace.most, pace.least / 2.0, pace.value).bind_value(
+                pace, 'value').style('width:8rem').props(f'label aria-label="{pace.label}"')
+        for name, text in LAYERS.items():
+            ui.checkbox(text, value=getattr(page.layers, name),
+                        on_change=lambda event, name=name: page.set_layer(name, event.value))
+
+    def _views(self) -> None:
+        page = self.page
+        with ui.tabs().props('dense no-caps align=left').classes('full-width') as self.tabs:
+            for name in TABS:
+                ui.tab(name)
+        self.tabs.on_value_change(page.show_view)
+        with ui.tab_panels(self.tabs, value=TABS[0], animated=False, keep_alive=True).classes(
+                'full-width bg-transparent'):
+            with _panel(CURVES):
+                ui.select(list(page.shown.quantities), value=page.names, multiple=True,
+                          label='quantities', on_change=lambda event: page.choose(event.value)
+                          ).props('dense use-chips aria-label="quantities"').classes('full-width')
+                if len(page.playback.beside) == 1:
+                    ui.checkbox('difference of the two runs',
+                                on_change=lambda event: page.set_difference(event.value))
+                with ui.element('div').classes('full-width fb-over'):
+                    self.curves = ui.echart({}).classes('full-width').props(
+                        'role=img aria-label="curves over the input, extrema marked"')
+                    self.cursor = ui.element('div').classes('fb-cursor')
+            with _panel(FORCES):
+                self.no_loads = ui.label('no masses given, so no loads')
+                width, height = POLAR_SIZE
+                with ui.element('div').classes('fb-over'):
+                    self.polar = ui.echart({}).style(f'width:{width}px;height:{height}px').props(
+                        'role=img aria-label="polar diagram of the shaking force and reactions"')
+                    self.dots = ui.html('', sanitize=False).classes('fb-dots').props(
+                        'role=img aria-label="the forces of this pose"')
+            with _panel(POLYGONS):
+                self.polygons = []
+                for name in ('velocity', 'acceleration'):
+                    ui.label(f'{name} polygon')
+                    self.polygons.append(Picture(f'{name} polygon'))
+            with _panel(EXTREMA):
+                self.extrema = _table(EXTREMA_COLUMNS, 'key')
+                self.extrema.add_slot('body-cell-at', GO_THERE)
+                self.extrema.on('go', lambda event: page.go(event.args))
+                self.extrema.on('rowClick', lambda event: page.go(event.args[1]['input']))
+            with _panel(FACTS):
+                columns = [{'name': name, 'label': '', 'field': name, 'align': 'left'}
+                           for name in ('name', 'text')]
+                self.facts = _table(columns, 'name', 'wrap-cells hide-header').classes('fb-words')
+
+    @property
+    def is_dark(self) -> bool:
+        """Return whether the page is dark."""
+        return bool(self.dark.value)
+
+    def clear_pose(self) -> None:
+        """Take away what shows one pose."""
+        for picture in (self.picture, *self.polygons, self.dots):
+            picture.content = ''
+        self.cursor.set_visibility(False)
+        self.now.rows = []
+
+    def clear_views(self, besides: str | None = None) -> None:
+        """Take away what shows a mechanism over its cycle, but for one view."""
+        for name, chart in ((CURVES, self.curves), (FORCES, self.polar)):
+            if name != besides and chart.options:
+                set_chart(chart, {})
+        for name, table in ((EXTREMA, self.extrema), (FACTS, self.facts)):
+            if name != besides and table.rows:
+                table.rows = []
+
+
+def _panel(name: str) -> ui.tab_panel:
+    return ui.tab_panel(name).classes('q-pa-none')
+
+
+def _table(columns: list[dict[str, str]], key: str, props: str = '') -> ui.table:
+    return ui.table(columns=columns, rows=[], row_key=key).props(
+        f'dense flat hide-pagination {props} :rows-per-page-options="[0]"').classes(
+        'full-width fb-table')
+
+
+def set_chart(chart: ui.echart, options: Options) -> None:
+    """Show other options in a chart."""
+    chart.options.clear()
+    chart.options.update(options)
+    chart.update()

@@ -1,0 +1,26 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The two source documents: printed values beside computed ones.
+
+>>> from fourbar_lab.reproduction import reproduce
+>>> row = reproduce()[0].rows[1]
+>>> row.what, row.printed, f'{row.ours:.6g}', row.verdict
+('crank speed', '188.5', '188.496', 'agrees')
+"""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fourbar_ros.lazy import lazily
+
+if TYPE_CHECKING:
+    from fourbar_lab.reproduction.documents import reproduce, Row, Section, summary
+
+__all__ = [
+    'Row', 'Section', 'reproduce', 'summary',
+]
+
+__getattr__, __dir__ = lazily(__name__, {
+    'fourbar_lab.reproduction.documents': 'reproduce, Row, Section, summary',
+})

@@ -1,0 +1,201 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""``fourbar reproduce``: compute everything that the slides and the paper print, and judge it."""
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import isnan, nan
+from pathlib import Path
+from typing import Any, NamedTuple, TYPE_CHECKING, Union
+
+from fourbar_lab.reproduction import published
+from fourbar_lab.reproduction.verdicts import (
+    AGREES,
+    ASSUMED,
+    DIFFERS,
+    DRAWN,
+    GARBLED,
+    MISPRINT,
+    MISSING,
+    ROUNDED,
+    VERDICTS,
+    WRONG,
+)
+from fourbar_ros.report.terminal import make_console, plain_table
+import yaml
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+DOCUMENTS = Path(__file__).with_name('published.yaml')
+Entry = Mapping[str, Any]       # of published.yaml
+Term = Union[str, float]        # an expression
+EXACT = 1e-12      # of the sum of the terms: more than rounding, less than any slip
+
+
+class Row(NamedTuple):
+    """One printed number or equation beside the computed one."""
+
+    what: str
+    unit: str
+    printed: str
+    ours: float
+    difference: float      # ours - printed
+    verdict: str
+    reason: str
+
+
+class Section(NamedTuple):
+    """
+    An example or a table of a document.
+
+    ``figure``: name of a drawing of :mod:`fourbar_lab.reproduction.figures`, or ''.
+    """
+
+    title: str
+    rows: list[Row]
+    figure: str
+
+
+def reproduce(path: str | Path = DOCUMENTS) -> list[Section]:
+    """Return every :class:`Section`, computed now."""
+    return [_section(entry) for entry in yaml.safe_load(Path(path).read_text(encoding='utf-8'))]
+
+
+def _section(entry: Entry) -> Section:
+    values = getattr(published, entry.get('values', 'symbols'))() if 'values' in entry else {}
+    symbols = getattr(published, entry['symbols'])() if 'symbols' in entry else {}
+    rows = [_equation(row, symbols) if 'key' not in row and symbols else _number(row, values)
+            for row in entry['rows']]
+    return Section(entry['title'], rows, entry.get('figure', ''))
+
+
+def _number(row: Entry, values: Mapping[str, float]) -> Row:
+    """Return the Row of a printed number, with its difference and the verdict on it."""
+    printed = row.get('printed', '')
+    own = _evaluate(row['own'], {}) if 'own' in row else nan
+    ours = float(values[row['key']]) if 'key' in row else own
+    verdict = _verdict(row, ours)
+    if not isnan(own) and not agrees(own, printed):
+        verdict = DIFFERS
+    reason = '' if verdict == AGREES and 'rounded' in row else _reason(row)
+    return Row(row['what'], row.get('unit', ''), printed, ours, ours - float(printed or nan),
+               verdict, reason)
+
+
+def _verdict(row: Entry, ours: float) -> str:
+    """
+    Return the verdict on a number.
+
+    DIFFERS also if published.yaml gives a reason that does not explain the difference.
+    """
+    for name, verdict in (('missing', MISSING), ('assumed', ASSUMED)):
+        if name in row:
+            return verdict
+    difference = abs(ours - float(row['printed']))
+    if agrees(ours, row['printed']):
+        verdict = AGREES
+    elif difference <= row.get('drawn', 0.0) * abs(float(row.get('scale', ours))):
+        verdict = DRAWN
+    else:
+        verdict = ROUNDED if difference <= row.get('rounded', 0.0) * abs(ours) else DIFFERS
+    if 'copies' in row:
+        return (GARBLED if verdict in (AGREES, ROUNDED)
+                and is_reading(row['printed'], row['copies']) else DIFFERS)
+    for name, wrong in (('garbled', GARBLED), ('misprint', MISPRINT), ('wrong', WRONG)):
+        if name in row:
+            return wrong if verdict == DIFFERS else DIFFERS
+    return verdict
+
+
+def _reason(row: Entry) -> str:
+    """Return the footnote that a row refers to."""
+    if 'copies' in row:
+        return f'the copy has {" and ".join(repr(text.strip()) for text in row["copies"])}'
+    return next((row[name] for name in ('missing', 'assumed', 'garbled', 'misprint', 'wrong',
+                                        'why') if name in row), '')
+
+
+def is_reading(text: str, copies: Sequence[str]) -> bool:
+    """Return whether each character of a text stands at its place in a garbled copy."""
+    return all(len(copy) == len(text) for copy in copies) and all(
+        any(copy[i] == character for copy in copies) for i, character in enumerate(text))
+
+
+def agrees(value: float, text: str) -> bool:
+    """Return whether a decimal number is the value, rounded or truncated after its last digit."""
+    printed, unit = float(text), 10.0**-len(text.partition('.')[2])
+    beyond = (value - printed) / unit if printed >= 0.0 else (printed - value) / unit
+    return -0.5 <= beyond < 1.0
+
+
+def _equation(row: Entry, symbols: Mapping[str, float]) -> Row:
+    """
+    Return the Row of an equation: its printed form against what it must give.
+
+    A sum of terms must be zero, relative to their magnitudes; a formula must give ``ours``.
+    """
+    def left(terms: Sequence[Term]) -> float:
+        numbers = [_evaluate(term, symbols) for term in terms]
+        return sum(numbers) / sum(map(abs, numbers))
+
+    def of(form: Term | list[Term]) -> float:
+        return left(form) if isinstance(form, list) else _evaluate(form, symbols)
+
+    form = row.get('terms', row.get('value'))
+    must, printed = _evaluate(row.get('ours', '0.0'), symbols), of(form)
+    scale = max(1.0, abs(must))
+    is_right = abs(printed - must) <= EXACT * scale
+    verdict = AGREES if is_right else DIFFERS
+    if 'misprint' in row and not is_right and abs(of(row['correct']) - must) <= EXACT * scale:
+        verdict = MISPRINT      # and the correction is one
+    return Row(row['what'], '', f'{printed:.6g}' if not is_right or 'value' in row else '0', must,
+               must - printed, verdict, _reason(row))
+
+
+def _evaluate(expression: Term, symbols: Mapping[str, float]) -> float:
+    """Return the value of an expression in published.yaml; it knows these symbols only."""
+    return float(eval(str(expression), {'__builtins__': {}}, symbols))
+
+
+# --- as tables -----------------------------------------------------------------------------------
+
+COLUMNS = ('', 'printed>', 'ours>', 'difference>', 'unit', 'verdict', '')
+
+
+def cells(row: Row) -> tuple[str, ...]:
+    """Return the texts of a Row, without its reason."""
+    return (row.what, row.printed, '' if isnan(row.ours) else f'{row.ours:.10g}',
+            '' if isnan(row.difference) else f'{row.difference:.3g}', row.unit, row.verdict)
+
+
+def footnotes(section: Section) -> dict[str, int]:
+    """Return {reason: its number} of a Section, in order."""
+    return {reason: i for i, reason in enumerate(dict.fromkeys(row.reason for row in section.rows
+                                                               if row.reason), 1)}
+
+
+def count(sections: Sequence[Section]) -> dict[str, int]:
+    """Return the number of rows of each verdict, as a dict in the order of VERDICTS."""
+    found = [row.verdict for section in sections for row in section.rows]
+    return {verdict: found.count(verdict) for verdict in VERDICTS if verdict in found}
+
+
+def summary(sections: Sequence[Section]) -> str:
+    """Return the verdicts in one line."""
+    return ', '.join(f'{number} {verdict}' for verdict, number in count(sections).items())
+
+
+def print_tables(sections: Sequence[Section], console: Console | None = None) -> None:
+    """Print a table for each section, the reasons below it."""
+    console = console or make_console()
+    for section in sections:
+        notes = footnotes(section)
+        table = plain_table(section.title, COLUMNS)
+        for row in section.rows:
+            table.add_row(*cells(row), f'({notes[row.reason]})' if row.reason else '')
+        console.print(table)
+        for reason, number in notes.items():
+            console.print(f'({number}) {reason}', style='dim', markup=False)
+        console.print()
+    console.print(summary(sections))

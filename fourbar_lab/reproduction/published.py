@@ -1,0 +1,300 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Computed values for everything that the two documents print: one function per example.
+
+Each returns a dict by name. The printed numbers are in published.yaml;
+:mod:`fourbar_lab.reproduction.documents` compares. Examples given in inches, feet and degrees are
+computed in SI units and converted back at the end.
+"""
+from __future__ import annotations
+
+from math import degrees, hypot, pi, radians
+
+from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.mechanics.bodies import Bodies, Body, round_rod
+from fourbar_ros.mechanics.moving_frames import acceleration_terms
+from fourbar_ros.mechanisms.contract import CROSSED, OPEN
+from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
+from fourbar_ros.mechanisms.four_bar.io_equations import io_equation, to_half_angle
+from fourbar_ros.mechanisms.four_bar.loads import Loads
+from fourbar_ros.mechanisms.four_bar.motion import Motion
+from fourbar_ros.mechanisms.half_angle import bilinear_factors
+from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
+from fourbar_ros.mechanisms.points import acceleration_image, link_motion, point_motion
+from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
+from fourbar_ros.numerics.arrays import Array, Values
+import numpy as np
+
+INCH, FOOT = 0.0254, 0.3048
+RPM = pi / 30.0
+
+EXAMPLE_7_2 = SliderCrank(2.5 * INCH, 6.0 * INCH)
+GIVEN_7_2 = (radians(30.0), -1800.0 * RPM)              # the angle is in the drawing only
+EXAMPLE_7_3 = FourBar(4.0 * INCH, 18.0 * INCH, 11.0 * INCH, 10.0 * INCH)
+GIVEN_7_3 = (radians(120.0), 900.0 * RPM)
+POINTS_7_3 = {'E': ('coupler', 10.0 * INCH, -4.0 * INCH), 'F': ('output', 7.0 * INCH, -3.0 * INCH)}
+# no offset: with 2 in, omega4 would miss by 12 to 15 %
+EXAMPLE_7_5 = InvertedSlider(3.0 * INCH, 14.0 * INCH)
+GIVEN_7_5 = (radians(30.0), -36.0)
+EXAMPLE_7_6 = FourBar(8.0, 14.0, 9.0, 17.0)
+GIVEN_7_6 = (radians(60.0), 10.0, 100.0)
+EXAMPLE_7_7 = FourBar(2.0, 6.0, 7.0, 5.0)
+PAPER_LENGTHS, PAPER_SPEED = (0.4, 1.2, 0.8, 1.0), 25.0
+RODS = [round_rod(length, 7750.0, 0.01) for length in PAPER_LENGTHS[:3]]
+PAPER = FourBar(*PAPER_LENGTHS, bodies=Bodies(*RODS))
+THIN_RODS = Bodies(*(Body(rod.mass, rod.cg_along, 0.0, rod.mass * length**2 / 12.0)
+                     for rod, length in zip(RODS, PAPER_LENGTHS)))
+THIN = FourBar(*PAPER_LENGTHS, bodies=THIN_RODS)
+
+
+def example_7_2() -> dict[str, float]:
+    m, a2 = EXAMPLE_7_2.motion(*GIVEN_7_2), EXAMPLE_7_2.a2
+    b = point_motion(EXAMPLE_7_2, m, 'coupler', 0.0)
+    return {'angle': degrees(m.theta1), 'omega2': -m.omega1, 'v_b': float(b.speed) / FOOT,
+            'a_b': hypot(*b.acceleration) / FOOT,
+            'v_c': m.slide_velocity / FOOT, 'omega3': m.omega_beta,
+            'normal': m.omega_beta**2 * a2 / FOOT,
+            'alpha3': m.alpha_beta, 'tangential': m.alpha_beta * a2 / FOOT,
+            'a_c': -m.slide_acceleration / FOOT,
+            'delta': degrees(acceleration_image(m.omega_beta, m.alpha_beta)[1])}
+
+
+def example_7_3() -> dict[str, float]:
+    m = EXAMPLE_7_3.motion(*GIVEN_7_3)
+    points = {f'a_{name.lower()}': hypot(*point_motion(EXAMPLE_7_3, m, *point).acceleration) / FOOT
+              for name, point in POINTS_7_3.items()}
+    places = {f'{name.lower()}_{field}': sign * value / INCH
+              for name, (_, along, across) in POINTS_7_3.items()
+              for field, sign, value in (('along', 1.0, along), ('across', -1.0, across))}
+    return places | {
+            'angle': degrees(m.theta1), 'ground': EXAMPLE_7_3.a4 / INCH, 'omega2': m.omega1,
+            'a_b': m.omega1**2 * EXAMPLE_7_3.a1 / FOOT, 'omega3': m.omega_beta, 'omega4': m.omega4,
+            'normal_cb': m.omega_beta**2 * EXAMPLE_7_3.a2 / FOOT,
+            'normal_cd': m.omega4**2 * EXAMPLE_7_3.a3 / FOOT,
+            'tangential_cb': abs(m.alpha_beta) * EXAMPLE_7_3.a2 / FOOT,
+            'tangential_cd': abs(m.alpha4) * EXAMPLE_7_3.a3 / FOOT,
+            'alpha3': m.alpha_beta, 'alpha4': -m.alpha4, **points}
+
+
+def example_7_4() -> dict[str, float]:
+    """Take the rod at 45 deg, 50 rad/s ccw, the slider 0.5 m out and moving outwards at 30 m/s."""
+    out = np.array([np.cos(pi / 4.0), np.sin(pi / 4.0)])
+    terms = acceleration_terms((0.0, 0.0), 50.0, 0.0, 0.5 * out, 30.0 * out)
+    total = np.sum(terms, axis=0)
+    return {'normal': hypot(*terms.normal), 'coriolis': hypot(*terms.coriolis),
+            'total': hypot(*total),
+            'direction': degrees(pi - np.arctan2(total[1], total[0]))}
+
+
+def example_7_5() -> dict[str, float]:
+    m, a1 = EXAMPLE_7_5.motion(*GIVEN_7_5), EXAMPLE_7_5.a1
+    return {'angle': degrees(m.theta1), 'offset': EXAMPLE_7_5.offset / INCH, 'v_a': -m.omega1 * a1
+            / FOOT, 'v_q': m.omega4 * m.slide / FOOT, 'v_rel': -m.slide_velocity / FOOT,
+            'omega4': m.omega4, 'qd': m.slide / INCH, 'a_a': m.omega1**2 * a1 / FOOT,
+            'normal': m.omega4**2 * m.slide / FOOT, 'coriolis': -2.0 * m.omega4 * m.slide_velocity
+            / FOOT,
+            'tangential': m.alpha4 * m.slide / FOOT, 'alpha4': m.alpha4}
+
+
+def example_7_6() -> dict[str, float]:
+    values: dict[str, float] = {}
+    for name, mode in (('', OPEN), ('other_', CROSSED)):
+        m = EXAMPLE_7_6.in_mode(mode).motion(*GIVEN_7_6)
+        for n, triple in ((2, m[3:6]), (4, m[9:12])):
+            v = to_half_angle(*triple)
+            values |= {f'{name}theta{n}': degrees(triple[0]), f'{name}omega{n}': triple[1],
+                       f'{name}alpha{n}': triple[2]}
+            values |= {f'{name}{order}v{n}': float(part)
+                       for order, part in zip(('', 'd', 'dd'), v)}
+        values |= {f'{name}theta2_positive': degrees(m.theta2) % 360.0,
+                   f'{name}beta': degrees(m.beta),
+                   f'{name}interior': degrees(m.theta2) % 360.0 - 180.0,
+                   f'{name}omega_beta': m.omega_beta, f'{name}alpha_beta': m.alpha_beta}
+    return values
+
+
+def example_7_7() -> dict[str, float]:
+    equation = io_equation(EXAMPLE_7_7.lengths, 1, 4)
+    values = {'eq38_v1v4': equation.both, 'eq38_v1': equation.first, 'eq38_mixed': -equation.mixed,
+              'eq38_v4': -equation.second, 'eq38': equation.constant}
+    return values | _extrema(EXAMPLE_7_7, 10.0, 'deg')
+
+
+def _extrema(linkage: FourBar, speed: float, unit: str) -> dict[str, float]:
+    """Return the values and places of the global extrema of omega4 and alpha4 in both modes."""
+    values = {}
+    for mode in (CROSSED, OPEN):
+        for e in find_extrema(linkage.in_mode(mode), ('omega4', 'alpha4'), speed):
+            if e.is_global:
+                name = f'mode{mode}_{e.quantity}_{e.kind[:3]}'
+                values[name] = e.value
+                values[f'{name}_at'] = degrees(e.theta1) if unit == 'deg' else e.theta1
+                values[f'{name}_at_negative'] = (values[f'{name}_at']
+                                                 - (360.0 if unit == 'deg' else 2.0 * pi))
+    return values
+
+
+def paper_table_1() -> dict[str, float]:
+    return {f'm{i}': rod.mass for i, rod in enumerate(RODS, 1)}
+
+
+def paper_table_2() -> dict[str, float]:
+    values = _extrema(PAPER, PAPER_SPEED, 'rad')
+    return values | {f'{name}_deg': degrees(value) for name, value in values.items()
+                     if '_at' in name}
+
+
+def paper_table_3() -> dict[str, float]:
+    values: dict[str, float] = {}
+    for name, linkage, quantity in (('force', THIN, 'shaking_force'),
+                                    ('moment', THIN, 'shaking_moment'),
+                                    ('solid_moment', PAPER, 'shaking_moment'),
+                                    ('literal_moment', THIN, literal_moment)):
+        largest = max(find_extrema(linkage, (quantity,), PAPER_SPEED),
+                      key=lambda extremum: abs(extremum.value))
+        values |= {name: abs(largest.value), f'{name}_at': largest.theta1}
+    theta1, *curves = wrong_curves()
+    for name, curve in zip(('wrong_force', 'wrong_moment', 'literal_wrong_moment'), curves):
+        values |= {name: curve.max(), f'{name}_at': theta1[curve.argmax()]}
+    table_2 = paper_table_2()
+    return values | {'rate': table_2['mode2_omega4_min'],
+                     'rate_at': table_2['mode2_omega4_min_at']}
+
+
+def literal_moment(motion: Motion, loads: Loads) -> Values:
+    """
+    Return T14 + r34 x F34 [N m] with the arm r34 of the paper's Fig. 2.
+
+    That arm runs from the centre of gravity of link 3 to joint 4.
+    """
+    along = THIN_RODS.output.cg_along
+    return along * (motion.cos_y * loads.f43_y - motion.sin_y * loads.f43_x) - loads.driving_torque
+
+
+def wrong_curves() -> tuple[Array, Array, Array, Array]:
+    """
+    Return theta1 [rad] and three magnitudes from a wrong form of the paper's Eq. (9).
+
+    It has m v in place of m a, thin rods, every 0.1 deg. The first two are "shaking force" and
+    "moment" as the paper prints them, to the last digit: the moment with an arm of 0.01 m along x.
+    The third is the moment with r34 of Fig. 2, which the paper does not print.
+    """
+    theta1 = np.radians(np.arange(3600) / 10.0)
+    motion = THIN.motion(theta1, PAPER_SPEED)
+    unknowns = solve_eq_9(THIN, motion, with_velocities=True)
+    f41, f43, torque = unknowns[:, 0:2], unknowns[:, 6:8], unknowns[:, 8]
+    along = THIN_RODS.output.cg_along
+    literal = along * (motion.cos_y * f43[:, 1] - motion.sin_y * f43[:, 0]) - torque
+    return theta1, np.hypot(*(f41 + f43).T), np.abs(-torque - 0.01 * f43[:, 1]), np.abs(literal)
+
+
+def solve_eq_9(linkage: FourBar, motion: Motion, with_velocities: bool = False) -> Array:
+    """
+    Return the nine unknowns of the paper's Eq. (9), shape (n, 9).
+
+    F41, F21, F32, F43 (x, y each), T41. ``with_velocities``: the force rows hold m v in place of m
+    a.
+    """
+    assert linkage.bodies is not None
+    size = np.size(motion.theta1)
+    a, right = np.zeros((size, 9, 9)), np.zeros((size, 9))
+    for i, (link, body, length) in enumerate(zip(('crank', 'coupler', 'output'), linkage.bodies,
+                                                 linkage.lengths)):
+        first, centre, end = (point_motion(linkage, motion, link, along)
+                              for along in (0.0, body.cg_along, length))
+        arms = [(joint.place - centre.place)
+                for joint in ((end, first) if i == 2 else (first, end))]
+        for column, sign, arm in zip((2 * i, 2 * i + 2), (1.0 if i == 0 else -1.0, 1.0), arms):
+            a[:, 3 * i, column] = a[:, 3 * i + 1, column + 1] = sign
+            a[:, 3 * i + 2, column], a[:, 3 * i + 2,
+                                       column + 1] = -sign * arm[:, 1], sign * arm[:, 0]
+        right[:, 3 * i:3 * i + 2] = body.mass * (centre.velocity if with_velocities
+                                                 else centre.acceleration)
+        right[:, 3 * i + 2] = body.inertia * (motion.alpha1, motion.alpha_beta, motion.alpha4)[i]
+    a[:, 2, 8] = 1.0
+    return np.linalg.solve(a, right[..., None])[..., 0]
+
+
+def eq_9() -> dict[str, float]:
+    """
+    Return the largest difference between the paper's Eq. (10) and our closed forms.
+
+    It is relative to the largest force of a turn.
+    """
+    motion, loads = PAPER.step(np.linspace(0.0, 2.0 * pi, 361), PAPER_SPEED)
+    names = ('f41_x', 'f41_y', 'f21_x', 'f21_y', 'f32_x', 'f32_y', 'f43_x', 'f43_y',
+             'driving_torque')
+    ours = np.stack([getattr(loads, name) for name in names], axis=1)
+    return {'difference': np.abs(solve_eq_9(PAPER, motion) - ours).max() / np.abs(ours).max()}
+
+
+def vectors() -> dict[str, float]:
+    """
+    Return the symbols of the slides' vector equations.
+
+    (6): B and C of Example 7.3; (7) and following: Example 7.2, with theta2, theta3 of its crank
+    and coupler; (9)-(11): A and the bar of Example 7.5. The two sides of an equation reach their
+    points over different links.
+    """
+    m, four_bar = EXAMPLE_7_3.motion(*GIVEN_7_3), EXAMPLE_7_3
+    b, c = point_motion(four_bar, m, 'crank', four_bar.a1), point_motion(four_bar, m, 'output',
+                                                                         four_bar.a3)
+    found = {'omega': m.omega_beta, 'alpha': m.alpha_beta}
+    found |= _components(p=c.acceleration, q=b.acceleration, r=c.place - b.place)
+    m, slider = EXAMPLE_7_2.motion(*GIVEN_7_2), EXAMPLE_7_2
+    found |= {'r2': slider.a1, 'r3': slider.a2, 's2': m.sin_x, 'c2': m.cos_x, 's3': m.sin_b,
+              'c3': m.cos_b,
+              'w2': m.omega1, 'al2': m.alpha1, 'w3': m.omega_beta, 'al3': m.alpha_beta,
+              'v4': m.slide_velocity,
+              'acc4': m.slide_acceleration}
+    m, inverted = EXAMPLE_7_5.motion(*GIVEN_7_5), EXAMPLE_7_5
+    a, q = point_motion(inverted, m, 'crank', inverted.a1), point_motion(inverted, m, 'output',
+                                                                         m.slide)
+    bar = link_motion(inverted, m, 'output')
+    found |= {'bar_omega': m.omega4, 'bar_alpha': m.alpha4}
+    return found | _components(a=a.acceleration, bar=q.acceleration,
+                               arm=a.place - (inverted.a4, 0.0),
+                               v=m.slide_velocity * bar.direction,
+                               rel=m.slide_acceleration * bar.direction)
+
+
+def _components(**vectors: Array) -> dict[str, float]:
+    return {f'{name}_{axis}': float(part) for name, vector in vectors.items()
+            for axis, part in zip('xy', vector)}
+
+
+def symbols() -> dict[str, float]:
+    """
+    Return the symbols of the slides' Eqs. (16)-(37) by name, at the pose of Example 7.6.
+
+    a1..a4, A..D, A1..D2; v1..v4, dv, ddv are their derivatives; w1..w4 and al1..al4 those of
+    theta.
+    """
+    m = EXAMPLE_7_6.motion(*GIVEN_7_6)
+    a1, a2, a3, a4 = EXAMPLE_7_6.lengths
+    found = {'a1': a1, 'a2': a2, 'a3': a3, 'a4': a4} | bilinear_factors(a1, a2, a3, a4)._asdict()
+    for n, triple in enumerate((m[0:3], m[3:6], m[6:9], m[9:12]), 1):
+        found |= dict(zip((f'v{n}', f'dv{n}', f'ddv{n}'), map(float, to_half_angle(*triple))))
+        found |= {f'w{n}': triple[1], f'al{n}': triple[2]}
+    return found | {letter: found[f'{letter}1'] * found[f'{letter}2'] for letter in 'ABCD'}
+
+
+def paper_symbols() -> dict[str, float]:
+    """
+    Return the symbols of the paper's Eqs. (1)-(8), in its own chain.
+
+    The chain has theta1 + pi, -theta4, and its own factors.
+    """
+    found = symbols()
+    a1, a2, a3, a4 = EXAMPLE_7_6.lengths
+    found |= {'A1': a1 - a2 + a3 - a4, 'A2': a1 + a2 + a3 - a4, 'B1': a1 + a2 - a3 - a4,
+              'B2': a1 - a2 - a3 - a4,
+              'C1': a1 - a2 - a3 + a4, 'C2': a1 + a2 - a3 + a4, 'D1': a1 + a2 + a3 + a4,
+              'D2': a1 - a2 + a3 + a4}
+    m = EXAMPLE_7_6.motion(*GIVEN_7_6)
+    for n, triple in ((1, (m.theta1 + pi, m.omega1, m.alpha1)),
+                      (4, (-m.theta4, -m.omega4, -m.alpha4))):
+        found |= dict(zip((f'v{n}', f'dv{n}', f'ddv{n}'), map(float, to_half_angle(*triple))))
+        found |= {f'w{n}': triple[1], f'al{n}': triple[2]}
+    return found | {letter: found[f'{letter}1'] * found[f'{letter}2'] for letter in 'ABCD'}

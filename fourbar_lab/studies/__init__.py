@@ -1,0 +1,48 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Studies: many designs of one scene, drawn, computed on an executor, kept as Parquet, ranked.
+
+>>> from fourbar_lab.studies import compute, study_of
+>>> study = study_of({'scene': 'paper', 'rows': 64, 'quantities': ['shaking_force.max'],
+...                   'vary': {'linkage.a1': {'range': [0.3, 0.5]}}})
+>>> found = compute(study, chunk=0).columns            # a chunk needs no folder
+>>> best = found['shaking_force.max'].argmin()
+>>> f"{found['shaking_force.max'][best]:.1f} N at {found['linkage.a1'][best]:.4f} m"
+'1400.6 N at 0.3030 m'
+"""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fourbar_ros.lazy import lazily
+
+if TYPE_CHECKING:
+    from fourbar_lab.studies.chunks import Chunk, compute
+    from fourbar_lab.studies.derivatives import Derivatives, sensitivities, Sensitivity
+    from fourbar_lab.studies.engine import Cluster, Local, Progress, run
+    from fourbar_lab.studies.folder import Folder
+    from fourbar_lab.studies.results import Results, Summary
+    from fourbar_lab.studies.study import from_document as study_of
+    from fourbar_lab.studies.study import read as read_study
+    from fourbar_lab.studies.study import Study, StudyError
+    from fourbar_lab.studies.tolerance_analysis import Toleranced, tolerances
+    from fourbar_ros.numerics.duals import derivatives_of
+
+__all__ = [
+    'Chunk', 'Cluster', 'Derivatives', 'Folder', 'Local', 'Progress', 'Results', 'Sensitivity',
+    'Study', 'StudyError', 'Summary', 'Toleranced', 'compute', 'derivatives_of', 'read_study',
+    'run', 'sensitivities', 'study_of', 'tolerances',
+]
+
+__getattr__, __dir__ = lazily(__name__, {
+    'fourbar_lab.studies.chunks': 'Chunk, compute',
+    'fourbar_lab.studies.derivatives': 'Derivatives, sensitivities, Sensitivity',
+    'fourbar_lab.studies.engine': 'Cluster, Local, Progress, run',
+    'fourbar_lab.studies.folder': 'Folder',
+    'fourbar_lab.studies.results': 'Results, Summary',
+    'fourbar_lab.studies.study':
+        'from_document as study_of, read as read_study, Study, StudyError',
+    'fourbar_lab.studies.tolerance_analysis': 'Toleranced, tolerances',
+    'fourbar_ros.numerics.duals': 'derivatives_of',
+})

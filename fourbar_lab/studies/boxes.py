@@ -1,0 +1,297 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Proven bounds of the extreme values of quantities over a box of parameters: interval arithmetic.
+
+With Q(x, p), x in a piece X of the input about c, and p in the box P about p0 with half-widths t,
+Taylor's formula gives
+
+    (B1)  Q(X, P) in Q(c, p0) + Q_x(X, P) (X - c) + sum Q_pi(X, P) [-t_i, t_i]
+    (B2)  max over x of Q(x, p) >= Q(c, p0) - sum |Q_pi(c, P)| t_i      for any c, any p in P
+
+in balls (Arb, by the optional package python-flint) that contain every rounding. Pieces are
+halved where their bound is largest, until a piece adds little beside the box.
+
+Numbers are duals of balls: the value q(p0) in the middle of the box, and enclosures of the
+derivatives over the box; over the box
+
+    (C1)  q(p) in q(p0) + sum q_i(P) [-t_i, t_i]
+
+(the mean value form). Taken at every operation, it keeps what two operands have in common, which
+ball arithmetic on the box itself would count twice (E. R. Hansen, A generalized interval
+arithmetic, 1975).
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+import heapq
+from math import inf, isfinite, isinf, nextafter, pi
+from threading import RLock
+from typing import Any, NamedTuple, TYPE_CHECKING, Union
+
+from fourbar_ros.numerics.arrays import Values
+from fourbar_ros.numerics.duals import Derivatives, derivatives_of, Dual, duals_of, value_of
+from fourbar_ros.numerics.number_types import choose, Function, INFINITESIMAL, NumberType
+
+if TYPE_CHECKING:      # an optional package
+    from flint import arb
+
+PRECISION, INPUT = 80, 'input'      # [bit]; the input as a parameter
+# What a piece may add, over what the box adds and over the value; how often pieces are halved.
+SMALL, NOTHING, MOST_PIECES, DEEPEST = 0.02, 2.0**-40, 3000, 40
+# Halvings of a piece of which nothing is known: the box reaches a toggle there.
+HOPELESS = 8
+
+
+class Enclosed(NamedTuple):
+    """
+    A quantity over a piece of the input and the box, as balls.
+
+    Parameters
+    ----------
+    middle
+        Q(c, p0).
+    by_piece, by_box
+        |Q_x(X, P)| times half the width of X; the sum of |Q_pi(X, P)| t_i.
+
+    """
+
+    middle: arb
+    by_piece: arb
+    by_box: arb
+
+
+# (low, high) of a piece of the input -> for each quantity an Enclosed, or None: nothing is known
+Evaluate = Callable[[float, float], Sequence[Union[Enclosed, None]]]
+# (number type, {parameter: number}) -> function of the input that returns the quantities
+Make = Callable[[NumberType, dict[str, Any]], Callable[[Values], Sequence[Values]]]
+Reference = Union[Callable[[float], float], None]
+
+
+class Bounds(NamedTuple):
+    """Bounds of an extreme value over the box; infinite where nothing is known."""
+
+    low: float
+    high: float
+
+
+def enclosing(make: Make, values: Mapping[str, Any], widths: dict[str, float],
+              references: Sequence[Reference]) -> Evaluate:
+    """
+    Return the function that encloses quantities over pieces of the input and a box.
+
+    Parameters
+    ----------
+    make : callable
+    values : dict
+        {parameter: float}, others may be anything: the middle of the box.
+    widths : dict
+        {parameter: half the width of the box}.
+    references : sequence
+        For each quantity None, or of an angle a function of the input: it is taken within half a
+        turn of that.
+
+    Raises
+    ------
+    ImportError
+        python-flint is not installed.
+
+    """
+    from flint import arb
+
+    exact = {name: arb(value) if isinstance(value, float) and isfinite(value) else value
+             for name, value in values.items()}
+    radii = {name: arb(0, width) for name, width in widths.items()}
+
+    def enclosed(whole: Values, x: float, reference: Reference) -> Enclosed | None:
+        middle, by = value_of(whole), dict(derivatives_of(whole))
+        by_piece = abs(by.pop(INPUT, arb(0)) * radii[INPUT])
+        by_box = sum((abs(part * radii[name]) for name, part in by.items()), start=arb(0))
+        if not (middle.is_finite() and by_piece.is_finite() and by_box.is_finite()):
+            return None
+        if reference is not None:
+            middle += 2 * round((reference(x) - float(middle)) / (2.0 * pi)) * arb.pi()
+        return Enclosed(middle, by_piece, by_box)
+
+    def evaluate(low: float, high: float) -> Sequence[Enclosed | None]:
+        try:
+            with precision(PRECISION):
+                ball = arb(low).union(arb(high))
+                x = ball.mid()
+                radii[INPUT] = ball - x
+                centred, numbers = centred_on(radii)
+                rows = make(numbers, exact | {name: centred(exact[name], {name: arb(1)})
+                                              for name in widths})
+                return [enclosed(whole, float(x), reference) for whole, reference
+                        in zip(rows(centred(x, {INPUT: arb(1)})), references)]
+        except (ValueError, ZeroDivisionError):     # a divisor may vanish
+            return [None] * len(references)
+    return evaluate
+
+
+class Box:
+    """
+    Bounds of the extreme values of quantities of all mechanisms in a box.
+
+    Parameters
+    ----------
+    evaluate : callable
+        See :func:`enclosing`.
+    pieces : sequence of (low, high)
+        That cover the input range.
+
+    """
+
+    def __init__(self, evaluate: Evaluate, pieces: Sequence[tuple[float, float]]) -> None:
+        self._evaluate, self._pieces = evaluate, pieces
+        self._known: dict[tuple[float, float], Sequence[Enclosed | None]] = {}
+
+    def _at(self, low: float, high: float, row: int) -> Enclosed | None:
+        if (low, high) not in self._known:
+            self._known[low, high] = self._evaluate(low, high)
+        return self._known[low, high][row]
+
+    def most(self, row: int, places: Sequence[float]) -> Bounds:
+        """Return bounds of the largest value of quantity ``row``; ``places``: where to look."""
+        return Bounds(self._least_maximum(row, places, 1), self._largest(row, 1))
+
+    def least(self, row: int, places: Sequence[float]) -> Bounds:
+        """Return bounds of the least value of quantity ``row``."""
+        return Bounds(-self._largest(row, -1), -self._least_maximum(row, places, -1))
+
+    def _least_maximum(self, row: int, places: Sequence[float], sign: int) -> float:
+        """Return a lower bound of the largest sign Q, (B2)."""
+        known = [self._at(x, x, row) for x in places]
+        return max((nextafter(float((sign * one.middle - one.by_box).lower()), -inf)
+                    for one in known if one is not None), default=-inf)
+
+    def _largest(self, row: int, sign: int) -> float:
+        """Return an upper bound of the largest sign Q, (B1)."""
+        work = [self._bounded(low, high, row, sign) for low, high in self._pieces]
+        heapq.heapify(work)
+        for _ in range(MOST_PIECES):
+            bound, is_fine, depth, low, high = work[0]
+            if is_fine or -depth > (HOPELESS if isinf(bound) else DEEPEST):
+                break
+            middle = 0.5 * (low + high)
+            heapq.heapreplace(work, self._bounded(low, middle, row, sign, depth - 1))
+            heapq.heappush(work, self._bounded(middle, high, row, sign, depth - 1))
+        return -work[0][0]
+
+    def _bounded(self, low: float, high: float, row: int, sign: int,
+                 depth: int = 0) -> tuple[float, bool, int, float, float]:
+        """
+        Return minus the bound of a piece, whether it is good enough, minus its depth, its ends.
+
+        In this order: of pieces of which nothing is known the smallest comes first.
+        """
+        one = self._at(low, high, row)
+        if one is None:
+            return -inf, False, depth, low, high
+        bound = nextafter(float((sign * one.middle + one.by_piece + one.by_box).upper()), inf)
+        small = SMALL * float(one.by_box.upper()) + NOTHING * abs(float(one.middle))
+        return -bound, float(one.by_piece.upper()) <= small, depth, low, high
+
+
+# The precision of Arb is one for all threads.
+_PRECISION = RLock()
+
+
+@contextmanager
+def precision(bits: int) -> Iterator[None]:
+    """Compute with balls of this precision meanwhile; other threads that do so wait."""
+    from flint import ctx
+
+    with _PRECISION:
+        before, ctx.prec = ctx.prec, bits
+        try:
+            yield
+        finally:
+            ctx.prec = before
+
+
+def _ball(value: Values) -> arb:
+    """Return a number as a ball: a formula may be asked of a constant of its own."""
+    if not isinstance(value, (float, int)):
+        return value
+    from flint import arb
+
+    return arb(value)
+
+
+def _atan2(y: Values, x: Values) -> arb:
+    y = _ball(y)
+    return type(y).atan2(y, _ball(x))
+
+
+def _sqrt(value: Values) -> arb:
+    return _ball(value).sqrt()
+
+
+# Balls need no scaling. Choices are made in the middle of the box, between forms that are right.
+BALLS = NumberType('balls', lambda v: _ball(v).sin(), lambda v: _ball(v).cos(), _sqrt, _atan2,
+                   lambda x, y: _sqrt(x * x + y * y), abs, choose, sum, lambda *lengths: 1.0,
+                   INFINITESIMAL)
+
+
+class Centred(Dual):
+    """
+    A number over a box; see :func:`centred_on`, which gives subclasses their ``radii``.
+
+    Parameters
+    ----------
+    value : flint.arb
+        In the middle of the box.
+    by : dict
+        {parameter: flint.arb that holds the derivative everywhere in the box}.
+
+    """
+
+    __slots__ = ('_whole',)
+    radii: dict[str, arb]
+
+    def __init__(self, value: arb, by: Derivatives) -> None:
+        super().__init__(value, by)
+        self._whole: arb | None = None
+
+    @property
+    def whole(self) -> arb:
+        """Return the ball of the values in the box, (C1)."""
+        if self._whole is None:
+            self._whole = self.value + sum((part * self.radii[name]
+                                            for name, part in self.by.items()))
+        return self._whole
+
+
+def centred_on(radii: dict[str, arb]) -> tuple[type[Centred], NumberType]:
+    """
+    Return the type of numbers over a box, and their number type.
+
+    Parameters
+    ----------
+    radii : dict
+        {parameter: half the width of the box, as the ball 0 +- that}.
+
+    """
+    centred: type[Centred] = type('Centred', (Centred,), {'__slots__': (), 'radii': radii})
+    numbers = duals_of(BALLS, centred)
+    return centred, replace(numbers, hypot=_lipschitz(numbers.hypot, centred))
+
+
+def _lipschitz(hypot: Function, centred: type[Centred]) -> Function:
+    """
+    Return ``hypot`` over a box in which both may vanish: of a force that changes its sense.
+
+    There it has no derivative, and changes by no more than (x, y) does.
+    """
+    def call(x: Values, y: Values) -> Centred:
+        found = hypot(x, y)
+        if all(part.is_finite() for part in found.by.values()):
+            return found
+        one, other = derivatives_of(x), derivatives_of(y)
+        either = _ball(0.0).union(_ball(1.0)) * 2.0 - 1.0
+        return centred(found.value, {name: either * BALLS.hypot(*[
+            abs(_ball(by.get(name, 0.0))).upper() for by in (one, other)]) for name in found.by})
+    return call

@@ -1,0 +1,267 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The folder of a study: a manifest, and one Parquet file for each chunk.
+
+Every file stands under its name only when it is whole: it is written under another, synced, and
+renamed. What is there after a crash, of anything, is right; what is not is computed again.
+"""
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import asdict
+from functools import lru_cache
+import hashlib
+import json
+import os
+from pathlib import Path
+import re
+from typing import Any, NamedTuple
+
+from fourbar_lab.studies.chunks import Chunk, nothing
+from fourbar_lab.studies.study import Study, StudyError
+import fourbar_ros
+import numpy as np
+
+try:
+    import fcntl
+except ImportError:
+    fcntl = None        # type: ignore[assignment]
+
+# Raise it when results change in their bits: a study begun before is then not resumed.
+KERNELS = '3'
+# The manifest is the metadata of a part without rows: readers of a folder of Parquet files stumble
+# over any other file in it.
+MANIFEST, OLD_MANIFEST, PART = '_manifest.parquet', 'manifest.json', 'part-{:08d}.parquet'
+_PART = re.compile(r'part-(\d{8,})\.parquet')
+KEY = b'fourbar_ros'        # of our metadata in a part
+MOST_FAILURES = 1000        # that are read at once
+
+
+class PartInfo(NamedTuple):
+    """What a part says about its chunk."""
+
+    counts: dict[str, int]
+    failures: list[tuple[int, str]]
+
+
+def as_json(study: Study) -> dict[str, Any]:
+    """Return a study as JSON has it; NaN, "not given", is left out of the scene."""
+    tree = asdict(study)
+    tree['values'] = {name: value for name, value in study.values.items() if value == value}
+    tree['vary'] = [one._asdict() for one in study.vary]
+    for name in ('measures', 'objectives', 'curves', 'bounds'):
+        tree[name] = [_plain(one) for one in getattr(study, name)]
+    return tree
+
+
+def _plain(record: Any) -> dict[str, Any]:
+    return {name: _plain(value) if hasattr(value, '_asdict') else
+            str(value) if isinstance(value, float) and not np.isfinite(value) else value
+            for name, value in record._asdict().items()}
+
+
+@lru_cache(maxsize=1)
+def made_with() -> dict[str, str]:
+    """Return the versions of what decides about the bits of the results."""
+    from importlib.metadata import version
+    return {'fourbar_ros': fourbar_ros.__version__, 'kernels': KERNELS,
+            **{name: version(name) for name in ('numpy', 'scipy', 'pyarrow')}}
+
+
+def fingerprint(study: Study) -> str:
+    """Return a hash of all that decides about the results: study, scene, versions."""
+    text = json.dumps([as_json(study), made_with()], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def units_of(study: Study) -> dict[str, str]:
+    """Return {column: unit} of the columns that have one."""
+    units = {one.name: one.unit for one in study.vary}
+    units |= {measure.name: measure.unit for measure in study.measures}
+    units |= {f'{curve.point}.{axis}': 'm' for curve in study.curves for axis in 'xy'}
+    return {name: unit for name, unit in units.items() if unit}
+
+
+def encode(study: Study, chunk: Chunk, about: dict[str, Any] | None = None) -> bytes:
+    """
+    Return a chunk as a Parquet file; the same bytes for the same numbers.
+
+    ``about``: metadata of the file; not given: what the chunk says of its designs.
+    """
+    import pyarrow
+    from pyarrow import parquet
+
+    units, arrays = units_of(study), []
+    for name, column in chunk.columns.items():
+        if column.ndim == 2:
+            flat = pyarrow.array(column.ravel())
+            array = pyarrow.FixedSizeListArray.from_arrays(flat, column.shape[1])
+        else:
+            array = pyarrow.array(column.tolist() if column.dtype.kind == 'U' else column,
+                                  pyarrow.string() if column.dtype.kind == 'U' else None)
+        metadata = {'unit': units[name]} if name in units else None
+        arrays.append((pyarrow.field(name, array.type, metadata=metadata), array))
+    about = about or {'counts': chunk.counts, 'failures': chunk.failures}
+    schema = pyarrow.schema([field for field, _ in arrays],
+                            metadata={KEY: json.dumps(about, sort_keys=True).encode()})
+    table = pyarrow.Table.from_arrays([array for _, array in arrays], schema=schema)
+    sink = pyarrow.BufferOutputStream()
+    parquet.write_table(table, sink, compression='zstd')
+    return bytes(sink.getvalue())
+
+
+class Folder:
+    """
+    The folder of a study.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    """
+
+    def __init__(self, path: str | Path):
+        self.path = Path(path)
+
+    def begin(self, study: Study, is_resumed: bool) -> None:
+        """
+        Write the manifest, or check that the folder holds this study.
+
+        Raises
+        ------
+        StudyError
+            The folder holds something, and is not to be resumed; or another study.
+
+        """
+        there = self._there()
+        if there is None:
+            if self.path.exists() and (not self.path.is_dir() or any(self._visible())):
+                raise StudyError(f'{self.path}: exists already and is no study')
+            try:
+                self.path.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise StudyError(f'{self.path}: {error.strerror}') from None
+        elif not is_resumed:
+            raise StudyError(f'{self.path}: holds a study already; --resume goes on with it')
+        elif there['fingerprint'] != fingerprint(study):
+            raise StudyError(f'{self.path}: {_difference(there, study)}; give another folder')
+        with self.locked():
+            for path in self.path.glob('.*.new'):            # of a run that was killed
+                path.unlink(missing_ok=True)
+            if there is None:
+                self._write(MANIFEST, encode(study, Chunk(nothing(study), {}, []), {
+                    'fingerprint': fingerprint(study), 'made_with': made_with(),
+                    'units': units_of(study), 'study': as_json(study)}))
+
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """
+        Hold the folder: StudyError if another command does, which would compute the same.
+
+        The lock is the kernel's, on the folder itself: it ends with its process, however.
+        """
+        if fcntl is None:                   # Windows
+            yield
+            return
+        held = os.open(self.path, os.O_RDONLY)
+        try:
+            fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(held)
+            raise StudyError(f'{self.path}: another command computes it now') from None
+        except OSError:                     # a file system without locks
+            pass
+        try:
+            yield
+        finally:
+            os.close(held)
+
+    def _there(self) -> dict[str, Any] | None:
+        """Return the manifest, or None if there is none."""
+        names = MANIFEST, OLD_MANIFEST
+        return self.manifest() if any((self.path / name).exists() for name in names) else None
+
+    def _visible(self) -> Iterator[Path]:
+        return (path for path in self.path.iterdir() if not path.name.startswith('.'))
+
+    def manifest(self) -> dict[str, Any]:
+        """Return the manifest; StudyError if there is none that can be read."""
+        name = OLD_MANIFEST if (self.path / OLD_MANIFEST).exists() else MANIFEST
+        try:
+            found = (_about(self.path / name) if name == MANIFEST else
+                     json.loads((self.path / name).read_text(encoding='utf-8')))
+        except OSError as error:
+            raise StudyError(f'{self.path}: no study: {name}: {error.strerror or error}') from None
+        except (KeyError, TypeError, ValueError):
+            raise StudyError(f'{self.path}: {name} is damaged') from None
+        if not isinstance(found, dict) or 'fingerprint' not in found:
+            raise StudyError(f'{self.path}: {name} is not one of a study')
+        return found
+
+    def _write(self, name: str, content: bytes) -> None:
+        """Write a file that stands under its name only when it is whole and on the disk."""
+        hidden = self.path / f'.{name}.new'
+        try:
+            with hidden.open('wb') as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+            hidden.replace(self.path / name)
+        except OSError as error:
+            with suppress(OSError):
+                hidden.unlink(missing_ok=True)
+            raise StudyError(f'{self.path / name}: {error.strerror}; what is done is kept, '
+                             '--resume goes on') from None
+
+    def add(self, number: int, content: bytes) -> None:
+        """Write the part of a chunk."""
+        self._write(PART.format(number), content)
+
+    def parts(self) -> dict[int, Path]:
+        """Return {chunk: file} of the parts there are, in order."""
+        found = {int(match[1]): path for path in self.path.glob('part-*.parquet')
+                 if (match := _PART.fullmatch(path.name))}
+        return dict(sorted(found.items()))
+
+    def info(self, path: Path) -> PartInfo:
+        """Return what a part says about its chunk; StudyError if it cannot be read."""
+        try:
+            found = _about(path)
+        except (OSError, KeyError, TypeError, ValueError) as error:
+            raise StudyError(f'{path}: no part of a study: {error}') from None
+        return PartInfo(found['counts'], [(row, text) for row, text in found['failures']])
+
+    def totals(self) -> tuple[dict[str, int], list[tuple[int, str]]]:
+        """Return {reason: designs} over all parts, and the first failures."""
+        counts: dict[str, int] = {}
+        failures: list[tuple[int, str]] = []
+        for path in self.parts().values():
+            info = self.info(path)
+            for reason, number in info.counts.items():
+                counts[reason] = counts.get(reason, 0) + number
+            if len(failures) < MOST_FAILURES:
+                failures += info.failures
+        return dict(sorted(counts.items(), key=lambda item: -item[1])), failures[:MOST_FAILURES]
+
+
+def _about(path: Path) -> Any:
+    """Return the metadata of a Parquet file of ours; ValueError if it is none."""
+    from pyarrow import parquet
+
+    return json.loads(parquet.read_schema(path).metadata[KEY])      # ArrowInvalid is one
+
+
+def _difference(there: dict[str, Any], study: Study) -> str:
+    """Return in what a study differs from that of a manifest, as text."""
+    if there.get('made_with') != made_with():
+        return (f'was begun with {_versions(there.get("made_with", {}))}, and this is '
+                f'{_versions(made_with())}')
+    ours, theirs = json.loads(json.dumps(as_json(study))), there.get('study', {})
+    names = [name for name in ours if ours[name] != theirs.get(name)]
+    return f'holds another study: {", ".join(names)} differ{"s" * (len(names) == 1)}'
+
+
+def _versions(versions: dict[str, str]) -> str:
+    return ', '.join(f'{name} {version}' for name, version in versions.items())

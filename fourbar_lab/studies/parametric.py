@@ -1,0 +1,131 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+A scene whose parameters are numbers of any type: columns of many designs, duals, balls.
+
+The formulas of motion and loads are those of every other computation, made for such numbers.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import copy
+from functools import partial
+from typing import Any, NamedTuple
+
+from fourbar_lab.studies.measures import Measures, Searched
+from fourbar_ros.mechanics.bodies import Applied, Body, rod_numbers, unchecked
+from fourbar_ros.mechanisms.contract import Constants
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
+from fourbar_ros.numerics.arrays import Values
+from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType
+from fourbar_ros.scene.linkage import Bodies, external_of
+from fourbar_ros.scene.parameter_table import MACHINE
+from fourbar_ros.scene.scene import Scene
+import numpy as np
+
+
+class _Columns(Bodies):
+    """Bodies of which numbers may be columns."""
+
+    body = staticmethod(partial(unchecked, Body))
+
+    @staticmethod
+    def rod(length: Values, density: Values, radius: Values) -> Body:
+        return unchecked(Body, *rod_numbers(length, density, radius))
+
+
+def is_machine(scene: Scene) -> bool:
+    """Return whether the mechanism of a scene is a machine of dyads, put together at run time."""
+    return bool(scene.values['linkage.kind'] == MACHINE)
+
+
+def constants_of(scene: Scene, values: dict[str, Any], numbers: NumberType = ARRAY) -> Constants:
+    """
+    Return what the formulas of a scene's mechanism are made for.
+
+    Parameters
+    ----------
+    scene : Scene
+        One like it: of the same kind or the same dyads, in the same mode.
+    values : dict
+        All parameters: floats, or numbers of any type.
+    numbers : NumberType
+        That type, for the directions of a machine.
+
+    """
+    linkage = scene.linkage
+    external = external_of(values, linkage, partial(unchecked, Applied))
+    constants: Constants = linkage.constants._replace(
+        gravity=(values['gravity.x'], values['gravity.y']), external=linkage.EXTERNAL(**external))
+    if is_machine(scene):
+        # only these scenes need its formulas
+        from fourbar_ros.machine import Machine
+        from fourbar_ros.scene import machines
+
+        bodies = _Columns(values, linkage.LINKS, {link.length: values[f'dyads.{link.length}']
+                                                  for link in linkage.LINKS if link.length})
+        given = bodies.those_given() if bodies.are_given else None
+        assert isinstance(linkage, Machine)
+        return constants._replace(lengths=machines.numbers_of(linkage, values, numbers),
+                                  bodies=machines.bodies_of(linkage, given))
+    lengths = {name: values[f'linkage.{name}'] for name in linkage.length_names}
+    bodies = _Columns(values, linkage.LINKS, lengths)
+    return constants._replace(
+        lengths=tuple(lengths.values()),
+        bodies=linkage.BODIES(**bodies.every()) if bodies.are_given else None)
+
+
+def dimensions_of(scene: Scene) -> tuple[str, ...]:
+    """Return the beginnings of the names of the parameters that are dimensions of its links."""
+    if is_machine(scene):
+        return 'dyads.', *['cylinder.'] * (scene.linkage.input == 'cylinder')
+    return tuple([f'linkage.{name}' for name in scene.linkage.length_names])
+
+
+def with_lengths(linkage: Mechanism, lengths: Sequence[Values]) -> Mechanism:
+    """
+    Return a linkage whose lengths are any numbers: quantities of points take them from it.
+
+    Those of a machine take all they need from its motion.
+    """
+    own = [(name, length) for name, length in zip(linkage.length_names, lengths)
+           if hasattr(linkage, name)]
+    many = copy(linkage) if own else linkage
+    for name, length in own:
+        object.__setattr__(many, name, length)
+    return many
+
+
+def point_quantities_of(scene: Scene, values: dict[str, Any], many: Mechanism
+                        ) -> dict[str, Searched]:
+    """Return {name: quantity} of the points of a scene, whose parameters are any numbers."""
+    found: dict[str, Searched] = {}
+    for name, point in scene.points.items():
+        place = values[f'points.{name}.along'], values[f'points.{name}.across']
+        for make in (point_speed, point_acceleration):
+            one = make(scene.linkage, *point, name=name)
+            known: Any = one.of              # a partial
+            _, link, _, _, first = known.args
+            found[one.name] = one._replace(of=partial(known.func, many, link, *place, first))
+    return found
+
+
+class Formulas(NamedTuple):
+    """Formulas for numbers of one type, made for a scene whose parameters are such numbers."""
+
+    motion: Function
+    loads: Function | None
+    rate: Values
+    quantities: dict[str, Searched]
+
+
+def formulas_of(scene: Scene, numbers: NumberType, values: dict[str, Any]) -> Formulas:
+    """Return the :class:`Formulas` of a scene for values of its parameters of any type."""
+    linkage, constants = scene.linkage, constants_of(scene, values, numbers)
+    many = with_lengths(linkage, constants.lengths)
+    with np.errstate(all='ignore'):
+        return Formulas(linkage.motion_formula(numbers, constants),
+                        linkage.loads_formula(numbers, constants) if linkage.bodies else None,
+                        values['drive.speed'],
+                        Measures(scene).quantities | point_quantities_of(scene, values, many))

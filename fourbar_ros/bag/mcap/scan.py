@@ -1,0 +1,357 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Walk through an MCAP file record by record, be it finished, cut, being written or damaged.
+
+The library's readers want the index at the end of a file, which a crash never writes; its stream
+reader takes 4 us a message, this one less than 1. Neither checks that a record is what it claims.
+Here the lengths inside a record must fill it; if they do not, the walk continues at the next whole
+record. The summary at the end of a finished file is checked against the data before it.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+import os
+import re
+from struct import Struct
+from typing import Any, BinaryIO, NamedTuple, TypeVar
+import zlib
+
+from fourbar_ros.bag.mcap.records import (
+    Damaged,
+    filled,
+    HEAD,
+    IS_MESSAGE,
+    MAGIC,
+    OURS,
+    parse,
+    SHAPES,
+    split,
+    tells_its_times,
+    TYPES,
+    WRONG_TIMES,
+)
+from fourbar_ros.errors import BagError
+from mcap.opcode import Opcode
+from mcap.records import Chunk, MetadataIndex, Statistics
+
+# what can be in a chunk as well
+_LOOSE = frozenset({Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE})
+# [bytes] what is searched at once, at first and at most
+_FIRST_WINDOW, _WINDOW = 1 << 12, 1 << 22
+
+# offset, opcode and body of a record; where there is none, None and what is wrong
+Found = tuple[int, Any, Any]
+
+
+class Scan:
+    """
+    Iterate over (offset, opcode, body) of the data section of an open file.
+
+    Bytes that are no record are (offset, None, what is wrong), up to where the next record begins.
+
+    Parameters
+    ----------
+    file : binary file
+    wait : callable, optional
+        Called when the file ends early, returns whether to look again: for a bag being written.
+    damage : list, optional
+        Where to add what is wrong.
+
+    Attributes
+    ----------
+    end : int
+        Offset behind the last record, or behind damage.
+    complete : bool
+        Whether the file was finished; False for one that was cut or is still being written.
+    ending : Ending or None
+    damage : list of str
+        What is wrong with the file: where and why. The caller adds what it finds in the records.
+    lost : int
+        Bytes that are damaged.
+
+    """
+
+    def __init__(self, file: BinaryIO, wait: Callable[[], bool] | None = None,
+                 damage: list[str] | None = None) -> None:
+        self._file, self._wait = file, wait
+        self.end, self.complete, self.lost = 0, False, 0
+        self.damage = [] if damage is None else damage
+        self._known = len(self.damage)
+        self.ending = ending(file)
+        if self.ending and self.ending.damage:
+            self.damage.append(self.ending.damage)
+        # of the data section; 0: not known
+        self._limit = self.ending.start if self.ending else 0
+        self._chunked = bool(self.ending and self._limit and self.ending.is_chunked)
+        self._chunks: dict[tuple[int, int, int, int], int] = {}
+        self._until, self._is_ours = 0, False
+
+    def __iter__(self) -> Iterator[Found]:
+        if not self._there(len(MAGIC), wait=True):
+            return
+        self._file.seek(0)
+        magic = self._file.read(len(MAGIC))
+        if magic != MAGIC:
+            if not self._limit and not self._record_at(len(MAGIC)):
+                raise BagError(f'{self._file.name}: not an MCAP file')
+            self.damage.append('at byte 0: the first bytes of the file are wrong')
+        self.end, crc = len(MAGIC), zlib.crc32(magic)
+        while self._limit == 0 or self.end < self._limit:
+            offset, found = self.end, self._record_at(self.end, wait=True)
+            if found is None:
+                self.end = self._next(offset)
+                if self.end == offset:
+                    return                     # cut
+                yield offset, None, self.spoil(offset, 'the type or a length of a record is wrong')
+                continue
+            head, opcode, body = found
+            self.end += len(head) + len(body)
+            if opcode == Opcode.DATA_END:
+                self._finish(offset, parse(opcode, body).data_section_crc, crc)
+                return
+            crc = zlib.crc32(body, zlib.crc32(head, crc))
+            self._chunked |= opcode == Opcode.CHUNK
+            if self._is_sound(offset, opcode, body):
+                yield offset, opcode, body
+        # without the mark for the end of the data, which is damage
+        self.complete = True
+
+    def only(self, offsets: Iterable[int]) -> Iterator[Found]:
+        """Yield the records at these offsets, taken from the index, and skip all others."""
+        for offset in offsets:
+            found = self._record_at(offset)
+            self.end = offset + HEAD.size + len(found[2]) if found else offset + HEAD.size
+            if found is None:
+                yield offset, None, self.spoil(offset, 'the index leads to no record')
+            else:
+                yield offset, *found[1:]
+        self.complete = True
+
+    def spoil(self, offset: int, why: str) -> str:
+        """Note that the bytes from an offset up to ``end`` are damaged; return the reason."""
+        self.damage.append(f'at byte {offset}: {why}')
+        self.lost += self.end - offset
+        return why
+
+    def admit(self, offset: int, chunk: Chunk, times: Sequence[int]) -> None:
+        """
+        Note what is wrong with the place of a sound Chunk and the times it states.
+
+        ``times`` are its log times; those of our recorder never go back. Raises Damaged for a copy
+        of an earlier chunk.
+        """
+        if not tells_its_times(chunk, times):
+            self.damage.append(f'at byte {offset}: {WRONG_TIMES}')
+        first, last = (min(times), max(times)) if times else (0, 0)
+        key = (first, last, chunk.uncompressed_size, chunk.uncompressed_crc
+               or zlib.crc32(chunk.data))
+        other = self._chunks.setdefault(key, offset)
+        if times and other != offset and (self._is_ours or first < last):
+            raise Damaged(f'a copy of the chunk at byte {other}')
+        if self._is_ours and first < self._until and times:
+            self.damage.append(f'at byte {offset}: chunk is out of order: its messages are older '
+                               'than those before it')
+        self._until = max(self._until, last)
+
+    def is_followed_by_zeros(self) -> bool:
+        """Return whether an unfinished file ends in zeros, as a power cut leaves them."""
+        self._file.seek(self.end)
+        rest = self._file.read(_WINDOW) if not self.ending else b''
+        return bool(rest) and not rest.strip(b'\0')
+
+    def _is_sound(self, offset: int, opcode: int, body: bytes) -> bool:
+        """Return whether a header can be read, or metadata match their own checksum."""
+        try:
+            if opcode == Opcode.HEADER:
+                self._is_ours = parse(opcode, body).library.startswith(OURS)
+            return opcode != Opcode.METADATA or bool(parse(opcode, body))
+        except Damaged as error:
+            self.spoil(offset, str(error))
+            return False
+
+    def _finish(self, offset: int, told: int, crc: int) -> None:
+        """
+        Compare the checksum of the data.
+
+        If no damage was found before, the change is outside the chunks.
+        """
+        self.ending = ending(self._file)       # it may be new
+        self.complete = self.ending is not None
+        if len(self.damage) == self._known and told not in (0, crc):
+            self.damage.append(f'from byte 0 to {offset}: the data have a wrong checksum, but no '
+                               'chunk has: a message index, the header or the checksum itself has '
+                               'changed, or a chunk is missing')
+
+    def _there(self, end: int, wait: bool = False) -> bool:
+        """Return whether the file reaches up to this offset."""
+        def there() -> bool:
+            return os.fstat(self._file.fileno()).st_size >= end
+
+        while not there():
+            # its writer may just have finished
+            if not (wait and self._wait and self._wait()) and not there():
+                return False
+        return True
+
+    def _record_at(self, offset: int, wait: bool = False) -> tuple[bytes, int, bytes] | None:
+        """Return (head, opcode, body) of the record at an offset, None if it is not whole."""
+        if not self._there(offset + HEAD.size, wait):
+            return None
+        self._file.seek(offset)
+        head = self._file.read(HEAD.size)
+        opcode, length = HEAD.unpack(head)
+        end = offset + HEAD.size + length
+        if not self._may_be(offset, opcode, end) or not self._there(end, wait):
+            return None
+        self._file.seek(offset + HEAD.size)
+        body = self._file.read(length)
+        whole = filled(opcode, length,
+                       lambda number, at: number.unpack_from(body, at)[0]) == length
+        return (head, opcode, body) if whole else None
+
+    def _may_start(self, offset: int, size: int, opcode: int, length: int) -> bool:
+        """Return whether a whole record can be here, judging by its lengths alone."""
+        begin = offset + HEAD.size
+        if begin + length > size or not self._may_be(offset, opcode, begin + length):
+            return False
+        return filled(opcode, length,
+                      lambda number, at: self._number(number, begin + at)) == length
+
+    def _number(self, number: Struct, at: int) -> int:
+        found = os.pread(self._file.fileno(), number.size, at)
+        return number.unpack(found)[0] if len(found) == number.size else 0
+
+    def _may_be(self, offset: int, opcode: int, end: int) -> bool:
+        """Return whether a record of this kind can be here."""
+        if self._limit and (end > self._limit or (opcode == Opcode.DATA_END)
+                            != (end == self._limit)):
+            return False
+        if (opcode == Opcode.HEADER) != (offset == len(MAGIC)):
+            return False
+        # A message index that lost one bit looks like a message.
+        return opcode in SHAPES or opcode == IS_MESSAGE and not self._chunked
+
+    def _next(self, offset: int) -> int:
+        """Return where the first whole record after a damaged one is, else the offset itself."""
+        size = self._limit or os.fstat(self._file.fileno()).st_size
+        # its writer has just completed it
+        if offset + HEAD.size > size or self._record_at(offset):
+            return offset
+        self._file.seek(offset)
+        opcode, length = HEAD.unpack(self._file.read(HEAD.size))
+        # One flipped bit spoils one of the two lengths, its own or that of its content.
+        ends = {offset + HEAD.size + length}
+        if opcode in SHAPES:
+            begin = offset + HEAD.size
+            ends.add(begin + filled(opcode, length,
+                                    lambda number, at: self._number(number, begin + at)))
+        for end in sorted(ends):
+            if offset < end <= size and (end == size or self._record_at(end)):
+                return end
+        loose = not self._chunked and opcode != Opcode.CHUNK
+        return self._search(offset + 1, size, loose) or self._limit or offset
+
+    def _search(self, begin: int, size: int, loose: bool) -> int:
+        """
+        Return where the next whole record is, 0 for nowhere.
+
+        ``loose``: also of the kinds that are in chunks.
+        """
+        kinds = bytes(kind for kind in (*SHAPES, IS_MESSAGE) if loose or kind not in _LOOSE)
+        # shorter than 1 TiB
+        pattern = re.compile(b'[' + re.escape(kinds) + rb'](?=.{5}\0{3})', re.DOTALL)
+        window = _FIRST_WINDOW
+        while begin < size:
+            self._file.seek(begin)
+            part = self._file.read(window + HEAD.size)
+            for match in pattern.finditer(part, 0, window):
+                at = match.start()
+                found = HEAD.unpack_from(part, at) if at + HEAD.size <= len(part) else None
+                if (found and self._may_start(begin + at, size, *found)
+                        and self._record_at(begin + at)):
+                    return begin + at
+            begin, window = begin + window, min(2 * window, _WINDOW)
+        return 0
+
+
+_END = Struct('<BQQQI8s')           # the footer and the magic behind it
+_CHUNK_INDEX, _ENTRY = Struct('<QQQQI'), Struct('<HQ')  # head of a chunk's index; a channel in it
+
+Record = TypeVar('Record')
+ChunkPlace = tuple[int, int, int, set[int]]     # offset, first and last log time, channels
+
+
+class Ending(NamedTuple):
+    """
+    The end of a finished file.
+
+    Where its summary begins, the records there, and what is wrong with it.
+    """
+
+    start: int
+    records: tuple[Any, ...]
+    damage: str = ''
+
+    def of(self, kind: type[Record]) -> list[Record]:
+        """Return the records of a type."""
+        return [record for record in self.records if isinstance(record, kind)]
+
+    @property
+    def is_chunked(self) -> bool:
+        """Return whether no message is outside of a chunk; False if that is not known."""
+        return any(told.chunk_count or not told.message_count for told in self.of(Statistics))
+
+
+def ending(file: BinaryIO) -> Ending | None:
+    """Return the Ending of an open file, None if it was not finished."""
+    at = os.fstat(file.fileno()).st_size - _END.size
+    if at < len(MAGIC):
+        return None
+    file.seek(at)
+    tail = file.read(_END.size)
+    opcode, length, start, _, crc, magic = _END.unpack(tail)
+    is_footer = (opcode, length) == (Opcode.FOOTER, 20)
+    if not is_footer and magic != MAGIC:
+        return None
+    start = start or at
+    if not is_footer or magic != MAGIC or not len(MAGIC) <= start <= at:
+        return Ending(0, (), f'at byte {at}: the last bytes of the file are wrong')
+    file.seek(start)
+    summary = file.read(at - start)
+    if crc not in (0, zlib.crc32(tail[:25], zlib.crc32(summary))):
+        return Ending(0, (), f'at byte {at}: the index at the end of the file has a wrong '
+                             'checksum')
+    try:
+        found = Ending(start, tuple(parse(opcode, summary[begin:end])
+                                    for _, opcode, begin, end in split(summary)
+                                    if opcode in TYPES))
+        if any(place.offset + place.length > start for place in found.of(MetadataIndex)):
+            raise Damaged('the index at the end of the file leads nowhere')
+        return found
+    except Damaged as error:           # of a writer without checksums
+        return Ending(0, (), f'at byte {start}: {error}')
+
+
+def chunk_index(file: BinaryIO, end: Ending | None) -> list[ChunkPlace] | None:
+    """
+    Return [(offset, first log time, last log time, channels)] of the chunks of a sound file.
+
+    None if not all chunks are indexed, or messages lie outside of them.
+    """
+    told = end.of(Statistics) if end and not end.damage else []
+    if end is None or not told or not told[0].chunk_count:
+        return None
+    file.seek(end.start)
+    summary = file.read(os.fstat(file.fileno()).st_size - _END.size - end.start)
+    found = [_place(summary, begin) for _, opcode, begin, _ in split(summary)
+             if opcode == Opcode.CHUNK_INDEX]
+    good = len(found) == told[0].chunk_count and all(place[0] < end.start for place in found)
+    return sorted(found, key=lambda place: place[0]) if good else None
+
+
+def _place(summary: bytes, begin: int) -> ChunkPlace:
+    first, last, offset, _, size = _CHUNK_INDEX.unpack_from(summary, begin)
+    begin += _CHUNK_INDEX.size
+    return (offset, first, last,
+            {number for number, _ in _ENTRY.iter_unpack(summary[begin:begin + size])})

@@ -1,0 +1,282 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The messages of one file of a bag, chunk by chunk; the channels of all its files."""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from fourbar_ros.bag import rosbag2
+from fourbar_ros.bag.cdr import Decoder
+from fourbar_ros.bag.mcap.metadata import repeats_in
+from fourbar_ros.bag.mcap.records import (
+    Damaged,
+    HEAD,
+    IS_MESSAGE,
+    MAGIC,
+    MESSAGE,
+    message_of,
+    parse,
+    split,
+    unpacked,
+)
+from fourbar_ros.bag.mcap.scan import chunk_index, Found, Scan
+from fourbar_ros.bag.read.records import Message, Progress
+from fourbar_ros.errors import BagError
+from mcap.opcode import Opcode
+from mcap.records import Channel, Schema
+
+
+class PartReader:
+    """
+    Reads one file.
+
+    Parameters
+    ----------
+    path : Path
+    name : Path
+        What errors call it: the bag, if it has no other file.
+    channels : Channels
+        The channels of the bag; the file adds its own.
+    is_first : bool
+        The file is the first of the bag.
+    wait : callable, optional
+        As for :class:`~fourbar_ros.bag.mcap.scan.Scan`.
+    damage : list
+        Where to add what is wrong.
+
+    Attributes
+    ----------
+    is_complete : bool
+        The file was read up to its end.
+    size : int
+        Bytes read.
+
+    """
+
+    def __init__(self, path: Path, name: Path, channels: Channels, is_first: bool,
+                 wait: Callable[[], bool] | None, damage: list[str]):
+        self._path, self._name, self._channels, self._damage = path, name, channels, damage
+        self._wait, self._is_first = wait, is_first
+        self.is_complete, self.size = False, 0
+
+    def chunks(self, wanted: set[str] | None, start: int | None,
+               progress: Progress | None) -> Iterator[Sequence[Message]]:
+        """Yield lists of (channel, sequence, log time, bytes); arguments as in ``Bag.chunks``."""
+        with open(self._path, 'rb') as file:
+            begin = file.read(len(MAGIC))
+            # longer ones are the scan's to judge
+            if len(begin) < len(MAGIC) and not MAGIC.startswith(begin):
+                raise BagError(f'{self._path}: not an MCAP file')
+            scan = Scan(file, self._wait, self._damage)
+            self._channels.begin_file(self._is_first)
+            # The checksum at the end covers these; a topic that was hit is seen before its
+            # messages are read.
+            for known in scan.ending.records if scan.ending else ():
+                if isinstance(known, (Schema, Channel)):
+                    self._channels.learn(known)
+            repeats: dict[str, int] | None = {} if self._is_first else None
+            for record in self._walk(file, scan, wanted, start):
+                found = self._messages_of(scan, record)
+                if found is None:
+                    break                       # a power cut in the middle of this record
+                if found:
+                    # known before the first message; the file may have been empty
+                    if repeats is None:
+                        repeats = repeats_in(self._path)
+                    yield self._without(found, repeats) if repeats else found
+                if progress:
+                    progress(scan.end)
+            self.is_complete, self.size = scan.complete, scan.end
+
+    def _walk(self, file: BinaryIO, scan: Scan, wanted: set[str] | None, start: int | None
+              ) -> Iterable[Found]:
+        """Return an iterator over the records of a file; an index selects those that matter."""
+        index = None if wanted is None and start is None else chunk_index(file, scan.ending)
+        here = self._channels.here
+        if not index or not here:
+            return scan
+        numbers = {number for (kind, number), record in here.items()
+                   if kind is Channel and (wanted is None or record.topic in wanted)}
+        return scan.only([offset for offset, _, last, channels in index
+                          if (start is None or last >= start)
+                          and (not channels or channels & numbers)])
+
+    def _messages_of(self, scan: Scan, record: Found) -> Sequence[Message] | None:
+        """Return the messages of a record, None where zeros follow as a power cut leaves them."""
+        offset, opcode, body = record
+        try:
+            return self._item(scan, offset, opcode, body)
+        except Damaged as error:
+            if scan.is_followed_by_zeros():
+                return None
+            if opcode:
+                scan.spoil(offset, str(error))
+            raise BagError(f'{self._name}: at byte {offset}: {error}; fourbar bag recover keeps '
+                           'the rest') from None
+
+    def _item(self, scan: Scan, offset: int, opcode: int | None, body: Any) -> Sequence[Message]:
+        if opcode is None:
+            raise Damaged(body)
+        if opcode == Opcode.CHUNK:
+            chunk = parse(opcode, body)
+            found = self._messages(unpacked(chunk))
+            scan.admit(offset, chunk, [item[2] for item in found])
+            return found
+        if opcode == Opcode.MESSAGE:
+            return self._messages(HEAD.pack(opcode, len(body)) + body)
+        if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+            self._channels.learn(parse(opcode, body))
+        return ()
+
+    def _messages(self, content: bytes) -> list[Message]:
+        """Return [(channel, sequence, log time, bytes)] of the content of a chunk."""
+        found, unpack = [], MESSAGE.unpack_from
+        for _, opcode, begin, end in split(content):
+            if opcode == IS_MESSAGE:
+                channel, sequence, stamp, _ = unpack(content, begin)
+                found.append((channel, sequence, stamp, content[begin + 22:end]))
+            elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                self._channels.learn(parse(opcode, content[begin:end]))
+        return self._channels.renumbered(found)
+
+    def _without(self, found: Sequence[Message], repeats: dict[str, int]) -> list[Message]:
+        """
+        Return messages without those that a part repeats at its beginning.
+
+        ``repeats``: {topic: number of its first new message}. It is emptied as soon as a list
+        holds no repeated message: no later one does.
+        """
+        begins = {number: repeats.get(channel.topic, 0)
+                  for number, channel in self._channels.by_number.items()}
+        kept = [message for message in found if message[1] >= begins[message[0]]]
+        if len(kept) == len(found):
+            repeats.clear()
+        return kept
+
+
+class Channels:
+    """
+    The channels met so far, under numbers that hold for all files of a split bag.
+
+    Attributes
+    ----------
+    by_number : dict
+        {number: Channel}.
+    here : dict
+        {(Schema or Channel, number in the file that is read): definition}.
+
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.by_number: dict[int, Channel] = {}
+        self.here: dict[tuple[type, int], Schema | Channel] = {}
+        self._path, self._is_first = path, True
+        self._schemas: dict[int, Schema] = {}
+        self._decoders: dict[int, Decoder] = {}
+        self._numbers: dict[tuple[type, int], int] = {}     # {(kind, number there): number here}
+        self._plain: set[int] = set()                  # looked at
+        self._packed: set[int] = set()                 # with compressed messages
+
+    def begin_file(self, is_first: bool) -> None:
+        """Forget the numbers of the file before."""
+        self.here, self._numbers, self._is_first = {}, {}, is_first
+
+    def learn(self, record: Schema | Channel) -> None:
+        """Keep a definition; in the later files of a split bag it may have another number."""
+        kind = type(record)
+        if self.here.setdefault((kind, record.id), record) != record:
+            raise Damaged(f'{kind.__name__.lower()} {record.id} is another one than before')
+        if (kind, record.id) in self._numbers:
+            return
+        known = self.by_number if kind is Channel else self._schemas
+        if kind is Channel:
+            record = replace(record, schema_id=self._numbers.get((Schema, record.schema_id),
+                                                                 record.schema_id))
+        number = record.id
+        if number in known and not _is_same(known[number], record):
+            if self._is_first:
+                raise Damaged(f'{kind.__name__.lower()} {record.id} is another one than before')
+            number = next((n for n, other in known.items() if _is_same(other, record)),
+                          max(known) + 1)
+        known.setdefault(number, replace(record, id=number))
+        self._numbers[kind, record.id] = number
+
+    def of_topics(self, topics: set[str]) -> set[int]:
+        """Return the numbers of the channels of these topics."""
+        return {number for number, channel in self.by_number.items() if channel.topic in topics}
+
+    def renumbered(self, found: list[Message]) -> list[Message]:
+        """
+        Return messages, (channel in the file, ...), under the numbers of the bag and unpacked.
+
+        Raises Damaged for an unknown channel.
+        """
+        try:
+            numbers = {number: self._numbers[Channel, number]
+                       for number in {item[0] for item in found}}
+        except KeyError:
+            raise Damaged('message of an unknown channel') from None
+        if any(number != here for here, number in numbers.items()):
+            found = [(numbers[item[0]], *item[1:]) for item in found]
+        return self._unpacked(found, set(numbers.values()) - self._plain) if numbers else found
+
+    def _unpacked(self, found: list[Message], new: set[int]) -> list[Message]:
+        """
+        Return messages as they were sent.
+
+        The first message of a channel shows whether they were compressed.
+        """
+        if new:
+            first = {number: data for number, _, _, data in reversed(found)}
+            self._packed |= {number for number in new
+                             if self.by_number[number].message_encoding == 'cdr'
+                             and message_of(first[number]) is not first[number]}
+            self._plain |= new
+        if not self._packed:
+            return found
+        return [(number, sequence, stamp, message_of(data) if number in self._packed else data)
+                for number, sequence, stamp, data in found]
+
+    # --- of a channel ---------------------------------------------------------------------------
+
+    def of(self, topic: str) -> Channel:
+        """Return the first channel of a topic."""
+        return next(channel for channel in self.by_number.values() if channel.topic == topic)
+
+    def schema(self, number: int) -> Schema:
+        """Return the schema of a channel; raises BagError."""
+        channel = self.by_number[number]
+        schema = self._schemas.get(channel.schema_id)
+        if schema is None:
+            raise BagError(f'{self._path}: {channel.topic} has no schema')
+        return schema
+
+    def qos(self, topic: str) -> list[dict[str, Any]]:
+        """Return the QoS profiles under which a topic was offered."""
+        return rosbag2.profiles_of(self.of(topic).metadata.get(rosbag2.QOS, ''))
+
+    def decoder(self, number: int) -> Decoder:
+        """Return the Decoder of a channel; raises BagError."""
+        if number not in self._decoders:
+            schema, channel = self.schema(number), self.by_number[number]
+            if channel.message_encoding != 'cdr' or schema.encoding != 'ros2msg':
+                raise BagError(f'{self._path}: {channel.topic} is {channel.message_encoding!r} '
+                               f'defined in {schema.encoding!r}; only cdr in ros2msg is decoded: '
+                               'rosbags-convert makes that')
+            try:
+                self._decoders[number] = Decoder(schema.name, schema.data.decode())
+            except UnicodeDecodeError:
+                raise BagError(f'{self._path}: the schema of {channel.topic} is not '
+                               'text') from None
+        return self._decoders[number]
+
+
+def _is_same(a: Schema | Channel, b: Schema | Channel) -> bool:
+    """Return whether two definitions are the same but for number and QoS."""
+    if isinstance(a, Channel):
+        return (a.topic, a.message_encoding, a.schema_id) == (b.topic, b.message_encoding,
+                                                              b.schema_id)
+    return (a.name, a.encoding, a.data) == (b.name, b.encoding, b.data)

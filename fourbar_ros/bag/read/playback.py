@@ -1,0 +1,158 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The messages of a bag at their original pace, without ROS: for notebooks, and for the replay node.
+
+>>> for raw in play('bags/run', rate=10.0):
+...     print(raw.topic, raw.time)
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from math import inf
+from pathlib import Path
+import time
+
+from fourbar_ros.bag.read.reader import Bag
+from fourbar_ros.bag.read.records import Raw
+from fourbar_ros.errors import BagError
+
+TICK = 0.05         # [s] longest sleep
+FASTER = 1.1        # one press of a key, as of ros2 bag play
+
+
+Tick = Callable[[int], object]           # with the time of the bag [ns]; False ends playing
+
+
+class Pace:
+    """
+    How the time of a bag passes: at a rate, not at all, or message by message.
+
+    Can be changed at any moment.
+
+    Parameters
+    ----------
+    rate : float
+        Times as fast; ``inf`` does not wait at all.
+    clock : callable
+        Returns the time [s].
+
+    """
+
+    def __init__(self, rate: float = 1.0, clock: Callable[[], float] = time.monotonic) -> None:
+        if not rate > 0.0:
+            raise BagError(f'rate = {rate!r}: must be positive')
+        self.rate, self._clock = rate, clock
+        self.is_paused, self._steps = False, 0
+        self.begin()
+
+    def begin(self) -> None:
+        """Start again at 0."""
+        self._passed, self._since = 0.0, self._clock()
+
+    def passed(self) -> float:
+        """Return the time of the bag since its beginning [s]."""
+        return (self._passed if self.is_paused else self._passed + (self._clock() - self._since)
+                * self.rate)
+
+    def _hold(self) -> None:
+        self._passed, self._since = self.passed(), self._clock()
+
+    def pause(self, paused: bool = True) -> None:
+        """Stop the time, or let it go on."""
+        if self.rate != inf:
+            self._hold()
+        self.is_paused = paused
+        self._since = self._clock()
+
+    def change(self, factor: float) -> None:
+        """Change the rate by a factor from now on."""
+        self._hold()
+        self.rate *= factor
+
+    def step(self) -> None:
+        """Let the next message out, if the time stands still."""
+        self._steps += self.is_paused
+
+    def is_due(self, due: float) -> bool:
+        """Return whether a message that is due after so many seconds goes out now."""
+        if self.is_paused:
+            if self._steps:
+                self._steps, self._passed = self._steps - 1, max(self._passed, due)
+                return True
+            return False
+        return self.rate == inf or self.passed() >= due
+
+
+def span(path: str | Path | Bag) -> tuple[int | None, int | None]:
+    """Return (first, last) log time of a finished bag [ns], None where it is not known."""
+    bag = path if isinstance(path, Bag) else Bag(path)
+    told = [summary and summary.statistics for summary in (part.summary() for part in bag.parts)]
+    begun = [statistics for statistics in told if statistics and statistics.message_count]
+    if None in told or not begun:
+        return None, None
+    return min(part.message_start_time for part in begun), max(part.message_end_time
+                                                               for part in begun)
+
+
+def play(path: str | Path | Bag, topics: Sequence[str] | None = None, rate: float = 1.0,
+         start: float = 0.0, loop: bool = False, follow: bool = False, tick: Tick | None = None,
+         period: float = TICK, pace: Pace | None = None) -> Iterator[Raw]:
+    """
+    Yield every :class:`~fourbar_ros.bag.read.records.Raw` message of a bag when it is due.
+
+    Due is the time since the first message over ``rate``, on a monotonic clock: a late message
+    does not make the next one late. Of a finished bag only what is played is read.
+
+    Parameters
+    ----------
+    path : str, Path or Bag
+        Bag; finished, cut, or still being written.
+    topics : list of str, optional
+        Only these.
+    rate : float
+        Times as fast; ``inf`` does not wait at all.
+    start : float
+        Leave out the first seconds of the bag.
+    loop : bool
+        Begin again at the end.
+    follow : bool
+        At the end of a bag that is being written, wait for more.
+    tick : callable, optional
+        Called with the time of the bag [ns] at least every ``period`` seconds, and before each
+        message. Playing ends when it returns False.
+    pace : Pace, optional
+        To pause, step and change the rate meanwhile; ``rate`` is then its own.
+
+    """
+    bag = path if isinstance(path, Bag) else Bag(path)
+    tick = tick or (lambda now: True)
+    if not rate > 0.0 or not start >= 0.0:
+        raise BagError(f'rate = {rate!r}, start = {start!r}: must be positive, and not negative')
+    pace = pace or Pace(rate)
+    origin = next((raw.time for raw in bag.raw()), None)
+    if origin is None:
+        return
+    origin += round(start * 1e9)
+    while True:
+        pace.begin()
+        count = 0
+        for raw in bag.raw(topics, origin if start else None, follow):
+            if not _wait(pace, raw.time - origin, origin, tick, period):
+                return
+            yield raw
+            count += 1
+        if not loop or not count:
+            return
+
+
+def _wait(pace: Pace, due: int, origin: int, tick: Tick, period: float) -> bool:
+    """Wait, with ticks, until a message is due, ``due`` [ns of the bag] after its beginning."""
+    while True:
+        if pace.is_due(due * 1e-9):
+            return tick(origin + due) is not False
+        passed = pace.passed()
+        if tick(origin + int(passed * 1e9)) is False:
+            return False
+        time.sleep(period if pace.is_paused
+                   else max(min((due * 1e-9 - passed) / pace.rate, period), 0.0))

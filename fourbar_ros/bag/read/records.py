@@ -1,0 +1,88 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Recorded messages: one as it was sent, one decoded, or many as columns."""
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any, NamedTuple, TYPE_CHECKING
+
+from fourbar_ros.errors import BagError
+from fourbar_ros.numerics.arrays import Array
+import numpy as np
+
+if TYPE_CHECKING:
+    from fourbar_ros.bag.cdr import Layout
+
+
+Progress = Callable[[int], object]      # called with the number of bytes read
+Message = tuple[int, int, int, bytes]   # channel, sequence number, log time [ns], data
+
+
+def behind(progress: Progress, before: int, there: int) -> None:
+    """Tell the progress of a file that lies behind so many bytes."""
+    progress(before + there)
+
+
+class Record(NamedTuple):
+    """One recorded message: its topic, log time [ns] and the decoded message."""
+
+    topic: str
+    time: int
+    message: Any
+
+
+class Raw(NamedTuple):
+    """One recorded message as it was sent."""
+
+    topic: str
+    type: str
+    time: int
+    sequence: int
+    data: bytes
+    channel: int            # two types on one topic are two channels
+
+
+class Columns(NamedTuple):
+    """Messages of one topic and layout, in order: log times [ns], places in the bag, fields."""
+
+    topic: str
+    times: Array
+    places: Array
+    records: Array      # one row a message; field names are paths
+    layout: Layout
+
+    @property
+    def type(self) -> str:
+        """Return the type of the messages."""
+        return self.layout.type
+
+    @property
+    def tree(self) -> SimpleNamespace:
+        """Return the fields as nested namespaces of arrays: ``tree.header.stamp.sec``."""
+        return self.layout.tree(self.records)
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Return the names of the fields."""
+        return self.records.dtype.names or ()
+
+    def at(self, rows: Array) -> Columns:
+        """Return some of the messages, by a mask or by their rows."""
+        return self._replace(times=self.times[rows], places=self.places[rows],
+                             records=self.records[rows])
+
+    @property
+    def headed(self) -> Array:
+        """Return the stamps of messages that must have some [ns]; raises BagError."""
+        if (stamps := self.stamps) is None:
+            raise BagError(f'{self.topic}: {self.type} without a header')
+        return stamps
+
+    @property
+    def stamps(self) -> Array | None:
+        """Return the stamps of the headers [ns], None if the messages have none."""
+        if 'header.stamp.sec' not in self.fields:
+            return None
+        return (self.records['header.stamp.sec'].astype(np.int64) * 10**9
+                + self.records['header.stamp.nanosec'])

@@ -1,0 +1,353 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Bags as rosbag2 of Jazzy lays them out: folder, files, channels, metadata of version 9.
+
+The folder NAME holds NAME_0.mcap, NAME_1.mcap, ... and metadata.yaml, whose content each file
+also holds for itself.
+"""
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+import json
+import os
+from pathlib import Path
+import re
+import time
+from typing import Any, BinaryIO, NamedTuple, TYPE_CHECKING
+
+from fourbar_ros.bag.yaml_text import dumped, loaded
+from fourbar_ros.errors import BagError
+
+if TYPE_CHECKING:
+    from fourbar_ros.bag.mcap.writer import Container
+
+
+VERSION = 9
+NOT_STARTED = 2**63 - 1     # rosbag2's starting time of a bag without messages
+RECORD = 'rosbag2'          # name of the metadata record in the file; its one key:
+KEY = 'serialized_metadata'
+QOS, HASH = 'offered_qos_profiles', 'topic_type_hash'      # keys of the metadata of a channel
+# Keys of custom_data: why recording ended; what recover found damaged; as JSON by topic the
+# sequence numbers that were given, [first, next] (next is null until the end), and how many of
+# these messages the recorder had to drop; topics of which a later part of a split bag repeats one
+# message, of a number before the first.
+ENDED, LOST, NUMBERS, DROPPED, REPEATS = 'ended', 'lost', 'numbers', 'dropped', 'repeats'
+_ENDLESS = {'sec': 9223372036, 'nsec': 854775807}
+
+
+class Channel(NamedTuple):
+    """A recorded topic: name, type, schema text, type hash, queue depth, latched or not."""
+
+    topic: str
+    type: str
+    schema: str
+    hash: str
+    depth: int
+    latched: bool = False
+
+    @property
+    def qos(self) -> dict[str, Any]:
+        """Return the QoS profile as rosbag2 writes it."""
+        return {'history': 'keep_last', 'depth': self.depth,
+                'reliability': 'reliable', 'durability': 'transient_local' if self.latched
+                else 'volatile',
+                'deadline': _ENDLESS, 'lifespan': _ENDLESS, 'liveliness': 'automatic',
+                'liveliness_lease_duration': _ENDLESS, 'avoid_ros_namespace_conventions': False}
+
+    @property
+    def metadata(self) -> dict[str, str]:
+        """Return the metadata of the channel in the file."""
+        return {QOS: dumped([self.qos]), HASH: self.hash}
+
+
+def check_channels(channels: Collection[Channel]) -> None:
+    """Raise BagError for a channel that no reader would take."""
+    for channel in channels:
+        if not isinstance(channel, Channel):
+            raise BagError(f'channel {channel!r}: must be a Channel')
+        if not (isinstance(channel.topic, str) and channel.topic.startswith('/')):
+            raise BagError(f'topic {channel.topic!r}: must be an absolute name')
+        if not (isinstance(channel.type, str) and re.fullmatch(r'\w+/(msg|srv|action)/\w+',
+                                                               channel.type)):
+            raise BagError(f'{channel.topic}: type {channel.type!r}: must be package/msg/Name')
+        if not (isinstance(channel.schema, str) and isinstance(channel.hash, str)
+                and type(channel.depth) is int):
+            raise BagError(f'{channel.topic}: schema and hash must be text, depth a whole number')
+    if len({channel.topic for channel in channels}) != len(channels):
+        raise BagError('a topic is given twice')
+
+
+# --- metadata ------------------------------------------------------------------------------------
+
+def describe(file_name: str, container: Container, about: Mapping[str, str],
+             distro: str | None = None, packing: tuple[str, str] = ('', '')) -> dict[str, Any]:
+    """
+    Return the metadata of a bag as rosbag2 of Jazzy writes it.
+
+    ``packing`` is (compression_format, compression_mode) of messages that are compressed one by
+    one. Counts, times and topics are those of the container; QoS and hash come from the channels,
+    so that file and metadata.yaml cannot differ (rosbags then silently yields no messages).
+    """
+    start = container.start
+    begin = {'nanoseconds_since_epoch': NOT_STARTED if start is None else start}
+    duration = {'nanoseconds': 0 if start is None else container.end - start}
+    total = sum(container.counts.values())
+    names = {number: schema.name for number, schema in container.schemas.items()}
+    profiles = {text: profiles_of(text)
+                for text in {c.metadata.get(QOS, '') for c in container.channels.values()}}
+    topics = [{'topic_metadata': {
+        'name': channel.topic, 'type': names.get(channel.schema_id, ''),
+        'serialization_format': channel.message_encoding,
+        'offered_qos_profiles': profiles[channel.metadata.get(QOS, '')],
+        'type_description_hash': channel.metadata.get(HASH, '')},
+        'message_count': container.counts.get(channel.id, 0)}
+              for channel in container.channels.values()]
+    return {
+        'version': VERSION, 'storage_identifier': 'mcap', 'duration': duration,
+        'starting_time': begin,
+        'message_count': total, 'topics_with_message_count': topics,
+        'compression_format': packing[0], 'compression_mode': packing[1],
+        'relative_file_paths': [file_name],
+        'files': [{'path': file_name, 'starting_time': begin, 'duration': duration,
+                   'message_count': total}],
+        'custom_data': about, 'ros_distro': distro or os.environ.get('ROS_DISTRO', 'jazzy'),
+    }
+
+
+def profiles_of(text: str) -> list[dict[str, Any]]:
+    """
+    Return the QoS profiles in the metadata of a channel, as dicts.
+
+    Empty if they cannot be read.
+    """
+    try:
+        found = loaded(text)
+    except BagError:
+        return []
+    return ([profile for profile in found if isinstance(profile, dict)] if isinstance(found, list)
+            else [])
+
+
+def about_of(metadata: Any) -> dict[str, str]:
+    """Return the custom_data of rosbag2 metadata as {str: str}, whatever they are."""
+    found = metadata.get('custom_data') if isinstance(metadata, dict) else None
+    return ({str(key): str(value) for key, value in found.items()} if isinstance(found, dict)
+            else {})
+
+
+def mapping_in(about: Mapping[str, str], key: str) -> dict[str, Any]:
+    """Return the dict stored as JSON under a key of custom_data, empty if there is none."""
+    try:
+        found = json.loads(about.get(key, '{}'))
+    except (TypeError, ValueError, RecursionError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def repeated(about: Mapping[str, str]) -> set[str]:
+    """Return the topics whose newest message a later part of a split bag repeats."""
+    try:
+        return set(json.loads(about[REPEATS]))
+    except (KeyError, TypeError, ValueError):
+        return set()
+
+
+def joined(first: Mapping[str, str], last: Mapping[str, str]) -> dict[str, str]:
+    """Return the custom_data of a split bag from those of its first and its last part."""
+    ends, numbers = mapping_in(last, NUMBERS), mapping_in(first, NUMBERS)
+    pairs = {topic: (numbers[topic][0], ends[topic][1]) for topic in numbers.keys() & ends.keys()
+             if all(isinstance(pair, list) and len(pair) == 2
+                    for pair in (numbers[topic], ends[topic]))}
+    told = {key: last[key] for key in (ENDED, DROPPED, LOST) if key in last}
+    # what the bag itself begins with
+    late = {key: value for key, value in last.items() if key != REPEATS}
+    return {**late, **first, **told, **({NUMBERS: json.dumps(pairs)} if pairs else {})}
+
+
+def merged(parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return the metadata of a split bag from those of its parts, in order."""
+    if len(parts) == 1:
+        return parts[0]
+    files = [file for part in parts for file in part['files']]
+    begun = [file for file in files if file['message_count']]
+    start = min((_start(file) for file in begun), default=NOT_STARTED)
+    end = max((_start(file) + file['duration']['nanoseconds'] for file in begun), default=start)
+    topics: dict[tuple[str, str], dict[str, Any]] = {}
+    for told in (told for part in parts for told in part['topics_with_message_count']):
+        name = told['topic_metadata']['name'], told['topic_metadata']['type']
+        count = topics[name]['message_count'] if name in topics else 0
+        topics[name] = {**told, 'message_count': count + told['message_count']}
+    return {**parts[0], 'starting_time': {'nanoseconds_since_epoch': start},
+            'duration': {'nanoseconds': end - start},
+            'message_count': sum(part['message_count'] for part in parts),
+            'topics_with_message_count': list(topics.values()), 'files': files,
+            'relative_file_paths': [file['path'] for file in files],
+            'custom_data': joined(parts[0]['custom_data'], parts[-1]['custom_data'])}
+
+
+def _start(file: Mapping[str, Any]) -> int:
+    return file['starting_time']['nanoseconds_since_epoch']
+
+
+# --- the folder ----------------------------------------------------------------------------------
+
+def write_metadata_file(folder: Path, metadata: Mapping[str, Any]) -> None:
+    """Write metadata.yaml, at once or not at all."""
+    part = folder / 'metadata.yaml.part'
+    part.write_text(dumped({'rosbag2_bagfile_information': metadata}), encoding='utf-8')
+    part.replace(folder / 'metadata.yaml')
+
+
+def create(directory: str | Path, name: str) -> tuple[Path, BinaryIO]:
+    """
+    Make the folder and the file of a bag, both new; return (path of the folder, open file).
+
+    An empty name takes a fresh one from the clock. Raises BagError.
+    """
+    directory = Path(directory)
+    fresh = not check_name(name)
+    path = directory / (name or fresh_name())
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        while fresh and path.exists():                 # two in one millisecond
+            path = directory / fresh_name()
+        path.mkdir()
+    except FileExistsError:
+        what = path if directory.is_dir() else directory
+        raise BagError(f'{what}: exists already; recordings never overwrite') from None
+    except OSError as error:
+        raise BagError(f'{path}: {error.strerror}') from None
+    try:
+        return path, open(path / f'{path.name}_0.mcap', 'x+b', buffering=0)
+    except OSError as error:
+        path.rmdir()
+        raise BagError(f'{path}: {error.strerror}') from None
+
+
+def create_part(folder: Path, number: int) -> tuple[Path, BinaryIO]:
+    """Make the next file of a bag that is split; return (path, open file)."""
+    path = folder / f'{folder.name}_{number}.mcap'
+    return path, open(path, 'x+b', buffering=0)
+
+
+def free_name(directory: str | Path, name: str) -> str:
+    """
+    Return a name or, if it is taken, NAME_2, NAME_3, ...
+
+    An empty name stays empty. Raises BagError.
+    """
+    found, number = check_name(name), 1
+    while name and os.path.lexists(Path(directory, found)):
+        number += 1
+        found = f'{name}_{number}'
+    return found
+
+
+def fresh_name() -> str:
+    """Return a name from the clock."""
+    nanoseconds = time.time_ns()
+    return time.strftime('fourbar_%Y_%m_%d-%H_%M_%S', time.localtime(nanoseconds // 10**9)) \
+        + f'_{nanoseconds % 10**9 // 10**6:03d}'
+
+
+def check_name(name: Any) -> str:
+    """
+    Return the name of a bag.
+
+    Raises BagError if it could lead out of the recording directory.
+    """
+    if (not isinstance(name, str) or name in ('.', '..') or '/' in name
+            or not (name + 'x').isprintable()):
+        raise BagError(f'bag name {name!r}: must be a plain name inside the recording directory')
+    return name
+
+
+def file_of(path: str | Path) -> Path:
+    """
+    Return the .mcap file of a bag given as directory or file.
+
+    Raises BagError if there are several.
+    """
+    files = files_of(path)
+    if len(files) > 1:
+        raise BagError(f'{path}: holds {len(files)} .mcap files, name one')
+    return files[0]
+
+
+def files_of(path: str | Path) -> list[Path]:
+    """
+    Return the .mcap files of a bag in order; of a split bag NAME_0.mcap, NAME_1.mcap, ...
+
+    The folder decides, not metadata.yaml: after a crash that may lack the newest part.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise BagError(f'{path}: no such bag')
+    if path.is_file():
+        return [path]
+    files = sorted(path.glob('*.mcap'), key=part_of)
+    if not files:
+        raise BagError(f'{path}: holds no .mcap files{hint_of(path)}')
+    if len(files) > 1 and len({part_of(file)[0] for file in files}) > 1:
+        told = _told_files(path)
+        if not {file.name for file in files} <= told.keys():
+            raise BagError(f'{path}: holds {len(files)} .mcap files of different bags, name one')
+        files.sort(key=lambda file: told[file.name])
+    return files
+
+
+def hint_of(path: Path) -> str:
+    """Return advice on how to convert a bag of another kind, empty if there is none."""
+    if packed := sorted(path.glob('*.mcap.*')):
+        tool = {'.zst': 'zstd -d', '.zstd': 'zstd -d', '.lz4': 'lz4 -d'}.get(packed[0].suffix,
+                                                                             'unpack')
+        return (f': {packed[0].name} is compressed as a whole; first: {tool} {packed[0]} -o '
+                f'{packed[0].with_suffix("")}')
+    if list(path.glob('*.db3*')):
+        return (f': this is an sqlite3 bag; first: rosbags-convert --src {path} --dst {path}_mcap '
+                '--dst-storage mcap')
+    if list(path.glob('*.bag')):
+        return ': this is a bag of ROS 1; rosbags-convert makes one of ROS 2'
+    return ''
+
+
+def part_of(file: Path) -> tuple[str, int]:
+    """Return (name of the bag, number of the part) of a file NAME_N.mcap."""
+    stem, _, number = file.stem.rpartition('_')
+    return (stem, int(number)) if number.isdecimal() else (file.stem, 0)
+
+
+def about_beside(file: Path) -> dict[str, str]:
+    """Return the custom_data in metadata.yaml if they say why recording ended, else none."""
+    found = _metadata_file(file.parent)
+    about = about_of(found) if file.name in _names(found) else {}
+    return about if ENDED in about else {}
+
+
+def packing_of(metadata: Mapping[str, Any], file: Path) -> tuple[str, str]:
+    """Return rosbag2's (compression_format, compression_mode) if messages are compressed."""
+    for told in (metadata, _metadata_file(file.parent)):
+        if str(told.get('compression_mode')).lower() == 'message':
+            return str(told.get('compression_format')), 'message'
+    return '', ''
+
+
+def _told_files(path: Path) -> dict[str, int]:
+    """Return {name: place} of the files that metadata.yaml names."""
+    return {name: place for place, name in enumerate(_names(_metadata_file(path)))}
+
+
+def _names(metadata: Mapping[str, Any]) -> list[str]:
+    told = metadata.get('relative_file_paths')
+    return [Path(str(name)).name for name in told] if isinstance(told, list) else []
+
+
+def _metadata_file(folder: Path) -> dict[str, Any]:
+    """Return the content of metadata.yaml, an empty dict if there is none."""
+    try:
+        text = (folder / 'metadata.yaml').read_text(encoding='utf-8')
+        found = loaded(text)['rosbag2_bagfile_information']
+    except (OSError, UnicodeDecodeError, BagError, KeyError, TypeError):
+        found = None
+    return found if isinstance(found, dict) else {}

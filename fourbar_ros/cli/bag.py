@@ -1,0 +1,298 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""``fourbar bag``: inspect, repair, check and convert recorded runs."""
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, Generic, TYPE_CHECKING, TypeVar
+
+from fourbar_ros.cli.common import (
+    add_json,
+    add_node,
+    add_tolerance,
+    add_topics,
+    add_verb,
+    BAD,
+    BAG_HELP,
+    bar,
+    PICTURE_HELP,
+    reading,
+    Verbs,
+)
+
+if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_ros.bag.comparison.difference import Recomputed
+
+Result = TypeVar('Result')
+PLACES = 50     # damaged places that are printed one by one
+DESCRIPTION = """\
+Inspect, repair, check and convert recorded runs. BAG is the folder of a bag or its .mcap file:
+finished, cut off by a crash, or still being written. No action changes a bag or overwrites a
+file. info and recompute accept several bags and folders of bags, and process them in parallel.
+"""
+EPILOG = """\
+examples:
+  fourbar bag info bags/run --check
+  fourbar bag recover bags/run                        writes bags/run_recovered
+  fourbar bag recompute bags/run
+  fourbar bag info bags --check                       all bags below a folder
+  fourbar bag recompute bags --json                   one line of JSON per bag
+  fourbar bag export bags/run -o run.npz
+  fourbar bag plot bags/run state.theta4 loads.f41 -o run.png
+  fourbar bag diff bags/run bags/other --tolerance 1e-12
+
+exit codes: 0 good; 1 an error, reported in one line; 2 bad arguments; 130, 143 interrupted by
+Ctrl-C or SIGTERM, with no partial output left; 3 done, but
+  info       the bag is unfinished or damaged, or messages are missing
+  recover    data were lost or damaged
+  recompute  a value differs by more than the tolerance, an output is missing,
+             duplicated or without its input, or nothing could be compared
+  diff       the bags differ
+"""
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb and its actions."""
+    bag = add_verb(verbs, 'bag', 'info, recover, recompute, export, plot, diff, scene: work with '
+                                 'recorded runs',
+                   DESCRIPTION, EPILOG)
+    actions = bag.add_subparsers(dest='action', required=True, metavar='ACTION')
+    for add_action in (_add_info, _add_recover, _add_recompute, _add_export, _add_plot, _add_diff,
+                       _add_scene):
+        add_action(actions)
+
+
+# --- several bags at once ------------------------------------------------------------------------
+
+@dataclass(frozen=True)
+class Report(Generic[Result]):
+    """How the result of an action on a bag is reported: in full, or in a row of a table."""
+
+    to_json: Callable[[Path, Result], dict[str, Any]]
+    print_in_full: Callable[[Result], None]
+    columns: Sequence[str]                   # of the table, behind the bag
+    to_row: Callable[[Result], Sequence[str]]
+    is_good: Callable[[Result], bool]
+
+
+def _add_bags(parser: ArgumentParser) -> None:
+    parser.add_argument('bags', metavar='BAG', nargs='+',
+                        help='folder of a bag, .mcap file, or folder of bags')
+    parser.add_argument('--jobs', type=int, default=0, metavar='N',
+                        help='number of bags to process in parallel; default: one per processor')
+
+
+def _run(arguments: Namespace, work: Callable[..., Result], text: str, report: Report[Result]
+         ) -> int:
+    """Run ``work(bag, progress=...)`` on all bags, report, return the exit code."""
+    from fourbar_ros.bag.read.collection import bags_below, each
+    from fourbar_ros.errors import BagError
+    bags = bags_below(arguments.bags)
+    results: list[Result | BagError]
+    if len(bags) == 1:
+        with reading(bags[0], text) as step:
+            results = [work(bags[0], progress=step)]
+    else:
+        with bar(f'{text} {len(bags)} bags', len(bags)) as step:
+            results = each(work, bags, arguments.jobs, step)
+    good = [result for result in results if not isinstance(result, BagError)]
+    if arguments.json:
+        from fourbar_ros.cli.bag_report import json_line, json_of_error
+        for bag, result in zip(bags, results):
+            print(json_line(json_of_error(bag, result) if isinstance(result, BagError)
+                            else report.to_json(bag, result)))
+    elif len(bags) == 1:
+        report.print_in_full(good[0])
+    else:
+        _print_table(bags, results, report)
+    if len(good) < len(results):
+        return 1
+    return 0 if all(map(report.is_good, good)) else BAD
+
+
+def _print_table(bags: Sequence[Path], results: Sequence[Result | Exception],
+                 report: Report[Result]) -> None:
+    from fourbar_ros.report.terminal import make_console, plain_table
+    table = plain_table('', ('bag', *report.columns))
+    for bag, result in zip(bags, results):
+        if isinstance(result, Exception):
+            table.add_row(str(bag), *[''] * (len(report.columns) - 1), f'error: {result}')
+        else:
+            table.add_row(str(bag), *report.to_row(result))
+    make_console().print(table)
+
+
+# --- the actions ---------------------------------------------------------------------------------
+
+def _add_info(actions: Verbs) -> None:
+    info = actions.add_parser('info', help='show what a bag contains and whether it is sound',
+                              description='Show what a bag contains and whether it is sound.')
+    _add_bags(info)
+    add_json(info)
+    info.add_argument('--check', action='store_true',
+                      help='read every message: verify checksums, and sequence numbers to find '
+                           'missing messages')
+    info.set_defaults(run=_info)
+
+
+def _info(arguments: Namespace) -> int:
+    from fourbar_ros.bag.read.info import info
+    from fourbar_ros.cli.bag_report import INFO_COLUMNS, info_row, json_of_info, print_info
+    return _run(arguments, partial(info, check=arguments.check), 'reading', Report(
+        json_of_info, partial(print_info, was_checked=arguments.check), INFO_COLUMNS, info_row,
+        lambda found: found.is_sound))
+
+
+def _add_recover(actions: Verbs) -> None:
+    recover = actions.add_parser('recover', help='make a whole bag of a cut or damaged one',
+                                 description='Make a whole bag of a cut or damaged one. Every '
+                                             'intact record is copied, verified by its checksum; '
+                                             'the old bag is only read.')
+    recover.add_argument('bag', metavar='BAG', help=BAG_HELP)
+    recover.add_argument('-o', '--out', metavar='DIR', help='folder of the new bag; default '
+                                                            'NAME_recovered')
+    recover.set_defaults(run=_recover)
+
+
+def _recover(arguments: Namespace) -> int:
+    from fourbar_ros.bag.repair import recover
+    with reading(arguments.bag, 'recovering') as step:
+        found = recover(arguments.bag, arguments.out, step)
+    print(f'{found.path}: {found.messages} messages, '
+          + (f'{found.lost} bytes lost' if found.lost else 'nothing lost'))
+    for damage in found.damaged[:PLACES]:
+        print(f'damaged: {damage}')
+    if len(found.damaged) > PLACES:
+        print(f'damaged: and {len(found.damaged) - PLACES} more places')
+    for topic, count in found.missing.items():
+        print(f'missing: {count} messages of {topic}')
+    return BAD if found.lost or found.damaged or found.missing else 0
+
+
+def _add_recompute(actions: Verbs) -> None:
+    recompute = actions.add_parser(
+        'recompute', help='recompute every recorded output and compare',
+        description='Recompute every recorded output from the driven motion and the scene, both '
+                    'of which are in the bag, and compare. Bags of this version of the software '
+                    'differ by exactly 0. Those of another version may differ by rounding: the '
+                    'last line says whether that explains all differences, by a bound computed '
+                    'for each value.',
+        epilog='Exit code 3 if anything differs by more than the tolerance, is missing, doubled '
+               'or without its input, or if nothing can be compared; 1 if a bag cannot be read.')
+    _add_bags(recompute)
+    add_json(recompute)
+    add_tolerance(recompute)
+    recompute.add_argument('--rounding', action='store_true',
+                           help='accept differences that rounding explains (exit code 0)')
+    add_node(recompute)
+    recompute.set_defaults(run=_recompute)
+
+
+def _recompute(arguments: Namespace) -> int:
+    from fourbar_ros.bag.comparison.recompute import compare
+    from fourbar_ros.cli.bag_report import (
+        json_of_recomputed,
+        print_recomputed,
+        RECOMPUTED_COLUMNS,
+        recomputed_row,
+    )
+    tolerance, accept_rounding = arguments.tolerance, arguments.rounding
+
+    def problems(found: Recomputed) -> list[str]:
+        return found.problems(tolerance, accept_rounding)
+    return _run(arguments, partial(compare, node=arguments.node), 'recomputing', Report(
+        lambda bag, found: json_of_recomputed(bag, found, tolerance, accept_rounding),
+        lambda found: print_recomputed(found, tolerance, problems(found)), RECOMPUTED_COLUMNS,
+        lambda found: recomputed_row(found, problems(found)), lambda found: not problems(found)))
+
+
+def _add_export(actions: Verbs) -> None:
+    export = actions.add_parser('export', help='write the numbers in a bag as tables',
+                                description='Write the numbers in a bag as tables: CSV, NumPy '
+                                            '(.npz) or Parquet.')
+    export.add_argument('bag', metavar='BAG', help=BAG_HELP)
+    export.add_argument('-o', '--out', metavar='PATH', required=True,
+                        help='new folder for the tables, new .npz file, or new .csv or .parquet '
+                             'file for one topic')
+    export.add_argument('--format', choices=('csv', 'npz', 'parquet'),
+                        help='default: by the ending of PATH, csv for a folder; parquet requires '
+                             'pyarrow')
+    add_topics(export, 'export only these topics')
+    export.set_defaults(run=_export)
+
+
+def _export(arguments: Namespace) -> None:
+    from fourbar_ros.bag.exports.export import export
+    with reading(arguments.bag, 'exporting') as step:
+        written = export(arguments.bag, arguments.out, arguments.format, arguments.topics, step)
+    for name, rows in written.items():
+        print(f'{arguments.out}: {name}, {rows} rows')
+
+
+def _add_plot(actions: Verbs) -> None:
+    plot = actions.add_parser('plot', help='plot fields over time or over another field',
+                              description='Plot fields over time, or over the field --x; fields '
+                                          'of the same unit share an axis. Requires matplotlib.')
+    plot.add_argument('bag', metavar='BAG', help=BAG_HELP)
+    plot.add_argument('fields', metavar='TOPIC.FIELD', nargs='+',
+                      help='e.g. state.theta4, /joint_states.position[crank] or '
+                           'joint_states.position[0]')
+    plot.add_argument('--x', metavar='TOPIC.FIELD',
+                      help='field of the horizontal axis, e.g. state.theta1; values of the same '
+                           'stamp belong together (default: time)')
+    plot.add_argument('-o', '--out', metavar='FILE', required=True, help=PICTURE_HELP)
+    plot.set_defaults(run=_plot)
+
+
+def _plot(arguments: Namespace) -> None:
+    from fourbar_ros.bag.exports.plot import plot
+    with reading(arguments.bag, 'reading') as step:
+        plot(arguments.bag, arguments.fields, arguments.out, step, arguments.x)
+    print(arguments.out)
+
+
+def _add_diff(actions: Verbs) -> None:
+    diff = actions.add_parser('diff', help='compare two bags message by message',
+                              description='Compare two bags: messages with the same stamp, field '
+                                          'by field.')
+    diff.add_argument('first', metavar='FIRST', help=BAG_HELP)
+    diff.add_argument('second', metavar='SECOND', help=BAG_HELP)
+    add_tolerance(diff)
+    add_topics(diff, 'compare only these topics')
+    add_json(diff)
+    diff.set_defaults(run=_diff)
+
+
+def _diff(arguments: Namespace) -> int:
+    from fourbar_ros.bag.comparison.diff import diff
+    from fourbar_ros.cli.bag_report import diff_table, json_line, json_of_diff
+    with reading(arguments.first, 'comparing topic by topic') as step:
+        found = diff(arguments.first, arguments.second, arguments.topics, step)
+    if arguments.json:
+        print(json_line(json_of_diff(arguments.first, arguments.second, found,
+                                     arguments.tolerance)))
+    else:
+        from fourbar_ros.report.terminal import make_console
+        make_console().print(diff_table(found, arguments.tolerance))
+    return 0 if all(topic.is_same(arguments.tolerance) for topic in found) else BAD
+
+
+def _add_scene(actions: Verbs) -> None:
+    scene = actions.add_parser(
+        'scene', help='print the scene of a bag as a parameter file',
+        description='Print the scene of a bag as a parameter file, for a node that the bag is to '
+                    'drive (drive.source: motion): see fourbar replay --inputs-only.')
+    scene.add_argument('bag', metavar='BAG', help=BAG_HELP)
+    scene.add_argument('--drive', choices=('motion', 'timer'), default='motion',
+                       help='drive.source in the parameter file (default motion)')
+    add_node(scene)
+    scene.set_defaults(run=_scene)
+
+
+def _scene(arguments: Namespace) -> None:
+    from fourbar_ros.bag.read.info import parameter_file
+    print(parameter_file(arguments.bag, arguments.drive, arguments.node), end='')

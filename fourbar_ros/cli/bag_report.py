@@ -1,0 +1,193 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What ``fourbar bag`` finds: tables for the terminal, and one line of JSON a bag.
+
+The keys of the JSON are documented in docs/recording.md and stay.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import datetime
+import json
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from fourbar_ros.bag.comparison.diff import TopicDiff
+from fourbar_ros.bag.comparison.difference import Recomputed
+from fourbar_ros.bag.read.info import Info, software_of
+from fourbar_ros.report.terminal import make_console, plain_table, PlainTable
+
+INFO_COLUMNS = ('state', 's>', 'MB>', 'parts>', 'messages>', 'missing>', 'damage, end')
+RECOMPUTED_COLUMNS = ('inputs>', 'outputs compared>', 'largest difference>', 'verdict')
+
+
+# --- info ----------------------------------------------------------------------------------------
+
+def _seconds(found: Info) -> float:
+    return 0.0 if found.start is None or found.end is None else (found.end - found.start) * 1e-9
+
+
+def info_row(found: Info) -> tuple[str, ...]:
+    """Return an Info as a row of INFO_COLUMNS."""
+    return (found.state, f'{_seconds(found):.3f}', f'{found.size / 1e6:.3f}', str(found.parts),
+            str(sum(topic.messages for topic in found.topics)), str(found.missing),
+            found.damage or found.ended)
+
+
+def print_info(found: Info, was_checked: bool) -> None:
+    """Print the Info of one bag."""
+    console = make_console()
+    console.print(_about(found, was_checked))
+    console.print(_topics(found))
+    if found.state == 'cut':
+        console.print('the bag was cut off by a crash or a full disk: fourbar bag recover makes '
+                      'it whole')
+    elif found.damage:
+        console.print('fourbar bag recover makes a whole bag of the undamaged messages')
+
+
+def _about(found: Info, was_checked: bool) -> PlainTable:
+    table = plain_table(str(found.file), ('', ''))
+    table.show_header = False
+    extent = 'read up to the damage' if found.damage else 'every message read'
+    table.add_row('state', found.state + (f', {extent}' if was_checked else ''))
+    table.add_row('size', f'{found.size / 1e6:.3f} MB'
+                  + (f' in {found.parts} parts' if found.parts > 1 else ''))
+    if found.start is not None:
+        start = datetime.fromtimestamp(found.start * 1e-9).astimezone()
+        table.add_row('start', start.isoformat(' ', 'milliseconds'))
+    table.add_row('duration', f'{_seconds(found):.3f} s')
+    for label, text in (('made by', software_of(found.about)), ('node', found.about.get('node')),
+                        ('ended', found.ended),
+                        ('dropped', found.dropped and f'{found.dropped} messages'),
+                        ('recovered without', found.lost), ('damage', found.damage)):
+        if text:
+            table.add_row(label, text)
+    return table
+
+
+def _topics(found: Info) -> PlainTable:
+    table, seconds = plain_table('', ('topic', 'type', 'messages>', 'Hz>',
+                                      'missing>')), _seconds(found)
+    for topic in found.topics:
+        rate = f'{(topic.messages - 1) / seconds:.2f}' if seconds and topic.messages > 1 else ''
+        table.add_row(topic.topic, topic.type, str(topic.messages), rate,
+                      '' if topic.missing is None else str(topic.missing))
+    return table
+
+
+# --- recompute -----------------------------------------------------------------------------------
+
+def recomputed_row(found: Recomputed, problems: Sequence[str]) -> tuple[str, ...]:
+    """Return a Recomputed as a row of RECOMPUTED_COLUMNS."""
+    verdict = '; '.join(problems) or ('good, cut' if found.cut else 'good')
+    return (str(found.inputs), str(found.compared), f'{found.largest:g}',
+            verdict + (', by rounding only' if found.is_rounding else ''))
+
+
+def print_recomputed(found: Recomputed, tolerance: float, problems: Sequence[str]) -> None:
+    """Print the Recomputed of one bag."""
+    if found.differences:
+        make_console().print(_differences(found, tolerance))
+    print(f'{found.inputs} driven motions, {found.compared} outputs compared; largest difference '
+          f'{found.largest:g}' + ('; the bag is cut' if found.cut else ''))
+    print(f'driven motion: {found.driven}')
+    for count, text in ((found.silent, 'outputs report that the input had stopped'),
+                        (found.uncertain, 'outputs not compared: the bag does not show what they '
+                                          'depend on')):
+        if count:
+            print(f'{count} {text}')
+    if found.largest:
+        print(found.verdict())
+    for problem in problems:
+        print(f'bad: {problem}')
+
+
+def _differences(found: Recomputed, tolerance: float) -> PlainTable:
+    table = plain_table('', ('topic', 'field', 'messages>', 'largest difference>'))
+    for topic in dict.fromkeys(difference.topic for difference in found.differences):
+        of_topic = [difference for difference in found.differences if difference.topic == topic]
+        shown = [difference for difference in of_topic if difference.largest > tolerance]
+        for difference in shown:
+            table.add_row(topic, difference.field, str(difference.messages),
+                          f'{difference.largest:g}')
+        if not shown:
+            table.add_row(topic, f'all {len(of_topic)}', str(of_topic[0].messages),
+                          f'{max(difference.largest for difference in of_topic):g}')
+    return table
+
+
+# --- diff ----------------------------------------------------------------------------------------
+
+def diff_table(found: Sequence[TopicDiff], tolerance: float) -> PlainTable:
+    """Return the table of all topics, with the fields that differ by more than the tolerance."""
+    table = plain_table('', ('topic', 'in both>', 'only first>', 'only second>', 'field',
+                             'largest difference>'))
+    for topic in found:
+        worst = [difference for difference in topic.differences if difference.largest > tolerance]
+        counts = [str(count) for count in (topic.messages, topic.only_first, topic.only_second)]
+        table.add_row(topic.topic, *counts, worst[0].field if worst else '',
+                      f'{worst[0].largest:g}' if worst else '0')
+        for difference in worst[1:]:
+            table.add_row('', '', '', '', difference.field, f'{difference.largest:g}')
+    return table
+
+
+# --- JSON ----------------------------------------------------------------------------------------
+
+def json_line(found: dict[str, Any]) -> str:
+    """Return a dict as one line of JSON; what is not finite is text: "inf", "nan"."""
+    return json.dumps(_plain(found), allow_nan=False)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    return str(value) if isinstance(value, float) and not isfinite(value) else value
+
+
+def json_of_error(bag: str | Path, error: BaseException) -> dict[str, Any]:
+    """Return the dict of a bag that could not be read."""
+    return {'bag': str(bag), 'error': str(error)}
+
+
+def json_of_info(bag: str | Path, info: Info) -> dict[str, Any]:
+    """Return the dict of an Info."""
+    return {'bag': str(bag), 'sound': info.is_sound, 'state': info.state, 'size': info.size,
+            'parts': info.parts,
+            'start': info.start, 'end': info.end,
+            'messages': sum(topic.messages for topic in info.topics),
+            'missing': info.missing, 'dropped': info.dropped, 'ended': info.ended,
+            'lost': info.lost,
+            'damage': info.damage, 'about': info.about,
+            'topics': [{'topic': topic.topic, 'type': topic.type, 'messages': topic.messages,
+                        'missing': topic.missing} for topic in info.topics]}
+
+
+def json_of_recomputed(bag: str | Path, found: Recomputed, tolerance: float,
+                  accept_rounding: bool = False) -> dict[str, Any]:
+    """Return the dict of a Recomputed."""
+    problems = found.problems(tolerance, accept_rounding)
+    return {'bag': str(bag), 'good': not problems, 'problems': problems,
+            'by_rounding': found.is_rounding, 'verdict': found.verdict(),
+            'largest': found.largest, 'tolerance': tolerance, 'cut': found.cut,
+            'inputs': found.inputs,
+            'compared': found.compared, 'unmatched': found.unmatched, 'missing': found.missing,
+            'doubled': found.doubled, 'silent': found.silent, 'uncertain': found.uncertain,
+            'driven': found.driven,
+            'differences': [difference._asdict() for difference in found.differences]}
+
+
+def json_of_diff(first: str | Path, second: str | Path, topics: Sequence[TopicDiff],
+                 tolerance: float) -> dict[str, Any]:
+    """Return the dict of a list of TopicDiff."""
+    return {'first': str(first), 'second': str(second), 'tolerance': tolerance,
+            'same': all(topic.is_same(tolerance) for topic in topics),
+            'topics': [{'topic': topic.topic, 'same': topic.is_same(tolerance),
+                        'messages': topic.messages,
+                        'only_first': topic.only_first, 'only_second': topic.only_second,
+                        'largest': topic.largest} for topic in topics]}

@@ -1,0 +1,76 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""``fourbar table`` and ``fourbar plot``: quantities over the input, without ROS or a bag."""
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from typing import TYPE_CHECKING
+
+from fourbar_ros.cli.common import add_rates, add_verb, SCENE_HELP, Verbs
+from fourbar_ros.scene.arguments import positive_integer
+
+if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_ros.report.curves import Curves
+
+TABLE = """\
+examples:
+  fourbar table paper f41 shaking_force -o paper.csv     for a spreadsheet
+  fourbar table paper -o paper.xlsx                      all that has a name
+  fourbar table paper theta4 --speed 300rpm --samples 73 -o every_5_degrees.csv
+"""
+PLOT = """\
+examples:
+  fourbar plot paper f41 shaking_force -o paper.png
+  fourbar plot my.yaml omega4 alpha4 --speed 300rpm -o page.html
+"""
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verbs."""
+    table = add_verb(verbs, 'table', 'quantities over the input as CSV, Excel or Parquet',
+                     'Write quantities over all of the input, a row for each sample. Angles are '
+                     'in degrees,\nall else is in SI.', TABLE)
+    _add_arguments(table, 'table to write: .csv, .xlsx or .parquet', 'default all')
+    table.set_defaults(run=_table)
+    plot = add_verb(verbs, 'plot', 'quantities over the input as a picture or a page',
+                    'Draw quantities over all of the input, one pair of axes for each unit.\n'
+                    'Requires matplotlib.', PLOT)
+    _add_arguments(plot, 'picture to write: .png, .svg or .pdf; or a page: .html',
+                   'default: rates, accelerations and loads')
+    plot.set_defaults(run=_plot)
+
+
+def _add_arguments(verb: ArgumentParser, out: str, default: str) -> None:
+    verb.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    verb.add_argument('names', nargs='*', metavar='QUANTITY',
+                      help=f'e.g. omega4, f41, shaking_force, middle.speed of a point; {default}')
+    add_rates(verb)
+    verb.add_argument('--samples', type=positive_integer, default=361, metavar='N',
+                      help='inputs in each range (default 361: a degree apart in a full turn)')
+    verb.add_argument('-o', '--out', metavar='FILE', required=True, help=out)
+
+
+def _curves(arguments: Namespace, is_table: bool) -> Curves:
+    from fourbar_ros.mechanisms.quantities import select
+    from fourbar_ros.report.curves import curves_of
+    from fourbar_ros.report.poses import require_units
+    from fourbar_ros.scene.scene import load
+    scene = load(arguments.scene)
+    linkage = scene.in_mode(arguments.mode)
+    require_units(linkage, None, arguments.speed, arguments.acceleration)
+    speed = scene.drive.speed if arguments.speed is None else arguments.speed
+    names = arguments.names
+    if not (names or is_table):       # components would crowd a picture
+        names = [quantity.name for quantity in select((), linkage, scene.point_quantities)]
+    return curves_of(scene, linkage, names, speed, arguments.acceleration,
+                     arguments.samples)
+
+
+def _table(arguments: Namespace) -> None:
+    from fourbar_ros.report.curves import write_table
+    print(write_table(_curves(arguments, True), arguments.out))
+
+
+def _plot(arguments: Namespace) -> None:
+    from fourbar_ros.report.curves import write_picture
+    print(write_picture(_curves(arguments, False), arguments.out))

@@ -1,0 +1,44 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""What the three formats share: elements, numbers with all their digits, colours."""
+from __future__ import annotations
+
+from xml.etree import ElementTree
+
+Element = ElementTree.Element
+COLOURS = ((0.20, 0.45, 0.70), (0.80, 0.45, 0.15), (0.30, 0.60, 0.35), (0.60, 0.35, 0.65),
+           (0.55, 0.50, 0.20), (0.25, 0.60, 0.65))
+GROUND_COLOUR = (0.45, 0.45, 0.45)
+
+
+def numbers(*values: float) -> str:
+    """Return numbers as text, none of their digits lost; no negative zeros."""
+    return ' '.join(f'{value + 0.0!r}'.removesuffix('.0') for value in map(float, values))
+
+
+def add(parent: Element, tag: str, text: str = '', /,
+        **attributes: str | float | tuple[float, ...]) -> Element:
+    """Add an element and return it; attributes that are numbers, or tuples of them, as text."""
+    element = ElementTree.SubElement(parent, tag, {
+        name.rstrip('_'): value if isinstance(value, str) else
+        numbers(*(value if isinstance(value, tuple) else (value,)))
+        for name, value in attributes.items()})
+    element.text = text or None
+    return element
+
+
+def comment(parent: Element, text: str) -> None:
+    """Add a comment."""
+    parent.append(ElementTree.Comment(f' {text.replace("--", "-")} '))
+
+
+def as_text(root: Element) -> str:
+    """Return a document."""
+    ElementTree.indent(root)
+    return ('<?xml version="1.0"?>\n'
+            + ElementTree.tostring(root, encoding='unicode', short_empty_elements=True) + '\n')
+
+
+def colour(place: int) -> tuple[float, float, float, float]:
+    """Return the colour of the link at a place in the order of links; the ground is at -1."""
+    return (*(GROUND_COLOUR if place < 0 else COLOURS[place % len(COLOURS)]), 1.0)

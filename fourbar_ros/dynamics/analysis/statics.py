@@ -1,0 +1,118 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Static equilibria, their stability and the frequency of small swings.
+
+An equilibrium is where Q + T = 0.
+
+A small motion x about an equilibrium obeys J x.. + D x. + K x = 0 with K = -dQ/dq (dots are
+derivatives with respect to time): stable where K > 0, with the natural frequency
+
+    f = sqrt(K / J) / (2 pi)   and the damping ratio   D / (2 sqrt(J K)).                   (S1)
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import nan, pi, sqrt, tau
+from typing import Any, NamedTuple
+
+from fourbar_ros.dynamics.model.equation import Equation
+from fourbar_ros.optional import MissingPackage
+import numpy as np
+
+SAMPLES = 2048      # in each range of the input; denser towards its ends
+
+
+class Equilibrium(NamedTuple):
+    """A static equilibrium."""
+
+    position: float          # [rad] or [m]
+    is_stable: bool
+    stiffness: float         # K [N m/rad] or [N/m]
+    frequency: float         # [Hz] of small undamped motion; NaN where it is not stable
+    damping_ratio: float     # NaN where it is not stable
+
+
+def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...]:
+    """
+    Return all static equilibria in this assembly mode, in order of the input.
+
+    Found are the sign changes of Q + T on 2048 samples of each range of the input, and pairs of
+    them between samples where |Q + T| dips; where Q + T is zero over an interval there is nothing
+    to find. Where Q jumps over zero, as at the wrap of a torsion spring, there is no equilibrium.
+
+    Parameters
+    ----------
+    equation : Equation
+    drive : float
+        Constant torque (force) T of the drive.
+
+    """
+    places = []
+    for samples in _samples(equation.mechanism, equation.turns):
+        places += roots_of(lambda q: equation.terms(q).force + drive, samples)
+    return tuple(_equilibrium(equation, place) for place in sorted(map(_in_turn(equation), places))
+                 if not _jumps(equation, place, drive))
+
+
+def _in_turn(equation: Equation) -> Callable[[float], float]:
+    """Return the function place -> the same from -pi on, of a crank that turns fully."""
+    if not equation.mechanism.turns_fully:
+        return float
+    cycle, most = equation.turns * tau, (2 * equation.turns - 1) * pi
+    return lambda place: place - cycle if place > most else place if abs(place) > 1e-60 else 0.0
+
+
+def _jumps(equation: Equation, place: float, drive: float) -> bool:
+    """Return whether Q only jumps over zero there, as where the angle of a spring wraps."""
+    aside = 1e-9 * equation.mechanism.input_unit
+    below, here, above = equation.terms(place + aside * np.arange(-1.0, 2.0)).force + drive
+    bend = abs(float(equation.stiffness(place))) * aside
+    return bool(min(abs(below), abs(above)) > 1e3 * bend + 1e-6 * abs(above - below))
+
+
+def _samples(mechanism: Any, turns: int) -> list[Any]:
+    """
+    Return inputs in each range.
+
+    Over the turns after which all repeats, or denser towards the ends, which are left out.
+    """
+    if mechanism.turns_fully:
+        # a sample beyond the turn: its ends, where equilibria are often, are then inside
+        return [(np.arange(turns * SAMPLES + 1) + 0.5) * (tau / SAMPLES) - pi]
+    u = (np.arange(SAMPLES) + 0.5) * (pi / SAMPLES)
+    return [0.5 * (low + high) - 0.5 * (high - low) * np.cos(u)
+            for low, high in mechanism.input_ranges]
+
+
+def roots_of(function: Any, samples: Any) -> list[float]:
+    """Return the places where a function of floats and arrays changes its sign."""
+    try:
+        from scipy.optimize import brentq, minimize_scalar
+    except ModuleNotFoundError as error:
+        raise MissingPackage('the search for equilibria', error) from error
+
+    values = function(samples)
+    sides = values >= 0.0
+    brackets = [(samples[i], samples[i + 1]) for i in np.flatnonzero(sides[1:] != sides[:-1])]
+    sizes = np.abs(values)
+    dips = 1 + np.flatnonzero((sizes[1:-1] < sizes[:-2]) & (sizes[1:-1] <= sizes[2:])
+                              & (sides[:-2] == sides[1:-1]) & (sides[1:-1] == sides[2:]))
+    for i in dips:
+        side = 1.0 if sides[i] else -1.0
+        found = minimize_scalar(lambda x, side=side: side * function(float(x)), method='bounded',
+                                bounds=sorted((samples[i - 1], samples[i + 1])),
+                                options={'xatol': 1e-12})
+        if found.fun < 0.0:
+            brackets += [(samples[i - 1], found.x), (found.x, samples[i + 1])]
+    return [float(brentq(function, float(a), float(b), xtol=1e-300,
+                         rtol=4.0 * np.finfo(float).eps))
+            for a, b in brackets]
+
+
+def _equilibrium(equation: Equation, position: float) -> Equilibrium:
+    terms, stiffness = equation.terms(position), float(equation.stiffness(position))
+    if stiffness <= 0.0:
+        return Equilibrium(position, False, stiffness, nan, nan)
+    return Equilibrium(position, True, stiffness, sqrt(stiffness / terms.inertia) / tau,
+                       terms.damping / (2.0 * sqrt(terms.inertia * stiffness)))

@@ -1,0 +1,469 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What turns the input: torque sources, a gear, a rotor, a controller, an elastic shaft.
+
+A motor turns the input q (crank angle or slide) through a gear of ratio N, the angle of the motor
+over that of the gear's output shaft. Torques and inertias are those at the output shaft: a rotor
+of inertia J_r counts as N^2 J_r. Rigidly coupled, that shaft is the input; through an elastic
+shaft (stiffness k, damping c) it has its own angle p (dots are derivatives with respect to time):
+
+    J_m p.. = T - T_shaft,    T_shaft = k (p - q) + c (p. - q.)                              (D1)
+
+Torque sources, w the speed of the output shaft:
+
+    constant     T = T0                                                                      (D2)
+    motor line   T = N T_stall (1 - N w / w_free)                                            (D3)
+    DC motor     L i. = U - R i - K N w,   T = N K i                                         (D4)
+    controller   T = sat(kp e + ki z),  e = w_set - w,  z. = e, but 0 where that would only
+                 push a saturated torque further into saturation (conditional integration)   (D5)
+    table        T(t) held from one time to the next, or linear between them                 (D6)
+
+Each but the table states its law once, by :meth:`Law.make_regime_at`, as pieces that are linear in
+speed and own state z, or as the tangent of a smooth law:
+
+    T = T_0 + T_w w + T_z z,    dz/dt = d_0 + d_w w + d_z z                                (M1)
+
+A controller is so between its limits and beyond each of them, where it integrates or not. Where
+integration would push its torque beyond the limit, and stopping it bring it back, it does neither:
+it slides along the limit (Filippov, Differential Equations with Discontinuous Righthand Sides,
+1988, section 4),
+
+    T = limit,    kp (w_set - w) + ki z = limit,    so that  ki dz/dt = kp dw/dt           (M2)
+
+``simulate`` and the steps of the node go from one regime to the next at the same kinks.
+"""
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import inf, nan
+from typing import Any, ClassVar, NamedTuple, Protocol
+
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.numerics.arrays import EPS
+from fourbar_ros.numerics.given import array, check_quantities, quantity
+import numpy as np
+
+State = Sequence[float]
+Answer = tuple[float, tuple[float, ...]]
+NEAREST, NEAR = 1e-9, 1e-3      # least and largest distance to a limit, over it, that is at it
+# Restarts in a linear table: up to FEW times all; of more, bends that change the next torque by
+# more than SHARP of the range of all. What has no such bend is at least pi / SHARP^0.5 = 10 000
+# times long: with each EVERY-th time no step passes over it.
+FEW, SHARP, EVERY = 64, 1e-7, 4000
+
+
+class Source(Protocol):
+    """A torque source; it may have a state of its own, as a current."""
+
+    @property
+    def start(self) -> tuple[float, ...]:
+        """Return the state at the beginning."""
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Return the times at which the torque jumps or bends [s]: integration restarts there."""
+
+    def torque(self, time: float, speed: float, state: State) -> Answer:
+        """Return the torque on the output shaft [N m] and the derivative of the state."""
+
+
+class Piece(NamedTuple):
+    """Coefficients of (M1), w the speed behind the gear; floats or any number type."""
+
+    torque: Any
+    by_speed: Any = 0.0
+    by_state: Any = 0.0
+    change: Any = 0.0
+    change_by_speed: Any = 0.0
+    change_by_state: Any = 0.0
+
+    def torque_at(self, speed: float, state: float) -> float:
+        """Return T."""
+        torque: float = self.torque + self.by_speed * speed + self.by_state * state
+        return torque
+
+    def change_at(self, speed: float, state: float) -> float:
+        """Return dz/dt."""
+        change: float = self.change + self.change_by_speed * speed + self.change_by_state * state
+        return change
+
+
+Margins = Callable[[float, float, float], tuple[float, ...]]
+Tangent = Callable[[Any], Piece]
+
+
+class Regime(NamedTuple):
+    """
+    A law and where it ends.
+
+    Parameters
+    ----------
+    name : str
+    piece : Piece
+        The law where it is linear.
+    margins : callable, optional
+        (w, z, dw/dt) -> numbers; the regime ends where one of them falls below zero.
+    edge : tuple, optional
+        (z_0, z_w) with z = z_0 + z_w w while the source slides along its limit, (M2).
+    tangent : callable, optional
+        w -> Piece with the torque of a smooth law at w and its derivative, of any number type; in
+        place of ``piece``.
+
+    """
+
+    name: str
+    piece: Piece
+    margins: Margins | None = None
+    edge: tuple[float, float] | None = None
+    tangent: Tangent | None = None
+
+    def piece_at(self, speed: float) -> Piece:
+        """Return the law next to a speed."""
+        return self.piece if self.tangent is None else self.tangent(speed)
+
+    def own(self, speed: float, state: float) -> float:
+        """Return the state of the source at a speed: on the limit while it slides there."""
+        return state if self.edge is None else self.edge[0] + self.edge[1] * speed
+
+
+class RegimeAt(Protocol):
+    """
+    Which regime holds at (w, z, dw/dt).
+
+    ``near``: error of the speed, within which a limit counts as reached. Without dw/dt the answer
+    is that of w and z alone.
+    """
+
+    def __call__(self, speed: float, state: float, slope: float = nan,
+                 near: float = 0.0) -> Regime:
+        """Return it."""
+
+
+def always(piece: Piece, tangent: Tangent | None = None) -> RegimeAt:
+    """Return what a source gives that has one law everywhere."""
+    regime = Regime('', piece, tangent=tangent)
+
+    def regime_at(speed: float, state: float, slope: float = nan, near: float = 0.0) -> Regime:
+        return regime
+    return regime_at
+
+
+class Law:
+    """
+    A torque source with a law of speed and state, in steps of the node too.
+
+    Attributes
+    ----------
+    own : str
+        The field of a DriveState message that holds the state, one number at most.
+
+    """
+
+    breaks: ClassVar[tuple[float, ...]] = ()
+    own: ClassVar[str] = ''
+
+    @property
+    def start(self) -> tuple[float, ...]:
+        """Return the state at the beginning; nothing: it has none."""
+        return ()
+
+    def __post_init__(self) -> None:
+        check_quantities(self)
+
+    def make_regime_at(self) -> RegimeAt:
+        """Return the function that tells which regime holds: the statement of the law."""
+        raise NotImplementedError
+
+    def torque(self, time: float, speed: float, state: State) -> Answer:
+        """Return the torque on the output shaft [N m] and the derivative of the state."""
+        own = state[0] if state else 0.0
+        return answer_of(self.make_regime_at()(speed, own), speed, state)
+
+
+def answer_of(regime: Regime, speed: float, state: State) -> Answer:
+    """Return the torque in a regime and the derivative of the state."""
+    own, piece = state[0] if state else 0.0, regime.piece_at(speed)
+    return piece.torque_at(speed, own), (piece.change_at(speed, own),) if state else ()
+
+
+@dataclass(frozen=True)
+class ConstantTorque(Law):
+    """A constant torque [N m] (of a slide a force [N]), (D2)."""
+
+    value: float = quantity(0.0)
+
+    def make_regime_at(self) -> RegimeAt:
+        """Return the law."""
+        return always(Piece(self.value))
+
+
+@dataclass(frozen=True)
+class MotorLine(Law):
+    """
+    A motor whose torque falls linearly with its speed, (D3): [N m], [rad/s], N.
+
+    Torque and speed have one sign: the torque of a motor does not grow with its speed.
+    """
+
+    stall_torque: float = quantity(unit='N m or N', text='torque of the motor at rest')
+    free_speed: float = quantity(unit='rad/s or m/s', text='speed of the motor without load',
+                                 is_not_zero=True)
+    gear: float = quantity(1.0, is_not_zero=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.stall_torque / self.free_speed < 0.0:
+            raise InvalidParameter('free_speed', self.free_speed, 'must have the sign of '
+                                   f'stall_torque ({self.stall_torque:g}): a torque that grows '
+                                   'with the speed is no motor line')
+
+    def make_regime_at(self) -> RegimeAt:
+        """Return the law."""
+        stall, free = self.gear * self.stall_torque, self.free_speed / self.gear
+        return always(Piece(stall, -stall / free))
+
+
+@dataclass(frozen=True)
+class DCMotor(Law):
+    """
+    Permanent-magnet DC motor with a gear, (D4).
+
+    Parameters
+    ----------
+    voltage : float
+        [V]
+    resistance, inductance : float
+        [ohm], [H]; their ratio is the electrical time constant. An inductance of zero: none.
+    constant : float
+        Torque constant [N m/A], and speed constant [V s/rad].
+    gear : float
+        N.
+
+    """
+
+    own: ClassVar[str] = 'current'
+    voltage: float = quantity(unit='V', text='voltage of the armature')
+    resistance: float = quantity(unit='ohm', text='resistance of the armature', above=0.0)
+    constant: float = quantity(unit='N m/A', parameter='torque_constant', above=0.0,
+                               text='torque per current, and voltage per speed [V s/rad]')
+    inductance: float = quantity(0.0, unit='H', least=0.0, text='inductance of the armature; '
+                                                                '0: the current follows at once')
+    gear: float = quantity(1.0, is_not_zero=True)
+
+    @property
+    def start(self) -> tuple[float, ...]:
+        """Return the current at the beginning, where there is an inductance."""
+        return (0.0,) if self.inductance else ()
+
+    def make_regime_at(self) -> RegimeAt:
+        """Return the law; the state is the current."""
+        constant = self.gear * self.constant
+        if self.inductance:
+            return always(Piece(0.0, 0.0, constant, self.voltage / self.inductance,
+                                -constant / self.inductance, -self.resistance / self.inductance))
+        return always(Piece(constant * self.voltage / self.resistance,
+                            -constant * constant / self.resistance))
+
+
+@dataclass(frozen=True)
+class SpeedController(Law):
+    """
+    PI controller of the speed with a limited torque and conditional integration, (D5).
+
+    Parameters
+    ----------
+    speed : float
+        Set point [rad/s].
+    proportional, integral : float
+        [N m s/rad], [N m/rad].
+    limit : float
+        Largest torque [N m].
+
+    """
+
+    own: ClassVar[str] = 'speed_error_integral'
+    speed: float = quantity(unit='rad/s or m/s', text='speed wanted of the shaft behind the gear')
+    proportional: float = quantity(unit='N m s/rad', least=0.0,
+                                   text='torque behind the gear per error of the speed')
+    integral: float = quantity(0.0, unit='N m/rad', least=0.0,
+                               text='torque behind the gear per integral of that error')
+    limit: float = quantity(inf, unit='N m or N', above=0.0, instead=inf, parameter='torque_limit',
+                            text='largest torque behind the gear; default: no limit')
+
+    @property
+    def start(self) -> tuple[float, ...]:
+        """Return the integral of the error at the beginning, where there is an integral part."""
+        return (0.0,) if self.integral else ()
+
+    def make_regime_at(self) -> RegimeAt:
+        """Return the law; the state is the integral of the error."""
+        wanted, kp, ki, limit = self.speed, self.proportional, self.integral, self.limit
+        plain = Piece(kp * wanted, -kp, ki)
+        integral = {'change': wanted, 'change_by_speed': -1.0} if ki else {}
+        if limit == inf:
+            return always(plain._replace(**integral))
+
+        def within(speed: float, state: float, slope: float) -> tuple[float, ...]:
+            torque = plain.torque_at(speed, state) / limit
+            return 1.0 - torque, 1.0 + torque
+
+        inner = Regime('between its limits', plain._replace(**integral), within)
+        beyond = {side: self._at_limit(plain, side, integral) for side in (1.0, -1.0)}
+
+        def regime_at(speed: float, state: float, slope: float = nan, near: float = 0.0) -> Regime:
+            torque = plain.torque_at(speed, state)
+            side = 1.0 if torque > 0.0 else -1.0
+            held, back, edge = beyond[side]
+            over, error, slope = side * torque - limit, side * (wanted - speed), side * slope
+            if abs(error) <= NEAREST * (abs(wanted) + abs(speed)):
+                error = -slope if slope == slope else error      # of the next moment
+            grows, falls = ki * error, kp * slope
+            at_limit = (min(kp * near, NEAR * limit) + NEAREST * limit
+                        + 8.0 * EPS * kp * (abs(wanted) + abs(speed)))
+            if abs(over) <= at_limit and slope == slope:
+                if grows - falls <= NEAREST * (abs(grows) + abs(falls)):
+                    return inner
+                if min(grows, 0.0) <= falls and ki:
+                    return edge
+                return held if error > 0.0 else back
+            return inner if over <= 0.0 else held if error > 0.0 else back
+        return regime_at
+
+    def _at_limit(self, plain: Piece, side: float,
+                  integral: dict[str, float]) -> tuple[Regime, Regime, Regime]:
+        """Return the regimes at one limit: without integration, with it, and along the limit."""
+        wanted, kp, ki, limit = self.speed, self.proportional, self.integral, self.limit
+        unit, name = max(kp, ki) / limit, f'at its {"upper" if side > 0.0 else "lower"} limit'
+        piece = Piece(side * limit)
+
+        def over(speed: float, state: float) -> float:
+            return side * plain.torque_at(speed, state) / limit - 1.0
+
+        def held(speed: float, state: float, slope: float) -> tuple[float, ...]:
+            return over(speed, state), side * unit * (wanted - speed)
+
+        def back(speed: float, state: float, slope: float) -> tuple[float, ...]:
+            return over(speed, state), side * unit * (speed - wanted)
+
+        def along(speed: float, state: float, slope: float) -> tuple[float, ...]:
+            falls = side * kp * slope
+            inward = (side * ki * (wanted - speed) - falls) / limit
+            return (inward, falls / limit) if kp else (inward,)
+
+        edge = ((side * limit - kp * wanted) / ki, kp / ki) if ki else None
+        return (Regime(f'{name}, held', piece, held),
+                Regime(f'{name}, integrating', piece._replace(**integral), back),
+                Regime(f'{name}, sliding', piece, along, edge))
+
+
+@dataclass(frozen=True)
+class TorqueTable:
+    """
+    Torque over time, (D6), as recorded from a topic.
+
+    Parameters
+    ----------
+    times : sequence of float
+        Increasing [s]; before the first and after the last the torque is that at the end.
+    torques : sequence of float
+        [N m]
+    linear : bool
+        Linear between times; else each torque is held until the next time.
+
+    """
+
+    times: Sequence[float]
+    torques: Sequence[float]
+    linear: bool = False
+    start: ClassVar[tuple[float, ...]] = ()
+
+    def __post_init__(self) -> None:
+        times, torques = array('times', self.times), array('torques', self.torques)
+        if times.ndim != 1 or not times.size or times.shape != torques.shape:
+            raise InvalidParameter('torques', torques, 'must be as many as times, at least one')
+        if not np.all(np.isfinite(torques)):
+            raise InvalidParameter('torques', torques, 'must be finite numbers')
+        if not (np.all(np.isfinite(times)) and np.all(np.diff(times) > 0.0)):
+            raise InvalidParameter('times', times, 'must increase')
+        object.__setattr__(self, 'times', tuple(times.tolist()))
+        object.__setattr__(self, 'torques', tuple(torques.tolist()))
+
+    @cached_property
+    def breaks(self) -> tuple[float, ...]:
+        """
+        Return the times at which integration restarts [s].
+
+        Of a long linear table those of sharp bends, and some of the others, so that no step passes
+        over what happens between two of them.
+        """
+        times, torques = np.array(self.times), np.array(self.torques)
+        if not self.linear or times.size <= FEW:
+            return tuple(self.times)
+        slopes = np.diff(torques) / np.diff(times)
+        sharp = np.abs(np.diff(slopes)) * np.diff(times)[1:] > SHARP * np.ptp(torques)
+        kept = np.arange(times.size) % EVERY == 0
+        kept[1:-1] |= sharp
+        return tuple(times[kept].tolist())
+
+    def torque(self, time: float, speed: float, state: State) -> Answer:
+        """Return the torque at this time and nothing."""
+        after = bisect_right(self.times, time)
+        before = max(after - 1, 0)
+        if not self.linear or after in (0, len(self.times)):
+            return self.torques[before], ()
+        share = (time - self.times[before]) / (self.times[after] - self.times[before])
+        return self.torques[before] + share * (self.torques[after] - self.torques[before]), ()
+
+
+@dataclass(frozen=True)
+class Shaft:
+    """Elastic damped shaft between motor and input, (D1): [N m/rad], [N m s/rad]."""
+
+    stiffness: float = quantity(above=0.0)
+    damping: float = quantity(0.0, least=0.0)
+
+    def __post_init__(self) -> None:
+        check_quantities(self)
+
+
+@dataclass(frozen=True)
+class Drive:
+    """
+    A torque source with the inertia it brings, coupled rigidly or through an elastic shaft.
+
+    Parameters
+    ----------
+    source : Source
+    rotor : float
+        Inertia of the motor side at the output shaft [kg m^2]; an elastic shaft needs one.
+    flywheel : float
+        Inertia on the input itself [kg m^2].
+    shaft : Shaft, optional
+
+    """
+
+    source: Source
+    rotor: float = quantity(0.0, least=0.0)
+    flywheel: float = quantity(0.0, least=0.0)
+    shaft: Shaft | None = None
+
+    def __post_init__(self) -> None:
+        for name in ('start', 'breaks', 'torque'):
+            if not hasattr(self.source, name):
+                raise InvalidParameter('source', self.source, 'must be a torque source, as '
+                                       f'ConstantTorque(5.0): it has no {name}')
+        if not isinstance(self.shaft, (Shaft, type(None))):
+            raise InvalidParameter('shaft', self.shaft, 'must be a Shaft')
+        check_quantities(self)
+        if self.shaft is not None and self.rotor == 0.0:
+            raise InvalidParameter('rotor', self.rotor,
+                                   'an elastic shaft needs an inertia on the motor side')
+
+    @property
+    def rigid_inertia(self) -> float:
+        """Return the constant inertia on the input [kg m^2]."""
+        return self.flywheel if self.shaft else self.flywheel + self.rotor

@@ -1,0 +1,265 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Springs and dampers between any two points or links of a mechanism; forces over a position.
+
+A force over a position is a function F(s) of one place s of the mechanism: of its input, of the
+angle of a link, or of the way of a point.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import remainder, tau
+from typing import Any, Union
+
+from fourbar_ros.dynamics.model.force_table import ForceTable
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.numerics.given import check_quantities, number, quantity
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Attachment:
+    """A point of a link or of the ground: along it from its first joint, and to its left [m]."""
+
+    link: str = GROUND
+    along: float = quantity(0.0)
+    across: float = quantity(0.0)
+
+    def __post_init__(self) -> None:
+        check_quantities(self)
+
+
+@dataclass(frozen=True)
+class Spring:
+    """
+    Linear spring and damper between two points.
+
+    Parameters
+    ----------
+    first, second : Attachment
+        On different links.
+    stiffness : float
+        [N/m], zero or more.
+    free_length : float
+        Length at which the spring exerts no force [m], zero or more.
+    damping : float
+        [N s/m], zero or more.
+
+    """
+
+    first: Attachment
+    second: Attachment
+    stiffness: float = quantity(0.0, least=0.0)
+    free_length: float = quantity(0.0, least=0.0)
+    damping: float = quantity(0.0, least=0.0)
+
+    def __post_init__(self) -> None:
+        check_quantities(self)
+        _require_two_links(self)
+
+    @property
+    def links(self) -> tuple[str, str]:
+        """Return the names of the two links it joins."""
+        return self.first.link, self.second.link
+
+
+@dataclass(frozen=True)
+class TorsionSpring:
+    """
+    Torsion spring and damper between two links, or a link and the ground.
+
+    Parameters
+    ----------
+    first, second : str
+        Links; the angle is that of the second relative to the first.
+    stiffness : float
+        [N m/rad], zero or more.
+    free_angle : float
+        Angle at which the spring exerts no moment [rad]. The deflection counts within half a turn.
+    damping : float
+        [N m s/rad], zero or more.
+
+    """
+
+    first: str
+    second: str
+    stiffness: float = quantity(0.0, least=0.0)
+    free_angle: float = quantity(0.0)
+    damping: float = quantity(0.0, least=0.0)
+
+    def __post_init__(self) -> None:
+        check_quantities(self)
+        _require_two_links(self)
+
+    @property
+    def links(self) -> tuple[str, str]:
+        """Return the names of the two links it joins."""
+        return self.first, self.second
+
+
+INPUT = 'input'        # as the place of a force: that of the mechanism, an angle or a slide
+
+
+@dataclass(frozen=True)
+class LinkAngle:
+    """The angle of a link, from that of another one or of the ground [rad], in (-pi, pi]."""
+
+    link: str
+    relative_to: str = GROUND
+
+
+@dataclass(frozen=True)
+class Way:
+    """
+    How far a point has come along a line from its origin [m].
+
+    Parameters
+    ----------
+    point, origin : Attachment
+    direction : float
+        Of the line, from the direction of the origin's link, of the ground from x [rad].
+
+    """
+
+    point: Attachment
+    origin: Attachment = Attachment()
+    direction: float = quantity(0.0)
+
+    def __post_init__(self) -> None:
+        _require_kind('point', self.point, Attachment)
+        _require_kind('origin', self.origin, Attachment)
+        check_quantities(self)
+
+
+Place = Union[str, LinkAngle, Way]
+
+
+@dataclass(frozen=True)
+class PositionForce:
+    """
+    A force or a couple on a link that depends on the position of the mechanism.
+
+    Parameters
+    ----------
+    point : Attachment
+        Where it acts, on a moving link; of a couple its link alone counts.
+    value : ForceTable or callable
+        s -> F(s): floats, [N] or [N m]. A table over an angle holds for all turns: its places
+        count within half a turn of its middle, or it is periodic.
+    over : 'input', LinkAngle or Way
+        The place s. The input of a crank counts on over whole turns, so that a table of two turns
+        is that of a four-stroke engine; other angles are in (-pi, pi].
+    direction : float, optional
+        Of the force, from the direction of ``axes`` [rad]; None: it is a couple,
+        counter-clockwise positive.
+    axes : str
+        Link with which the direction turns, or 'ground': along a slide or a link it is that link.
+    factor : float
+        The force is this times F(s): of a table of pressures the area [m^2], with its sign.
+
+    """
+
+    point: Attachment
+    value: Callable[[float], float]
+    over: Place = INPUT
+    direction: float | None = quantity(0.0, instead=None)
+    axes: str = GROUND
+    factor: float = quantity(1.0)
+
+    def __post_init__(self) -> None:
+        _require_kind('point', self.point, Attachment)
+        if self.point.link == GROUND:
+            raise InvalidParameter('point', GROUND, 'a force acts on a moving link')
+        if not callable(self.value):
+            raise InvalidParameter('value', self.value, 'must be a ForceTable or a function')
+        if not (isinstance(self.over, (LinkAngle, Way)) or self.over == INPUT):
+            raise InvalidParameter('over', self.over, f'must be {INPUT!r}, a LinkAngle or a Way')
+        check_quantities(self)
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """Return the names of all links that it needs to know, that on which it acts first."""
+        of_place = (() if isinstance(self.over, str) else
+                    (self.over.link, self.over.relative_to) if isinstance(self.over, LinkAngle)
+                    else (self.over.point.link, self.over.origin.link))
+        return self.point.link, self.axes, *of_place
+
+    @property
+    def turns(self) -> int:
+        """Return the turns of its cycle: more than one of a table over as many of a crank."""
+        table = self.value
+        if not (isinstance(table, ForceTable) and table.is_periodic):
+            return 1
+        return max(1, round(table.span / tau))
+
+    def is_over_angle(self, mechanism: Any) -> bool:
+        """Return whether its place is an angle."""
+        return (not mechanism.is_driven_by_slide if self.over == INPUT
+                else isinstance(self.over, LinkAngle))
+
+    def make_value(self, mechanism: Any) -> Callable[[Any], Any]:
+        """
+        Return the function s -> F(s), times the factor, of floats and arrays.
+
+        Raises
+        ------
+        InvalidParameter
+            For a table that does not fit the mechanism; by the function, for a value that is no
+            finite number.
+
+        """
+        value, factor = self.value, self.factor
+        if not isinstance(value, ForceTable):
+            def of_one(place: float) -> float:
+                return factor * number('value', value(place), f'at {place!r} must be a finite '
+                                                              'number')
+
+            def of_many(places: Any) -> Any:
+                return np.vectorize(lambda place: factor * value(float(place)),
+                                    otypes=[float])(places)
+            return lambda place: (of_one if isinstance(place, float) else of_many)(place)
+        is_angle = self.is_over_angle(mechanism)
+        _require_fitting(value, is_angle, mechanism.turns_fully and self.over == INPUT)
+        if value.is_periodic or not is_angle:
+            return lambda place: factor * value(place)
+        middle = value.middle
+        return lambda place: factor * value(
+            middle + remainder(place - middle, tau) if isinstance(place, float)
+            else place - tau * np.round((place - middle) / tau))
+
+
+def _require_fitting(table: ForceTable, is_angle: bool, counts_turns: bool) -> None:
+    """Refuse a table whose period or range is not one of its place."""
+    turns = table.span / tau
+    if table.is_periodic:
+        if not is_angle:
+            raise InvalidParameter('is_periodic', True, 'a length does not come round: only over '
+                                                        'an angle is a table periodic')
+        count = max(turns, 1.0 / turns)
+        if abs(count - round(count)) > 1e-9 * count or (turns > 1.5 and not counts_turns):
+            raise InvalidParameter('places', table.span, 'the period must be 2 pi, or a whole '
+                                   'part of it' + (', or some turns' if counts_turns else ': '
+                                   'turns are counted of a crank that is driven and turns fully'))
+    elif is_angle and turns > 1.0 + 1e-9:
+        raise InvalidParameter('places', table.span, 'more than a turn of an angle, and not '
+                                                     'periodic')
+    elif counts_turns and table.values[0] != table.values[-1]:
+        raise InvalidParameter('values', table.values[-1], 'the crank turns fully: the last value '
+                               f'must be the first again, {table.values[0]!r}')
+
+
+Element = Union[Spring, TorsionSpring, PositionForce]
+
+
+def _require_kind(name: str, value: Any, kind: type) -> None:
+    if not isinstance(value, kind):
+        raise InvalidParameter(name, value, f'must be of type {kind.__name__}')
+
+
+def _require_two_links(element: Spring | TorsionSpring) -> None:
+    first, second = element.links
+    if first == second:
+        raise InvalidParameter('second', second, 'must be on another link than the first')

@@ -1,0 +1,315 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Eksergian's equation of motion of any mechanism with one degree of freedom.
+
+With q the input (an angle or a slide), primes for derivatives with respect to it, and w = dq/dt,
+
+    J dw/dt + J'/2 w^2 = Q - D w + T                                                       (E1)
+
+T being the torque (force) of the drive. A link of mass m, whose first joint X moves along the
+curve X(q) while the link turns by theta(q), with S its first moment of mass about X (along the
+ground axes) and I its moment of inertia about X, adds
+
+    J    = m X'.X' + 2 theta' (S x X') + I theta'^2                                        (E2)
+    J'/2 = m X'.X'' + theta'' (S x X') + theta' (S x X'') - theta'^2 (S.X')
+           + I theta' theta''                                                              (E3)
+
+Gravity g and a load applied to the link (force F at a point, couple C) add, with f = m g + F and c
+the moment of all of these about X,
+
+    Q = f.X' + c theta'                                                                    (E4)
+
+A spring (k, free length l0) and damper d between two points the vector r apart, l = |r|, and a
+torsion spring and damper between two links at the relative angle a, add
+
+    Q = -k (1 - l0/l) r.r',   D = d (r.r'/l)^2;      Q = -k (a - a0) a',   D = d a'^2      (E5)
+
+A force over a position, F(s) at a point P along the unit vector e, or a couple F(s), adds
+
+    Q = F e.P',   Q = F theta'                                                              (E7)
+
+X', X'', theta', theta'' are the motion at unit rate and zero acceleration: exact, without
+differences. Sources: Eksergian, Dynamical analysis of machines, J. Franklin Institute 209-211
+(1930-31); Paul, Kinematics and Dynamics of Planar Machinery (1979), chapter 12.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property, partial
+from typing import Any, NamedTuple
+
+from fourbar_ros.dynamics.model.elements import Element, PositionForce
+from fourbar_ros.dynamics.model.smooth import beyond, make_is_alternate
+from fourbar_ros.dynamics.model.terms import (
+    element_energy,
+    element_stiffness,
+    link_stiffness,
+    loads_of_links,
+    make_element_terms,
+    make_force_stiffness,
+    make_force_term,
+    make_link_terms,
+    work_of,
+)
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanics.bodies import NOT_APPLIED
+from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.mechanisms.points import FIXED
+from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType
+from fourbar_ros.numerics.straight_line import straight_line
+import numpy as np
+
+
+class Terms(NamedTuple):
+    """Terms of (E1) at one input; each a float, or an array of the input's shape."""
+
+    inertia: Any          # J [kg m^2], of a slide [kg]
+    half_slope: Any       # J'/2 [kg m^2/rad], [kg/m]
+    force: Any            # Q of gravity, loads and springs [N m], [N]
+    damping: Any          # D [N m s/rad], [N s/m]
+
+
+class InBothModes:
+    """A formula of the input in the mode that holds there: of floats, or of arrays."""
+
+    def __init__(self, make_formula: Callable[[Any, NumberType], Function], modes: Sequence[Any],
+                 is_alternate: Function | None) -> None:
+        self._lines = [straight_line(partial(make_formula, mode)) for mode in modes]
+        self._formulas = [make_formula(mode, ARRAY) for mode in modes]
+        self._is_alternate, self._mechanism = is_alternate, modes[0]
+
+    def of_one(self, position: float) -> tuple[Any, ...]:
+        """Return the results for a float; where there are none, the mechanism says why."""
+        alternate = self._is_alternate
+        line = self._lines[0 if alternate is None else alternate(position)]
+        try:
+            found: tuple[Any, ...] = line(position)
+            return found
+        except (ValueError, ZeroDivisionError):
+            self._mechanism.motion(position, 1.0, 0.0)
+            raise
+
+    def of_many(self, positions: Any) -> list[Any]:
+        """Return the results as arrays of the shape of the positions, NaN where there are none."""
+        positions = np.asarray(positions, float)
+        with np.errstate(all='ignore'):
+            found = [formula(positions) for formula in self._formulas]
+        if self._is_alternate is not None:
+            found[0] = [np.where(self._is_alternate(positions), b, a) for a, b in zip(*found)]
+        return [np.broadcast_to(row, positions.shape) for row in found[0]]
+
+    def __call__(self, position: Any) -> Sequence[Any]:
+        """Return the results for a number or an array of numbers."""
+        return self.of_many(position) if np.ndim(position) else self.of_one(float(position))
+
+
+def make_reading(of: Any) -> Callable[[Any, NumberType], Function]:
+    """Return (coordinate, number type) -> formula: input of a mechanism and its derivatives."""
+    def make(coordinate: Any, n: NumberType) -> Function:
+        coefficients = coordinate.make_coefficients(n)
+        return lambda position: of.read_coordinate(n, coefficients(position))
+    return make
+
+
+class Equation:
+    """
+    The equation of motion (E1) of a mechanism with its springs and dampers.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        With bodies; gravity and external loads are taken from it. A stroke is no limit here.
+    elements : sequence of Spring, TorsionSpring or PositionForce
+    extra_inertia : float
+        Constant inertia on the input, as of a flywheel [kg m^2], [kg].
+    start : float, optional
+        An input at which the mechanism is in its own mode, from where it goes smoothly through the
+        flat positions of a change point (:mod:`fourbar_ros.dynamics.solve.phase`); without it, the
+        mechanism is in its own mode everywhere.
+    coordinate : optional
+        One of ``mechanism.driven_otherwise()``: q is then that coordinate, J and all other terms
+        with it, while the extra inertia stays on the input of the mechanism. ``start`` is one of
+        its values.
+
+    Raises
+    ------
+    MissingBodies, InvalidParameter
+        Without masses; for an element on a link that the mechanism does not have.
+
+    """
+
+    def __init__(self, mechanism: Any, elements: Sequence[Element] = (),
+                 extra_inertia: float = 0.0, start: float | None = None,
+                 coordinate: Any = None) -> None:
+        self.mechanism, self.elements = mechanism, tuple(elements)
+        self.coordinate = mechanism if coordinate is None else coordinate
+        self.extra_inertia = extra_inertia
+        loads, links = loads_of_links(mechanism), [link.name for link in mechanism.LINKS]
+        self._bodies = [(links.index(name), *what) for name, what in loads.items()
+                        if what[0].mass or what[0].inertia or what[1] != NOT_APPLIED]
+        self._links = (*links, GROUND)
+        for name in (link for element in self.elements for link in element.links):
+            if name not in self._links:
+                raise InvalidParameter('link', name, f'must be one of {", ".join(self._links)}')
+        self.forces = tuple([e for e in self.elements if isinstance(e, PositionForce)])
+        self._springs = [(e, self._links.index(e.links[0]), self._links.index(e.links[1]))
+                         for e in self.elements if not isinstance(e, PositionForce)]
+        self.has_couples = bool(self.forces) or any(applied.couple
+                                                    for _, _, applied in self._bodies)
+        self._is_alternate = None if start is None else make_is_alternate(
+            self.coordinate, start)
+        self._terms = self.in_both_modes(self.make_terms)
+        self.of_one = self._terms.of_one      # (J, J'/2, Q, D, part without potential), fast
+
+    def in_both_modes(self, make_formula: Callable[[Any, NumberType], Function]) -> InBothModes:
+        """Return a formula made for (coordinate, number type) in the mode that holds."""
+        modes = [self.coordinate]
+        if self._is_alternate is not None:
+            modes.append(beyond(self.coordinate))
+        return InBothModes(make_formula, modes, self._is_alternate)
+
+    @cached_property
+    def input(self) -> InBothModes:
+        """Return q -> the input of the mechanism and its two derivatives with respect to q."""
+        return self.in_both_modes(make_reading(self.mechanism))
+
+    @property
+    def is_input(self) -> bool:
+        """Return whether q is the input of the mechanism."""
+        return self.coordinate is self.mechanism
+
+    @cached_property
+    def with_ratio(self) -> InBothModes:
+        """Return q -> (J, J'/2, Q, D, of couples, r, r'), r the derivative of the input."""
+        return self.in_both_modes(self.make_with_ratio)
+
+    @cached_property
+    def of_one_with_ratio(self) -> Function:
+        """Return the same of a single q, fast."""
+        of_one = self.of_one
+        return ((lambda position: (*of_one(position), 1.0, 0.0)) if self.is_input
+                else self.with_ratio.of_one)
+
+    def make_with_ratio(self, coordinate: Any, n: NumberType) -> Function:
+        """Return the formula of it for a coordinate and a number type."""
+        terms = self.make_terms(coordinate, n)
+        if self.is_input:
+            return lambda position: (*terms(position), 1.0, 0.0)
+        reading = make_reading(self.mechanism)(coordinate, n)
+        return lambda position: (*terms(position), *reading(position)[1:])
+
+    @property
+    def turns(self) -> int:
+        """Return after how many turns of the input all repeats, where it turns fully."""
+        return max([force.turns for force in self.forces], default=1)
+
+    @property
+    def changes_mode(self) -> bool:
+        """Return whether the mechanism goes on in the other mode at flat positions."""
+        return self._is_alternate is not None
+
+    def make_terms(self, mechanism: Any, n: NumberType) -> Function:
+        """Return the formula position -> (J, J'/2, Q, D, part of Q without a potential)."""
+        coefficients, gravity = mechanism.make_coefficients(n), self.mechanism.gravity
+        extra = self.extra_inertia
+        is_input, read = self.is_input, self.mechanism.read_coordinate
+        links = [(i, make_link_terms(body, gravity, applied), applied.couple)
+                 for i, body, applied in self._bodies]
+        springs = [(one, two, make_element_terms(n, element))
+                   for element, one, two in self._springs]
+        forces = self._make_forces(n)
+
+        def terms(position: Any) -> tuple[Any, ...]:
+            moving = coefficients(position)
+            curves = [*moving, FIXED]
+            value, turn, bend = (position, 1.0, 0.0) if is_input else read(n, moving)
+            inertia, half_slope = extra * turn * turn, extra * turn * bend
+            force, damping, couples = 0.0, 0.0, 0.0
+            for i, terms_of_link, couple in links:
+                j, k, f = terms_of_link(curves[i])
+                inertia, half_slope, force = inertia + j, half_slope + k, force + f
+                couples = couples + couple * curves[i][8]
+            for one, two, terms_of in springs:
+                f, d = terms_of(curves[one], curves[two])
+                force, damping = force + f, damping + d
+            if forces:
+                pushed = forces(curves, value)
+                force, couples = force + pushed, couples + pushed
+            return inertia, half_slope, force, damping, couples
+        return terms
+
+    def _make_forces(self, n: NumberType) -> Function | None:
+        """Return the function (curves, input) -> Q of the forces over a position, if any, (E7)."""
+        terms = [make_force_term(n, element, self.mechanism) for element in self.forces]
+
+        def forces(curves: Any, position: Any) -> Any:
+            by_link, total = dict(zip(self._links, curves)), 0.0
+            for term in terms:
+                total = total + term(by_link, position)
+            return total
+        return forces if terms else None
+
+    def _make_potential(self, mechanism: Any, n: NumberType) -> Function:
+        """Return the function position -> (V, -dQ/dq, sum of the sizes of the parts of V)."""
+        coefficients, gravity = mechanism.make_coefficients(n), self.mechanism.gravity
+        is_input, read = self.is_input, self.mechanism.read_coordinate
+        forces = [make_force_stiffness(n, element, self.mechanism) for element in self.forces]
+
+        def potential(position: Any) -> tuple[Any, ...]:
+            moving = coefficients(position)
+            curves = [*moving, FIXED]
+            energy, stiffness, size = 0.0, 0.0, 0.0
+            for i, body, applied in self._bodies:
+                work = work_of(curves[i], body, gravity, applied)
+                energy, size = energy - work, size + n.fabs(work)
+                stiffness = stiffness + link_stiffness(curves[i], body, gravity, applied)
+            for element, one, two in self._springs:
+                stored = element_energy(n, element, curves[one], curves[two])
+                energy, size = energy + stored, size + stored
+                stiffness = stiffness + element_stiffness(n, element, curves[one], curves[two])
+            if forces:
+                value, ratio = (position, 1.0) if is_input else read(n, moving)[:2]
+                by_link = dict(zip(self._links, curves))
+                stiffness = sum((of(by_link, value, ratio) for of in forces), start=stiffness)
+            return energy, stiffness, size
+        return potential
+
+    @cached_property
+    def _potential(self) -> InBothModes:
+        return self.in_both_modes(self._make_potential)
+
+    def terms(self, position: Any) -> Terms:
+        """Return J, J'/2, Q and D at an input or an array of inputs; errors as of ``motion``."""
+        return Terms(*self._terms(position)[:4])
+
+    def acceleration(self, position: Any, rate: Any, drive: Any = 0.0) -> Any:
+        """Return dw/dt under the torque (force) of the drive on the input, by (E1)."""
+        inertia, half_slope, force, damping = self.terms(position)
+        return (force + drive - (damping + half_slope * rate) * rate) / inertia
+
+    def torque(self, position: Any, rate: Any, acceleration: Any) -> Any:
+        """Return the torque (force) of the drive that this motion needs, by (E1)."""
+        inertia, half_slope, force, damping = self.terms(position)
+        return inertia * acceleration + (half_slope * rate + damping) * rate - force
+
+    def stiffness(self, position: Any) -> Any:
+        """Return -dQ/dq [N m/rad], [N/m]: exact but for dF/ds of forces over a position."""
+        return self._potential(position)[1]
+
+    def couples(self, position: Any) -> Any:
+        """Return the part of Q that has no potential: of couples, of forces over a position."""
+        return self._terms(position)[4]
+
+    def potential(self, position: Any) -> Any:
+        """Return V [J], Q = -V' but for :meth:`couples`: of gravity, constant forces, springs."""
+        return self._potential(position)[0]
+
+    def potential_and_size(self, position: Any) -> tuple[Any, Any]:
+        """Return V and the sum of the sizes of its parts [J], in whose rounding it is known."""
+        potential, _, size = self._potential(position)
+        return potential, size
+
+    def energy(self, position: Any, rate: Any) -> Any:
+        """Return kinetic plus potential energy [J]."""
+        return 0.5 * self.terms(position).inertia * rate * rate + self.potential(position)

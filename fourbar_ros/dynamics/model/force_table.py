@@ -1,0 +1,157 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+A force over a place, from the points of a table.
+
+Between two points it is a cubic polynomial with the slopes of Fritsch and Butland (SIAM J. Sci.
+Stat. Comput. 5, 1984), which scipy calls PCHIP: it has a continuous derivative, as an integrator
+needs it, and never leaves the range of the two values. Or it is a straight line.
+
+The coefficients are scipy's; a single value from them takes a tenth of a call of scipy's object.
+"""
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import isfinite
+from typing import Any
+
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.given import number
+from fourbar_ros.optional import MissingPackage
+import numpy as np
+
+MOST_POINTS = 10_000
+CLOSES = 1e-9          # largest difference of both ends of a cycle, over the largest value
+
+
+@dataclass(frozen=True)
+class ForceTable:
+    """
+    A force [N] or couple [N m] over an angle [rad] or a length [m].
+
+    Calling it with a float or an array gives the value there.
+
+    Parameters
+    ----------
+    places : sequence of float
+        Increasing, 2 to 10 000.
+    values : sequence of float
+        As many. Beyond the first and the last place the force is that at the end.
+    is_periodic : bool
+        It repeats: the last place is the first one again, one period later, with the same value.
+    is_linear : bool
+        Straight lines between points, not cubic polynomials.
+
+    Raises
+    ------
+    InvalidParameter
+        Naming the first point that is wrong, counted from 1.
+    MissingPackage
+        Without scipy.
+
+    Examples
+    --------
+    >>> stroke = ForceTable([0.0, 0.1, 0.2], [0.0, -500.0, -600.0])
+    >>> round(stroke(0.15), 3), stroke(9.0)
+    (-570.833, -600.0)
+
+    """
+
+    places: Sequence[float]
+    values: Sequence[float]
+    is_periodic: bool = False
+    is_linear: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ('places', 'values'):
+            given = np.ravel(np.asarray(getattr(self, name), dtype=object)).tolist()
+            object.__setattr__(self, name, tuple([
+                number(f'{name}[{i}]', value) for i, value in enumerate(given, 1)]))
+        places, values = self.places, self.values
+        if not 2 <= len(places) <= MOST_POINTS:
+            raise InvalidParameter('places', len(places), f'must be 2 to {MOST_POINTS} points')
+        if len(values) != len(places):
+            raise InvalidParameter('values', len(values), f'must be as many as places, '
+                                   f'{len(places)}')
+        for i, (before, place) in enumerate(zip(places, places[1:]), 2):
+            if not place > before:
+                raise InvalidParameter(f'places[{i}]', place, 'must be larger than the one '
+                                                              f'before, {before!r}')
+        if self.is_periodic and abs(values[-1] - values[0]) > CLOSES * max(map(abs, values)):
+            raise InvalidParameter(f'values[{len(values)}]', values[-1], 'must be the first value '
+                                   f'again, {values[0]!r}: the table is periodic')
+        if self.is_periodic:
+            object.__setattr__(self, 'values', (*values[:-1], values[0]))
+        try:
+            is_good = all(isfinite(number) for row in self._for_one[4] for number in row)
+        except ValueError:     # of scipy, whose slopes are not finite
+            is_good = False
+        if not is_good:
+            raise InvalidParameter('values', None, 'so large, or places so close, that slopes '
+                                   'overflow')
+
+    @property
+    def span(self) -> float:
+        """Return the length from the first to the last place: the period, if it repeats."""
+        return self.places[-1] - self.places[0]
+
+    @property
+    def middle(self) -> float:
+        """Return the middle of its places."""
+        return 0.5 * (self.places[0] + self.places[-1])
+
+    def __call__(self, place: Any) -> Any:
+        """Return the value at a place, a float or an array."""
+        if not isinstance(place, float):
+            (a, b, c, d), t = self._of_many(place)
+            return ((a * t + b) * t + c) * t + d
+        first, last, period, inner, rows = self._for_one
+        if period:
+            place = first + (place - first) % period
+        elif place < first:
+            place = first
+        elif place > last:
+            place = last
+        a, b, c, d, start = rows[bisect_right(inner, place)]
+        t = place - start
+        return ((a * t + b) * t + c) * t + d
+
+    def _of_many(self, place: Any) -> tuple[Array, Array]:
+        """Return the coefficients of pieces, highest first, and how far into them places are."""
+        places, place = np.array(self.places), np.asarray(place, float)
+        if self.is_periodic:
+            place = places[0] + (place - places[0]) % self.span
+        place = np.clip(place, places[0], places[-1])
+        i = np.clip(np.searchsorted(places, place, side='right') - 1, 0, places.size - 2)
+        return self._coefficients[:, i], place - places[i]
+
+    @cached_property
+    def _for_one(self) -> tuple[float, float, float, tuple[float, ...], list[tuple[float, ...]]]:
+        """Return first and last place, period or zero, places between, pieces with their start."""
+        places = tuple(self.places)
+        rows = [(*row, start) for row, start in zip(self._coefficients.T.tolist(), places)]
+        return places[0], places[-1], self.is_periodic * self.span, places[1:-1], rows
+
+    @cached_property
+    def _coefficients(self) -> Array:
+        """Return the coefficients of each piece, of shape (4, pieces), highest first."""
+        places, values = np.array(self.places), np.array(self.values)
+        count = places.size - 1
+        with np.errstate(all='ignore'):
+            if self.is_linear:
+                zero = np.zeros(count)
+                return np.array([zero, zero, np.diff(values) / np.diff(places), values[:-1]])
+            try:
+                from scipy.interpolate import PchipInterpolator
+            except ModuleNotFoundError as error:
+                raise MissingPackage('a table of forces', error) from error
+            if not self.is_periodic:
+                return np.asarray(PchipInterpolator(places, values).c, float)
+            # slopes at the ends are those of a cycle in the middle of three
+            places = np.concatenate([places[:-1] - self.span, places, places[1:] + self.span])
+            values = np.concatenate([values[:-1], values, values[1:]])
+            return np.asarray(PchipInterpolator(places, values).c[:, count:2 * count], float)

@@ -1,0 +1,69 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+An induction motor at a constant supply frequency, by Kloss' formula.
+
+With the synchronous speed w_s = 2 pi f / p of p pole pairs and the slip s, the motor of breakdown
+torque T_b at the slip s_b gives, at the output shaft of a gear of ratio N,
+
+    T = N 2 T_b / (s / s_b + s_b / s),    s = 1 - N w / w_s                                (K1)
+
+    dT/dw = -(N / w_s) N 2 T_b s_b (s_b^2 - s^2) / (s^2 + s_b^2)^2                         (K2)
+
+It neglects the resistance of the stator and electrical transients. Beyond w_s it brakes as a
+generator. Source: Kloss, Drehmoment und Schluepfung des Drehstrommotors, Archiv fuer
+Elektrotechnik 5 (1916).
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import tau
+from typing import Any
+
+from fourbar_ros.dynamics.model.drives import always, Law, Piece, RegimeAt
+from fourbar_ros.numerics.given import quantity
+
+
+@dataclass(frozen=True)
+class InductionMotor(Law):
+    """
+    Induction motor with a gear, by Kloss' formula (K1).
+
+    Parameters
+    ----------
+    breakdown_torque : float
+        Largest torque of the motor [N m].
+    breakdown_slip : float
+        Slip at which it gives that torque.
+    frequency : float
+        Of the supply [Hz].
+    pole_pairs : int
+    gear : float
+        N; negative: the shaft behind it turns the other way.
+
+    """
+
+    breakdown_torque: float = quantity(unit='N m or N', above=0.0,
+                                       text='largest torque of the motor')
+    breakdown_slip: float = quantity(above=0.0, text='slip at which it gives that torque')
+    frequency: float = quantity(50.0, unit='Hz', above=0.0, text='frequency of the supply')
+    pole_pairs: int = quantity(2, least=1, is_whole=True, text='pairs of poles')
+    gear: float = quantity(1.0, is_not_zero=True)
+
+    @property
+    def synchronous_speed(self) -> float:
+        """Return the speed behind the gear at which it gives no torque [rad/s]."""
+        return tau * self.frequency / self.pole_pairs / self.gear
+
+    def make_regime_at(self) -> RegimeAt:
+        """Return the law."""
+        synchronous, s_b = self.synchronous_speed, self.breakdown_slip
+        factor = 2.0 * self.gear * self.breakdown_torque * s_b
+
+        def tangent(speed: Any) -> Piece:
+            slip = 1.0 - speed / synchronous
+            whole = slip * slip + s_b * s_b
+            torque = factor * slip / whole                                                  # (K1)
+            by_speed = factor * (slip * slip - s_b * s_b) / (synchronous * whole * whole)   # (K2)
+            return Piece(torque - by_speed * speed, by_speed)
+        return always(Piece(0.0), tangent)

@@ -1,0 +1,69 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The smooth motion of a mechanism through its change points.
+
+At the flat position of an exact change point both assembly modes meet. A linkage that moves
+through it keeps the velocities of its links, and the side of the dyad changes: the motion goes on
+in the mode beyond, as the contract's ``mode_beyond`` says. So the mode is a function of the input,
+the given one in the interval between flat positions in which the input starts: it alternates from
+one interval to the next.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import floor, tau
+from typing import Any
+
+import numpy as np
+
+
+def flat_positions(mechanism: Any) -> tuple[float, ...]:
+    """Return the inputs at which a change point lies flat: of an angle in [0, 2 pi), in order."""
+    if mechanism.change_point_margin != 0.0:
+        return ()
+    is_angle = not mechanism.is_driven_by_slide
+    ranges = () if mechanism.turns_fully else mechanism.input_ranges
+    ends = {end for bounds in ranges for end in bounds}
+    inside = [value for value in set(map(float, mechanism.flat_inputs))
+              if all(abs(mechanism.distance(value, end)) > 1e-12 for end in ends)]
+    return tuple(sorted({value % tau if is_angle else value for value in inside}))
+
+
+def beyond(mechanism: Any) -> Any:
+    """Return a mechanism in the mode into which it goes on at its flat positions."""
+    return mechanism.in_mode(mechanism.mode_beyond(flat_positions(mechanism)[0]))
+
+
+def make_interval_of(mechanism: Any) -> Callable[[Any], Any]:
+    """Return the function input -> number of flat positions below it, counted from 0 up."""
+    places = flat_positions(mechanism)
+    if mechanism.is_driven_by_slide:
+        return lambda position: sum(position >= place for place in places)
+
+    def interval_of(position: Any) -> Any:
+        if isinstance(position, float):
+            return sum(floor((position - place) / tau) for place in places)
+        return sum(np.floor((position - place) / tau) for place in places)
+    return interval_of
+
+
+def make_is_alternate(mechanism: Any, start: float) -> Callable[[Any], Any] | None:
+    """
+    Return the function input -> whether a smooth motion is in the other mode there.
+
+    None where there are no flat positions.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    start : float
+        An input in the interval where the mechanism has its own mode; a flat position counts to
+        the interval above it.
+
+    """
+    if not flat_positions(mechanism):
+        return None
+    interval_of = make_interval_of(mechanism)
+    first = interval_of(start) % 2
+    return lambda position: interval_of(position) % 2 != first

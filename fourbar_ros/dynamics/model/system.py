@@ -1,0 +1,264 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+A mechanism and its drive as one system of first-order equations.
+
+State, in order: q, w = dq/dt of the input; p, dp/dt of the motor if there is an elastic shaft; the
+state of the torque source (current, integral of a controller); last the work W of all that is not
+conservative, so that energy less W is constant whatever acts (not if nothing of the kind acts):
+
+    dW/dt = (T + C - D w) w,   C the part of Q without a potential: of applied couples, of
+                               forces over a position                                      (E6)
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from math import inf
+from typing import Any
+
+from fourbar_ros.dynamics.model.drives import (
+    Answer,
+    answer_of,
+    ConstantTorque,
+    Drive,
+    Law,
+    Regime,
+)
+from fourbar_ros.dynamics.model.elements import Element, PositionForce
+from fourbar_ros.dynamics.model.equation import Equation
+from fourbar_ros.dynamics.model.smooth import flat_positions
+from fourbar_ros.dynamics.solve.phase import AT_LIMIT, Course, Phase
+from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.numerics.given import number
+import numpy as np
+
+State = Sequence[float]
+KINK = 16.0 * 2.0**-52
+NEAR_TOGGLE = 1e-3        # sine of the angle of the dyad at which an input counts as at its limit
+
+
+def _any_damps(elements: Sequence[Element]) -> bool:
+    return any(not isinstance(e, PositionForce) and e.damping for e in elements)
+
+
+class System:
+    """
+    A mechanism, its springs, forces and drive.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        With bodies; its assembly mode is that at the start.
+    position, rate : float
+        The input at the start and its rate: angle [rad] or slide [m], [rad/s] or [m/s].
+    elements : sequence of Spring, TorsionSpring or PositionForce
+    drive : Drive, optional
+        Without one the mechanism moves freely. Its motor starts at the position and rate of the
+        input.
+    stops_at_change_points : bool
+        Whether a run ends where the mechanism lies flat in an exact change point, instead of going
+        on smoothly.
+
+    """
+
+    def __init__(self, mechanism: Any, position: float, rate: float = 0.0,
+                 elements: Sequence[Element] = (), drive: Drive | None = None,
+                 stops_at_change_points: bool = False) -> None:
+        if not isinstance(drive, (Drive, type(None))):
+            raise InvalidParameter('drive', drive,
+                                   'must be a Drive, as Drive(ConstantTorque(5.0))')
+        self.stops_at_change_points = stops_at_change_points
+        self.drive, self._given, self._stroke = drive, mechanism, mechanism.stroke
+        # an integrator's trial steps go beyond the end at which the run stops
+        mechanism = mechanism.without_stroke()
+        self.mechanism = mechanism
+        motion = (number('position', position), number('rate', rate))
+        elements = tuple(elements)
+
+        def make_equation(mechanism: Any, start: float, coordinate: Any) -> Equation:
+            return Equation(mechanism, elements, drive.rigid_inertia if drive else 0.0, start,
+                            coordinate)
+        self.equation = make_equation(mechanism, motion[0], None)
+        self.is_conservative = not (drive or self.equation.has_couples
+                                    or _any_damps(elements))
+        shaft, source = (drive.shaft, drive.source.start) if drive else (None, ())
+        self.names = ('position', 'rate', *(('motor_position', 'motor_rate') if shaft else ()),
+                      *(f'source_{i}' for i in range(len(source))),
+                      *(() if self.is_conservative else ('work',)))
+        self.start = (*motion * (2 if shaft else 1), *source,
+                      *(() if self.is_conservative else (0.0,)))
+        self._regime_at = (drive.source.make_regime_at()
+                           if drive and isinstance(drive.source, Law) else None)
+        # numbers that rotor and motor speed are: of the input, or behind an elastic shaft
+        self._speed = 3 if shaft else 1
+        self.course = Course(make_equation, mechanism, motion[0], self)
+        self.derivative = self.course.first.derivative
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle what it was made of: the functions of its equations are made again."""
+        return System, (self._given, *self.start[:2], self.equation.elements, self.drive,
+                        self.stops_at_change_points)
+
+    @property
+    def has_no_limits(self) -> bool:
+        """Return whether the input can go on for ever: a crank that turns fully."""
+        return bool(self.mechanism.turns_fully)
+
+    @property
+    def depends_on_input_alone(self) -> bool:
+        """Return whether all forces do, smoothly: no damping, no table, a constant torque."""
+        drive, elements = self.drive, self.equation.elements
+        return (not self.equation.forces and not _any_damps(elements)
+                and (drive is None or drive.shaft is None
+                     and isinstance(drive.source, ConstantTorque)))
+
+    def distance_to_limit(self, time: float, state: State) -> float:
+        """Return a number that is zero at the ends of the stroke, and just before a toggle."""
+        position = float(state[0])
+        try:
+            motion = self.mechanism.motion(position)
+        except FourBarError:
+            return -NEAR_TOGGLE
+        from_toggle = float(abs(self.mechanism.transmission_sine(motion))) - NEAR_TOGGLE
+        return min(from_toggle, self.distance_to_end(position))
+
+    def distance_to_end(self, position: float) -> float:
+        """Return a number that is zero at the ends of the stroke."""
+        if self._stroke is None:
+            return inf
+        low, high = map(float, self._stroke)
+        return min((position - low) / (high - low), (high - position) / (high - low))
+
+    def events(self, phase: Phase) -> tuple[Callable[..., float], ...]:
+        """Return functions (time, state in a phase) whose zeros end a run."""
+        passes = phase.can_end or self.has_no_limits
+
+        def limit(time: float, state: Any) -> float:
+            state = phase.states_of_input(np.asarray(state))
+            return (self.distance_to_end(float(state[0])) if passes
+                    else self.distance_to_limit(time, state))
+
+        limit.terminal, limit.end = True, AT_LIMIT      # type: ignore[attr-defined]
+        ends = not passes or self._stroke is not None
+        stops = self.stops_at_change_points and flat_positions(phase.equation.coordinate)
+        return (*((limit,) if ends else ()), *((phase.to_flat,) if stops else ()))
+
+    def torque(self, time: float, state: State) -> float:
+        """Return the torque (force) of the drive on the input."""
+        return self._drive(time, state)[0] if self.drive else 0.0
+
+    def motor_torque(self, time: float, state: State) -> float:
+        """Return the torque (force) of the source, which an elastic shaft passes on."""
+        if self.drive is None:
+            return 0.0
+        return self._of_source(time, state[self._speed], state[self._speed + 1:-1])[0]
+
+    def _of_source(self, time: float, speed: float, own: State,
+                   regime: Regime | None = None) -> Answer:
+        """Return the torque of the source and the derivative of its state."""
+        assert self.drive is not None
+        if self._regime_at is None:
+            return self.drive.source.torque(time, speed, own)
+        return answer_of(regime or self._regime_at(speed, own[0] if own else 0.0), speed, own)
+
+    def _drive(self, time: float, state: State,
+               regime: Regime | None = None) -> Answer:
+        """Return the torque on the input and the derivatives of the drive's own states."""
+        drive = self.drive
+        assert drive is not None
+        speed, own = state[self._speed], state[self._speed + 1:-1]
+        torque, change = self._of_source(time, speed, own, regime)
+        if drive.shaft is None:
+            return torque, change
+        position, rate, motor = state[:3]
+        on_input = (drive.shaft.stiffness * (motor - position)
+                    + drive.shaft.damping * (speed - rate))
+        return on_input, (speed, (torque - on_input) / drive.rotor, *change)
+
+    def regime(self, phase: Phase, time: float, state: State) -> Regime | None:
+        """Return the regime of the source that begins at a state; None: it has no kinks."""
+        if self._regime_at is None:
+            return None
+        speed, own = self._speed_in(phase, state), state[self._speed + 1:-1]
+        slope = self._slope_in(phase, state, phase.derivative(time, state))
+        near = KINK * abs(slope) * time      # the time of a kink is known to its rounding
+        regime = self._regime_at(speed, own[0] if own else 0.0, slope, near)
+        return regime if regime.margins else None
+
+    def _speed_in(self, phase: Phase, state: State) -> float:
+        """Return the speed of the source at a state in a phase."""
+        if phase.is_input or self._speed != 1:
+            return float(state[self._speed])
+        return float(phase.input_of(float(state[0]))[1] * state[1])
+
+    def _slope_in(self, phase: Phase, state: State, change: Sequence[float]) -> float:
+        """Return the derivative of that speed; ``change``: of the state, (T3)."""
+        if phase.is_input or self._speed != 1:
+            return change[self._speed]
+        _, ratio, bend = phase.input_of(float(state[0]))
+        return float(change[1] * ratio + state[1] * state[1] * bend)
+
+    def on_edge(self, phase: Phase, state: State, regime: Regime | None) -> list[float]:
+        """Return a state with that of a source that slides along its limit on the limit."""
+        state = list(state)
+        if regime is not None and regime.edge is not None:
+            state[self._speed + 1] = regime.own(self._speed_in(phase, state), 0.0)
+        return state
+
+    def kinks(self, phase: Phase, regime: Regime) -> Callable[[float, Any], tuple[float, ...]]:
+        """Return (time, state) -> numbers of which one falls below zero where a regime ends."""
+        derivative = self.make_derivative(phase, regime)
+        assert regime.margins is not None
+        margins, has_slope = regime.margins, regime.edge is not None
+
+        def margins_at(time: float, state: Any) -> tuple[float, ...]:
+            state = state.tolist()
+            slope = self._slope_in(phase, state, derivative(time, state)) if has_slope else 0.0
+            own = state[self._speed + 1:-1]
+            return margins(self._speed_in(phase, state), own[0] if own else 0.0, slope)
+        return margins_at
+
+    def make_derivative(self, phase: Phase, regime: Regime | None = None) -> Any:
+        """Return the function (time, state) -> d state / dt in the coordinate of a phase."""
+        plain = self._make_derivative(phase, regime)
+        if regime is None or regime.edge is None:
+            return plain
+        by_speed, own = regime.edge[1], self._speed + 1
+
+        def sliding(time: float, state: State) -> tuple[float, ...]:
+            change = plain(time, state)
+            return (*change[:own], by_speed * self._slope_in(phase, state, change),
+                    *change[own + 1:])
+        return sliding
+
+    def _make_derivative(self, phase: Phase, regime: Regime | None) -> Any:
+        terms_of, drive = phase.equation.of_one, self._drive if self.drive else None
+        if drive and regime:
+            drive = partial(drive, regime=regime)
+
+        def conservative(time: float, state: State) -> tuple[float, ...]:
+            position, rate = state
+            inertia, half_slope, force, _, _ = terms_of(position)
+            return rate, (force - half_slope * rate * rate) / inertia
+
+        def driven(time: float, state: State) -> tuple[float, ...]:
+            rate = state[1]
+            torque, change = drive(time, state) if drive else (0.0, ())
+            inertia, half_slope, force, damping, couples = terms_of(state[0])
+            torque -= damping * rate
+            return (rate, (force + torque - half_slope * rate * rate) / inertia, *change,
+                    (torque + couples) * rate)
+
+        def driven_elsewhere(time: float, state: State) -> tuple[float, ...]:
+            position, rate, *rest = state
+            value, ratio, _ = phase.input_of(position)
+            torque, change = drive(time, (value, ratio * rate, *rest)) if drive else (0.0, ())
+            inertia, half_slope, force, damping, couples = terms_of(position)
+            torque = torque * ratio - damping * rate                                        # (T2)
+            return (rate, (force + torque - half_slope * rate * rate) / inertia, *change,
+                    (torque + couples) * rate)
+
+        if self.is_conservative:
+            return conservative
+        return driven if phase.is_input else driven_elsewhere

@@ -1,0 +1,561 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+scipy's integrators behind one function.
+
+Each part of a run, between jumps and kinks of the torque and in one coordinate, is an integration
+of its own. Every so many steps DOP853 is asked whether its steps are as long as stability, not
+accuracy, allows: then LSODA goes on, and Radau where LSODA fails. A free motion is projected back
+to its energy every so many steps (Hairer, Lubich and Wanner, Geometric Numerical Integration,
+section IV.4): its errors then do not add up in the energy.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from math import inf, nan, nextafter
+from threading import Lock
+import time as clock
+from typing import Any, NamedTuple
+import warnings
+
+from fourbar_ros.dynamics.model.system import System
+from fourbar_ros.dynamics.solve.phase import (
+    AT_EVENT,
+    AT_LIMIT,
+    COMPLETE,
+    GAVE_UP,
+    HANDED_OVER,
+    Phase,
+    PROJECTED,
+)
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.numerics.arrays import Array, EPS
+from fourbar_ros.numerics.given import number
+from fourbar_ros.optional import MissingPackage
+import numpy as np
+
+Stop = Callable[[float, Any], float]      # (time, state) -> number, zero where a run stops
+METHODS = ('auto', 'DOP853', 'LSODA', 'Radau', 'RK45', 'BDF')
+NEXT = {'DOP853': 'LSODA', 'LSODA': 'Radau'}      # which one goes on where one struggles
+# other ends of a part: at a kink of the drive; steps as long as stability allows; more evaluations
+# than the method before; no step short enough
+KINK, STIFF, SLOWER, FAILED = 'at a kink', 'stiff', 'slower than the one before', 'failed'
+MOST_STEPS = 10**8
+PROJECT_EVERY = JUDGE_EVERY = 50      # steps
+STABLE = 3.0            # step times fastest mode, above which a step does not follow that mode
+MOST_STOPS = 32         # times at which the compiled integrator stops rather than interpolates
+HUGE = 1e100            # states and derivatives beyond it count as not finite
+# a run is given up after so many evaluations if all would be so many times those allowed, or if
+# in so many the time grows by less than this part of the run, or of the time up to then
+EARLY, FAR = 200_000, 1.5
+WINDOW, LEAST = 50_000, 1e-6
+TRIED = 3_000            # evaluations after which the pace of a method is judged
+MOST_TINY = 20          # steps one after the other that hardly change the time
+SAME = 1e-12            # distance behind a kink at which a regime has ended
+LOOKS = 8               # of a function at whose zeros a run stops, in each step
+SHORTEST = 16.0 * EPS   # step over the time
+_LSODA = Lock()         # before scipy 1.17 it serves one thread at a time
+
+
+class Part(NamedTuple):
+    """A part of a run, in one coordinate: times, states in it of shape (states, n), its end."""
+
+    phase: Phase
+    time: Array
+    states: Array
+    end: str
+    step: float = 0.0       # the last one of the integrator [s]
+    given: float = 0.0      # energy that projections gave before it [J]
+
+    def at(self, places: Any) -> Part:
+        """Return it at some of its times."""
+        return self._replace(time=self.time[places], states=self.states[:, places])
+
+
+class Result(NamedTuple):
+    """What an integrator did, part by part, how it ended, and its methods with their times."""
+
+    parts: tuple[Part, ...]
+    end: str
+    methods: tuple[tuple[float, str], ...]
+
+    @property
+    def time(self) -> Array:
+        """Return the times [s]."""
+        return np.concatenate([part.time for part in self.parts])
+
+    @property
+    def states(self) -> Array:
+        """Return the states in the input of the mechanism, of shape (states, n)."""
+        return np.concatenate([part.phase.states_of_input(part.states) for part in self.parts],
+                              axis=1)
+
+
+@dataclass
+class Allowance:
+    """
+    What the runs of a simulation may cost together.
+
+    Parameters
+    ----------
+    until : float
+        End of a run [s].
+    evaluations, seconds : float
+        Most evaluations of the equation of motion, and most time [s].
+    progress : callable, optional
+        Called with how much of a run is done, 0 to 1.
+    may_stop : bool
+        Whether a run may end long before, so that its length tells nothing of what it takes.
+
+    """
+
+    until: float
+    evaluations: float = inf
+    seconds: float = inf
+    progress: Callable[[float], None] | None = None
+    may_stop: bool = False
+    used: int = 0
+    reason: str = ''
+    _before: int = 0
+    _window: tuple[int, float] = (0, 0.0)
+    _began: float = field(default_factory=clock.monotonic)
+
+    def begin(self) -> None:
+        """Begin a run."""
+        self._before, self._window = self.used, (self.used, 0.0)
+
+    def ends(self, time: float) -> bool:
+        """Return whether a run that has got to a time ends there; ``reason`` says why."""
+        share = time / self.until
+        if self.progress is not None:
+            self.progress(share)
+        here = self.used - self._before
+        if self.used > self.evaluations:
+            self.reason = f'{self.evaluations:.0f} evaluations are used up'
+        elif clock.monotonic() - self._began > self.seconds:
+            self.reason = f'{self.seconds:g} s are used up'
+        elif not self.may_stop and here > EARLY and here > FAR * self.evaluations * share:
+            self.reason = (f'the whole run would take about {here / max(share, 1e-300):.0e} '
+                           f'evaluations, and {self.evaluations:.0e} are allowed')
+        elif self.used > self._window[0] + WINDOW:
+            if share < self._window[1] + LEAST * (share if self.may_stop else 1.0):
+                self.reason = f'{WINDOW} evaluations lead hardly any further'
+            self._window = self.used, share
+        return bool(self.reason)
+
+
+class Task(NamedTuple):
+    """What one call of an integrator is to do."""
+
+    phase: Phase
+    derivative: Callable[..., Any]
+    events: tuple[Callable[..., float], ...]
+    kinks: Callable[..., tuple[float, ...]] | None
+    start: Sequence[float]
+    first: float
+    last: float
+    method: str
+    tolerance: float
+    stops: Array            # times at which an integration restarts, with those on its way
+    asked: Array            # times that must be among those of the part
+    allowance: Allowance
+    is_projected: bool
+    judges: bool            # it ends where it is stiff
+    pace: float             # it ends if it takes more evaluations for a second than so many
+    step: float             # the first one [s]; 0: the integrator chooses
+    compiled: str           # the compiled method
+
+
+def integrate(system: System, method: str, tolerance: float, asked: Array, allowance: Allowance,
+              stop_when: Stop | None = None, is_finer: bool = False) -> Result:
+    """
+    Integrate from time 0.
+
+    Parameters
+    ----------
+    system : System
+    method : str
+        'auto': DOP853 first.
+    tolerance : float
+        Relative and absolute, of every state.
+    asked : ndarray
+        Times that must be among those of the result, beside those of the steps.
+    allowance : Allowance
+    stop_when : callable, optional
+        The run ends where it crosses zero after the start; of the time and the state of the input.
+    is_finer : bool
+        With other restarts between those at jumps of the torque, so that two runs differ.
+
+    """
+    allowance.begin()
+    plan = _Plan(system, method, tolerance, asked, allowance, stop_when, is_finer)
+    (phase, state), first, has_ended = system.course.at(system.start), 0.0, False
+    given, parts = 0.0, []
+    energy = phase.energy(state) if system.is_conservative else None
+    while first < allowance.until:
+        if has_ended:
+            phase, state = phase.next(state)
+        part = plan.part(phase, state, first)
+        stands = part.end == HANDED_OVER and part.time[-1] <= nextafter(first, inf)
+        parts.append(part._replace(given=given, end=AT_LIMIT if stands else part.end))
+        state, first, how = part.states[:, -1].tolist(), float(part.time[-1]), parts[-1].end
+        has_ended = how == HANDED_OVER
+        if how not in (COMPLETE, KINK, PROJECTED, HANDED_OVER) and not plan.changes(how):
+            break
+        if energy is not None:
+            kept, state = phase.energy(state), phase.with_energy(state, energy)
+            given += phase.energy(state) - kept
+        if first < allowance.until and allowance.ends(first):
+            parts[-1] = parts[-1]._replace(end=GAVE_UP)
+            break
+    how, last = parts[-1].end, plan.methods[-1][1]
+    if how in (STIFF, FAILED):
+        allowance.reason = (f'no step of {last} is short enough' if how == FAILED
+                            else f'too stiff for {last}')
+    return Result(tuple(parts), {STIFF: GAVE_UP, FAILED: GAVE_UP, KINK: COMPLETE}.get(how, how),
+                  tuple(plan.methods))
+
+
+class _Plan:
+    """
+    How one part of a run after the other is integrated.
+
+    Attributes
+    ----------
+    methods : list
+        Those in use, each with the time from which on it is [s].
+
+    """
+
+    def __init__(self, system: System, method: str, tolerance: float, asked: Array,
+                 allowance: Allowance, stop_when: Stop | None, is_finer: bool) -> None:
+        self._system, self._method, self._tolerance = system, method, tolerance
+        self._asked, self._allowance, self._is_finer = asked, allowance, is_finer
+        self._stop_when, self._side = stop_when, nan
+        self._breaks = _restarts(system, allowance.until, is_finer)
+        self._step = (float(np.median(np.diff(self._breaks))) if self._breaks.size > MOST_STOPS
+                      else 0.0)
+        self._chosen: dict[Any, str] = {}        # methods of regimes
+        self._paces: dict[Any, float] = {}       # evaluations for a second of DOP853 there
+        self.methods: list[tuple[float, str]] = []
+
+    def part(self, phase: Phase, state: Sequence[float], first: float) -> Part:
+        """Return the part that begins at a state."""
+        system, asked, last = self._system, self._asked, self._allowance.until
+        self._regime = regime = system.regime(phase, first, state)
+        self._now = now = (self._chosen.setdefault(regime, 'DOP853') if self._method == 'auto'
+                           else self._method)
+        if not self.methods or self.methods[-1][1] != now:
+            self.methods.append((first, now))
+        stop = self._make_stop(phase, first, state)
+        events = (*system.events(phase), *((stop,) if stop else ()))
+        stops = self._breaks[(self._breaks > first) & (self._breaks < last)]
+        compiled = (now == 'DOP853' and not events and not regime
+                    and (asked.size <= MOST_STOPS or stops.size > MOST_STOPS))
+        end = last if compiled or not stops.size else float(stops[0])
+        before, is_judged = self._allowance.used, self._method == 'auto'
+        part = (_run_compiled if compiled else _run_by_steps)(Task(
+            phase, system.make_derivative(phase, regime), events,
+            system.kinks(phase, regime) if regime else None,
+            system.on_edge(phase, state, regime), first, end, now, self._tolerance, stops,
+            asked[(asked > first) & (asked < end)], self._allowance, system.is_conservative,
+            is_judged and now == 'DOP853' and regime not in self._paces,
+            self._paces.get(regime, inf) if is_judged and now == 'LSODA' else inf, self._step,
+            'dop853' if self._is_finer or stops.size <= MOST_STOPS else 'dopri5'))
+        if stop:
+            self._side = stop(float(part.time[-1]), part.states[:, -1]) or self._side
+        # a projection changes the state by a few tolerances: the last step still fits
+        self._step = part.step if part.end == PROJECTED else 0.0
+        if part.end == STIFF:
+            self._paces[regime] = (self._allowance.used - before) / (float(part.time[-1]) - first)
+        return part
+
+    def _make_stop(self, phase: Phase, first: float,
+                   state: Sequence[float]) -> Callable[..., float] | None:
+        """Return the function (time, state in a phase) at whose zeros the run stops, if any."""
+        stop_when = self._stop_when
+        if stop_when is None:
+            return None
+
+        def stop(time: float, state: Any) -> float:
+            return number('stop_when', stop_when(time, phase.states_of_input(np.asarray(state))))
+        if first == 0.0:
+            self._side = stop(first, state) or nan      # nothing stops at the start
+        # what a projection or another coordinate changes may step over zero
+        stop.end, stop.before = AT_EVENT, self._side      # type: ignore[attr-defined]
+        return stop
+
+    def changes(self, how: str) -> bool:
+        """Take another method after the end of a part, and return whether there is one."""
+        if self._method != 'auto' or how not in (STIFF, FAILED, SLOWER):
+            return False
+        if how != SLOWER and self._now not in NEXT:
+            return False
+        self._chosen[self._regime] = 'DOP853' if how == SLOWER else NEXT[self._now]
+        return True
+
+
+def _restarts(system: System, until: float, is_finer: bool) -> Array:
+    """
+    Return the times at which integrations restart: where the torque jumps or bends.
+
+    In a finer run also between them, as both would take the same one step there; where they are
+    many, the rougher run takes a method of lower order instead.
+    """
+    source = system.drive.source if system.drive else None
+    breaks: Array = np.array(source.breaks if source else (), float)
+    breaks = breaks[(breaks > 0.0) & (breaks < until)]
+    if is_finer and 0 < breaks.size <= MOST_STOPS:
+        ends = np.concatenate([[0.0], breaks, [until]])
+        return np.unique(np.concatenate([breaks, 0.5 * (ends[1:] + ends[:-1])]))
+    return breaks
+
+
+def of_interest(parts: Sequence[Part], wanted: Array | None) -> tuple[Part, ...]:
+    """Return the parts at the times of the result, none twice."""
+    found: list[Part] = []
+    for i, part in enumerate(parts):
+        is_wanted = np.ones(part.time.size, bool) if wanted is None else np.isin(part.time, wanted)
+        if i and part.time[0] == parts[i - 1].time[-1]:
+            is_wanted[0] = False
+        if part is parts[-1] and part.end != COMPLETE and not (
+                found and part.time[-1] == max((*found[-1].time, -1.0))):
+            is_wanted[-1] = True      # where it stops is of interest
+        found.append(part.at(is_wanted))
+    return tuple(found)
+
+
+class _Counted:
+    """The derivative of a task: counted, as it is up to the next jump, NaN where there is none."""
+
+    def __init__(self, task: Task, stop: float) -> None:
+        self._derivative, self._allowance = task.derivative, task.allowance
+        self._none = [nan] * len(task.start)
+        self.stop_at(stop)
+
+    def stop_at(self, time: float) -> None:
+        """Take the torque before a time, where the next one begins."""
+        self._latest = nextafter(time, -inf)
+
+    def __call__(self, time: float, state: Array) -> Any:
+        self._allowance.used += 1
+        try:      # a list: a tuple would be several results
+            found: list[float] = list(self._derivative(min(time, self._latest), state.tolist()))
+        except (FourBarError, ArithmeticError):
+            return self._none          # the step is then refused
+        return found if min(found) > -HUGE and max(found) < HUGE else self._none
+
+
+def _is_stiff(task: Task, time: float, state: Array, step: float) -> bool:
+    """Return whether the fastest mode is too fast for steps of this length to follow it."""
+    of, start = task.derivative, state.tolist()
+    rows = []
+    try:
+        for i, value in enumerate(start):
+            aside = 1e-6 * max(1.0, abs(value))
+            ends = [of(time, [*start[:i], value + side * aside, *start[i + 1:]])
+                    for side in (-1.0, 1.0)]
+            rows.append([(up - down) / (2.0 * aside) for down, up in zip(*ends)])
+    except (FourBarError, ArithmeticError):
+        return False
+    task.allowance.used += 2 * len(start)
+    jacobian = np.array(rows)
+    return bool(np.all(np.isfinite(jacobian))
+                and step * np.max(np.abs(np.linalg.eigvals(jacobian))) > STABLE)
+
+
+def _ends_at(task: Task, times: Sequence[float], state: Array) -> str:
+    """Return how a part ends after a step of the compiled integrator; COMPLETE: it goes on."""
+    steps, time = len(times) - 1, times[-1]
+    if steps and task.phase.can_end and task.phase.excess(time, state) > 0.0:
+        return HANDED_OVER
+    if task.allowance.ends(time):
+        return GAVE_UP
+    if task.is_projected and steps >= PROJECT_EVERY and time < task.last:
+        return PROJECTED
+    if (task.judges and steps and steps % JUDGE_EVERY == 0 and time < task.last
+            and _is_stiff(task, time, state, (time - times[-1 - JUDGE_EVERY]) / JUDGE_EVERY)):
+        return STIFF
+    return COMPLETE
+
+
+def _run_compiled(task: Task) -> Part:
+    """Run the compiled DOP853, with a tenth of the overhead of scipy's own, step by step."""
+    try:
+        from scipy.integrate import ode
+    except ModuleNotFoundError as error:
+        raise MissingPackage('simulation', error) from error
+    times: list[float] = []
+    states: list[Array] = []
+    end, counted = COMPLETE, _Counted(task, task.last)
+    def keep(time: float, state: Array) -> int:
+        nonlocal end
+        if not times or time > times[-1]:
+            times.append(time)
+            states.append(state.copy())
+            end = _ends_at(task, times, state)
+        return 0 if end == COMPLETE else -1
+
+    solver = ode(counted).set_integrator(task.compiled, rtol=task.tolerance, atol=task.tolerance,
+                                         nsteps=MOST_STEPS, first_step=task.step,
+                                         max_step=task.last - task.first)  # scipy 1.17.0: else 1 s
+    solver.set_solout(keep)
+    solver.set_initial_value(task.start, task.first)
+    stops = np.unique(np.concatenate([task.stops, [task.last]]))
+    latest = stops[np.searchsorted(stops, task.asked)] if task.asked.size else task.asked
+    with warnings.catch_warnings():
+        warnings.simplefilter('ignore', UserWarning)      # of what the end of the part says
+        for time, stop in sorted({*zip(stops.tolist(), stops.tolist()),
+                                  *zip(task.asked.tolist(), latest.tolist())}):
+            counted.stop_at(stop)
+            if times and time <= times[-1] * (1.0 + SHORTEST):      # one time, differently rounded
+                solver.set_initial_value(solver.y, time)
+                keep(time, solver.y)
+            else:
+                solver.integrate(time)
+            if not solver.successful() and end == COMPLETE:
+                end = STIFF if solver.get_return_code() == -4 else FAILED
+            if end != COMPLETE:
+                break
+    return Part(task.phase, np.array(times), np.array(states).T, end,
+                times[-1] - times[-2] if len(times) > 1 else 0.0)
+
+
+def _run_by_steps(task: Task) -> Part:
+    """Run an integrator of scipy step by step, to where a phase or a regime ends."""
+    try:
+        from scipy import integrate as scipys
+    except ModuleNotFoundError as error:
+        raise MissingPackage('simulation', error) from error
+    if task.method != 'LSODA':
+        return _Steps(task, getattr(scipys, task.method)).part()
+    with _LSODA:
+        return _Steps(task, scipys.LSODA).part()
+
+
+# a function of time and state, the end of a part at its zeros, the times between which one is
+Crossing = tuple[Callable[..., float], str, tuple[float, float]]
+
+
+class _Steps:
+    """Steps of one integrator of scipy."""
+
+    def __init__(self, task: Task, kind: Any) -> None:
+        self._task = task
+        counted = _Counted(task, task.last)
+        options = {'first_step': min(task.step, task.last - task.first)} if task.step else {}
+        self._solver: Any = None
+        if np.all(np.isfinite(counted(task.first, np.array(task.start)))):
+            with warnings.catch_warnings():      # of a relative tolerance below 100 eps
+                warnings.simplefilter('ignore')
+                self._solver = kind(counted, task.first, np.array(task.start), task.last,
+                                    rtol=max(task.tolerance, 100.0 * EPS), atol=task.tolerance,
+                                    **options)
+        self._times, self._states = [np.array([task.first])], [np.array([task.start]).T]
+        start = np.array(task.start)
+        self._events = task.events + ((task.phase.excess,) if task.phase.can_end else ())
+        self._values = [getattr(event, 'before', None) or event(task.first, start)
+                        for event in self._events]
+        margins = task.kinks(task.first, start) if task.kinks else ()
+        self._ends = [min(0.0, margin) - SAME for margin in margins]
+
+    def part(self) -> Part:
+        """Return what they do."""
+        end = FAILED
+        if self._solver is not None:
+            with warnings.catch_warnings():
+                warnings.simplefilter('ignore')      # of what the end of the part says
+                end = self._run()
+        step = self._solver.step_size if self._solver is not None else None
+        return Part(self._task.phase, np.concatenate(self._times),
+                    np.concatenate(self._states, axis=1), end, step or 0.0)
+
+    def _run(self) -> str:
+        task, solver, judged = self._task, self._solver, self._task.first
+        steps, tiny, before = 0, 0, task.allowance.used
+        while solver.status == 'running':
+            try:
+                solver.step()
+            except (RuntimeError, ValueError) as error:
+                # another program's LSODA in another thread; a Jacobian that is not finite
+                if (type(error).__name__ != 'IntegratorConcurrencyError'
+                        and 'infs or NaNs' not in str(error)):
+                    raise
+                return FAILED
+            if solver.status == 'failed' or not np.all(np.abs(solver.y) < HUGE):
+                return FAILED
+            steps += 1
+            tiny = tiny + 1 if solver.t - solver.t_old <= SHORTEST * solver.t else 0
+            if tiny > MOST_TINY:
+                return FAILED
+            end = self._keep()
+            if end:
+                return end
+            if task.allowance.ends(solver.t):
+                return GAVE_UP
+            taken = task.allowance.used - before
+            if taken > TRIED and taken > task.pace * (solver.t - task.first):
+                return SLOWER
+            if task.is_projected and steps >= PROJECT_EVERY and solver.t < task.last:
+                return PROJECTED
+            if task.judges and steps % JUDGE_EVERY == 0 and solver.t < task.last:
+                if _is_stiff(task, solver.t, solver.y, (solver.t - judged) / JUDGE_EVERY):
+                    return STIFF
+                judged = solver.t
+        return COMPLETE
+
+    def _keep(self) -> str:
+        """Keep the last step and what was asked for within it; return how the part ends there."""
+        task, solver = self._task, self._solver
+        first, last = float(solver.t_old), float(solver.t)
+        asked = task.asked[(task.asked > first) & (task.asked < last)]
+        looks = any(event.end == AT_EVENT for event in self._events)  # type: ignore[attr-defined]
+        dense: Any = solver.dense_output() if looks or asked.size else None
+        found = self._crossings(first, last, solver.y, dense)
+        end = ''
+        if found and dense is None:
+            dense = solver.dense_output()
+        if found:
+            last, end = min((_root(function, dense, *ends), how) for function, how, ends in found)
+            asked = asked[asked < last]
+        if asked.size:
+            self._times.append(asked)
+            self._states.append(dense(asked))
+        self._times.append(np.array([last]))
+        self._states.append((dense(last) if found else solver.y.copy())[:, None])
+        return end
+
+    def _crossings(self, first: float, last: float, state: Array, dense: Any) -> list[Crossing]:
+        """Return what crosses zero within the last step."""
+        kinks: Any = self._task.kinks
+        found: list[Crossing] = []
+        for i, event in enumerate(self._events):
+            end, before, begin = event.end, self._values[i], first   # type: ignore[attr-defined]
+            looks = np.linspace(first, last, LOOKS + 1)[1:-1].tolist() if end == AT_EVENT else []
+            for time in (*looks, last):
+                now = event(time, state if time == last else dense(time))
+                if before * now < 0.0 or (now == 0.0 != before):
+                    found.append((event, end, (begin, time)))
+                    break
+                before, begin = now, time
+            self._values[i] = now
+        margins = kinks(last, state) if kinks else ()
+        for i, (margin, ended) in enumerate(zip(margins, self._ends)):
+            if margin < ended:
+                found.append((lambda t, y, i=i, ended=ended: kinks(t, y)[i] - ended, KINK,
+                              (first, last)))
+        return found
+
+
+def _root(function: Any, dense: Any, first: float, last: float) -> float:
+    """Return where a function of time and state crosses zero within a step."""
+    from scipy.optimize import brentq
+
+    def along(time: float) -> float:
+        return float(function(time, dense(time)))
+    begin, end = along(first), along(last)
+    if begin * end > 0.0:      # rounding of the dense output, a state changed before this step
+        return last if abs(end) <= abs(begin) else nextafter(first, inf)
+    found = float(brentq(along, first, last, xtol=4.0 * EPS, rtol=4.0 * EPS))
+    return max(found, nextafter(first, inf))

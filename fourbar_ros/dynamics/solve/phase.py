@@ -1,0 +1,270 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Motion in one coordinate after the other: through the toggle positions of the input.
+
+At a toggle the input turns back, its rate is zero and the equation in it is singular, J = 0/0.
+Another coordinate (:meth:`~fourbar_ros.mechanisms.mechanism.Mechanism.driven_otherwise`: the slide
+of a driven crank, the crank of a driven slide, the output link) goes on there and is regular. A
+phase is a part of a motion in one coordinate p and one assembly mode. It lasts until the other
+coordinate o changes so fast with p that |do/dp| > 2, in units of about the size of the linkage:
+long before a toggle, so that both are accurate where one takes over from the other:
+
+    o. = p. do/dp                                                                          (T1)
+    torque on p = T dq/dp,   dq/dp of the input q                                          (T2)
+    d2q/dt2 = p.. dq/dp + p.^2 d2q/dp2                                                     (T3)
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property, partial
+from math import inf, remainder, sin, sqrt, tau
+from typing import Any, Union
+
+from fourbar_ros.dynamics.model.equation import Equation, make_reading
+from fourbar_ros.dynamics.model.smooth import flat_positions, make_interval_of
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.number_types import ARRAY
+from fourbar_ros.numerics.straight_line import straight_line
+import numpy as np
+from numpy.typing import NDArray
+
+State = Union[Sequence[float], Array]
+# how a part of a run ends
+COMPLETE, GAVE_UP, AT_LIMIT, AT_CHANGE_POINT, HANDED_OVER, PROJECTED = (
+    'complete', 'gave up', 'at a limit', 'at a change point', 'handed over', 'projected')
+AT_EVENT = 'at an event'
+CLOSE = 1e-3       # largest part of the kinetic energy that a projection may change
+LONGEST = 2.0      # |do/dp| at which o takes over from p
+
+
+class Phase:
+    """
+    Motion of a system in one coordinate, from one assembly mode on.
+
+    Parameters
+    ----------
+    course : Course
+        What it is a part of.
+    equation : Equation
+        In this coordinate.
+    start : float
+        A value of the coordinate at which the mechanism is in the mode of the equation.
+    other : Mechanism, or one of its ``driven_otherwise()``, optional
+        The coordinate that takes over; None: nothing does.
+
+    """
+
+    def __init__(self, course: Course, equation: Equation, start: float,
+                 other: Any = None) -> None:
+        self.course, self.equation, self._other = course, equation, other
+        self.is_input = equation.coordinate is equation.mechanism
+        self._key = self.is_input, equation.coordinate.mode, start
+        self.derivative = course.system.make_derivative(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the system and which of its phases this is."""
+        return _of_system, (self.course.system, self._key)
+
+    @cached_property
+    def _reading(self) -> Any:
+        return self.equation.in_both_modes(make_reading(self._other))
+
+    @cached_property
+    def pose(self) -> Any:
+        """Return the function position -> places and directions of all links."""
+        return self.equation.in_both_modes(_make_directions)
+
+    def prepare(self) -> None:
+        """Make the functions of this phase, which takes as long as hundreds of steps."""
+        for function in (self._reading, self.pose, self.equation.input):
+            assert function is not None
+
+    def excess(self, time: float, state: State) -> float:
+        """Return a number that rises above zero where the other coordinate takes over."""
+        ratio = abs(self._reading(float(state[0]))[1])
+        unit = self.equation.coordinate.input_unit / self._other.input_unit
+        return float(min(ratio * unit, 1e3) - LONGEST)
+
+    # as an event of an integrator: what it does, and how a part of a run then ends
+    excess.terminal, excess.end = True, HANDED_OVER      # type: ignore[attr-defined]
+
+    def to_flat(self, time: float, state: State) -> float:
+        """Return a number that changes its sign at the flat positions of a change point."""
+        coordinate, product = self.equation.coordinate, 1.0
+        for place in flat_positions(coordinate):
+            way = float(state[0]) - place
+            product *= way if coordinate.is_driven_by_slide else sin(0.5 * way)
+        return product
+
+    to_flat.terminal, to_flat.end = True, AT_CHANGE_POINT      # type: ignore[attr-defined]
+
+    @property
+    def can_end(self) -> bool:
+        """Return whether another coordinate may have to take over."""
+        return self._other is not None
+
+    def next(self, state: State) -> tuple[Phase, list[float]]:
+        """Return the phase that takes over at a state, and the state in its coordinate, (T1)."""
+        position, ratio, _ = self._reading(float(state[0]))
+        other = self.course.phase(not self.is_input, float(position), self, float(state[0]))
+        if other.is_input:
+            position = self.course.continuous(position)
+        return other, [float(position), float(ratio * state[1]), *state[2:]]
+
+    def energy(self, state: State) -> float:
+        """Return kinetic plus potential energy at a state [J]."""
+        return float(self.equation.energy(float(state[0]), float(state[1])))
+
+    def with_energy(self, state: State, energy: float) -> list[float]:
+        """Return the state whose rate gives this energy, which is nearly its own."""
+        missing = energy - self.energy(state)
+        twice = self.equation.terms(state[0]).inertia * state[1]**2
+        share = 2.0 * missing / twice if twice else 1.0
+        return ([state[0], state[1] * sqrt(1.0 + share), *state[2:]] if abs(share) < CLOSE
+                else list(state))
+
+    def input_of(self, position: float) -> tuple[float, float, float]:
+        """Return the input and its two derivatives with respect to the coordinate."""
+        if self.is_input:
+            return position, 1.0, 0.0
+        value, ratio, bend = self.equation.input.of_one(position)
+        return self.course.continuous(value), ratio, bend
+
+    def states_of_input(self, states: Array) -> Array:
+        """Return states in this coordinate as states in the input."""
+        if self.is_input:
+            return states
+        value, ratio, _ = self.equation.input(states[0])
+        return np.array([self.course.continuous(value), ratio * states[1], *states[2:]])
+
+    def acceleration(self, time: float, state: State) -> float:
+        """Return the acceleration of the input at a state in this coordinate, (T3)."""
+        rate, change = state[1], self.derivative(time, state)[1]
+        _, ratio, bend = self.input_of(float(state[0]))
+        return float(change * ratio + rate * rate * bend)
+
+    def modes(self, states: Array) -> NDArray[np.int64]:
+        """Return the assembly mode of the mechanism at states in this coordinate."""
+        mechanism = self.equation.mechanism
+        inputs = self.states_of_input(states)[0]
+        own = self.pose(states[0])
+        far = []
+        for mode in mechanism.modes_passed:
+            with np.errstate(all='ignore'):
+                pose = _make_directions(mechanism.in_mode(mode), ARRAY)(inputs)
+            far.append(np.nan_to_num(sum((a - b)**2 for a, b in zip(own, pose)), nan=np.inf))
+        found: NDArray[np.int64] = np.array(mechanism.modes_passed)[np.argmin(far, axis=0)]
+        return found
+
+
+def _of_system(system: Any, key: tuple[bool, int, float]) -> Phase:
+    """Return a phase of a system that was pickled."""
+    phase: Phase = system.course.of(*key)
+    return phase
+
+
+def _make_directions(coordinate: Any, n: Any) -> Callable[[Any], list[Any]]:
+    """Return the formula of places and directions of all links: the pose."""
+    coefficients = coordinate.make_coefficients(n)
+    return lambda position: [value for curve in coefficients(position)
+                             for value in (curve[0], curve[1], curve[6], curve[7])]
+
+
+class Course:
+    """
+    All phases of the motions of a system.
+
+    Parameters
+    ----------
+    make_equation : callable
+        (start, coordinate or None) -> Equation.
+    mechanism : Mechanism
+        In its mode at the start.
+    start : float
+        The input there.
+    system : System
+        ``system.make_derivative(phase)`` gives the function (time, state) -> d state / dt.
+
+    """
+
+    def __init__(self, make_equation: Callable[[Any, float, Any], Equation], mechanism: Any,
+                 start: float, system: Any) -> None:
+        self._make_equation, self._mechanism = make_equation, mechanism
+        self.system, self._start = system, start
+        others = () if mechanism.turns_fully else mechanism.driven_otherwise()
+        self._others = {other.mode: other for other in others}
+        self._middle = 0.0
+        if others and not mechanism.is_driven_by_slide:
+            middles = [0.5 * (low + high) for low, high in mechanism.input_ranges]
+            middle = min(middles, key=lambda value: abs(remainder(start - value, tau)))
+            self._middle = start - remainder(start - middle, tau)
+        self._phases: dict[Any, Phase] = {}
+        self._poses: dict[Any, Any] = {}
+        self.first = self.of(True, mechanism.mode, start)
+
+    def at(self, state: State) -> tuple[Phase, list[float]]:
+        """Return the phase at a state of the input in the mode of the start, and its state."""
+        has_ended = self.first.can_end and self.first.excess(0.0, state) > 0.0
+        return self.first.next(state) if has_ended else (self.first, list(state))
+
+    def continuous(self, value: Any) -> Any:
+        """Return an input, known but for whole turns, in the range of this motion."""
+        if self._mechanism.is_driven_by_slide:
+            return value
+        if isinstance(value, float):
+            return self._middle + remainder(value - self._middle, tau)
+        return value - tau * np.round((value - self._middle) / tau)
+
+    def _in_modes(self, is_input: bool) -> dict[int, Any]:
+        mechanism = self._mechanism
+        return ({mode: mechanism.in_mode(mode) for mode in mechanism.modes_passed} if is_input
+                else self._others)
+
+    def of(self, is_input: bool, mode: int, start: float) -> Phase:
+        """Return the phase of a coordinate in the mode that it has at a value of it."""
+        coordinate = self._in_modes(is_input)[mode]
+        parity = make_interval_of(coordinate)(start) % 2 if flat_positions(coordinate) else 0
+        key = is_input, mode, parity
+        if key not in self._phases:
+            other = self._in_modes(not is_input) if self._others else {}
+            if is_input:
+                equation = self._make_equation(coordinate, start, None)
+            else:
+                equation = self._make_equation(self._mechanism, start, coordinate)
+            self._phases[key] = Phase(self, equation, start, next(iter(other.values()), None))
+        return self._phases[key]
+
+    def phase(self, is_input: bool, position: float, last: Phase, at: float) -> Phase:
+        """Return the phase in the mode whose pose at a position is the last one's at its own."""
+        pose = last.pose(at)
+        far = {mode: self._distance(pose, is_input, mode, position)
+               for mode in self._in_modes(is_input)}
+        return self.of(is_input, min(far, key=far.__getitem__), position)
+
+    def input_in(self, mode: int) -> Phase:
+        """Return the phase of the input in a mode, of a mechanism without flat positions."""
+        return self.of(True, mode, self._start)
+
+    def prepare(self) -> list[Phase]:
+        """Return all phases of a mechanism without flat positions, ready for use."""
+        phases = [self.of(is_input, mode, self._start) for is_input in (True, False)
+                  for mode in self._in_modes(is_input)]
+        for phase in phases:
+            phase.prepare()
+            self._pose_line(phase.is_input, phase.equation.coordinate.mode)
+        return phases
+
+    def _pose_line(self, is_input: bool, mode: int) -> Any:
+        if (is_input, mode) not in self._poses:
+            coordinate = self._in_modes(is_input)[mode]
+            self._poses[is_input, mode] = straight_line(partial(_make_directions, coordinate))
+        return self._poses[is_input, mode]
+
+    def _distance(self, pose: Any, is_input: bool, mode: int, position: float) -> float:
+        """Return how far a pose is from that of a mode at a position."""
+        try:
+            found = self._pose_line(is_input, mode)(position)
+        except (ValueError, ZeroDivisionError):
+            return inf
+        return float(sum((a - b)**2 for a, b in zip(pose, found)))

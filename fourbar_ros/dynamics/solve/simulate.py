@@ -1,0 +1,418 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Motion over time, with the result checked: no wrong answer is called a success.
+
+A motion without drive and dampers that goes round or swings is periodic: a Fourier series
+(:mod:`fourbar_ros.dynamics.analysis.free_motion`). That of a crank that goes round under a
+constant torque follows from its energy (:mod:`fourbar_ros.dynamics.solve.by_energy`). Scipy
+integrates all others over time, by DOP853, and from where a system turns out to be stiff by LSODA.
+
+A run is compared with one at a tighter tolerance, at times all along it, and its energy, less the
+work of drive and dampers, must stay constant at every step. Where the difference or the drift of
+the energy is more than the tolerance asked for, the tolerance of the integrator is tightened until
+it is not; where that does not help, or takes more evaluations than allowed, the status says so.
+The difference is the error of the rougher run; the finer one is returned.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import inf, isfinite, nan
+from typing import Any
+
+from fourbar_ros.dynamics.analysis import free_motion
+from fourbar_ros.dynamics.model.element_forces import loads_with
+from fourbar_ros.dynamics.model.system import System
+from fourbar_ros.dynamics.solve import by_energy
+from fourbar_ros.dynamics.solve.integrators import (
+    Allowance,
+    integrate,
+    METHODS,
+    of_interest,
+    Part,
+    Result,
+    Stop,
+)
+from fourbar_ros.dynamics.solve.phase import AT_CHANGE_POINT, AT_EVENT, AT_LIMIT, COMPLETE, GAVE_UP
+from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.given import array, number
+from fourbar_ros.optional import MissingPackage
+import numpy as np
+from numpy.typing import NDArray
+
+REACHED, LIMIT = 'reached the end', 'reached a limit of the input'
+CHANGE_POINT, EVENT = 'reached a change point', 'stopped where asked'
+NOT_CONVERGED, NOT_CHECKED, STOPPED = 'not converged', 'not checked', 'gave up'
+ENDS = {COMPLETE: REACHED, AT_LIMIT: LIMIT, AT_CHANGE_POINT: CHANGE_POINT, AT_EVENT: EVENT,
+        GAVE_UP: STOPPED}
+PERIODIC, ENERGY = 'Fourier series', 'energy integral'     # as methods
+FIRST = 0.1                # tolerance of the first run over that asked for
+TIGHTER = 0.1              # tolerance of a run over that of the one it is compared with
+LAST, TIGHTEST = 1e-13, 1e-14     # of these two; beyond them rounding governs
+MOST = 3_000_000           # evaluations in all runs
+# evaluations of runs after the first: so many, and so many times those of the first
+LEAST_MOST, MOST_MORE = 300_000, 100
+COMPARED = 12              # steps of a run at which it is compared, beside the times asked for
+ROUNDING = 32.0 * 2.0**-52        # of an energy over the sizes of its parts
+
+
+@dataclass(frozen=True)
+class Run:
+    """
+    A simulated run.
+
+    Parameters
+    ----------
+    system : System
+    parts : tuple of Part
+        What the integrator did, in one coordinate after the other.
+    status : str
+        :data:`REACHED`, :data:`LIMIT`, :data:`CHANGE_POINT`, :data:`EVENT`,
+        :data:`NOT_CONVERGED`, :data:`STOPPED` or :data:`NOT_CHECKED`.
+    error : float
+        Largest difference of the position to a run at a looser tolerance [rad] or [m].
+    drift : float
+        Largest change of what must be constant, energy less work, beyond rounding, over the energy
+        in play.
+    method : str
+        What computed it; of several integrators each with the time from which on it did.
+    tolerance : float
+        Tolerance of the integrator in the last run.
+    evaluations : int
+        How often the equation of motion was evaluated in all runs.
+    reason : str
+        Why it gave up; else nothing.
+
+    """
+
+    system: System
+    parts: tuple[Part, ...]
+    status: str
+    error: float
+    drift: float
+    method: str
+    tolerance: float
+    evaluations: int
+    reason: str = ''
+
+    @cached_property
+    def time(self) -> Array:
+        """Return the times [s], of shape (n,)."""
+        return np.concatenate([part.time for part in self.parts])
+
+    @cached_property
+    def states(self) -> Array:
+        """Return the states over time, named by ``system.names``, of shape (states, n)."""
+        return np.concatenate([part.phase.states_of_input(part.states) for part in self.parts],
+                              axis=1)
+
+    @cached_property
+    def modes(self) -> NDArray[np.int64]:
+        """Return the assembly mode over time, which changes at toggles and change points."""
+        return np.concatenate([part.phase.modes(part.states) for part in self.parts])
+
+    @property
+    def position(self) -> Array:
+        """Return the input over time [rad] or [m]."""
+        position: Array = self.states[0]
+        return position
+
+    @property
+    def rate(self) -> Array:
+        """Return the rate of the input over time [rad/s] or [m/s]."""
+        rate: Array = self.states[1]
+        return rate
+
+    @property
+    def torque(self) -> Array:
+        """Return the torque (force) of the drive on the input over time [N m] or [N]."""
+        return np.array([self.system.torque(t, y)
+                         for t, y in zip(self.time.tolist(), self.states.T.tolist())])
+
+    @property
+    def acceleration(self) -> Array:
+        """Return the acceleration of the input over time [rad/s^2] or [m/s^2]."""
+        return np.array([part.phase.acceleration(t, y) for part in self.parts
+                         for t, y in zip(part.time.tolist(), part.states.T.tolist())])
+
+    # --- between its times, and what follows from it --------------------------------------------
+
+    def resampled(self, times: Any) -> Run:
+        """
+        Return the same run at other times, increasing; it is integrated again, as well as before.
+
+        Raises
+        ------
+        InvalidParameter
+            For times that are not within the run.
+
+        """
+        end = float(self.time[-1])
+        if self.method in (PERIODIC, ENERGY):
+            return simulate(self.system, end, self.tolerance, times=times)
+        wanted = _wanted(times, end)
+        allowance = Allowance(end, LEAST_MOST + 2.0 * self.evaluations)
+        result = integrate(self.system, self.method if self.method in METHODS else 'auto',
+                           self.tolerance, wanted, allowance,
+                           is_finer=self.status != NOT_CHECKED)
+        return _run(self.system, result, wanted, self.error, self.tolerance, allowance)
+
+    def at(self, time: Any) -> Array:
+        """
+        Return the states at any times, one or more, in any order, as a solution of scipy does.
+
+        The error is that of the run. Each call integrates again: ask for many times at once.
+
+        Parameters
+        ----------
+        time : float or array_like, shape (...)
+            [s], from 0 to the end of the run.
+
+        Returns
+        -------
+        ndarray, shape (states, ...)
+
+        """
+        given = array('time', time)
+        if not given.size or not (np.min(given) >= 0.0 and np.max(given) <= self.time[-1]):
+            raise InvalidParameter('time', time, f'must lie between 0 and {self.time[-1]:.17g} s')
+        times, places = np.unique(given, return_inverse=True)
+        states = self.resampled(times).states
+        if states.shape[1] < times.size:       # a limit that rounding has put before the last one
+            states = np.concatenate([states, self.states[:, -1:]], axis=1)
+        found: Array = states[:, places.ravel()].reshape(-1, *given.shape)
+        return found
+
+    @cached_property
+    def loads(self) -> Any:
+        """Return the loads over time, the forces of all elements in them, fields of shape (n,)."""
+        mechanism, modes = self.system.mechanism, self.modes
+        elements = self.system.equation.elements
+        motion = np.array([self.position, self.rate, self.acceleration])
+        rows = np.full((len(mechanism.LOADS._fields), self.time.size), np.nan)
+        for mode in np.unique(modes).tolist():
+            here = modes == mode
+            rows[:, here] = loads_with(mechanism.in_mode(mode), elements, *motion[:, here])
+        return mechanism.LOADS(*rows)
+
+    def loads_at(self, time: Any) -> Any:
+        """Return the loads at increasing times, fields of their shape; a call as of :meth:`at`."""
+        given = array('time', time)
+        loads = self.resampled(np.ravel(given)).loads
+        return loads._make([field.reshape(given.shape) if given.shape else float(field[0])
+                            for field in loads])
+
+    def plot(self) -> Any:
+        """
+        Return a matplotlib figure of position, rate, acceleration and torque over time.
+
+        Raises
+        ------
+        MissingPackage
+
+        """
+        try:
+            from matplotlib.figure import Figure
+        except ModuleNotFoundError as error:
+            raise MissingPackage('a plot', error) from error
+        unit = self.system.mechanism.input_coordinate.unit
+        rows = {f'position [{unit}]': self.position, f'rate [{unit}/s]': self.rate,
+                f'acceleration [{unit}/s²]': self.acceleration}
+        if self.system.drive:
+            rows[f'drive [{"N" if unit == "m" else "N m"}]'] = self.torque
+        figure = Figure(figsize=(7.0, 1.8 * len(rows)), layout='constrained')
+        axes = figure.subplots(len(rows), 1, sharex=True)
+        for ax, (name, values) in zip(axes, rows.items()):
+            ax.plot(self.time, values)
+            ax.set_ylabel(name)
+        axes[-1].set_xlabel('time [s]')
+        return figure
+
+
+def simulate(system: System, until: float, tolerance: float = 1e-8, method: str = 'auto',
+             times: Sequence[float] | None = None, check: bool = True, evaluations: float = MOST,
+             seconds: float = inf, progress: Callable[[float], None] | None = None,
+             stop_when: Stop | None = None) -> Run:
+    """
+    Integrate a system from time 0.
+
+    Parameters
+    ----------
+    system : System
+    until : float
+        [s]
+    tolerance : float
+        Largest error of the position at every time, relative to 1 rad (of a slide to its unit of
+        length), and of the energy relative to the energy in play.
+    method : str
+        One of :data:`METHODS`.
+    times : sequence of float, optional
+        Where the answer is wanted; not given: at the steps of the integrator.
+    check : bool
+        False: one run at this tolerance of the integrator, with the status :data:`NOT_CHECKED`.
+    evaluations, seconds : float
+        Most evaluations of the equation of motion in all runs, and most time [s]. A run that needs
+        more ends with the status :data:`STOPPED`, as soon as that is clear.
+    progress : callable, optional
+        Called with the part of a run that is done, 0 to 1, once for each step.
+    stop_when : callable, optional
+        (time, state) -> number: the run stops where it crosses zero after the start, with the
+        status :data:`EVENT`. The state is that of the input, named by ``system.names``:
+        ``lambda t, y: y[0] - pi`` stops at half a turn, ``lambda t, y: y[1]`` at the next rest.
+        It is asked eight times in each step of the integrator.
+
+    Raises
+    ------
+    InvalidParameter, MissingPackage
+
+    """
+    if not isinstance(system, System):
+        raise InvalidParameter('system', system, 'must be a System')
+    until = number('until', until, 'must be a positive number', above=0.0)
+    if not 0.0 < number('tolerance', tolerance) < 1.0:
+        raise InvalidParameter('tolerance', tolerance, 'must lie between 0 and 1')
+    if method not in METHODS:
+        raise InvalidParameter('method', method, f'must be one of {", ".join(METHODS)}')
+    if stop_when is not None and not callable(stop_when):
+        raise InvalidParameter('stop_when', stop_when, 'must be a function of time and state')
+    allowance = Allowance(until, _most('evaluations', evaluations), _most('seconds', seconds),
+                          progress, stop_when is not None)
+    wanted = None if times is None else _wanted(times, until)
+    _check_start(system)
+    if check and method == 'auto' and stop_when is None:
+        for name, follow in ((PERIODIC, free_motion.follow), (ENERGY, by_energy.follow)):
+            run = _without_steps(name, follow, system, until, tolerance, wanted)
+            if run is not None:
+                return run
+    if check:
+        return _checked(system, tolerance, method, wanted, allowance, stop_when)
+    tolerance = max(tolerance, TIGHTEST)
+    result = integrate(system, method, tolerance, _asked(wanted), allowance, stop_when)
+    run = _run(system, result, wanted, nan, tolerance, allowance)
+    return run if run.status == STOPPED else replace(run, status=NOT_CHECKED)
+
+
+def _most(name: str, value: float) -> float:
+    return inf if value == inf else number(name, value, 'must be a positive number', above=0.0)
+
+
+def _check_start(system: System) -> None:
+    """Refuse a start from which no motion follows."""
+    equation, (position, rate) = system.equation, system.start[:2]
+    try:
+        inertia = float(equation.terms(position).inertia)
+        if inertia == 0.0:
+            raise InvalidParameter('bodies', None, 'the inertia of the input is zero at '
+                                   f'{position}: no acceleration follows from a torque')
+        energy = 0.5 * inertia * rate * rate
+    except InvalidParameter:
+        raise
+    except FourBarError:           # at a toggle, where another coordinate goes on
+        return
+    if not isfinite(energy):
+        raise InvalidParameter('rate', rate, 'is too large: its kinetic energy is no number')
+
+
+def _without_steps(name: str, follow: Callable[..., tuple[Part, float, int] | None],
+                   system: System, until: float, asked: float, wanted: Array | None) -> Run | None:
+    """Return the run that an integral over the input gives, if it is as good as asked."""
+    found = follow(system, until, asked * system.mechanism.input_unit, wanted)
+    if found is None:
+        return None
+    part, error, evaluations = found
+    run = Run(system, (part,), REACHED, error, energy_drift(system, (part,)), name, asked,
+              evaluations)
+    return run if run.drift <= asked else None
+
+
+def _checked(system: System, asked: float, method: str, wanted: Array | None,
+             allowance: Allowance, stop_when: Stop | None) -> Run:
+    """Integrate at two tolerances, ever tighter, until their difference is small enough."""
+    unit, tolerance, is_first = system.mechanism.input_unit, max(FIRST * asked, LAST), True
+    while True:
+        rough = integrate(system, method, tolerance, _asked(wanted), allowance, stop_when)
+        if rough.end == GAVE_UP:
+            return _run(system, rough, wanted, inf, tolerance, allowance)
+        if is_first:
+            allowance.evaluations = min(allowance.evaluations,
+                                        LEAST_MOST + MOST_MORE * allowance.used)
+        tighter, is_first = max(TIGHTER * tolerance, TIGHTEST), False
+        fine = integrate(system, method, tighter, np.union1d(_asked(wanted), _some(rough.time)),
+                         allowance, stop_when, is_finer=True)
+        error = _difference(rough, fine)
+        run = _run(system, fine, wanted, error, tighter, allowance)
+        if run.status == STOPPED or error <= asked * unit and run.drift <= asked:
+            return run
+        if tolerance <= LAST:
+            return replace(run, status=NOT_CONVERGED)
+        # the error of a run is in proportion to its tolerance
+        wanted_part = 0.3 * asked * unit / max(error, 1e-300)
+        tolerance = max(tolerance * min(0.1, max(1e-4, wanted_part)), LAST)
+
+
+def _wanted(times: Sequence[float], until: float) -> Array:
+    wanted = array('times', times)
+    if wanted.ndim != 1 or not wanted.size or not (wanted[0] >= 0.0 and wanted[-1] <= until
+                                                   and np.all(np.diff(wanted) > 0.0)):
+        raise InvalidParameter('times', times, f'must increase, from 0 to {until:g} s at most')
+    return wanted
+
+
+def _asked(wanted: Array | None) -> Array:
+    return np.empty(0) if wanted is None else wanted
+
+
+def _some(times: Array) -> Array:
+    """Return some of the times of a run, its last among them."""
+    some: Array = times[np.unique(np.linspace(0, times.size - 1, COMPARED).astype(int))]
+    return some
+
+
+def _difference(rough: Result, fine: Result) -> float:
+    """
+    Return the largest difference of the positions of two results at common times.
+
+    Where they stop as asked, also how far the input goes from the one time to the other.
+    """
+    if (rough.end == AT_EVENT) != (fine.end == AT_EVENT):
+        return inf
+    _, in_rough, in_fine = np.intersect1d(rough.time, fine.time, return_indices=True)
+    difference = np.abs(rough.states[0, in_rough] - fine.states[0, in_fine])
+    if fine.end == AT_EVENT:
+        late = (rough.time[-1] - fine.time[-1]) * fine.states[1, -1]
+        difference = np.append(difference, abs(late))
+    return float(np.max(np.nan_to_num(difference, nan=inf), initial=0.0))
+
+
+def _run(system: System, result: Result, wanted: Array | None, error: float, tolerance: float,
+         allowance: Allowance) -> Run:
+    first, *later = result.methods
+    method = ', '.join([first[1], *(f'{name} from {time:.4g} s' for time, name in later[:3])])
+    end = f'{result.parts[-1].time[-1]:.6g} s'
+    return Run(system, of_interest(result.parts, wanted), ENDS[result.end], error,
+               energy_drift(system, result.parts), method + (' and so on' if later[3:] else ''),
+               tolerance, allowance.used, f'{allowance.reason} at {end}' * bool(allowance.reason))
+
+
+def energy_drift(system: System, parts: Sequence[Part]) -> float:
+    """
+    Return the largest change of energy less work, over the energy in play of these states.
+
+    What projections gave or took counts as an error, what rounding can be does not.
+    """
+    found: list[tuple[Array, ...]] = []
+    for part in parts:
+        equation, states = part.phase.equation, part.states
+        kinetic = 0.5 * equation.terms(states[0]).inertia * states[1]**2
+        work = 0.0 * kinetic if system.is_conservative else states[-1]
+        potential, size = equation.potential_and_size(states[0])
+        found.append((kinetic, potential, work + part.given, size))
+    kinetic, potential, work, size = (np.concatenate(rows) for rows in zip(*found))
+    constant = kinetic + potential - work
+    in_play = float(np.max(kinetic) + np.ptp(potential) + np.ptp(work))
+    rounding = ROUNDING * float(np.max(kinetic) + np.max(size) + np.max(np.abs(work)))
+    drift = float(np.max(np.abs(constant - constant[0]))) - rounding
+    return drift / in_play if drift > 0.0 < in_play else 0.0

@@ -1,0 +1,282 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Steps of given length in one coordinate: stable whatever the stiffness, of bounded work.
+
+A Rosenbrock method (:mod:`fourbar_ros.dynamics.step.rosenbrock`) takes one step over the whole
+length; where its error is too large, shorter ones. Of the Jacobian of (N1), see
+:mod:`fourbar_ros.dynamics.step.step_equations`, the acceleration by the coordinate is a
+difference, the rest exact. The next state follows from the state alone, so that a state read from
+a bag gives the same. The terms at the last position are kept, only to compute them once.
+:mod:`fourbar_ros.dynamics.step.mover` goes from one coordinate to the other at toggles.
+"""
+from __future__ import annotations
+
+from functools import cache
+from math import isfinite, nan
+
+from fourbar_ros.dynamics.model.drives import (
+    always,
+    ConstantTorque,
+    Drive,
+    Law,
+    NEAREST,
+    Piece,
+    Regime,
+    RegimeAt,
+)
+from fourbar_ros.dynamics.model.system import System
+from fourbar_ros.dynamics.solve.phase import Phase
+from fourbar_ros.dynamics.step.rosenbrock import EVALUATIONS, Rosenbrock
+from fourbar_ros.dynamics.step.step_equations import Elastic, plus, Rigid, State, Terms
+from fourbar_ros.errors import FourBarError, InvalidParameter
+
+DIFFERENCE = 1e-7          # of the input for the column of q, times its unit
+SMALLEST, LARGEST, SAFETY = 0.1, 4.0, 0.85
+SHORTEST, BISECTIONS = 1e-3, 40      # part of a step, in the search for a kink
+CLOSEST = 1e-6                       # through toggles: part that a kink may be off
+DEEPEST, SHORTER = 50.0, 0.3         # excess of a phase after a step; else it becomes shorter
+RESERVE = 2                          # evaluations with which another coordinate finishes a step
+Part = tuple[State, float, bool]     # what :meth:`PhaseSteps.part` returns
+
+
+class PhaseSteps:
+    """
+    Steps of a system in one coordinate.
+
+    Parameters
+    ----------
+    system : System
+    tolerance : float
+        Allowed error of one step: in the coordinate and the twist, and in speeds times its length.
+    budget : int
+        Most evaluations of the equation of motion in one step.
+    phase : Phase, optional
+        Its coordinate and assembly mode; a part of a step then ends where another one takes over.
+        Not given: the input in the mode of the system, up to its limits.
+
+    Attributes
+    ----------
+    evaluations : int
+        Of the equation of motion; to be set to zero where a step begins.
+
+    """
+
+    def __init__(self, system: System, tolerance: float, budget: int,
+                 phase: Phase | None = None) -> None:
+        self._system, self._phase, self.evaluations = system, phase, 0
+        self._budget = budget - RESERVE if phase else budget
+        equation = phase.equation if phase else system.equation
+        self._terms, self._unit = equation.of_one_with_ratio, equation.coordinate.input_unit
+        self._tolerance = tolerance * self._unit
+        self._drive = system.drive or Drive(ConstantTorque())
+        if not isinstance(self._drive.source, Law):
+            raise InvalidParameter('source', self._drive.source, 'cannot drive steps: it must be '
+                                   'a constant torque, a motor or a controller')
+        self._regime_at = self._drive.source.make_regime_at()
+        shaft, rotor = self._drive.shaft, self._drive.rotor
+        self._motor = 3 if shaft else 1            # place of the speed behind the gear
+        self._is_input = equation.is_input
+        self._equations: Elastic | Rigid = Elastic(shaft, rotor) if shaft else Rigid()
+        has_own = bool(self._drive.source.start)
+
+        self._attempt = cache(lambda tangent: Rosenbrock(equation, self._equations, has_own,
+                                                         tangent))
+        self._attempt(self._regime_at(0.0, 0.0).tangent)      # which takes long
+        self._known: tuple[float, Terms] = (nan, (nan,) * 7)      # the last position, terms there
+
+    @property
+    def start(self) -> State:
+        """Return the state at the start: the motor turns with the input, nothing is twisted."""
+        position, rate = self._system.start[:2]
+        own = self._drive.source.start
+        return (position, rate, 0.0, rate if self._drive.shaft else 0.0, own[0] if own else 0.0)
+
+    def torques(self, state: State, command: float | None = None) -> tuple[float, float, float]:
+        """
+        Return the acceleration of the input, and the torques on the input and of the motor.
+
+        ``command``: torque of the source, in place of that of the drive.
+        """
+        speed, own = self._speed(state), state[4]
+        piece = self.regimes(command)(speed, own).piece_at(speed)
+        terms = self._terms_at(state[0])
+        change = self._equations.derivative(terms, state, piece)
+        return (self._slope(terms, state, change), self._equations.on_input(terms, state, piece),
+                piece.torque_at(speed, own))
+
+    def part(self, state: State, left: float, regime_at: RegimeAt) -> Part:
+        """
+        Return the state after a time, or where another coordinate takes over.
+
+        Parameters
+        ----------
+        state : State
+        left : float
+            [s]
+        regime_at : RegimeAt
+            Of the source, by :meth:`regimes`.
+
+        Returns
+        -------
+        state : State
+        left : float
+            Time left: another coordinate has to take over.
+        is_good : bool
+            Whether the error is within the tolerance. If not and time is left, this coordinate
+            cannot finish the step within the budget.
+
+        Raises
+        ------
+        FourBarError, ArithmeticError
+
+        """
+        h, closest, near = left, CLOSEST * left if self._phase else 0.0, self._tolerance / left
+        while left > 0.0:
+            regime, state = self._begun(state, regime_at, near)
+            terms, change, by_position = self._linear(state, regime.piece)
+            while True:
+                h = min(h, left)
+                more = 0 if h == left else 2 + EVALUATIONS
+                if self.evaluations + EVALUATIONS + more > self._budget:
+                    return self._rest(state, left, regime, terms, by_position)
+                new, scale = self._try(state, h, terms, by_position, regime)
+                if scale >= 1.0:
+                    to_kink = (self._to_kink(state, new, h, self._gain(terms, state, change),
+                                             regime) if regime.margins else 1.0)
+                    if to_kink == 1.0 or h <= closest:
+                        break
+                    scale = max(to_kink, closest / h)
+                h *= scale
+            state, left, h = new, left - h, h * scale
+            if self._phase and left > 0.0 and self._phase.excess(0.0, state) > 0.0:
+                break
+        return state, left, True
+
+    def regimes(self, command: float | None) -> RegimeAt:
+        """Return the regimes of the source during a step."""
+        return self._regime_at if command is None else always(Piece(command))
+
+    # --- one step, or as many as the tolerance asks for -----------------------------------------
+
+    def _speed(self, state: State) -> float:
+        """Return the speed of the motor behind the gear."""
+        if self._is_input or self._motor == 3:
+            return state[self._motor]
+        return self._terms_at(state[0])[5] * state[1]
+
+    def _slope(self, terms: Terms, state: State, change: State) -> float:
+        """Return the acceleration of the input, (T3)."""
+        if self._is_input:
+            return change[1]
+        return terms[5] * change[1] + terms[6] * state[1] * state[1]
+
+    def _terms_at(self, position: float) -> Terms:
+        """Return the terms at a position, which the sample before may have asked for."""
+        if position != self._known[0]:
+            self._known = position, self._terms(position)
+        return self._known[1]
+
+    def _begun(self, state: State, regime_at: RegimeAt, near: float) -> tuple[Regime, State]:
+        """Return the regime that begins at a state, and the state with which it does."""
+        speed, own = self._speed(state), state[4]
+        regime = regime_at(speed, own)
+        if regime.margins:
+            terms = self._terms_at(state[0])
+            change = self._equations.derivative(terms, state, regime.piece)
+            regime = regime_at(speed, own, self._gain(terms, state, change), near)
+        if regime.tangent:
+            regime = regime._replace(piece=regime.tangent(speed))
+        return regime, self._on_edge(state, regime)
+
+    def _on_edge(self, state: State, regime: Regime) -> State:
+        """Return a state with that of a source that slides along its limit on the limit."""
+        if regime.edge is None:
+            return state
+        return (*state[:4], regime.own(self._speed(state), state[4]))
+
+    def _gain(self, terms: Terms, state: State, change: State) -> float:
+        """Return the derivative of the speed of the motor behind the gear."""
+        return change[3] if self._motor == 3 else self._slope(terms, state, change)
+
+    def _rest(self, state: State, left: float, regime: Regime, terms: Terms,
+              by_position: float) -> Part:
+        """Return the state after all that is left, at one go: both methods are stable."""
+        if self.evaluations + EVALUATIONS <= self._budget:
+            new, scale = self._try(state, left, terms, by_position, regime)
+            if scale > SMALLEST and (not self._phase or self._is_here(new)):
+                return new, 0.0, False
+        change = self._equations.derivative(terms, state, regime.piece)
+        solver = self._equations.linear(terms, state, regime.piece, by_position)
+        new = plus(state, 1.0, solver(1.0 / left)(change))       # implicit Euler
+        new = self._on_edge(new, regime)
+        if self._phase and not self._is_here(new):
+            return state, left, False
+        return new, 0.0, False
+
+    def _is_here(self, state: State) -> bool:
+        """Return whether a state is where the coordinate of the phase can tell it."""
+        assert self._phase is not None
+        try:
+            return self._phase.excess(0.0, state) <= DEEPEST
+        except (FourBarError, ArithmeticError):
+            return False
+
+    def _linear(self, state: State, piece: Piece) -> tuple[Terms, State, float]:
+        """Return terms, dx/dt and, as a difference, the acceleration by the coordinate."""
+        self.evaluations += 2
+        position, derivative = state[0], self._equations.derivative
+        terms = self._terms_at(position)
+        change = derivative(terms, state, piece)
+        aside = position + DIFFERENCE * self._unit
+        try:
+            terms_aside = self._terms(aside)
+        except FourBarError:                       # next to the upper limit
+            aside = position - DIFFERENCE * self._unit
+            terms_aside = self._terms(aside)
+        other = derivative(terms_aside, state, piece)
+        return terms, change, (other[1] - change[1]) / (aside - position)
+
+    def _try(self, state: State, h: float, terms: Terms, by_position: float,
+             regime: Regime) -> tuple[State, float]:
+        """Return the state after one Rosenbrock step, and by how much the next may be longer."""
+        self.evaluations += EVALUATIONS
+        try:
+            found = self._attempt(regime.tangent)(state, h, terms, by_position, regime.piece)
+        except FourBarError:
+            if not self._phase:
+                raise
+            return state, SMALLEST                 # a shorter step is inside
+        new, (dq, dw, ds, dv) = found[:5], found[5:]
+        error = max(abs(dq), abs(ds), h * abs(dw), h * abs(dv)) / self._tolerance
+        if not isfinite(error):
+            return new, SMALLEST
+        if self._phase and error <= 1.0 and not self._is_here(new):
+            return new, SHORTER
+        longer = SAFETY * max(error, 1e-10)**-0.25
+        return self._on_edge(new, regime), min(LARGEST, max(SMALLEST, longer))
+
+    def _to_kink(self, state: State, new: State, h: float, gain: float, regime: Regime) -> float:
+        """
+        Return the part of a step after which another regime of the source begins; 1: none does.
+
+        Between its ends the speed is taken as quadratic, ``gain`` its derivative at the start; the
+        state of the source as linear, and on its edge as on its edge.
+        """
+        speed, own, gain, margins = self._speed(state), state[4], h * gain, regime.margins
+        bend = self._speed(new) - speed - gain
+        assert margins is not None
+        least = [min(0.0, margin) for margin in margins(speed, own, gain / h)]
+
+        def ends_before(part: float) -> bool:
+            there = speed + part * (gain + part * bend)
+            found = margins(there, regime.own(there, own + part * (new[4] - own)),
+                            (gain + 2.0 * part * bend) / h)
+            return any(margin < low - NEAREST for margin, low in zip(found, least))
+        if not ends_before(1.0):
+            return 1.0
+        low, high = 0.0, 1.0
+        for _ in range(BISECTIONS):
+            part = 0.5 * (low + high)
+            low, high = (low, part) if ends_before(part) else (part, high)
+        return max(high, SHORTEST) if high < 1.0 - SHORTEST else 1.0

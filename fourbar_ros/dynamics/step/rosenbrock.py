@@ -1,0 +1,125 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+RODAS of Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.7.
+
+Order 4, an error estimate of order 3, L-stable, stiffly accurate. A step is a formula of floats
+and nothing else: written down once, it becomes one function without calls
+(:mod:`fourbar_ros.numerics.straight_line`) with the bits of the formula.
+"""
+from __future__ import annotations
+
+from typing import Any
+
+from fourbar_ros.dynamics.model.drives import Piece, Tangent
+from fourbar_ros.dynamics.model.equation import Equation
+from fourbar_ros.dynamics.step.step_equations import Elastic, plus, Rigid, State, Terms
+from fourbar_ros.numerics.number_types import Function
+from fourbar_ros.numerics.straight_line import straight_line
+
+GAMMA = 0.25
+# u_i depends on f(x + sum A_ij u_j) and on sum C_ij u_j / h; the last starts where the one before
+# ends, the result is where it ends, and it is itself the estimate of the error
+A: tuple[tuple[float, ...], ...] = (
+    (), (1.544,), (0.9466785280815826, 0.2557011698983284),
+    (3.314825187068521, 2.896124015972201, 0.9986419139977817),
+    (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950))
+C: tuple[tuple[float, ...], ...] = (
+    (), (-5.6688,), (-2.430093356833875, -0.2063599157091915),
+    (-0.1073529058151375, -9.594562251023355, -20.47028614809616),
+    (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160))
+C_LAST = (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136,
+          -6.058818238834054)
+EVALUATIONS = len(A)       # of the equation of motion in one step, beside those at its start
+Stepped = tuple[float, float, float, float, float, float, float, float, float]
+GIVEN = 5 + 1 + 7 + 1 + len(Piece._fields)      # numbers that a step is a formula of
+
+
+class Rosenbrock:
+    """
+    One step of given length.
+
+    Parameters
+    ----------
+    equation : Equation
+    equations : Elastic or Rigid
+    has_own : bool
+        The source has a state of its own.
+    tangent : callable, optional
+        Of a source whose law is not linear: the law next to a speed.
+
+    """
+
+    def __init__(self, equation: Equation, equations: Elastic | Rigid, has_own: bool,
+                 tangent: Tangent | None = None) -> None:
+        self._equations, self._has_own, self._is_input = equations, has_own, equation.is_input
+        self._tangent = tangent
+        self._formula = self._make(equation.of_one_with_ratio)
+        # in both modes of a change point there is no one formula
+        self._line = (self._formula if equation.changes_mode else
+                      straight_line(lambda n: self._make(
+                          equation.make_with_ratio(equation.coordinate, n)), GIVEN))
+
+    def __call__(self, state: State, h: float, terms: Terms, by_position: float,
+                 piece: Piece) -> Stepped:
+        """
+        Return the state after a step and its estimated error: (p, u, s, v, z, dp, du, ds, dv).
+
+        Parameters
+        ----------
+        state : State
+        h : float
+            [s]
+        terms : Terms
+            At this state.
+        by_position : float
+            Derivative of its acceleration with respect to p.
+        piece : Piece
+
+        Raises
+        ------
+        FourBarError, ArithmeticError
+            A stage is where the mechanism cannot be; a number is too large.
+
+        """
+        try:
+            found: Stepped = self._line(*state, h, *terms, by_position, *piece)
+        except (ValueError, ArithmeticError):      # of a number; the formula says why
+            found = self._formula(*state, h, *terms, by_position, *piece)
+        return found
+
+    def _make(self, terms_at: Function) -> Function:
+        """Return the formula of numbers, GIVEN of them, for a function position -> Terms."""
+        derivative, linear = self._equations.derivative, self._equations.linear
+        has_shaft, has_own = isinstance(self._equations, Elastic), self._has_own
+        is_input, tangent = self._is_input, self._tangent
+
+        def formula(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, *given: Any) -> Any:
+            terms: Any = (*given[:5], 1.0, 0.0) if is_input else given[:7]
+            by_position, t, t_w, t_z, d, d_w, d_z = given[7:]
+            s, v = (s, v) if has_shaft else (0.0, 0.0)
+            z, t_z, d, d_w, d_z = (z, t_z, d, d_w, d_z) if has_own else (0.0,) * 5
+            state, piece = (p, u, s, v, z), Piece(t, t_w, t_z, d, d_w, d_z)
+            solve = linear(terms, state, piece, by_position)(1.0 / (GAMMA * h))
+            stages = [solve(derivative(terms, state, piece))]
+
+            def add_stage(place: Any, weights: Any) -> None:
+                there = terms_at(place[0])
+                speed = place[3] if has_shaft else there[5] * place[1]
+                right = derivative(there, place, tangent(speed) if tangent else piece)
+                stages.append(solve(_sum(right, [weight / h for weight in weights], stages)))
+
+            for a, c in zip(A[1:], C[1:]):
+                place = _sum(state, a, stages)
+                add_stage(place, c)
+            place = plus(place, 1.0, stages[-1])
+            add_stage(place, C_LAST)
+            return (*plus(place, 1.0, stages[-1]), *stages[-1][:4])
+        return formula
+
+
+def _sum(x: Any, weights: Any, stages: Any) -> Any:
+    """Return x + sum of weights times stages."""
+    for weight, u in zip(weights, stages):
+        x = plus(x, weight, u)
+    return x

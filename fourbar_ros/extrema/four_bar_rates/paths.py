@@ -1,0 +1,176 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Sample points of many linkages at once, and the brackets of the roots between them."""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import product
+from math import pi
+
+from fourbar_ros.extrema.four_bar_rates.input_paths import (
+    half_turn,
+    phases,
+    POINTS_PER_FEATURE,
+)
+from fourbar_ros.extrema.four_bar_rates.sines import make_sines
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.number_types import ARRAY
+from fourbar_ros.numerics.roots import find_brackets, first_guesses, turn_after
+import numpy as np
+
+# At least so many for a full turn. Half as many have missed nothing in 280 000 linkages.
+SAMPLES = 24
+# Linkages whose samples are computed together, so that they stay in the cache.
+TOGETHER = 512
+# What is kept of a sample: products of s, c = sin, cos(theta1/2), and what make_sines gives.
+NAMES = 'sc', 'cc', 'g', 'gu', 'k', 'ku', 'X', 'Y'
+
+
+class Path:
+    """
+    Samples of linkages ``row`` along one path each.
+
+    ``samples``: :data:`NAMES`, each of shape (samples, linkages); Y only where the path has ends.
+
+    ``step``: of u between samples, with the sign of X: shape (linkages,).
+    """
+
+    def __init__(self, row: Array, samples: Array, step: Array, is_closed: bool) -> None:
+        self.row, self.third, self.is_closed = row, step / 3.0, is_closed
+        self._samples = dict(zip(NAMES, samples))
+        self._column = row[:0]      # of each root of k
+
+    @property
+    def number(self) -> int:
+        """Return the number of roots of k."""
+        return self._column.size
+
+    def _at(self, i: Array, column: Array, *names: str) -> list[Array]:
+        """Return theta1 at samples, and what has these names there."""
+        place = i * self.row.size + column
+        sc, cc, *others = (self._samples[name].take(place) for name in ('sc', 'cc', *names))
+        return [2.0 * np.arctan2(sc, cc), *others]
+
+    def ends(self) -> list[Array]:
+        """Return (row, side, theta1, g, Y) at the toggles where a path that is not closed ends."""
+        number, count = self._samples['g'].shape
+        return [np.tile(self.row, 2), np.repeat((1, -1), count),
+                *self._at(np.repeat((0, number - 1), count), np.tile(np.arange(count), 2),
+                          'g', 'Y')]
+
+    def brackets_of_k(self, k_at: Callable[[Array, Array], Array]) -> tuple[Array, ...]:
+        """Return (interval, row, xa, xb, fa, guess) of all roots of k."""
+        def at(i: Array, column: Array) -> tuple[Array, Array]:
+            x, X = self._at(i, column, 'X')
+            return x, self.third[column] * X
+        i, column, *bracket = find_brackets(lambda x, column: k_at(x, self.row[column]), at,
+                                            self._samples['k'],
+                                            self.third * self._samples['ku'], self.is_closed)
+        self._column = column
+        return i, self.row[column], *bracket
+
+    def _g(self, i: Array, column: Array) -> tuple[Array, Array, Array]:
+        """Return theta1, g and the step of Newton's method at samples."""
+        x, g, gu, X = self._at(i, column, 'g', 'gu', 'X')
+        return x, g, g * X / gu
+
+    def brackets_of_g(self, i: Array, root: Array, *g_there: Array) -> tuple[Array, ...]:
+        """Return (row, xa, xb, fa, guess) of sign changes of g between samples, roots of k."""
+        column, number = self._column, len(self._samples['g'])
+        positive = self._samples['g'] >= 0.0
+        if self.is_closed:
+            positive = np.concatenate((positive, positive[:1]))
+        changes = positive[1:] != positive[:-1]
+        # Intervals with roots of k are gone through root by root, from sample to sample.
+        changes[i, column] = False
+        start, = self._at(i, column)
+        root = np.maximum(root + 2.0 * pi * np.round((start - root) / (2.0 * pi)), start)
+        order = _grouped(column * number + i, root)
+        i, column = i[order], column[order]
+        roots = [v[order] for v in (root, *g_there)]
+        is_positive, is_next = roots[1] >= 0.0, (i[1:] == i[:-1]) & (column[1:] == column[:-1])
+        first, last = np.append(True, ~is_next), np.append(~is_next, True)
+        j, one = np.nonzero(changes)
+        first = np.nonzero(first & (positive[i, column] != is_positive))[0]
+        between = np.nonzero(is_next & (is_positive[1:] != is_positive[:-1]))[0]
+        last = np.nonzero(last & (is_positive != positive[i + 1, column]))[0]
+        columns = np.concatenate((one, column[first], column[between], column[last]))
+        xa, ga, step_a = stacked((
+            self._g(j, one), self._g(i[first], column[first]),
+            [v[between] for v in roots], [v[last] for v in roots]))
+        xb, gb, step_b = stacked((
+            self._g((j + 1) % number, one), [v[first] for v in roots],
+            [v[between + 1] for v in roots], self._g((i[last] + 1) % number, column[last])))
+        xb = turn_after(xb, xa)
+        return self.row[columns], xa, xb, ga, first_guesses(xa, xb, ga, gb, step_a, step_b)
+
+
+def paths_of(constants: Array, chosen: Array, is_unequal: Array,
+             samples: int) -> Iterator[Path]:
+    """
+    Yield the :class:`Path` of each group of one kind of input range and one number of samples.
+
+    Linkages with unequal links are in groups of their own: see :func:`.make_sines`.
+    """
+    crosses_out, crosses_in = constants[:2] > 0.0
+    for out, inside, unequal in product((False, True), repeat=3):
+        rows = np.nonzero(chosen & (crosses_out == out) & (crosses_in == inside)
+                          & (is_unequal == unequal))[0]
+        if not rows.size:
+            continue
+        s1, s2, k = constants[:3, rows]
+        period = half_turn(s1, s2, k, out, inside).period
+        count = (np.maximum(samples // 2,
+                            2.0**(0.5 * np.ceil(2.0 * np.log2(POINTS_PER_FEATURE
+                                                              * period)))).astype(int))
+        for number in np.unique(count).tolist():
+            group = rows[count == number]
+            found, step = _samples(constants[:, group], number, out, inside, not unequal)
+            if out or inside:
+                whole = found.reshape(-1, 2 * number, group.size)
+                yield Path(group, whole, step, out and inside)
+            else:
+                for half in range(2):
+                    yield Path(group, found[:, half], step, False)
+
+
+def _samples(constants: Array, number: int, out: bool, inside: bool,
+             by_loop: bool) -> tuple[Array, Array]:
+    """
+    Return samples of both halves of the range, and their step.
+
+    As :class:`Path` takes them, of shape (8, 2, number, linkages); 7 where the range has no ends.
+
+    The half of theta1 < 0 comes first, except where the range is around pi.
+    """
+    of_u, cosines, step = phases(number, not inside, not out)
+    sides = (1, -1) if out and not inside else (-1, 1)
+    signs, count = np.array(sides)[:, None, None], constants.shape[1]
+    s1, s2, k, *_ = constants
+    half = half_turn(s1, s2, k, out, inside)
+    samples = np.empty((7 if out and inside else 8, 2, number, count))
+    for start in range(0, count, TOGETHER):
+        part = slice(start, start + TOGETHER)
+        c = constants[:, part]
+        up, down = half.part(part)(of_u[:, None], cosines[:, None])
+        scale = 1.0 / (up * up + down * down)
+        ss, cc, sc = up * up * scale, down * down * scale, signs * (up * down * scale)
+        found = make_sines(ARRAY, tuple(c), by_loop)(ss, cc, sc, signs * c[-1] > 0.0)
+        for whole, values in zip(samples[..., part], (sc, cc, *found)):
+            # theta1 < 0 mirrors the other half; what has no axis for them is the same in both
+            for i, side in enumerate(sides):
+                whole[i, ::side] = values[i] if values.ndim == 3 else values
+    return samples, constants[-1] * step * half.period * half.unit * 0.5 / constants[-2]
+
+
+def stacked(tuples: Iterable[Sequence[Array]]) -> list[Array]:
+    """Return the arrays of several tuples, each with those of the same place after each other."""
+    return [np.concatenate(arrays) for arrays in zip(*tuples)]
+
+
+def _grouped(key: Array, x: Array) -> Array:
+    """Return an order in which equal keys, which are few, come after each other, sorted by x."""
+    is_one = np.bincount(key)[key] == 1
+    others = np.nonzero(~is_one)[0]
+    return np.concatenate((np.nonzero(is_one)[0],
+                           others[np.lexsort((x[others], key[others]))]))

@@ -1,0 +1,375 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What a machine is described with: points, dyads, a cylinder; each checked by itself.
+
+A dyad (Assur group of class II) is two links and three joints, each a pin (R) or a slide (P). The
+letters name the outer joint on the link of ``first``, the inner joint, and the outer joint on the
+link of ``second``.
+"""
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from keyword import iskeyword
+from math import sin
+import re
+from typing import Any, NamedTuple
+
+from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.mechanisms.contract import CROSSED, OPEN
+from fourbar_ros.mechanisms.parts import Connection, GROUND
+from fourbar_ros.numerics.given import number
+from fourbar_ros.numerics.number_types import direction
+
+CRANK_LINK, SLIDER_LINK, CYLINDER = 'crank', 'slider', 'cylinder'
+# Squares and fourth powers of lengths are computed without scaling.
+LONGEST, SHORTEST = 2.0**250, 2.0**-250     # [m]
+
+RRR, RRP, RPR, RPP, PRP = 'RRR', 'RRP', 'RPR', 'RPP', 'PRP'
+# Names of the dimensions of each kind, in order: lengths and offsets [m], angles [rad].
+DIMENSIONS = {
+    RRR: ('length_1', 'length_2'),
+    RRP: ('length_1', 'direction_2'),
+    RPR: ('offset',),
+    RPP: ('direction_2', 'slot'),
+    PRP: ('direction_1', 'direction_2'),
+}
+ANGLES = ('direction_1', 'direction_2', 'slot')
+# Kinds that have one assembly mode.
+OF_ONE_MODE = (RPP, PRP)
+# Directions nearer to each other than this [rad] are parallel.
+PARALLEL = 1e-9
+
+
+class Numbers(NamedTuple):
+    """
+    What the formulas of a dyad take: lengths [m], and cosine and sine of each angle.
+
+    Parameters
+    ----------
+    p, q : tuple of 2
+        Where it hangs on the links of ``first`` and of ``second``.
+    sizes : tuple
+        Its dimensions.
+    reach : tuple of 2
+        Sizes of ``p`` and ``q``.
+    shape : tuple
+        Of a dyad between links that are joined to each other: see :func:`.pairs.shaped`.
+
+    """
+
+    p: tuple[Any, Any]
+    q: tuple[Any, Any]
+    sizes: tuple[Any, ...]
+    reach: tuple[Any, ...] = ()
+    shape: tuple[Any, ...] = ()
+
+
+class Point(NamedTuple):
+    """
+    A point fixed to a link.
+
+    Parameters
+    ----------
+    link : str
+        Name of the link, or 'ground'.
+    along, across : float
+        From its first joint, along the link and to its left [m]; of the ground x and y.
+
+    """
+
+    link: str
+    along: float = 0.0
+    across: float = 0.0
+
+
+@dataclass(frozen=True)
+class Dyad:
+    """
+    Two links and three joints between two points that move already.
+
+    ======  ======================================================  ===========================
+    kind    links                                                   dimensions
+    ======  ======================================================  ===========================
+    RRR     rods from ``first`` and ``second``, pinned together     length_1, length_2
+    RRP     rod from ``first``, pinned to a block that slides       length_1, direction_2
+            through ``second``
+    RPR     block pinned at ``first``, which slides on a bar        offset
+            pinned at ``second``
+    RPP     block pinned at ``first`` in the slot of a yoke that    direction_2, slot
+            slides through ``second``
+    PRP     blocks that slide through ``first`` and through         direction_1, direction_2
+            ``second``, pinned together
+    ======  ======================================================  ===========================
+
+    Parameters
+    ----------
+    name, kind : str
+    first, second : Point
+        Points of the ground, the driven link, or a link of a dyad before this one.
+    links : tuple of 2 str
+        Names of its links, the one at ``first`` first.
+    length_1, length_2 : float
+        Lengths of the rods [m], positive.
+    offset : float
+        Distance of the path of the block's pin from the pivot of the bar, to its left [m].
+        0 if not given.
+    direction_1, direction_2 : float
+        Directions in which the first, the second link slides, from that of the link of
+        ``first``, of ``second`` [rad].
+    slot : float
+        From the direction in which the yoke slides to its slot [rad], not a multiple of pi.
+    mode : int
+        Assembly mode: 2 or 1. RRR: turning from the first rod to the second by less than pi is to
+        the left, right. RRP: the rod points along, against the direction of the slide. RPR: the
+        block is ahead of the bar's pivot, behind. RPP and PRP have one mode, 2.
+
+    Raises
+    ------
+    InvalidParameter
+        Naming the dyad, the parameter, its value and what is allowed.
+
+    """
+
+    name: str
+    kind: str
+    first: Point
+    second: Point
+    links: tuple[str, str]
+    length_1: float | None = None
+    length_2: float | None = None
+    offset: float | None = None
+    direction_1: float | None = None
+    direction_2: float | None = None
+    slot: float | None = None
+    mode: int = OPEN
+
+    def __post_init__(self) -> None:
+        require_name('name of a dyad', self.name)
+        where = f'dyads.{self.name}'
+        if self.kind not in DIMENSIONS:
+            raise InvalidParameter(f'{where}.kind', self.kind,
+                                   f'must be one of {", ".join(DIMENSIONS)}')
+        given: dict[str, Any] = {
+            place: checked_point(f'{where}.{place}', getattr(self, place))
+            for place in ('first', 'second')}
+        given['links'] = checked_links(f'{where}.links', self.links)
+        given.update(self._checked_dimensions(where))
+        given['mode'] = checked_mode(f'{where}.mode', self.mode, self.kind in OF_ONE_MODE)
+        for name, value in given.items():
+            object.__setattr__(self, name, value)
+        self._require_directions(where)
+
+    def _checked_dimensions(self, where: str) -> dict[str, float]:
+        """Return {name: value} of its dimensions; others must not be given."""
+        wanted = DIMENSIONS[self.kind]
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if (field.default is None and field.name not in wanted and value is not None):
+                raise InvalidParameter(f'{where}.{field.name}', value, f'a dyad {self.kind} has '
+                                       f'{", ".join(wanted)} only')
+        given = {name: getattr(self, name) for name in wanted}
+        if given.get('offset', 0.0) is None:
+            given['offset'] = 0.0
+        for name, value in given.items():
+            if value is None:
+                raise InvalidParameter(f'{where}.{name}', value, f'a dyad {self.kind} needs it')
+            given[name] = (number(f'{where}.{name}', value) if name in ANGLES
+                           else checked_length(f'{where}.{name}', value, name == 'offset'))
+        return given
+
+    def _require_directions(self, where: str) -> None:
+        if self.slot is not None and abs(sin(self.slot)) < PARALLEL:
+            raise InvalidParameter(f'{where}.slot', self.slot, 'must not be parallel to the '
+                                   'direction in which the yoke slides: not a multiple of pi')
+        if self.kind == PRP and self.first.link == self.second.link:
+            turn = self.direction_2 - self.direction_1      # type: ignore[operator]
+            if abs(sin(turn)) < PARALLEL:
+                raise InvalidParameter(f'{where}.direction_2', self.direction_2,
+                                       'must not be parallel to direction_1: the lines never meet')
+
+    @property
+    def dimensions(self) -> tuple[float, ...]:
+        """Return its dimensions in the order of :data:`DIMENSIONS`."""
+        return tuple([getattr(self, name) for name in DIMENSIONS[self.kind]])
+
+    @property
+    def numbers(self) -> Numbers:
+        """Return what it is described with, as its formulas take it."""
+        found: list[float] = []
+        for name in DIMENSIONS[self.kind]:
+            value = getattr(self, name)
+            found += direction(value) if name in ANGLES else (value,)
+        return Numbers(self.first[1:], self.second[1:], tuple(found))
+
+    @property
+    def sign(self) -> float:
+        """Return the assembly mode as +1 (mode 2) or -1 (mode 1)."""
+        return 1.0 if self.mode == OPEN else -1.0
+
+
+class Cylinder(NamedTuple):
+    """
+    A cylinder that turns the crank: it is driven by its length.
+
+    Parameters
+    ----------
+    base : Point
+        Point of the ground where the tube is pinned.
+    pin : Point
+        Point of the crank where the rod is pinned.
+    links : tuple of 2 str
+        Names of rod and tube.
+    mode : int
+        2: from O1-base to O1-pin one turns left by less than pi; 1: right.
+
+    """
+
+    base: Point
+    pin: Point
+    links: tuple[str, str] = ('rod', 'tube')
+    mode: int = OPEN
+
+
+def require_name(what: str, name: Any) -> None:
+    """Refuse what cannot be part of the name of a field, a topic or a frame."""
+    if not (isinstance(name, str) and re.fullmatch('[A-Za-z][A-Za-z0-9_]*', name)
+            and not name.endswith('_') and '__' not in name and not iskeyword(name)):
+        raise InvalidParameter(what, name, 'must be a name: letters, digits and single '
+                                           'underscores, a letter first')
+
+
+def checked_length(name: str, value: Any, is_signed: bool = False) -> float:
+    """Return a length [m] as a float."""
+    result = number(name, value) if is_signed else number(
+        name, value, 'a length must be a positive number', above=0.0)
+    if not (SHORTEST < abs(result) < LONGEST or is_signed and result == 0.0):
+        raise InvalidParameter(name, value, f'must be between {SHORTEST:.3g} and {LONGEST:.3g} m: '
+                                            'squares under- or overflow')
+    return result
+
+
+def checked_point(name: str, value: Any) -> Point:
+    """Return a point whose link is a text and whose place is two finite numbers."""
+    try:
+        link, along, across = Point(*value)
+    except TypeError:
+        link = None
+    if not isinstance(link, str):
+        raise InvalidParameter(name, value, 'must be Point(link, along, across)')
+    return Point(link, checked_length(f'{name}.along', along, True),
+                 checked_length(f'{name}.across', across, True))
+
+
+def checked_links(name: str, value: Any) -> tuple[str, str]:
+    """Return the names of two links."""
+    links = tuple(value) if isinstance(value, (tuple, list)) else ()
+    if len(links) != 2:
+        raise InvalidParameter(name, value, 'must be the names of two links')
+    for link in links:
+        require_name(name, link)
+        if link == GROUND:
+            raise InvalidParameter(name, value, 'the ground is no link of a dyad')
+    return links
+
+
+def checked_mode(name: str, value: Any, has_one: bool = False) -> int:
+    """Return an assembly mode."""
+    if isinstance(value, bool) or value not in ((OPEN,) if has_one else (CROSSED, OPEN)):
+        raise InvalidParameter(name, value, 'must be 2: it has one assembly mode' if has_one
+                               else 'must be 1 or 2')
+    return int(value)
+
+
+def checked_cylinder(given: Any, driven: str) -> Cylinder | None:
+    """Return the cylinder, which a machine has that is driven by one, and no other."""
+    if (given is None) is (driven == CYLINDER):
+        raise InvalidParameter('cylinder', given, 'a machine has one if input is cylinder, '
+                                                  'and only then')
+    if given is None:
+        return None
+    try:
+        base, pin, links, mode = Cylinder(*given)
+    except TypeError:
+        raise InvalidParameter('cylinder', given, 'must be Cylinder(base, pin, links, '
+                                                  'mode)') from None
+    base, pin = checked_point('cylinder.base', base), checked_point('cylinder.pin', pin)
+    for name, point, link in (('base', base, GROUND), ('pin', pin, CRANK_LINK)):
+        if point.link != link or not (point.along or point.across):
+            raise InvalidParameter(f'cylinder.{name}', tuple(point),
+                                   f'must be a point of the {link} away from O1')
+    return Cylinder(base, pin, checked_links('cylinder.links', links),
+                    checked_mode('cylinder.mode', mode))
+
+
+def checked_dyads(given: Any, driven: str) -> tuple[Dyad, ...]:
+    """Return one dyad or more, as a tuple; with a cylinder, which is one, also none."""
+    dyads = tuple(given) if isinstance(given, (tuple, list)) else ()
+    may_be_none = driven == CYLINDER and given in ((), [])
+    if not (dyads or may_be_none) or not all(isinstance(dyad, Dyad) for dyad in dyads):
+        raise InvalidParameter('dyads', given, 'must be one Dyad or more, in order')
+    return dyads
+
+
+def with_lengths(dyad: Dyad, given: dict[str, float]) -> Dyad:
+    """Return a dyad with other lengths, by their names in a machine."""
+    changed: dict[str, Any] = {
+        place: getattr(dyad, place)._replace(**{
+            name: given[f'{dyad.name}.{place}.{name}'] for name in ('along', 'across')
+            if f'{dyad.name}.{place}.{name}' in given})
+        for place in ('first', 'second')}
+    changed.update((name, given[f'{dyad.name}.{name}']) for name in DIMENSIONS[dyad.kind]
+                   if f'{dyad.name}.{name}' in given)
+    return replace(dyad, **changed)
+
+
+def by_link(name: str, given: Any, kind: type, whole: Any, default: Any) -> Any:
+    """Return {link: record}, or a tuple of them, as ``whole``; None for None."""
+    if given is None:
+        return None
+    if not isinstance(given, Mapping):
+        given = given._asdict() if hasattr(given, '_asdict') else dict(zip(whole._fields, given))
+    for link, record in given.items():
+        if link not in whole._fields:
+            raise InvalidParameter(f'{name}.{link}', None, 'there is no such link'
+                                   f'{nearest(link, whole._fields)}')
+        if not isinstance(record, kind):
+            raise InvalidParameter(f'{name}.{link}', record, f'must be of type {kind.__name__}')
+    return whole(**{link: given.get(link, default) for link in whole._fields})
+
+
+X = (1.0, 0.0)
+
+
+def connections_of(driven: str, stages: Sequence[Dyad]) -> tuple[Connection, ...]:
+    """Return the connections in the order of a machine's joints."""
+    base = Connection(GROUND, driven, axis=X if driven == SLIDER_LINK else None)
+    return (base, *(its for stage in stages for its in _of_dyad(stage)))
+
+
+def _of_dyad(dyad: Any) -> Iterator[Connection]:     # its kind has these dimensions: checked
+    """Yield those of the first, the inner and the second joint."""
+    one, other = dyad.links
+    yield (_slide(dyad.first, one, dyad.direction_1) if dyad.kind == PRP
+           else Connection(dyad.first.link, one, tuple(dyad.first[1:])))
+    yield _inner(dyad, one, other)
+    yield (_slide(dyad.second, other, dyad.direction_2) if dyad.kind in (RRP, RPP, PRP)
+           else Connection(dyad.second.link, other, tuple(dyad.second[1:])))
+
+
+def _inner(dyad: Any, one: str, other: str) -> Connection:
+    if dyad.kind == RRR:
+        return Connection(one, other, (dyad.length_1, 0.0), (dyad.length_2, 0.0))
+    if dyad.kind == RRP:
+        return Connection(one, other, (dyad.length_1, 0.0))
+    if dyad.kind == RPR:                         # the block on its bar
+        return Connection(other, one, (0.0, dyad.offset), axis=X)
+    if dyad.kind == RPP:                         # the block in the slot of its yoke
+        return Connection(other, one, axis=direction(dyad.slot), turn=dyad.slot)
+    return Connection(one, other)
+
+
+def _slide(point: Any, link: str, angle: float) -> Connection:
+    """Return the slide of a link through a point, along a line at an angle to the carrier."""
+    return Connection(point.link, link, tuple(point[1:]), axis=direction(angle), turn=angle)

@@ -1,0 +1,159 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The picture of a machine and its velocity and acceleration polygons."""
+from __future__ import annotations
+
+from typing import Any
+
+from fourbar_ros.mechanisms.machine.describe.layout import BASE, SLIDES, Stage
+from fourbar_ros.mechanisms.parts import around, Arrow, Bar, Block, Diagram, ORIGIN, total
+from fourbar_ros.mechanisms.points import point_motion, point_of, vector
+import numpy as np
+
+
+def places_of(mechanism: Any, motion: Any) -> dict[str, Any]:
+    """Return {joint: place [m]} in one pose; a slide is where its block is."""
+    links = mechanism.layout.links
+    found = {BASE: _at(mechanism, motion, links[1], 0.0, 0.0)}
+    for stage, dyad in zip(mechanism.layout.stages, mechanism.stages):
+        for place, name in stage.joints():
+            found[name] = _place(mechanism, motion, stage, dyad, place)
+    return found
+
+
+def _place(mechanism: Any, motion: Any, stage: Stage, dyad: Any, place: str) -> Any:
+    """Return where a joint of a dyad is."""
+    slides = SLIDES[stage.kind]
+    if place in slides:
+        return _at(mechanism, motion, stage.links[slides[place]], 0.0, 0.0)
+    if place == 'inner':
+        if stage.kind == 'PRP':
+            return _at(mechanism, motion, stage.links[0], 0.0, 0.0)
+        return _at(mechanism, motion, stage.links[0], dyad.length_1, 0.0)
+    return _at(mechanism, motion, *getattr(dyad, place))
+
+
+def _at(mechanism: Any, motion: Any, link: str, along: float, across: float) -> Any:
+    """Return the place of a point of a link or the ground."""
+    if link == mechanism.layout.links[0]:
+        return np.array((along, across))
+    x, y, *_ = point_of(mechanism.link_motion(motion, link), along, across)
+    return vector(x, y)
+
+
+def diagram(mechanism: Any, motion: Any) -> Diagram:
+    """
+    Return the :class:`Diagram` of one pose.
+
+    Each link is drawn from its first joint to every point at which something hangs on it.
+    """
+    joints = places_of(mechanism, motion)
+    ground = [BASE] if mechanism.input != 'slide' else []
+    bars, blocks = [], []
+    for stage in mechanism.layout.stages:
+        names = dict(stage.joints())
+        slides = SLIDES[stage.kind]
+        ground += [names[place] for place, parent in (('first', stage.first),
+                                                      ('second', stage.second))
+                   if not parent and place not in slides]
+        bars += _bars_of(stage, joints, names)
+        blocks += [Block(joints[names[place]], _direction(motion, stage.links[i]),
+                         place == 'second' and not stage.second)
+                   for place, i in slides.items()]
+    if mechanism.input == 'slide':
+        blocks.append(Block(joints[BASE], np.array((1.0, 0.0)), True))
+    bars += _bars_of_parents(mechanism, motion, joints) + _third_sides(mechanism, motion, joints)
+    return Diagram(joints, tuple(ground), tuple(bars), tuple(blocks),
+                   {name: name for name in joints}, _angles(mechanism, joints))
+
+
+def _direction(motion: Any, link: str) -> Any:
+    return vector(getattr(motion, f'cos_{link}'), getattr(motion, f'sin_{link}'))
+
+
+def _bars_of(stage: Stage, joints: Any, names: Any) -> list[Bar]:
+    """Return the rods of a dyad, and the bar on which a block slides."""
+    ends = {'RRR': (('first', 'inner'), ('second', 'inner')), 'RRP': (('first', 'inner'),),
+            'RPR': (('second', 'inner'),), 'RPP': (('second', 'inner'),), 'PRP': ()}[stage.kind]
+    return [Bar(joints[names[one]], joints[names[other]]) for one, other in ends]
+
+
+def _bars_of_parents(mechanism: Any, motion: Any, joints: Any) -> list[Bar]:
+    """Return bars from the first joint of a link to the points on it at which dyads hang."""
+    found = []
+    for stage, dyad in zip(mechanism.layout.stages, mechanism.stages):
+        for place, parent in (('first', stage.first), ('second', stage.second)):
+            point = getattr(dyad, place)
+            if parent and (point.along or point.across):
+                start, end = (_at(mechanism, motion, point.link, *at)
+                              for at in ((0.0, 0.0), point[1:]))
+                found.append(Bar(start, end))
+    return found
+
+
+def _third_sides(mechanism: Any, motion: Any, joints: Any) -> list[Bar]:
+    """Return the sides of links with three joints and more that do not begin at the first."""
+    layout = mechanism.layout
+    on_link: dict[str, list[Any]] = {link: [] for link in layout.moving}
+    for stage, dyad in zip(layout.stages, mechanism.stages):
+        names, slides = dict(stage.joints()), SLIDES[stage.kind]
+        for i, place in enumerate(('first', 'second')):
+            if place not in slides:
+                on_link[stage.links[i]].append(joints[names[place]])
+            if getattr(stage, place):
+                on_link[getattr(dyad, place).link].append(_at(mechanism, motion,
+                                                              *getattr(dyad, place)))
+        for i, link in enumerate(stage.links):
+            if 'inner' not in slides or slides['inner'] != 1 - i:
+                on_link[link].append(joints[names['inner']])
+    found = []
+    for ends in on_link.values():
+        rest = [end for end in ends[1:] if np.hypot(*(end - ends[0])) > 0.0]
+        found += [Bar(one, other) for one, other in zip(rest, rest[1:])
+                  if np.hypot(*(one - other)) > 0.0]
+    return found
+
+
+def _angles(mechanism: Any, joints: Any) -> dict[str, str]:
+    """Return {angle of the input or the output: joint about which its arc is drawn}."""
+    places = {link.name: link.first_joint for link in mechanism.LINKS}
+    found = {}
+    for coordinate in mechanism.DRAWN:
+        link = coordinate.position.removeprefix('theta_')
+        if coordinate.unit == 'rad':
+            found[coordinate.position] = BASE if places[link] == 'O1' else places[link]
+    return found
+
+
+def velocity_polygon(mechanism: Any, motion: Any) -> list[Arrow]:
+    """Return the arrows of the velocities of all moving joints [m/s]; the pole is the origin."""
+    return [total(point.velocity, f'V_{{{name}}}')
+            for name, _, point in _moving(mechanism, motion)]
+
+
+def acceleration_polygon(mechanism: Any, motion: Any) -> list[Arrow]:
+    """Return the arrows of the accelerations of all moving joints, with those of the crank."""
+    found = []
+    for name, link, point in _moving(mechanism, motion):
+        found.append(total(point.acceleration, f'A_{{{name}}}'))
+        if link is not None:
+            found += around(ORIGIN, link, point.place, name)
+    return found
+
+
+def _moving(mechanism: Any, motion: Any) -> list[tuple[str, Any, Any]]:
+    """Return (name, motion of the crank if it is on that, PointMotion) of joints that move."""
+    found = []
+    for stage, dyad in zip(mechanism.layout.stages, mechanism.stages):
+        for place, parent in (('first', stage.first), ('second', stage.second)):
+            point = getattr(dyad, place)
+            if parent and place not in SLIDES[stage.kind]:
+                link = (mechanism.link_motion(motion, point.link)
+                        if parent == 1 and mechanism.input != 'slide' else None)
+                found.append((f'{stage.name}_{place}', link,
+                              point_motion(mechanism, motion, *point)))
+        inner = stage.links[1] if stage.kind != 'RRR' else stage.links[0]
+        along = dyad.length_1 if stage.kind == 'RRR' else 0.0
+        found.append((f'{stage.name}_inner', None,
+                      point_motion(mechanism, motion, inner, along)))
+    return found

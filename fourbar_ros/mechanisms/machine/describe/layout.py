@@ -1,0 +1,284 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+How a machine is put together, and what its links, joints, slides and fields are called.
+
+From the structure alone: which dyad hangs on which links, not how long they are.
+"""
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
+from typing import Any, NamedTuple
+
+from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.mechanisms.machine.describe.description import (
+    CRANK_LINK,
+    CYLINDER,
+    PRP,
+    RPP,
+    RPR,
+    RRP,
+    RRR,
+    SLIDER_LINK,
+)
+from fourbar_ros.mechanisms.parts import Coordinate, GROUND
+
+PLACES = ('first', 'inner', 'second')
+# The joints of each kind that slide; the link that slides there; whether the second link turns
+# with the link it hangs on, and the first.
+SLIDES = {RRR: {}, RRP: {'second': 1}, RPR: {'inner': 0}, RPP: {'inner': 0, 'second': 1},
+          PRP: {'first': 0, 'second': 1}}
+BASE = 'base'
+
+
+class Pair(NamedTuple):
+    """
+    That the two links on which a dyad hangs are joined to each other, see :mod:`.pairs`.
+
+    Parameters
+    ----------
+    frame : int
+        The one of them from which the motion of the dyad is seen.
+    slides : bool
+        Whether a slide joins them; else a pin.
+
+    """
+
+    frame: int
+    slides: bool
+
+
+class Stage(NamedTuple):
+    """
+    One dyad in the structure of a machine.
+
+    Parameters
+    ----------
+    name, kind : str
+    first, second : int
+        Numbers of the links on which it hangs; 0: the ground, 1: the driven link.
+    links : tuple of 2 str
+        Names of its own; the first is number ``number``, the second the next.
+    number : int
+    pair : Pair, optional
+        Of a dyad between links that are joined to each other.
+
+    """
+
+    name: str
+    kind: str
+    first: int
+    second: int
+    links: tuple[str, str]
+    number: int
+    pair: Pair | None = None
+
+    @property
+    def turns_first(self) -> bool:
+        """Return whether its first link hangs on the one of a pair that moves in the frame."""
+        return self.pair is not None and self.pair.frame == self.second
+
+    def slides(self) -> list[str]:
+        """Return the names of the links that slide, in the order of the joints."""
+        return [self.links[i] for i in SLIDES[self.kind].values()]
+
+    def joints(self) -> list[tuple[str, str]]:
+        """Return (place, name) of its joints."""
+        return [(place, f'{self.name}_{place}') for place in PLACES]
+
+    def pins(self, links: Sequence[str]) -> Iterator[tuple[str, int, int]]:
+        """Yield (name, number of the link on which it hangs, of the other) of moving pins."""
+        ends = {'first': (self.first, self.number), 'inner': (self.number, self.number + 1),
+                'second': (self.second, self.number + 1)}
+        for place, name in self.joints():
+            if place not in SLIDES[self.kind] and ends[place][0]:
+                yield name, *ends[place]
+
+
+class Layout(NamedTuple):
+    """
+    The structure of a machine.
+
+    Parameters
+    ----------
+    driver : str
+        'crank', 'slide' or 'cylinder'.
+    links : tuple of str
+        Names of all links, the ground first, then the driven one.
+    stages : tuple of Stage
+        In order; with a cylinder its own first.
+    output : str
+        Name of the link that the machine is used for: by default the last, or, with no dyad but
+        the cylinder's own, the crank.
+
+    """
+
+    driver: str
+    links: tuple[str, ...]
+    stages: tuple[Stage, ...]
+    output: str
+
+    @property
+    def moving(self) -> tuple[str, ...]:
+        """Return the names of the moving links."""
+        return self.links[1:]
+
+    @property
+    def driven(self) -> str:
+        """Return the name of the driven link."""
+        return self.links[1]
+
+    def turning(self) -> set[str]:
+        """Return the names of the links that turn."""
+        turns = [False, self.driven == CRANK_LINK]
+        for stage in self.stages:
+            one, other = turns[stage.first], turns[stage.second]
+            turns += {RRR: (True, True), RRP: (True, other), RPR: (True, True),
+                      RPP: (other, other), PRP: (one, other)}[stage.kind]
+        return {name for name, is_turning in zip(self.links, turns) if is_turning}
+
+    def slides(self) -> list[str]:
+        """Return the names of the links that slide."""
+        driven = [SLIDER_LINK] if self.driven == SLIDER_LINK else []
+        return driven + [link for stage in self.stages for link in stage.slides()]
+
+    def pins(self) -> list[tuple[str, int, int]]:
+        """Return (name, numbers of both links) of the pins between moving links."""
+        return [pin for stage in self.stages for pin in stage.pins(self.links)]
+
+    def joints(self) -> list[tuple[str, bool]]:
+        """Return (name, whether it slides) of all joints, the one of the driven link first."""
+        return [(BASE, self.driven == SLIDER_LINK)] + [
+            (name, place in SLIDES[stage.kind]) for stage in self.stages
+            for place, name in stage.joints()]
+
+
+def layout_of(driver: str, dyads: Sequence[Any], output: str | None = None) -> Layout:
+    """
+    Return the :class:`Layout` of dyads, a cylinder's own first.
+
+    Raises
+    ------
+    InvalidParameter
+        A name twice, a link that is not there, or not yet: with the order of dyads that works, or
+        the links that no order solves.
+
+    """
+    driven = SLIDER_LINK if driver == 'slide' else CRANK_LINK
+    links, owners, stages = [GROUND, driven], {GROUND: '', driven: ''}, []
+    names: set[str] = set()
+    for dyad in dyads:
+        where = f'dyads.{dyad.name}'
+        if dyad.name in names:
+            raise InvalidParameter('name of a dyad', dyad.name, 'stands twice')
+        names.add(dyad.name)
+        _require_new(where, dyad.links, owners)
+        for place in ('first', 'second'):
+            link = getattr(dyad, place).link
+            if link in dyad.links:
+                raise InvalidParameter(f'{where}.{place}.link', link, 'a dyad cannot hang on its '
+                                                                      'own link')
+            if link not in links:
+                raise InvalidParameter(f'{where}.{place}.link', link,
+                                       _why_not_there(dyads, link, links))
+        stages.append(Stage(dyad.name, dyad.kind, links.index(dyad.first.link),
+                            links.index(dyad.second.link), dyad.links, len(links)))
+        links += dyad.links
+        owners.update(dict.fromkeys(dyad.links, dyad.name))
+    if output is not None and output not in links[1:]:
+        raise InvalidParameter('output', output, 'there is no such link'
+                                                 f'{nearest(output, links[1:])}')
+    last = driven if names == {CYLINDER} else links[-1]
+    layout = Layout(driver, tuple(links), tuple(stages), output or last)
+    _require_single(layout)
+    return layout
+
+
+def _why_not_there(dyads: Sequence[Any], link: str, known: Sequence[str]) -> str:
+    """Return why no dyad can hang on a link yet, and what helps."""
+    owner = next((dyad for dyad in dyads if link in dyad.links), None)
+    if owner is None:
+        return f'there is no such link{nearest(link, known)}'
+    below = {dyad.name: {other.name for other in dyads if other is not dyad
+                         and {dyad.first.link, dyad.second.link} & {*other.links}}
+             for dyad in dyads}
+    try:
+        order = ', '.join(TopologicalSorter(below).static_order())
+    except CycleError as error:
+        at, *_ = error.args[1]
+        for _ in dyads:
+            below = {name: its.union(*[below[other] for other in its])
+                     for name, its in below.items()}
+        group = [own for dyad in dyads for own in dyad.links
+                 if at in below[dyad.name] and dyad.name in below[at]]
+        return (f'is a link of dyad {owner.name}, but no order of dyads works: the links '
+                f'{", ".join(group)} close only together, an Assur group of a higher class. '
+                'Drive another link, or hang one of their dyads on links before it')
+    return f'is a link of dyad {owner.name}, which must stand before this one: {order} works'
+
+
+def _require_new(where: str, links: Sequence[str], owners: dict[str, str]) -> None:
+    """Refuse names of links that are taken."""
+    if links[0] == links[1]:
+        raise InvalidParameter(f'{where}.links', tuple(links), 'must be two names')
+    for link in links:
+        if link in owners:
+            owner = f'of dyad {owners[link]}' if owners[link] else 'of the driven link'
+            raise InvalidParameter(f'{where}.links', link, f'is the name {owner} already')
+
+
+def _require_single(layout: Layout) -> None:
+    """Refuse names that make two fields of one name, as link d_inner and the pin of dyad d."""
+    for fields in (motion_fields(layout), load_fields(layout)):
+        name, count = Counter(fields).most_common(1)[0]
+        if count > 1:
+            raise InvalidParameter('dyads', name, 'would be the name of two results: change that '
+                                                  'of a link or a dyad')
+
+
+# --- fields of the results -----------------------------------------------------------------------
+
+def coordinate(name: str) -> Coordinate:
+    """Return the coordinate of the angle of a link or a pin."""
+    return Coordinate(f'theta_{name}', f'omega_{name}', f'alpha_{name}')
+
+
+def travel(link: str) -> Coordinate:
+    """Return the coordinate of a link that slides."""
+    return Coordinate(f'slide_{link}', f'slide_{link}_velocity', f'slide_{link}_acceleration')
+
+
+COEFFICIENTS = ('x', 'y', 'dx', 'dy', 'ddx', 'ddy', 'cos', 'sin', 'ratio', 'bend')
+
+
+@cache
+def motion_fields(layout: Layout) -> tuple[str, ...]:
+    """Return the names of the fields of a motion, see :func:`.motion.make_motion`."""
+    found: list[str] = []
+    for link in layout.moving:
+        found += coordinate(link)
+    for link in layout.slides():
+        found += (*travel(link), f'slide_{link}_ratio')
+    for pin, _, _ in layout.pins():
+        found += coordinate(pin)
+    found += (f'transmission_angle_{stage.name}' for stage in layout.stages)
+    found += ('transmission_angle', 'condition', 'rate', 'acceleration')
+    for link in layout.moving:
+        found += (f'{name}_{link}' for name in COEFFICIENTS)
+    found += (f'sine_{stage.name}' for stage in layout.stages)
+    return tuple(found)
+
+
+@cache
+def load_fields(layout: Layout) -> tuple[str, ...]:
+    """Return the names of the fields of loads, see :func:`.loads.make_loads`."""
+    found: list[str] = []
+    for name, is_slide in layout.joints():
+        found += (f'{name}_x', f'{name}_y', name)
+        if is_slide:
+            found += (f'{name}_normal', f'{name}_couple')
+    return (*found, 'driving_torque', 'driving_force', 'shaking_force_x', 'shaking_force_y',
+            'shaking_force', 'shaking_moment')

@@ -1,0 +1,189 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What a machine states about itself by the contract, from its layout.
+
+Its records (motion, loads, bodies) are NamedTuple types that are made at run time; their values
+pass from process to process.
+"""
+from __future__ import annotations
+
+from collections import namedtuple
+from collections.abc import Sequence
+from functools import cache
+from typing import Any
+
+from fourbar_ros.mechanisms.machine.describe.description import (
+    ANGLES,
+    CRANK_LINK,
+    CYLINDER,
+    DIMENSIONS,
+    RRP,
+    RRR,
+    SLIDER_LINK,
+)
+from fourbar_ros.mechanisms.machine.describe.layout import (
+    BASE,
+    coordinate,
+    Layout,
+    load_fields,
+    motion_fields,
+    SLIDES,
+    travel,
+)
+from fourbar_ros.mechanisms.parts import (
+    Coordinate,
+    GROUND,
+    Joint,
+    Length,
+    Link,
+    Output,
+    Quantity,
+    Reaction,
+    reaction,
+)
+
+# What the links of each kind are called in texts.
+ROLES = {'RRR': ('rod', 'rod'), 'RRP': ('rod', 'block'), 'RPR': ('block', 'bar'),
+         'RPP': ('block', 'yoke'), 'PRP': ('block', 'block')}
+
+
+@cache
+def names_of(layout: Layout) -> dict[str, Any]:
+    """Return the attributes of the contract that follow from a layout, by name."""
+    turning = layout.turning()
+    links = tuple(_links(layout))
+    given = {'crank': coordinate(CRANK_LINK), 'slide': travel(SLIDER_LINK)}
+    if layout.driver == CYLINDER:
+        given = {CYLINDER: travel(layout.stages[0].links[0])}
+    parts = {coordinate(link): f'{link} ({text})' for link, text, *_ in links if link in turning}
+    parts.update((travel(link), f'{link} slides') for link in layout.slides())
+    driven = given[layout.driver]
+    return {
+        'LINKS': links, 'JOINTS': tuple(_joints(layout)), 'REACTIONS': tuple(_reactions(layout)),
+        'PARTS': parts, 'DRAWN': tuple(dict.fromkeys((driven, output_of(layout).coordinate))),
+        'INPUTS': {layout.driver: driven}, 'OUTPUTS': {layout.driver: _outputs(layout, driven)},
+        'MOTION': record_type('MachineMotion', motion_fields(layout)),
+        'LOADS': record_type('MachineLoads', load_fields(layout)),
+        'BODIES': record_type('MachineBodies', layout.moving),
+        'EXTERNAL': record_type('MachineExternal', layout.moving),
+        'QUANTITIES': tuple(_quantities(layout, driven))}
+
+
+def _links(layout: Layout) -> list[Link]:
+    turning = layout.turning()
+    found = [Link(layout.driven, layout.driven, 'O1', turns=layout.driven in turning)]
+    for stage in layout.stages:
+        joints = dict(stage.joints())
+        first = {'RRR': ('first', 'second'), 'RRP': ('first', 'inner'),
+                 'RPR': ('first', 'second'), 'RPP': ('first', 'second'),
+                 'PRP': ('inner', 'inner')}[stage.kind]
+        lengths = {RRR: ('length_1', 'length_2'), RRP: ('length_1', '')}.get(stage.kind, ('', ''))
+        found += [Link(link, role, joints[place], length and f'{stage.name}.{length}',
+                       turns=link in turning)
+                  for link, role, place, length in zip(stage.links, ROLES[stage.kind], first,
+                                                       lengths)]
+    return found
+
+
+def _reactions(layout: Layout) -> list[Reaction]:
+    """Return what is transmitted at each joint, by the link on which the other hangs."""
+    links = layout.links
+    bodies = {BASE: (links[0], links[1])}
+    for stage in layout.stages:
+        first, second = stage.links
+        pairs = {'first': (links[stage.first], first), 'inner': (second, first),
+                 'second': (links[stage.second], second)}
+        bodies.update((name, pairs[place]) for place, name in stage.joints())
+    return [reaction(name, ' on '.join(bodies[name]), name, f'{name}_couple' if is_slide else '')
+            for name, is_slide in layout.joints()]
+
+
+def _joints(layout: Layout) -> list[Joint]:
+    """Return all joints: pins with the angle of one link to the other, slides with their way."""
+    moving = {name for name, _, _ in layout.pins()}
+    base = (travel(SLIDER_LINK) if layout.driven == SLIDER_LINK else coordinate(CRANK_LINK))
+    found = [Joint(BASE, base)]
+    for stage in layout.stages:
+        slides = SLIDES[stage.kind]
+        for place, name in stage.joints():
+            link = stage.links[slides.get(place, 0 if place == 'first' else 1)]
+            found.append(Joint(name, travel(link) if place in slides else
+                               coordinate(name if name in moving else link)))
+    return found
+
+
+def output_of(layout: Layout) -> Output:
+    """Return the output: the angle of its link, or how far that slides."""
+    link = layout.output
+    if link in layout.turning():
+        return Output(coordinate(link), f'ratio_{link}')
+    return Output(travel(link), f'slide_{link}_ratio')
+
+
+def _outputs(layout: Layout, driven: Coordinate) -> tuple[Output, ...]:
+    """Return all outputs, the one that the machine is used for first."""
+    turning = layout.turning()
+    every = [output_of(layout),
+             *(Output(coordinate(link), f'ratio_{link}') for link in layout.moving
+               if link in turning),
+             *(Output(travel(link), f'slide_{link}_ratio') for link in layout.slides())]
+    return tuple(dict.fromkeys(output for output in every if output.coordinate != driven))
+
+
+def _quantities(layout: Layout, driven: Coordinate) -> list[Quantity]:
+    """Return what can be asked for by name, but for what all mechanisms have."""
+    found = []
+    for link in [link for link in layout.moving if link in layout.turning()]:
+        found += _of_coordinate(coordinate(link), f'of {link}')
+    for link in layout.slides():
+        found += _of_coordinate(travel(link), f'of {link} along its slide')
+    found += [Quantity(f'transmission_angle_{stage.name}', 'rad',
+                       f'transmission angle of dyad {stage.name}', False)
+              for stage in layout.stages]
+    for name, is_slide in layout.joints():
+        found.append(Quantity(name, 'N', f'magnitude of the reaction at joint {name}', True))
+        if is_slide:
+            found += [Quantity(f'{name}_normal', 'N', f'force square to the slide {name}', True),
+                      Quantity(f'{name}_couple', 'N m', f'couple of the slide {name}', True)]
+    return [quantity for quantity in found if quantity.name not in driven]
+
+
+def _of_coordinate(its: Coordinate, text: str) -> list[Quantity]:
+    if its.unit == 'm':
+        return [Quantity(its.position, 'm', f'position {text}', False),
+                Quantity(its.rate, 'm/s', f'velocity {text}', False),
+                Quantity(its.acceleration, 'm/s^2', f'acceleration {text}', False)]
+    return [Quantity(its.position, 'rad', f'angle {text}, continuous', False),
+            Quantity(its.rate, 'rad/s', f'angular velocity {text}', False),
+            Quantity(its.acceleration, 'rad/s^2', f'angular acceleration {text}', False)]
+
+
+def lengths_of(dyads: Sequence[Any]) -> list[tuple[Length, float]]:
+    """Return all lengths that are not zero: places of points, rods, offsets; and their values."""
+    found = []
+    for dyad in dyads:
+        for place in ('first', 'second'):
+            point = getattr(dyad, place)
+            of = 'the ground' if point.link == GROUND else f'link {point.link}'
+            found += [(Length(f'{dyad.name}.{place}.{name}', f'of a point of {of}', True), value)
+                      for name, value in (('along', point.along), ('across', point.across))]
+        found += [(Length(f'{dyad.name}.{name}', f'of dyad {dyad.name}', name == 'offset'),
+                   getattr(dyad, name)) for name in DIMENSIONS[dyad.kind] if name not in ANGLES]
+    return [(length, value) for length, value in found if value]
+
+
+@cache
+def record_type(name: str, fields: tuple[str, ...]) -> Any:
+    """Return the type of this name with these fields, the same one each time."""
+    base: Any = namedtuple(name, fields)       # type: ignore[misc]  # noqa: PYI024
+
+    def reduce(self: Any) -> tuple[Any, ...]:
+        return restored, (name, fields, tuple(self))
+
+    return type(name, (base,), {'__slots__': (), '__reduce__': reduce, '__module__': __name__})
+
+
+def restored(name: str, fields: tuple[str, ...], values: tuple[Any, ...]) -> Any:
+    """Return a record that was taken apart."""
+    return record_type(name, fields)._make(values)

@@ -1,0 +1,129 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Closings: numbers whose signs tell whether dyads can be assembled.
+
+A dyad closes where its *closing* is positive, a number without unit that vanishes at its toggles.
+That of a pair is in :mod:`.pairs`; of others
+
+    (R1)  RRR: ((r1 + r2)^2 - q)(q - (r1 - r2)^2) / (r1 + r2)^4
+    (R2)  RRP: (r1 - h)(r1 + h) / r1^2        RPR: (|d|^2 - h^2) / (|d|^2 + (a length)^2)
+    (R3)  PRP: t1 x t2, which may have either sign: a range ends where the lines are parallel
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from fourbar_ros.mechanisms.machine.describe.description import (
+    CYLINDER,
+    Numbers,
+    PRP,
+    RPR,
+    RRP,
+    RRR,
+)
+from fourbar_ros.mechanisms.machine.describe.layout import Layout, Stage
+from fourbar_ros.mechanisms.machine.solve.dyads import Curve, turned
+from fourbar_ros.mechanisms.machine.solve.frames import Frames
+from fourbar_ros.mechanisms.machine.solve.motion import make_driver
+from fourbar_ros.mechanisms.machine.solve.pairs import Closure, make_moves
+from fourbar_ros.numerics.number_types import converted, Function, NumberType, Scalar
+
+CLOSING = (RRR, RRP, RPR, PRP)     # kinds that do not close at any input
+Closing = Callable[[Any], Any]      # of an input, returns the closings of some dyads
+
+
+def make_closing(n: NumberType, stage: Stage, own: Numbers) -> Function:
+    """Return the function (D or its like, curves of the links it hangs on) -> closing."""
+    if stage.pair:
+        of_pair = Closure(stage, own).make_closing(n)
+        return lambda way, _first, _second: of_pair(way)
+    kind, sizes = stage.kind, own.sizes
+    size = sum(map(abs, (*own.p, *own.q, *sizes)), start=0.0)
+
+    def closing(apart: Sequence[Scalar], first: Curve, second: Curve) -> Scalar:
+        if kind == PRP:
+            (x1, y1), (x2, y2) = turned(first, *sizes[:2])[:2], turned(second, *sizes[2:])[:2]
+            return x1 * y2 - y1 * x2
+        x, y = apart[:2]
+        q = x * x + y * y
+        if kind == RRR:
+            r1, r2 = sizes
+            outer, inner = (r1 + r2) * (r1 + r2), (r1 - r2) * (r1 - r2)
+            return (outer - q) / outer * ((q - inner) / outer)
+        if kind == RRP:
+            t_x, t_y = turned(second, *sizes[1:])[:2]
+            h = (y * t_x - x * t_y) / sizes[0]
+            return (1.0 - h) * (1.0 + h)
+        return (q - sizes[0] * sizes[0]) / (q + size * size)
+    return closing
+
+
+def make_closings(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
+                  signs: Sequence[Scalar], count: int) -> Closing:
+    """Return input -> closings of the first ``count`` dyads; 1 of those that have none."""
+    given = converted(tuple(numbers), n.number)
+    return _make_along(n, layout, given, signs, count, [
+        make_closing(n, stage, own if stage.pair else other)
+        if has_toggles(stage, own) else None
+        for stage, own, other in zip(layout.stages, numbers, given)])
+
+
+def make_squares(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
+                 signs: Sequence[Scalar]) -> Function:
+    """Return input -> {number of a dyad: |D|^2, scaled}; where one is zero, links have a pole."""
+    asked: dict[int, Function] = {}
+    for number, (stage, own) in enumerate(zip(layout.stages, numbers)):
+        if stage.kind in (RRR, RPR) and stage.name != CYLINDER:
+            asked[number] = _make_square(n, stage, own)
+    along = _make_along(n, layout, numbers, signs, len(layout.stages),
+                        [asked.get(number) for number in range(len(layout.stages))])
+
+    def squares(x: Scalar) -> dict[int, Scalar]:
+        found = along(x)
+        return {number: found[number] for number in asked}
+    return squares
+
+
+def _make_square(n: NumberType, stage: Stage, own: Numbers) -> Function:
+    if stage.pair:
+        of_pair = Closure(stage, own).make_square(n)
+        return lambda way, _first, _second: of_pair(way)
+    size = sum(map(abs, (*own.p, *own.q, *own.sizes)), start=0.0)
+    return lambda apart, _first, _second: (
+        (apart[0] * apart[0] + apart[1] * apart[1]) / (size * size))
+
+
+def make_places(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
+                signs: Sequence[Scalar], count: int) -> Closing:
+    """Return input -> how far a pair, the last of some dyads, is beside a flat position."""
+    place = Closure(layout.stages[count - 1], numbers[count - 1]).make_place(n)
+    given = converted(tuple(numbers), n.number)
+    along = _make_along(n, layout, given, signs, count,
+                        [None] * (count - 1) + [lambda way, _first, _second: place(way)])
+    return lambda x: along(x)[-1]
+
+
+def _make_along(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
+                signs: Sequence[Scalar], count: int, asked: Sequence[Function | None]) -> Closing:
+    """Return input -> what is asked of each of the first dyads as it hangs; 1 of the others."""
+    driver, frames = make_driver(n, layout, numbers, signs), Frames(layout, numbers)
+    work = list(zip(make_moves(n, layout, numbers, signs), asked))[:count]
+
+    def along(x: Scalar) -> list[Scalar]:
+        poses, found = frames.begin(driver(x)), []
+        for number, (moves, ask) in enumerate(work):
+            hung = frames.hang(number, poses)
+            found.append(ask(*hung[2:]) if ask else 1.0)
+            if len(found) < count:
+                frames.add(number, poses, moves(*hung))
+        return found
+    return along
+
+
+def has_toggles(stage: Stage, own: Numbers) -> bool:
+    """Return whether a dyad has toggles, at real or at complex inputs."""
+    if stage.pair:
+        return Closure(stage, own).has_toggles
+    return stage.kind in CLOSING and stage.name != CYLINDER

@@ -1,0 +1,351 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Where a machine closes: the limits of its input, toggles there, the modes beyond them.
+
+Where the dyad RRR between crank and ground is in line the crank turns back, and the dyad's link on
+the ground goes on. Driven at that link (:class:`SeenFromLink`), the rod and the crank are a dyad
+themselves, from the pin B of the rods to O1:
+
+    (O1)  B = Q + a3 e(p);   RRR of the rod, from B to P, and the crank, from O1 to P
+
+All other dyads hang as before.
+"""
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from math import hypot, pi, remainder
+from typing import Any, ClassVar, NamedTuple
+
+from fourbar_ros.errors import FourBarError, InvalidParameter, Toggle
+from fourbar_ros.mechanisms.checks import STROKE, two_numbers
+from fourbar_ros.mechanisms.contract import CRANK, CROSSED, of_geometry, OPEN, SLIDE
+from fourbar_ros.mechanisms.machine.describe.description import (
+    Dyad,
+    Numbers,
+    OF_ONE_MODE,
+    RRR,
+)
+from fourbar_ros.mechanisms.machine.describe.layout import Layout
+from fourbar_ros.mechanisms.machine.limits.closings import make_closings
+from fourbar_ros.mechanisms.machine.limits.ranges import (
+    Bound,
+    Closings,
+    DOUBLE,
+    find_ranges,
+    flat_place,
+    Limit,
+    SAME,
+)
+from fourbar_ros.mechanisms.machine.solve.dyads import (
+    between,
+    Curve,
+    Driven,
+    FIXED,
+    make_rrr,
+    ORIGIN,
+)
+from fourbar_ros.mechanisms.machine.solve.frames import Frames
+from fourbar_ros.mechanisms.machine.solve.motion import EXACT
+from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.mechanisms.points import point_of
+from fourbar_ros.numerics.laurent import Laurent
+from fourbar_ros.numerics.number_types import Function, NumberType, REAL
+
+LIMIT, FLAT_LIMIT, FLAT, TOGGLE, POLE = 'limit', 'flat limit', 'flat', 'toggle', 'pole'
+# How near another one is the same: a double root is found beside it as far as the root of its
+# rounding error.
+SAME_AS = {LIMIT: SAME, FLAT_LIMIT: DOUBLE, FLAT: DOUBLE}
+
+
+class Singularity(NamedTuple):
+    """
+    An input at which a dyad of a machine is in line [rad or m].
+
+    ``kind``: 'limit', an end of a range, or 'flat limit', one that is a change point; 'flat', a
+    change point through which the motion goes on; off the real inputs 'toggle', or 'pole' where
+    the ends of a dyad meet.
+    """
+
+    input: complex
+    kind: str
+
+
+class WithLimits(Mechanism):
+    """What a machine, by its ``layout``, ``stages`` and their ``signs``, knows of its limits."""
+
+    dyads: tuple[Dyad, ...]
+    # set for each one when it is made; no fields
+    layout: ClassVar[Layout]
+    numbers: tuple[Numbers, ...]
+
+    @property
+    @abstractmethod
+    def stages(self) -> tuple[Dyad, ...]:
+        """Return all dyads; a cylinder is one whose slide is driven, and the first."""
+
+    @property
+    @abstractmethod
+    def signs(self) -> tuple[float, ...]:
+        """Return the assembly modes of all dyads as +-1."""
+
+    def require_closing(self) -> None:
+        """Refuse a machine that cannot be assembled at any input."""
+        name = self._closings.stopped
+        if name:
+            one, other = next((dyad.first.link, dyad.second.link) for dyad in self.stages
+                              if dyad.name == name)
+            why = (f': it hangs on {one} alone, so no input moves its ends' if one == other else
+                   '' if name == self.dyads[0].name else ' at which those before it do')
+            raise InvalidParameter(f'dyads.{name}', None, f'cannot close at any input{why}')
+
+    @of_geometry
+    def _closings(self) -> Closings:
+        size = sum(map(abs, self.lengths))
+        stroke = two_numbers('stroke', self.stroke, STROKE) if self.stroke is not None else ()
+        far = 2.0 * max([size, *map(abs, stroke)])
+        found = find_ranges(self.layout, self.numbers, self.signs, (-far, far), self.input_unit)
+        if self.input == SLIDE and self.stroke is None and any(
+                bound is not None and far in map(abs, (bound[0].x, bound[1].x))
+                for bound in found.limits):
+            raise InvalidParameter('stroke', self.stroke, 'must be given: no dyad limits the '
+                                                          'slide')
+        return found
+
+    @of_geometry
+    def singularities(self) -> tuple[Singularity, ...]:
+        """Return where a dyad is in line: real inputs, then complex ones near ranges."""
+        real = [Singularity(complex(end.x), FLAT_LIMIT if end.is_flat else LIMIT)
+                for end in self._ends]
+        real += [Singularity(complex(x), FLAT) for x in self.flat_inputs]
+        # where slides become parallel |sine| has a minimum too, at a real input
+        return (*real, *[Singularity(z, kind) for kind, searches in (
+            (TOGGLE, self._closings.near), (POLE, self._closings.poles))
+            for search in searches for z in search()
+            if all(abs(self.distance(z.real, one.input.real) + 1j * z.imag)
+                   > SAME_AS[one.kind] * self.input_unit for one in real)])
+
+    @property
+    def singular_inputs(self) -> list[complex]:
+        """Return the inputs of :attr:`singularities`."""
+        return [one.input for one in self.singularities]
+
+    @property
+    def flat_inputs(self) -> tuple[float, ...]:
+        """Return the inputs of change points through which the motion goes on [rad or m]."""
+        return tuple(self._closings.flats)
+
+    @property
+    def flat_limits(self) -> tuple[float, ...]:
+        """Return the ends of :attr:`closing_ranges` that are change points [rad or m]."""
+        return tuple([end.x for end in self._ends if end.is_flat])
+
+    def flat_place(self, place: float) -> Laurent:
+        """Return the input of a flat position [rad or m] in many digits, a constant series."""
+        pairs = self._flat_pairs_at(place)
+        return flat_place(self.layout, self.numbers, self.signs,
+                          min(pairs) if pairs else self._stage_at(place), place)
+
+    @property
+    def closing_ranges(self) -> tuple[tuple[float, float], ...]:
+        """Return the ranges of the input in which all dyads close [rad or m]."""
+        return tuple([(-pi, pi) if bound is None else (bound[0].x, bound[1].x)
+                      for bound in self._closings.limits])
+
+    def without_stroke(self) -> Any:
+        """Return the same machine without a stroke, or with one ten times as long."""
+        try:
+            return super().without_stroke()
+        except InvalidParameter:        # no dyad limits the slide
+            low, high = self.stroke
+            reach = 4.5 * (high - low)
+            return replace(self, stroke=(low - reach, high + reach))
+
+    @property
+    def limits(self) -> tuple[Bound, ...]:
+        """Return (low, high) of each range, with the dyads at toggles; None: full turns."""
+        return self._closings.limits
+
+    @property
+    def margins(self) -> tuple[float, ...]:
+        """Return nothing: change points of a machine are not differences of lengths."""
+        return ()
+
+    @property
+    def change_point_margin(self) -> float:
+        """Return the distance of the nearest complex toggle from a range, over its size."""
+        if self.flat_inputs or self.flat_limits:
+            return 0.0
+        return min([abs(one.input.imag) / self.input_unit for one in self.singularities
+                    if one.kind == TOGGLE], default=1.0)
+
+    @property
+    def is_flat_at_zero(self) -> bool:
+        """Return whether input 0 is a flat position."""
+        return 0.0 in self.flat_inputs
+
+    @property
+    def modes(self) -> dict[int, str]:
+        """
+        Return {mode: its name}: the modes of the dyads that have two.
+
+        With change points also those in which the machine goes on through its flat positions.
+        """
+        modes = dict.fromkeys([self.mode, *map(self.mode_beyond, self.flat_inputs)])
+        return {one.mode: ', '.join(f'{dyad.name} {dyad.mode}' for dyad in one.stages
+                                    if dyad.kind not in OF_ONE_MODE) or 'one'
+                for one in map(self.in_mode, modes)}
+
+    def mode_beyond(self, limit: float) -> int:
+        """Return the mode into which quantities go on smoothly at a toggle, a flat position."""
+        passed = self._flat_pairs_at(limit)
+        if not passed:
+            number = self._stage_at(limit)
+            if self.stages[number].kind in OF_ONE_MODE:     # goes on in x, not in its root
+                return self.mode
+            passed = frozenset({number})
+        return 1 + ((self.mode - 1) ^ sum(1 << number for number in passed))
+
+    @property
+    def modes_passed(self) -> tuple[int, ...]:
+        """Return the modes between which a motion goes on: at flat positions and toggles."""
+        ends = [end.x for end in self._ends if end.dyad]
+        return tuple(sorted({*self.modes, *map(self.mode_beyond, ends)}))
+
+    def driven_otherwise(self) -> tuple[SeenFromLink, ...]:
+        """Return the machine driven at its link on the ground, if the crank turns back by it."""
+        names = {end.dyad for end in self._ends}
+        dyads = [i for i, dyad in enumerate(self.stages) if {dyad.name} == names]
+        if self.input != CRANK or not dyads or not can_drive(self.stages[dyads[0]],
+                                                             self.layout.driven):
+            return ()
+        return tuple([SeenFromLink(self.layout, self.numbers, self.signs, dyads[0], mode)
+                      for mode in (CROSSED, OPEN)])
+
+    @property
+    def _ends(self) -> list[Limit]:
+        return [end for bound in self.limits if bound for end in bound]
+
+    def _flat_pairs_at(self, place: float) -> frozenset[int]:
+        """Return the numbers of the pairs that lie flat at an input, through which motion goes."""
+        return next((pairs for flat, pairs in self._closings.flats.items()
+                     if abs(self.distance(place, flat)) < SAME * self.input_unit), frozenset())
+
+    def _stage_at(self, place: float) -> int:
+        """Return the number of the dyad at the limit next to an input."""
+        end = min(self._ends, key=lambda end: abs(self.distance(place, end.x)))
+        return [dyad.name for dyad in self.stages].index(end.dyad)
+
+    def _why_no_motion(self, position: float) -> FourBarError:
+        """Return the error for an input at which a dyad does not close, or is at its toggle."""
+        error = super()._why_no_motion(position)
+        unit = self.input_coordinate.unit
+        if isinstance(error, Toggle):
+            pairs = self._closings.flats.get(position)
+            return Toggle(error.name, position, unit, self.stages[
+                min(pairs) if pairs else self._stage_at(position)].name)
+        place, turns = position, [0.0]
+        if not self.is_driven_by_slide:
+            place, turns = remainder(position, 2.0 * pi), [-2.0 * pi, 0.0, 2.0 * pi]
+        if self.is_in_stroke(position) and any(
+                low <= place + turn <= high for low, high in self.closing_ranges
+                for turn in turns):
+            return Toggle(self.input_coordinate.position, position, unit, self._dyad_at(place))
+        return error
+
+    def _dyad_at(self, position: float) -> str:
+        """Return the dyad that cannot be solved at an input."""
+        for number in range(len(self.stages) - 1):
+            try:
+                make_closings(REAL, self.layout, self.numbers, self.signs, number + 2)(position)
+            except (ValueError, ZeroDivisionError):
+                return self.stages[number].name
+        return self.stages[-1].name
+
+
+def can_drive(dyad: Dyad, driven: str) -> bool:
+    """Return whether a dyad is one between the driven crank and the ground, away from O1."""
+    ends = {dyad.first.link: dyad.first, dyad.second.link: dyad.second}
+    return (dyad.kind == RRR and set(ends) == {driven, GROUND}
+            and any(ends[driven][1:]) and any(ends[GROUND][1:]))
+
+
+class SeenFromLink:
+    """
+    A machine whose coordinate p is the angle of a link on the ground [rad].
+
+    Parameters
+    ----------
+    layout, numbers, signs
+        As for :func:`.motion.make_motion`.
+    number : int
+        Of the dyad whose link on the ground it is.
+    mode : int
+        2: from the rod, B to P, to the crank, O1 to P, one turns left by less than pi; 1: right.
+
+    """
+
+    change_point_margin, input_unit, is_driven_by_slide, turns_fully = 1.0, 1.0, False, False
+
+    def __init__(self, layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float],
+                 number: int, mode: int) -> None:
+        self._layout, self._numbers, self._signs = layout, numbers, signs
+        self._number, self.mode = number, mode
+        stage = layout.stages[number]
+        self._turns_first = stage.second == 0
+        self._link = stage.number - 1 + int(self._turns_first)     # among the moving ones
+
+    def in_mode(self, mode: int) -> SeenFromLink:
+        """Return the same in another assembly mode."""
+        return SeenFromLink(self._layout, self._numbers, self._signs, self._number, mode)
+
+    def motion(self, position: float, *_: float) -> Any:
+        """Refuse an angle at which the dyad does not close, which an integrator may try."""
+        link = self._layout.moving[self._link]
+        raise FourBarError(f'theta_{link} = {position!r}: the links do not close')
+
+    def make_coefficients(self, numbers: NumberType) -> Function:
+        """Return p -> coefficients of all links, as those of a mechanism."""
+        inverse, number = self._make_inverse(numbers), self._number
+        frames = Frames(self._layout, self._numbers)
+        work = make_moves(numbers, self._layout, self._numbers, self._signs)
+
+        def coefficients(position: Any) -> list[Curve]:
+            crank, one, two = inverse(position)
+            poses, curves = frames.begin(Driven(crank, EXACT)), [crank]
+            for i, moves in enumerate(work):
+                moved = ((one, two, (), 1.0, 0.0, {}) if i == number
+                         else moves(*frames.hang(i, poses)))
+                curves += frames.add(i, poses, moved)
+            return curves
+        return coefficients
+
+    def _make_inverse(self, n: NumberType) -> Callable[[Any], tuple[Curve, Curve, Curve]]:
+        """Return p -> curves of the crank and of both links of the dyad, (O1)."""
+        own, turns_first = self._numbers[self._number], self._turns_first
+        pin, at_q, (rod, output) = own.p, own.q, own.sizes
+        if not turns_first:
+            pin, at_q, rod, output = at_q, pin, output, rod
+        length = hypot(*pin)
+        moves = make_rrr(n, 1.0 if self.mode == 2 else -1.0, rod, length)
+        sin, cos, c0, s0 = n.sin, n.cos, pin[0] / length, pin[1] / length
+
+        def inverse(p: Any) -> tuple[Curve, Curve, Curve]:
+            driven = (*point_of(FIXED, *at_q), cos(p), sin(p), 1.0, 0.0)
+            at_b = point_of(driven, output, 0.0)
+            (*_, c1, s1, d_rod, dd_rod), (*_, c2, s2, turn, bend), *_ = moves(
+                at_b, ORIGIN, between(at_b, ORIGIN), FIXED, FIXED)
+            crank = (*ORIGIN, c2 * c0 + s2 * s0, s2 * c0 - c2 * s0, turn, bend)
+            coupler = (*point_of(crank, *pin), -c1, -s1, d_rod, dd_rod)
+            return crank, *((coupler, driven) if turns_first else (driven, coupler))
+        return inverse
+
+    def read_coordinate(self, numbers: NumberType,
+                        curves: Sequence[Curve]) -> tuple[Any, Any, Any]:
+        """Return p in (-pi, pi] and its two derivatives from coefficients of the links."""
+        *_, cosine, sine, turn, bend = curves[self._link]
+        return numbers.atan2(sine, cosine), turn, bend

@@ -1,0 +1,521 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Where a machine can be assembled: the ranges of its input, dyad by dyad.
+
+Within the range of the dyads before it, a closing (:mod:`.closings`) is analytic in phi, with x =
+middle + half sin(phi) between two toggles. It is sampled with its derivative (a complex step) and
+halved until the cubic through both ends of each piece predicts the middle; a piece whose cubic
+comes near zero is halved on. Signs that change are then halved to the last bit of the input. This
+finds every range that is wider than the last pieces, some 1e-10 of the whole, and proves nothing.
+
+Change points. Of a pair (:mod:`.pairs`) exact sums of lengths tell whether it closes through one;
+where it then lies flat, motion goes on with all its digits. Of other dyads a closing has a
+positive minimum, a double root, or a pair of roots: a minimum below :data:`DOUBTFUL` is decided in
+many digits, as the value of
+
+    (R4)  v = c0 - c1^2 / (4 c2),   c0, c1, c2: first terms of the closing's series at the minimum
+
+A double root is a limit of the range, on both sides, where the dyad is at a toggle.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from decimal import Decimal
+from functools import partial
+from math import inf, nextafter, pi
+from typing import Any, NamedTuple
+
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanisms.machine.describe.description import CYLINDER, Numbers, PRP
+from fourbar_ros.mechanisms.machine.describe.layout import Layout
+from fourbar_ros.mechanisms.machine.limits.closings import (
+    Closing,
+    has_toggles,
+    make_closings,
+    make_places,
+    make_squares,
+)
+from fourbar_ros.mechanisms.machine.solve.pairs import Closure, other_of
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.laurent import FIRST_TERMS, LAURENT, Laurent, many_digits, series
+from fourbar_ros.numerics.number_types import COMPLEX, Function, REAL
+import numpy as np
+
+PIECES, MOST_HALVINGS, MOST_SAMPLES = 96, 26, 2**15
+STEP = 2.0**-200                 # complex step
+# [rad] a full turn is sampled from this beyond -pi, where symmetric machines lie flat
+SEAM = 0.01234
+MISFIT, ROUNDING = 1e-4, 2.0**-47
+NEWTON_STEPS = 12
+# Minima of a closing below this are decided in many digits: its noise is less than 1e-15, that of
+# a minimum between samples whose cubics hold less than 1e-6.
+DOUBTFUL = 1e-5
+# What is left of a double root in many digits. No margin of data that are floats was met between.
+NO_MARGIN = Decimal('1e-40')
+SAME = 1e-12      # [rad], or of the unit of a slide: flat positions of several dyads are one
+DOUBLE = 2.0**-20       # the same: so far a double root is found beside where it is
+
+
+class Limit(NamedTuple):
+    """
+    An end of a range: the input, and the dyad that is at a toggle there, if one is.
+
+    ``is_flat``: it is a change point, the same limit of the ranges on both sides.
+    """
+
+    x: float
+    dyad: str
+    is_flat: bool = False
+
+    def turned(self, turns: float = 1.0) -> Limit:
+        """Return the same some turns later."""
+        return self._replace(x=self.x + 2.0 * pi * turns)
+
+
+Bound = tuple[Limit, Limit] | None      # the ends of a range; None: a full turn
+Near = Callable[[], list[complex]]
+
+
+class Closings(NamedTuple):
+    """
+    The ranges in which dyads close.
+
+    ``limits`` has (low, high) of each, None of a full turn; ``near``: functions that return
+    complex inputs next to the ranges at which some dyad is in line; ``stopped``: the first dyad
+    that closes nowhere, or ''; ``flats``: {input: numbers of the pairs that lie flat there}, where
+    the motion goes on; ``poles``: as ``near``, of inputs at which the ends of a dyad meet.
+    """
+
+    limits: tuple[Bound, ...]
+    near: tuple[Near, ...]
+    stopped: str = ''
+    flats: dict[float, frozenset[int]] = {}
+    poles: tuple[Near, ...] = ()
+
+
+def find_ranges(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float],
+                bounds: tuple[float, float], unit: float) -> Closings:
+    """
+    Return where all dyads of a layout close.
+
+    Parameters
+    ----------
+    layout, numbers, signs
+        As for :func:`.motion.make_motion`.
+    bounds : tuple of 2 floats
+        For a driven slide: where to search [m].
+    unit : float
+        Of the input.
+
+    Raises
+    ------
+    InvalidParameter
+        The closing of a dyad changes so much that its ranges cannot be told.
+
+    """
+    search = _Search(layout, numbers, signs, unit)
+    if layout.driver == 'crank':
+        limits: list[Bound] = [None]
+    else:
+        low, high = bounds
+        if layout.driver == CYLINDER:
+            rho, b = numbers[0].shape
+            low, high = abs(rho - b), rho + b
+        name = CYLINDER if layout.driver == CYLINDER else ''
+        limits = [(Limit(low, name), Limit(high, name))]
+    near: list[Near] = []
+    every = make_closings(COMPLEX, layout, numbers, signs, len(layout.stages))
+    screens: dict[Bound, dict[int, Near]] = {}
+    flats: dict[float, frozenset[int]] = {}
+    for count, (stage, own) in enumerate(zip(layout.stages, numbers)):
+        closure = Closure(stage, own) if stage.pair else None
+        if closure and closure.is_impossible:
+            return Closings((), (), stage.name)
+        if has_toggles(stage, own):
+            found: list[Bound] = []
+            for bound in limits:
+                if bound not in screens:
+                    screens[bound] = _screen(bound, layout, numbers, every)
+                parts, minima = [bound], screens[bound].get(count)
+                if minima is None:
+                    parts, minima = search.split(bound, count)
+                found += parts
+                near.append(minima)
+            limits = found
+            if not limits:
+                return Closings((), (), stage.name)
+        if closure and closure.flats:
+            flats = search.with_flats(flats, closure, limits, count)
+    return Closings(tuple(limits), tuple(near), flats=dict(sorted(flats.items())),
+                    poles=tuple([partial(search.poles, bound) for bound in limits]))
+
+
+class _Path(NamedTuple):
+    """The inputs between two limits, or of a full turn, by phi."""
+
+    low: float
+    high: float
+    is_closed: bool
+
+    @classmethod
+    def of(cls, bound: Bound) -> _Path:
+        if bound is None:
+            return cls(-pi, pi, True)
+        return cls(bound[0].x, bound[1].x, False)
+
+    def to_input(self, phi: Any) -> Any:
+        if self.is_closed:
+            return phi
+        half = 0.5 * (self.high - self.low)
+        return np.where(phi.real < 0.0, self.low + 2.0 * half * np.sin(0.5 * (phi + 0.5 * pi))**2,
+                        self.high - 2.0 * half * np.sin(0.5 * (0.5 * pi - phi))**2)
+
+    def start(self) -> Array:
+        """Return phi in equal steps; without a toggle at either end, where it is singular."""
+        if self.is_closed:
+            return np.linspace(-pi, pi, PIECES + 1) + SEAM
+        return 0.5 * pi * np.sin(0.5 * pi * np.linspace(-1.0, 1.0, PIECES + 1)) * (1.0 - 1e-7)
+
+
+def flat_place(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float], number: int,
+               x: float) -> Laurent:
+    """
+    Return the input near x at which a dyad lies flat, in many digits.
+
+    Of a pair where it does, of others where their closing is least: a double root.
+    """
+    with many_digits():
+        count, is_pair = number + 1, layout.stages[number].pair is not None
+        places = make_places(LAURENT, layout, numbers, signs, count) if is_pair else make_closings(
+            LAURENT, layout, numbers, signs, count)
+        at = Decimal(x)
+        for _ in range(NEWTON_STEPS):
+            terms = series(places(series(at) + FIRST_TERMS)[0 if is_pair else -1])
+            c0, c1, c2 = [terms.coefficient(i) for i in range(3)]
+            step = c0 / c1 if is_pair else c1 / (2 * c2)
+            at -= step
+            if abs(step) < NO_MARGIN * max(abs(at), Decimal(1)):
+                break
+        return series(at)
+
+
+def _screen(bound: Bound, layout: Layout, numbers: Sequence[Numbers],
+            every: Closing) -> dict[int, Near]:
+    """
+    Return {number of a dyad: what is near it} of those that need no closer look.
+
+    With one evaluation of all: on a grid and between, cubics hold and stay away from zero.
+    """
+    path = _Path.of(bound)
+    phi = path.start()
+    middle = 0.5 * (phi[1:] + phi[:-1])
+    with np.errstate(all='ignore'):
+        closings = every(path.to_input(np.concatenate((phi, middle)) + 1j * STEP))
+    clean: dict[int, Near] = {}
+    for number, (stage, own, closing) in enumerate(zip(layout.stages, numbers, closings)):
+        if not has_toggles(stage, own):
+            continue
+        both = closing + np.zeros(phi.size + middle.size, complex)
+        value, slope = both.real, both.imag / STEP
+        if stage.kind == PRP and value[0] < 0.0:
+            value, slope = -value, -slope
+        ends, inner = (value[:phi.size], slope[:phi.size]), (value[phi.size:], slope[phi.size:])
+        doubtful = _doubtful(ends, inner, np.arange(middle.size), phi[1:] - phi[:-1])
+        if not (value > 0.0).all() or doubtful.any() or (
+                stage.pair is None and stage.kind != PRP and _minima(phi, *ends)):
+            break            # what hangs on it is not known either
+        clean[number] = partial(_near, every, number, path, phi, *ends)
+    return clean
+
+
+def _near(closings: Closing, number: int, path: _Path, phi: Array, value: Array,
+          slope: Array) -> list[complex]:
+    """Return the complex toggles of a dyad next to the minima between samples."""
+    is_open = value > 0.0
+    return [z for i in np.flatnonzero((slope[:-1] <= 0.0) & (slope[1:] > 0.0)
+                                      & is_open[:-1] & is_open[1:])
+            for z in _complex_toggle(lambda x: closings(x)[number], path, phi[i:i + 2],
+                                     value[i:i + 2], slope[i:i + 2])]
+
+
+def _minima(phi: Array, value: Array, slope: Array) -> list[tuple[float, Array]]:
+    """Return the minima below :data:`DOUBTFUL`, each with the samples that it leaves in doubt."""
+    found: list[tuple[float, Array]] = []
+    for i in np.flatnonzero((slope[:-1] <= 0.0) & (slope[1:] > 0.0)):
+        curve = (slope[i + 1] - slope[i]) / (phi[i + 1] - phi[i])
+        at = phi[i] - slope[i] / curve
+        least = value[i] - 0.5 * slope[i] * slope[i] / curve
+        inner = np.flatnonzero(np.abs(phi - at) < np.sqrt(4.0 * (DOUBTFUL + abs(least)) / curve))
+        if abs(least) < DOUBTFUL and not any(np.isin(inner, other).any() for _, other in found):
+            found.append((at, inner))
+    return found
+
+
+class _Search:
+    """Of the ranges of a machine: what :func:`find_ranges` asks for one dyad."""
+
+    def __init__(self, layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float],
+                 unit: float) -> None:
+        self._machine, self._unit = (layout, numbers, signs), unit
+
+    def split(self, bound: Bound, number: int) -> tuple[list[Bound], Near]:
+        """Return the parts of a range in which one more dyad closes, and what is near it."""
+        stage = self._machine[0].stages[number]
+        in_complex, in_floats = [make_closings(n, *self._machine, number + 1)
+                                 for n in (COMPLEX, REAL)]
+        path, is_signed = _Path.of(bound), stage.kind == PRP
+
+        phi, value, slope = _resolved(path.start(), _sampled(
+            lambda x: in_complex(x)[-1], path), stage.name)
+        flats = [] if is_signed or stage.pair else self._minima(number, path, phi, value, slope)
+        is_open = value > 0.0
+        if stage.pair and not Closure(stage, self._machine[1][number]).has_limits:
+            is_open[:] = True
+        for inner, _ in flats:
+            is_open[inner] = True            # their signs are noise; what is known is added below
+        changes = np.flatnonzero(is_open[1:] != is_open[:-1])
+        ends = []
+        for i in changes:
+            low, high = path.to_input(phi[i:i + 2]).tolist()
+            ends.append(Limit(_root(lambda x: in_floats(x)[-1], low, high, bool(is_open[i])),
+                              stage.name))
+        if is_signed:
+            value, slope = np.abs(value), np.where(is_open, slope, -slope)
+        for inner, limits in flats:
+            value[inner] = -1.0 if limits else value[inner]      # limits are known already
+        near = partial(_near, in_complex, -1, path, phi, value, slope)
+        both = [Limit(x, stage.name, len(set(pair)) == 1) for _, pair in flats for x in pair]
+        if not (ends or both):
+            return ([bound] if is_open.all() or is_signed else []), near
+        if is_signed:
+            return list(_between_all(bound, ends)), near
+        ends = sorted(ends + both, key=lambda end: end.x)
+        if path.is_closed:
+            if is_open[0]:       # the first part began before the first sample
+                ends.append(ends.pop(0).turned())
+            return [(low.turned(-1.0), high.turned(-1.0)) if low.x > pi else (low, high)
+                    for low, high in zip(ends[::2], ends[1::2])], near
+        assert bound is not None
+        ends = [bound[0]] * bool(is_open[0]) + ends + [bound[1]] * bool(is_open[-1])
+        return list(zip(ends[::2], ends[1::2])), near
+
+    def _minima(self, number: int, path: _Path, phi: Array, value: Array,
+                slope: Array) -> list[tuple[Array, tuple[float, ...]]]:
+        """
+        Return of minima near zero the samples too near to tell, and the limits below and above.
+
+        These are equal at a double root; a positive minimum has none.
+        """
+        return [(inner, self._decided(number, float(path.to_input(np.array([at]))[0])))
+                for at, inner in _minima(phi, value, slope)]
+
+    def _decided(self, number: int, x: float) -> tuple[float, ...]:
+        """Return the limits beside a minimum of a closing near x; () if there are none, (R4)."""
+        with many_digits():
+            closings = make_closings(LAURENT, *self._machine, number + 1)
+
+            def terms(at: Decimal) -> list[Decimal]:
+                closing = closings(series(at) + FIRST_TERMS)[-1]
+                return [closing.coefficient(i) for i in range(3)]
+
+            at = flat_place(*self._machine, number, x).coefficient(0)
+            c0, c1, c2 = terms(at)
+            least = c0 - c1 * c1 / (4 * c2)
+            if least > NO_MARGIN:
+                return ()
+            if least > -NO_MARGIN:
+                return float(at), float(at)
+            limits = []
+            for half, side in ((-(-least / c2).sqrt(), -inf), ((-least / c2).sqrt(), inf)):
+                root = at + half
+                for _ in range(NEWTON_STEPS):
+                    c0, c1, _ = terms(root)
+                    root -= c0 / c1
+                    if abs(c0) < NO_MARGIN * abs(c1):
+                        break
+                limit = float(root)
+                is_beyond = Decimal(limit) >= root if half > 0 else Decimal(limit) <= root
+                limits.append(limit if is_beyond
+                              else nextafter(limit, side))
+            return tuple(limits)
+
+    def poles(self, bound: Bound) -> list[complex]:
+        """Return the complex inputs near a range at which the ends of a dyad meet."""
+        path, squares = _Path.of(bound), make_squares(COMPLEX, *self._machine)
+        phi = path.start()
+        middle = 0.5 * (phi[1:] + phi[:-1])
+        both = np.concatenate((phi, middle))
+        with np.errstate(all='ignore'):
+            rows = squares(path.to_input(both + 1j * STEP))
+        found: list[complex] = []
+        for number, row in rows.items():
+            row = row + np.zeros(both.size)
+            value, slope = row.real, row.imag / STEP
+            samples = phi, value[:phi.size], slope[:phi.size]
+            inner = value[phi.size:], slope[phi.size:]
+            if _doubtful(samples[1:], inner, np.arange(middle.size), phi[1:] - phi[:-1]).any():
+                samples = _resolved(phi, _sampled(lambda x: squares(x)[number], path),  # noqa: B023
+                                    self._machine[0].stages[number].name)
+            # of a chain of equal loops one is enough
+            with np.errstate(all='ignore'):
+                known = any(np.abs(squares(np.array([z]))[number]).min() < DOUBLE**2
+                            for z in found)
+            if not known:
+                found += _near(squares, number, path, *samples)
+        return found
+
+    def with_flats(self, flats: dict[float, frozenset[int]], closure: Closure,
+                   limits: Sequence[Bound], number: int) -> dict[float, frozenset[int]]:
+        """Return flat positions with those of one more pair."""
+        stage = self._machine[0].stages[number]
+        assert stage.pair is not None
+        other = other_of(stage)
+        if {stage.pair.frame, other} == {0, 1} and self._machine[0].driver != CYLINDER:
+            found = [closure.input_at(flat, other == 1) for flat in closure.flats]
+            found = [x for x in found if any(
+                bound is None or bound[0].x < x + turn < bound[1].x for bound in limits
+                for turn in ((0.0,) if closure.slides else (-2.0 * pi, 0.0, 2.0 * pi)))]
+        else:
+            found = [x for bound in limits for x in self._flats_between(
+                bound, closure.flats, number, flats)]
+        joined = dict(flats)
+        for x in found:
+            same = next((place for place in joined if self._distance(x, place) < SAME), x)
+            joined[same] = joined.get(same, frozenset()) | {number}
+        return joined
+
+    def _distance(self, one: float, other: float) -> float:
+        difference = one - other
+        if self._machine[0].driver == 'crank':
+            return abs(difference - 2.0 * pi * round(difference / (2.0 * pi)))
+        return abs(difference) / self._unit
+
+    def _flats_between(self, bound: Bound, signs: Sequence[float],
+                       number: int, known: dict[float, frozenset[int]]) -> list[float]:
+        """Return the inputs of a range at which an inner pair lies flat, to one float."""
+        in_complex, in_floats = [make_places(n, *self._machine, number + 1)
+                                 for n in (COMPLEX, REAL)]
+        low, high = (-pi, pi) if bound is None else (bound[0].x, bound[1].x)
+        turns = (0.0, 2.0 * pi) if self._machine[0].driver == 'crank' else (0.0,)
+        inner = sorted({x + turn for x in known for turn in turns if low < x + turn < high})
+        found = []
+        for x in inner:             # where the motion has a kink it may lie flat without a change
+            beside, ahead = in_floats(x)
+            if abs(beside) < SAME and any(sign * ahead >= 0.0 for sign in signs):
+                found.append(x)
+        name = self._machine[0].stages[number].name
+        for begin, end in zip([low, *inner], [*inner, high]):
+            path = _Path(begin, end, False)
+            phi, value, _ = _resolved(path.start(), _sampled(
+                lambda x: in_complex(x)[0], path), name)
+            if np.abs(value).max() < SAME:
+                continue
+            for i in np.flatnonzero((value[1:] > 0.0) != (value[:-1] > 0.0)):
+                one, other = path.to_input(phi[i:i + 2]).tolist()
+                x = _root(lambda x: in_floats(x)[0], one, other, bool(value[i] > 0.0))
+                if any(sign * in_floats(x)[1] >= 0.0 for sign in signs):
+                    found.append(x)
+        if bound is None and in_floats(pi)[0] * in_floats(-pi)[0] < 0.0 and any(
+                sign * in_floats(pi)[1] >= 0.0 for sign in signs):
+            found.append(pi)
+        return found
+
+
+def _sampled(values: Function, path: _Path) -> Callable[[Array], tuple[Array, Array]]:
+    """Return phi -> values and derivatives of a function of the input."""
+    def sample(phi: Array) -> tuple[Array, Array]:
+        with np.errstate(all='ignore'):
+            value = values(path.to_input(phi + 1j * STEP)) + 0.0 * phi
+        return value.real, value.imag / STEP
+    return sample
+
+
+def _between_all(bound: Bound,
+                 ends: list[Limit]) -> Iterator[tuple[Limit, Limit]]:
+    """Yield the parts between limits of which both sides are open."""
+    every = [*ends, ends[0].turned()] if bound is None else [bound[0], *ends, bound[1]]
+    return zip(every, every[1:])
+
+
+def _resolved(phi: Array, sample: Callable[[Array], tuple[Array, Array]],
+              dyad: str) -> tuple[Array, Array, Array]:
+    """Return phi, values and derivatives, so close that cubics between them hold."""
+    value, slope = sample(phi)
+    pending = np.ones(phi.size - 1, bool)
+    for _ in range(MOST_HALVINGS):
+        i = np.flatnonzero(pending)
+        if not i.size:
+            break
+        if phi.size > MOST_SAMPLES:
+            raise InvalidParameter(f'dyads.{dyad}', None, 'its lengths differ so much from the '
+                                   'others that its ranges cannot be told in floats')
+        width = phi[i + 1] - phi[i]
+        middle = phi[i] + 0.5 * width
+        here, its = sample(middle)
+        doubtful = _doubtful((value, slope), (here, its), i, width)
+        phi, value, slope = (np.insert(old, i + 1, new) for old, new in
+                             ((phi, middle), (value, here), (slope, its)))
+        pending = np.zeros(phi.size - 1, bool)
+        left = i + np.arange(i.size)
+        pending[left] = pending[left + 1] = doubtful
+    return phi, value, slope
+
+
+def _doubtful(ends: tuple[Array, Array], inner: tuple[Array, Array], i: Array,
+              width: Array) -> Array:
+    """Return which pieces ``i`` a cubic does not describe, or that may hide two roots."""
+    (value, slope), (here, its) = ends, inner
+    cubic = 0.5 * (value[i] + value[i + 1]) + 0.125 * width * (slope[i] - slope[i + 1])
+    misfit = np.abs(here - cubic)
+    size = np.maximum(np.abs(value[i]), np.abs(value[i + 1]))
+    halves = [_least(value[i], slope[i], here, its, 0.5 * width),
+              _least(here, its, value[i + 1], slope[i + 1], 0.5 * width)]
+    crosses = (value[i] > 0.0) != (value[i + 1] > 0.0)
+    doubtful: Array = ((misfit > MISFIT * size) | ~np.isfinite(misfit)
+                       | (~crosses & (np.minimum(*halves) < 4.0 * misfit)))
+    doubtful &= (width > 1e-11) & (size > ROUNDING)
+    return doubtful
+
+
+def _least(f0: Array, d0: Array, f1: Array, d1: Array, width: Array) -> Array:
+    """Return the least of |cubic| over a piece, about: zero if it changes its sign."""
+    # at equal steps, and where the slopes of both ends would meet at zero
+    bend = np.where((d0 < 0.0) != (d1 < 0.0), d0 / np.where(d0 == d1, 1.0, d0 - d1), 0.5)
+    t = np.concatenate((np.linspace(0.0, 1.0, 9)[:, None] + 0.0 * bend, bend[None]))
+    cubic = ((1.0 + 2.0 * t) * (1.0 - t)**2 * f0 + t * (1.0 - t)**2 * width * d0
+             + t * t * (3.0 - 2.0 * t) * f1 - t * t * (1.0 - t) * width * d1)
+    least: Array = np.abs(cubic).min(axis=0)
+    return np.where((cubic > 0.0).any(axis=0) != (cubic > 0.0).all(axis=0), 0.0, least)
+
+
+def _root(closing: Closing, low: float, high: float, opens_low: bool) -> float:
+    """Return the last input on the open side, halving to neighbouring floats."""
+    while True:
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            return low if opens_low else high
+        try:
+            is_open = closing(middle) > 0.0
+        except (ValueError, ZeroDivisionError):
+            is_open = False
+        if is_open is opens_low:
+            low = middle
+        else:
+            high = middle
+
+
+def _complex_toggle(closing: Closing, path: _Path, phi: Array, value: Array,
+                    slope: Array) -> list[complex]:
+    """Return the complex input near a minimum at which a closing vanishes; none if far away."""
+    width = phi[1] - phi[0]
+    at = phi[0] - slope[0] * width / (slope[1] - slope[0])
+    z = np.array([at + 1j * np.sqrt(2.0 * value.min() * width / (slope[1] - slope[0]))])
+    h = 2.0**-26
+    with np.errstate(all='ignore'):
+        for _ in range(NEWTON_STEPS):
+            here, there = (closing(path.to_input(w)) for w in (z, z + h * (1.0 + 0.0j)))
+            z = z - here * h / (there - here)
+        x = complex(path.to_input(z)[0])
+    is_near = np.isfinite(x) and x.imag != 0.0 and abs(z[0].imag) < 2.0
+    return [x] if is_near else []

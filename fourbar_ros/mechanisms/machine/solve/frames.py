@@ -1,0 +1,287 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Solve each dyad in the frame of the last link both sides share, so shared motion never enters.
+
+In coordinates of the ground the rates of a dyad between two links on a third one are small
+differences of large ones. So each link has a *frame*, the link from which its motion is simplest:
+the one that carries its slide, or else the last one that moves both links on which its dyad hangs.
+Points P and Q of links that are pinned to each other are
+compared along the arms from one to the other: what is between them does not contain where they
+are. Of links that are joined to each other one is the frame (:mod:`.pairs`).
+
+A link that moves in a frame that moves, at the angle of the frame plus its own, e turned with the
+frame, has
+
+    (K1)  x = X + x_own e,   x' = X' + (x_own' + turn n x_own) e,
+          x'' = X'' + (x_own'' + 2 turn n x_own' + bend n x_own - turn^2 x_own) e
+
+with n the turn by +90 deg.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import reduce
+from operator import add
+from typing import Any
+
+from fourbar_ros.mechanisms.machine.describe.description import (
+    CYLINDER,
+    Numbers,
+    PRP,
+    RPP,
+    RRP,
+)
+from fourbar_ros.mechanisms.machine.describe.layout import Layout, Stage
+from fourbar_ros.mechanisms.machine.solve.dyads import (
+    between,
+    Curve,
+    Direction,
+    Driven,
+    DyadMotion,
+    FIXED,
+    Node,
+    ORIGIN,
+)
+from fourbar_ros.mechanisms.machine.solve.pairs import (
+    anchors_of,
+    HERE,
+    Joints,
+    other_of,
+    Place,
+    Slide,
+    slides_of,
+)
+from fourbar_ros.mechanisms.points import point_of
+from fourbar_ros.numerics.number_types import Scalar
+
+# Of a link whose joint is that of another: (that link, where).
+Anchor = tuple[int, tuple[Scalar, Scalar]]
+Seen = tuple[int, int]        # a link and the frame in which it is seen
+
+
+def composed(frame: Curve, own: Curve) -> Curve:
+    """Return the curve of a link from its own in a frame and that of the frame, (K1)."""
+    x, y, dx, dy, ddx, ddy, c, s, d_angle, dd_angle = own
+    x0, y0, dx0, dy0, ddx0, ddy0, cosine, sine, turn, bend = frame
+    ddx, ddy = (ddx - 2.0 * turn * dy - bend * y - turn * turn * x,
+                ddy + 2.0 * turn * dx + bend * x - turn * turn * y)
+    dx, dy = dx - turn * y, dy + turn * x
+    return (x0 + cosine * x - sine * y, y0 + sine * x + cosine * y,
+            dx0 + cosine * dx - sine * dy, dy0 + sine * dx + cosine * dy,
+            ddx0 + cosine * ddx - sine * ddy, ddy0 + sine * ddx + cosine * ddy,
+            cosine * c - sine * s, sine * c + cosine * s, turn + d_angle, bend + dd_angle)
+
+
+class Poses:
+    """Curves of links in frames, as far as they are known."""
+
+    def __init__(self, base_of: Callable[[int, int], int], driven: Driven) -> None:
+        # (link, frame) -> the link by whose frame the curve is found
+        self._base_of = base_of
+        self.known: dict[Seen, Curve] = {(1, 0): driven.curve}
+        # (a link, another to which it is pinned) -> how the first is turned, seen from the second
+        self.relations: dict[Seen, Direction] = {}
+        # (a link, its carrier) -> slide and its derivatives
+        self.ways: dict[Seen, Sequence[Scalar]] = {(1, 0): driven.way} if driven.way else {}
+        self.of_cylinder = driven.of_cylinder
+
+    def of(self, link: int, frame: int) -> Curve:
+        """Return the curve of a link in one of its frames."""
+        if link == frame:
+            return FIXED
+        found = self.known.get((link, frame))
+        if found is None:
+            base = self._base_of(link, frame)
+            found = composed(self.of(base, frame), self.known[link, base])
+            self.known[link, frame] = found
+        return found
+
+    def pin(self, frame: int, link: int, arm: tuple[Scalar, Scalar], shared: int) -> None:
+        """Take a link that is pinned to its frame, both known in a shared one."""
+        *_, c0, s0, turn0, bend0 = self.of(frame, shared)
+        *_, c, s, turn, bend = self.of(link, shared)
+        self.known[link, frame] = (*arm, 0.0, 0.0, 0.0, 0.0, c0 * c + s0 * s, c0 * s - s0 * c,
+                                   turn - turn0, bend - bend0)
+
+    def slide(self, link: int, slide: Slide, way: Sequence[Scalar]) -> None:
+        """Take a link that slides in its carrier, and the carrier as seen from it."""
+        (carrier, (x, y), (c, s)), (place, rate, change) = slide, way
+        self.ways[link, carrier] = way
+        if (link, carrier) not in self.known:
+            self.known[link, carrier] = (x + place * c, y + place * s, rate * c, rate * s,
+                                         change * c, change * s, c, s, 0.0, 0.0)
+        self.known[carrier, link] = (-(x * c + y * s) - place, x * s - y * c, -rate, 0.0,
+                                     -change, 0.0, c, -s, 0.0, 0.0)
+
+
+class Frames:
+    """
+    The frames of all links of a machine, and how the dyads hang in them.
+
+    Parameters
+    ----------
+    layout, numbers
+        As for :func:`.motion.make_motion`.
+
+    """
+
+    def __init__(self, layout: Layout, numbers: Sequence[Numbers]) -> None:
+        # of each link but the ground: the link that carries it; in which it is solved
+        self._frame, self._solved = {1: 0}, {1: 0}
+        self._sliding: set[int] = set()
+        self._slides = [slides_of(stage, own) for stage, own in zip(layout.stages, numbers)]
+        self._anchors: dict[int, Anchor] = {1: (0, HERE)} if layout.driver != 'slide' else {}
+        self._joints = Joints(layout.driver)
+        self._work = []
+        for stage, own, slides in zip(layout.stages, numbers, self._slides):
+            frame, pair = (stage.pair.frame, None) if stage.pair else self._frame_of(stage)
+            carriers = {link: carrier for link, (carrier, _, _) in slides}
+            self._sliding.update(carriers)
+            for link in (stage.number, stage.number + 1):
+                self._frame[link], self._solved[link] = carriers.get(link, frame), frame
+            at_p, at_q = own.p, own.q
+            self._work.append((stage, frame, at_p, at_q,
+                               None if pair or stage.pair
+                               else self._arms(stage, frame, at_p, at_q), pair))
+            if self._is_pinned_to_carrier(stage, frame, pair):
+                self._solved[stage.number] = stage.first
+            self._anchors.update(anchors_of(stage, own))
+            self._joints.add(stage, own)
+
+    def _frame_of(self, stage: Stage) -> tuple[int, Anchor | None]:
+        """
+        Return the frame of a dyad; between moving links that are pinned, one of these.
+
+        Then also (the other, where on the frame its first joint is). Of a dyad that slides on a
+        block and hangs on what carries that: the block, by which its direction is given.
+        """
+        frame = self.common(stage.first, stage.second)
+        for parent, child in ((stage.first, stage.second), (stage.second, stage.first)):
+            pinned, arm = self._anchors.get(child, (0, (0.0, 0.0)))
+            if parent and pinned == parent and frame not in (parent, child):
+                return parent, (child, arm)
+            has_direction = stage.kind == PRP or (stage.kind in (RRP, RPP)
+                                                  and parent == stage.second)
+            if has_direction and parent in self._sliding and child == frame == (
+                    self._frame[parent]):
+                return parent, None
+        return frame, None
+
+    def _is_pinned_to_carrier(self, stage: Stage, frame: int, pair: Anchor | None) -> bool:
+        """Return whether a dyad solved on a block, or a crank, is pinned to what carries that."""
+        if stage.pair:
+            return stage.kind == RRP and stage.first in list(self._up(frame))[1:]
+        return (pair is None and stage.kind in (RRP, RPP) and frame == stage.second
+                and frame in self._sliding and self._frame[frame] == stage.first)
+
+    def _up(self, link: int) -> Iterator[int]:
+        """Yield a link, its frame, the frame of that, to the ground."""
+        while link:
+            yield link
+            link = self._frame[link]
+        yield 0
+
+    def _path(self, link: int, arm: tuple[Scalar, Scalar]) -> list[Anchor]:
+        """Return (link, arm) from a point on, joint by joint, as far as they are pinned."""
+        found = [(link, arm)]
+        while link in self._anchors:
+            link, arm = self._anchors[link]
+            found.append((link, arm))
+        return found
+
+    def _arms(self, stage: Stage, frame: int, at_p: Place,
+              at_q: Place) -> list[tuple[int, Scalar, Scalar]] | None:
+        """Return (link, along, across) of which D is the sum; None if P, Q meet in the frame."""
+        from_p, from_q = self._path(stage.first, at_p), self._path(stage.second, at_q)
+        links = [link for link, _ in from_p]
+        common = next((link for link, _ in from_q if link in links), frame)
+        if common in (frame, 0):
+            return None
+        i, j = links.index(common), [link for link, _ in from_q].index(common)
+        (a, b), (c, d) = from_p[i][1], from_q[j][1]
+        arms = [(common, c - a, d - b), *((link, *arm) for link, arm in from_q[:j]),
+                *((link, -arm[0], -arm[1]) for link, arm in from_p[:i])]
+        # from a carrier a rod may lead out of the frame
+        return arms if all(frame in self._up(link) for link, *_ in arms) else None
+
+    def common(self, one: int, other: int) -> int:
+        """Return the last frame that two links have in common."""
+        chain = list(self._up(one))
+        return next(link for link in self._up(other) if link in chain)
+
+    def base_of(self, link: int, frame: int) -> int:
+        """Return the link by whose frame the curve of a link in a frame is found."""
+        solved = self._solved[link]
+        return solved if frame in self._up(solved) else self._frame[link]
+
+    def begin(self, driven: Driven) -> Poses:
+        """Return the curves that are known when the driven link is."""
+        return Poses(self.base_of, driven)
+
+    def hang(self, number: int, poses: Poses) -> tuple[Node, Node, Any, Curve, Curve]:
+        """
+        Return P, Q, D and the curves of the links they are of, in the frame of a dyad.
+
+        In place of D, of a pair: its angle or slide; of a cylinder: what drives it.
+        """
+        stage, frame, at_p, at_q, arms, pair = self._work[number]
+        if stage.pair:
+            return self._hang_pair(stage, poses, at_p, at_q)
+        if pair:
+            poses.pin(frame, *pair, self.common(frame, pair[0]))
+        first, second = poses.of(stage.first, frame), poses.of(stage.second, frame)
+        nodes = point_of(first, *at_p), point_of(second, *at_q)
+        apart: Any
+        if stage.name == CYLINDER:
+            apart = poses.of_cylinder
+        elif arms is None:
+            apart = between(*nodes)
+        else:
+            apart = tuple([reduce(add, parts) for parts in zip(*[
+                point_of((*ORIGIN, *poses.of(link, frame)[6:]), along, across)
+                for link, along, across in arms])])
+        return *nodes, apart, first, second
+
+    def _hang_pair(self, stage: Stage, poses: Poses, at_p: Place,
+                   at_q: Place) -> tuple[Node, Node, Any, Curve, Curve]:
+        """Return the same of a dyad between links that are joined to each other."""
+        assert stage.pair is not None
+        frame, other = stage.pair.frame, other_of(stage)
+        way: Sequence[Scalar]
+        if stage.pair.slides:
+            way = poses.ways[other, frame]
+        else:
+            way = self.relation(other, frame, poses)
+            if (other, frame) not in poses.known:
+                here, there = self._joints.pin(other, frame)
+                turned = (*there, 0.0, 0.0, 0.0, 0.0, *way)
+                place = point_of(turned, -here[0], -here[1]) if here is not HERE else turned[:6]
+                poses.known[other, frame] = (*place, *way)
+        first, second = poses.of(stage.first, frame), poses.of(stage.second, frame)
+        return point_of(first, *at_p), point_of(second, *at_q), way, first, second
+
+    def relation(self, link: int, other: int, poses: Poses) -> Direction:
+        """Return how a link is turned, seen from one to which it is pinned."""
+        for (one, two), is_inverse in (((link, other), False), ((other, link), True)):
+            found = poses.relations.get((one, two)) or (
+                (one, two) in poses.known and poses.known[one, two][6:])
+            if found:
+                c, s, turn, bend = found
+                return (c, -s, -turn, -bend) if is_inverse else (c, s, turn, bend)
+        frame = self.common(link, other)
+        *_, c0, s0, turn0, bend0 = poses.of(other, frame)
+        *_, c, s, turn, bend = poses.of(link, frame)
+        return c0 * c + s0 * s, c0 * s - s0 * c, turn - turn0, bend - bend0
+
+    def add(self, number: int, poses: Poses, moved: DyadMotion) -> tuple[Curve, Curve]:
+        """Take the curves of a dyad in its frame; return those on the ground."""
+        stage, frame, at_p, *_ = self._work[number]
+        one, two = stage.number, stage.number + 1
+        poses.known[one, frame], poses.known[two, frame] = moved[:2]
+        poses.relations.update(moved[5])
+        if self._solved[one] != frame:      # its joint does not feel how the block moves
+            poses.pin(stage.first, one, at_p, frame)
+        for k, (link, slide) in enumerate(self._slides[number]):
+            poses.slide(link, slide, moved[2][3 * k:3 * k + 3])
+        return poses.of(one, 0), poses.of(two, 0)

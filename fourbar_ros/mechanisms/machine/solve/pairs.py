@@ -1,0 +1,521 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Dyads between two links that are joined to each other.
+
+Where a pin or a slide joins the links on which a dyad hangs, the dyad and that joint make a closed
+loop of four links: a 4R linkage, a slider-crank or an inverted one, that moves by one relative
+angle or slide. The formulas of these (:mod:`fourbar_ros.mechanisms.loop`,
+:mod:`fourbar_ros.mechanisms.slide_dyad`) keep all digits next to its toggles and go through its
+change points. The first dyad of every machine is such one, and many others are.
+
+One link of the pair is the frame. On it, O is the pin that joins both, Q the point of the dyad, g
+= Q - O; on the other a = P - O. With x the angle of a seen from g, or from the line of RRP, the
+half-angle is
+
+    (P1)  sin^2(x/2), cos^2(x/2):  the larger one (1 + |cos x|)/2, the other sin^2 x / 4 over it
+
+and primes, derivatives with respect to the input of the machine, follow by
+
+    (P2)  y' = y'(x) x',   y'' = y''(x) x'^2 + y'(x) x''
+
+With a slide, sigma + i e is the place of P seen from Q, along and across the slide:
+
+    (P3)  RPR: l^2 = sigma^2 + (e - h)(e + h),   direction (l - i h)(sigma + i e)/q,   q = sigma^2
+          + e^2
+    (P4)  l' = sigma/l,   l'' = k/l^3,   k = (e - h)(e + h),   y'' = (h l'' - 2 sigma y')/q,
+          y' = (h sigma - e l)/(l q) = -k/(l (h sigma + e l)), whichever does not cancel
+
+Lengths that are not given, as |a|, are rounded once, as floats, and are data from there on: for
+every type of numbers a change point is one, or none.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import atan2, fsum, hypot, pi, remainder
+from typing import Any, NamedTuple
+
+from fourbar_ros.mechanisms.loop import make_loop
+from fourbar_ros.mechanisms.machine.describe.description import (
+    CYLINDER,
+    Numbers,
+    PRP,
+    RPP,
+    RPR,
+    RRP,
+    RRR,
+)
+from fourbar_ros.mechanisms.machine.describe.layout import Layout, Pair, Stage
+from fourbar_ros.mechanisms.machine.solve.dyads import (
+    Curve,
+    Direction,
+    DyadMotion,
+    MAKERS,
+    MovesDyad,
+    Node,
+)
+from fourbar_ros.mechanisms.slide_dyad import make_block_on_bar, make_rod_on_line, make_triangle
+from fourbar_ros.numerics.exact_sums import difference_of_squares
+from fourbar_ros.numerics.number_types import Function, nudge, NumberType, power_of_two, Scalar
+
+Place = tuple[Scalar, Scalar]        # along and across, on a link
+# Of a link that slides: (its carrier, start and direction of the slide there).
+Slide = tuple[int, Place, Place]
+HERE = (0.0, 0.0)
+# Pairs with a margin below this are solved in their own form. The others have all digits in the
+# general one too (:mod:`.dyads`), with a third fewer operations.
+CLOSE = 2.0**-6
+
+
+def slides_of(stage: Stage, own: Numbers) -> list[tuple[int, Slide]]:
+    """Return [(number of a link that slides, its :data:`Slide`)] in the order of the joints."""
+    one, two, sizes = stage.number, stage.number + 1, own.sizes
+    if stage.kind == RRP:
+        return [(two, (stage.second, own.q, sizes[1:]))]
+    if stage.kind == RPR:
+        return [(one, (two, (0.0, sizes[0]), (1.0, 0.0)))]
+    if stage.kind == RPP:
+        return [(one, (two, HERE, sizes[2:])), (two, (stage.second, own.q, sizes[:2]))]
+    if stage.kind == PRP:
+        return [(one, (stage.first, own.p, sizes[:2])), (two, (stage.second, own.q, sizes[2:]))]
+    return []
+
+
+def anchors_of(stage: Stage, own: Numbers) -> dict[int, tuple[int, Place]]:
+    """Return {link of a dyad: (link to which its first joint is pinned, where)}."""
+    one, two = stage.number, stage.number + 1
+    if stage.kind == PRP:
+        return {two: (one, HERE)}
+    second = {RRR: (stage.second, own.q), RPR: (stage.second, own.q),
+              RRP: (one, (own.sizes[0], 0.0))}.get(stage.kind)
+    return {one: (stage.first, own.p), **({two: second} if second else {})}
+
+
+class Joints:
+    """
+    The joints of a machine between links that come before a dyad.
+
+    ``pins``: {(a link, the one it is pinned to): where on each}, ``slides``: {(a link, the one in
+    which it slides): start and direction there}.
+    """
+
+    def __init__(self, driver: str) -> None:
+        self.pins = {} if driver == 'slide' else {(1, 0): (HERE, HERE)}
+        self.slides = {(1, 0): (HERE, (1.0, 0.0))} if driver == 'slide' else {}
+
+    def add(self, stage: Stage, own: Numbers) -> None:
+        """Take the joints of a dyad."""
+        for link, (carrier, place) in anchors_of(stage, own).items():
+            self.pins[link, carrier] = HERE, place
+        if stage.kind == RRR:
+            r1, r2 = own.sizes
+            self.pins[stage.number + 1, stage.number] = (r2, 0.0), (r1, 0.0)
+        for link, (carrier, start, direction) in slides_of(stage, own):
+            self.slides[link, carrier] = start, direction
+
+    def pin(self, link: int, frame: int) -> tuple[Place, Place]:
+        """Return where two links are pinned to each other, on the first and on the second."""
+        return (self.pins[link, frame] if (link, frame) in self.pins
+                else self.pins[frame, link][::-1])
+
+    def pair_of(self, stage: Stage) -> Pair | None:
+        """Return the :class:`Pair` of a dyad, None where its links are not joined."""
+        for link, carrier in ((stage.first, stage.second), (stage.second, stage.first)):
+            if (link, carrier) in self.pins and stage.kind in (RRR, RRP, RPR):
+                return Pair(stage.second if stage.kind == RRP else carrier, False)
+            if (link, carrier) in self.slides and stage.kind in (RRR, RPR):
+                return Pair(carrier, True)
+        return None
+
+
+def other_of(stage: Stage) -> int:
+    """Return the link of a pair that is not the frame."""
+    return stage.first if stage.turns_first else stage.second
+
+
+def _shape(stage: Stage, own: Numbers, joints: Joints, length: Function) -> tuple[Scalar, ...]:
+    """Return what makes the loop of a pair, beside the sizes of the dyad: see :func:`shaped`."""
+    assert stage.pair is not None
+    frame, other = stage.pair.frame, other_of(stage)
+    (p_x, p_y), (q_x, q_y) = (own.p, own.q) if stage.turns_first else (own.q, own.p)
+    if stage.pair.slides:
+        (x, y), (c, s) = joints.slides[other, frame]
+        return (p_x + (x - q_x) * c + (y - q_y) * s, p_y + (y - q_y) * c - (x - q_x) * s, c, s)
+    (o_x, o_y), (x, y) = joints.pin(other, frame)
+    a_x, a_y, g_x, g_y = p_x - o_x, p_y - o_y, q_x - x, q_y - y
+    if stage.kind == RRP:
+        t_x, t_y = own.sizes[1:]
+        a1 = length(a_x, a_y)
+        return (a1, g_y * t_x - g_x * t_y, (a_x * t_x + a_y * t_y) / a1,
+                (a_y * t_x - a_x * t_y) / a1, g_x * t_x + g_y * t_y, x, y)
+    a1, a4 = length(a_x, a_y), length(g_x, g_y)
+    scalar, cross = a_x * g_x + a_y * g_y, a_y * g_x - a_x * g_y
+    size = length(scalar, cross)
+    return a1, a4, scalar / size, cross / size, g_x / a4, g_y / a4
+
+
+def shaped(layout: Layout, numbers: Sequence[Numbers], length: Function = hypot) -> list[Numbers]:
+    """
+    Return the numbers of all dyads with what follows from them once and for all.
+
+    That is ``reach``, and of a pair ``shape``: with a pin (|a|, |g|, cosine and sine from g to a,
+    of g), of RRP (|a|, distance of the line from O, cosine and sine from the line to a, place of Q
+    along it from O, O); with a slide (sigma where the slide is zero, e, its cosine and sine).
+    """
+    joints, found = Joints(layout.driver), []
+    for stage, own in zip(layout.stages, numbers):
+        shape = _shape(stage, own, joints, length) if stage.pair else ()
+        if stage.name == CYLINDER:
+            shape = length(*own.p), length(*own.q)
+        found.append(own._replace(reach=(length(*own.p), length(*own.q)), shape=shape))
+        joints.add(stage, own)
+    return found
+
+
+def with_pairs(layout: Layout, numbers: Sequence[Numbers]) -> Layout:
+    """Return a layout with those of its pairs that lose digits in the general formulas."""
+    joints, stages = Joints(layout.driver), []
+    for stage, own in zip(layout.stages, numbers):
+        pair = None if stage.name == CYLINDER else joints.pair_of(stage)
+        stages.append(stage._replace(pair=pair and _if_close(pair, stage, own, joints)))
+        joints.add(stage, own)
+    return layout._replace(stages=tuple(stages))
+
+
+def _if_close(pair: Pair, stage: Stage, own: Numbers, joints: Joints) -> Pair | None:
+    """Return a pair if it is near a change point or of unlike lengths, else None."""
+    stage = stage._replace(pair=pair)
+    try:
+        own = own._replace(shape=_shape(stage, own, joints, hypot))
+    except ZeroDivisionError:       # hung on the pin that joins the links: it does not move
+        return None
+    return pair if Closure(stage, own).margin < CLOSE else None
+
+
+# --- how one moves -------------------------------------------------------------------------------
+
+# {(a link, another): :data:`Direction` of the first seen from the second}
+Relations = dict[tuple[int, int], Direction]
+
+
+def make_half_angle(n: NumberType, beside_0: Scalar = 0.0) -> Function:
+    """Return cos x, sin x -> sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2), (P1)."""
+    fabs, where = n.fabs, n.where
+
+    def half_angle(cos_x: Scalar, sin_x: Scalar) -> tuple[Scalar, Scalar, Scalar]:
+        sin_x = sin_x + beside_0
+        large = 0.5 * (1.0 + fabs(cos_x))
+        small = 0.25 * sin_x * sin_x / large
+        ss, cc = where(cos_x.real > 0.0, (small, large), (large, small))
+        return ss, cc, 0.5 * sin_x
+    return half_angle
+
+
+def turned_by(one: Sequence[Scalar], other: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
+    """Return the sum of two directions, each (cosine, sine)."""
+    (c, s), (cosine, sine) = one, other
+    return c * cosine - s * sine, s * cosine + c * sine
+
+
+def along(way: Sequence[Scalar], first: Scalar, second: Scalar) -> tuple[Scalar, Scalar]:
+    """Return derivatives by the input of those by an angle or a slide, (P2)."""
+    turn, bend = way[-2:]
+    return first * turn, second * turn * turn + first * bend
+
+
+def make_rrr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> MovesDyad:
+    """Return the motion of RRR as coupler and output link of a 4R linkage."""
+    a1, a4, cos_0, sin_0, *of_g = own.shape
+    first = stage.turns_first
+    side, (a2, a3) = (1.0, own.sizes) if first else (-1.0, own.sizes[::-1])
+    loop, half_angle = make_loop(n, a1, a2, a3, a4, side * sign), make_half_angle(n, nudge(
+        n, *map(n.exact_sum, ((a1, -a4, a2, -a3), (a1, -a4, -a2, a3), (a1, a4, -a2, -a3)))))
+    of_a = turned_by((cos_0, sin_0), of_g)
+    one, two, other = stage.number, stage.number + 1, other_of(stage)
+
+    def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
+               _second: Curve) -> DyadMotion:
+        (_, _, cos_bx, sin_bx, cos_b, sin_b, cos_y, sin_y, cos_mu, sin_mu, d_bx, d_mu, d_y, d_b,
+         dd_mu, dd_y, dd_b, _) = loop(*half_angle(*turned_by(way[:2], (cos_0, sin_0))))
+        coupler: Direction = *turned_by((cos_b, sin_b), of_g), *along(way, d_b, dd_b)
+        output: Direction = *turned_by((cos_y, sin_y), of_g), *along(way, d_y, dd_y)
+        on_other: Direction = *turned_by((cos_bx, sin_bx), of_a), *along(way, d_bx, dd_b)
+        between: Direction = cos_mu, side * sin_mu, *along(way, side * d_mu, side * dd_mu)
+        directions = (coupler, output) if first else (output, coupler)
+        return ((*at_p, *directions[0]), (*at_q, *directions[1]), (), side * sin_mu, cos_mu,
+                {(one if first else two, other): on_other, (two, one): between})
+    return motion
+
+
+def make_rrp_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> MovesDyad:
+    """Return the motion of RRP as rod and block of a slider-crank; the frame has the line."""
+    (a1, e, cos_0, sin_0, start, o_x, o_y), (a2, *line) = own.shape, own.sizes
+    unit, of_0 = n.power_of_two(a1, a2, e), (cos_0, sin_0)
+    rod_on_line = make_rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, True)
+    of_a, (t_x, t_y) = turned_by(of_0, line), line
+    beside_0 = nudge(n, *map(n.exact_sum, ((a2, -e, a1), (a2, -e, -a1), (a2, e, a1),
+                                           (a2, e, -a1))))
+    one, other = stage.number, stage.first
+    foot_x, foot_y = o_x - e * t_y, o_y + e * t_x       # of O on the line
+
+    def motion(at_p: Node, _at_q: Node, way: Sequence[Scalar], _first: Curve,
+               _second: Curve) -> DyadMotion:
+        cos_x, sin_x = turned_by(way[:2], of_0)
+        cos_b, sin_b, cos_2, sin_2, s, d_b, d_2, d_s, dd_b, dd_s, _ = rod_on_line(
+            cos_x + beside_0, sin_x)
+        s = unit * s
+        d_s, dd_s = along(way, unit * d_s, unit * dd_s)
+        rod = *at_p, *turned_by((cos_b, sin_b), line), *along(way, d_b, dd_b)
+        block = (foot_x + s * t_x, foot_y + s * t_y, d_s * t_x, d_s * t_y, dd_s * t_x,
+                 dd_s * t_y, t_x, t_y, 0.0, 0.0)
+        on_other: Direction = *turned_by((cos_2, sin_2), of_a), *along(way, d_2, dd_b)
+        return rod, block, (s - start, d_s, dd_s), cos_b, sin_b, {(one, other): on_other}
+    return motion
+
+
+def _bar(stage: Stage, at_p: Node, at_q: Node, direction: Direction, slide: tuple[Scalar, ...],
+         sine: Scalar, cosine: Scalar, relations: Relations) -> DyadMotion:
+    """Return the motion of RPR by the direction of its bar, from the end on the frame."""
+    c, s, turn, bend = direction
+    if not stage.turns_first:
+        c, s = -c, -s
+    return ((*at_p, c, s, turn, bend), (*at_q, c, s, turn, bend), slide, sine, cosine, relations)
+
+
+def make_rpr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> MovesDyad:
+    """Return the motion of RPR as block and bar of an inverted slider-crank."""
+    (a1, a4, cos_0, sin_0, *of_g), (h,) = own.shape, own.sizes
+    unit = n.power_of_two(a1, a4, h)
+    block_on_bar, half_angle = make_block_on_bar(
+        n, a1 / unit, a4 / unit, h / unit, sign), make_half_angle(n, nudge(
+            n, *map(n.exact_sum, ((a1, -a4, h), (a1, -a4, -h), (a1, a4, h), (a1, a4, -h)))))
+    h, sqrt, of_a = h / unit, n.sqrt, turned_by((cos_0, sin_0), of_g)
+    side, link = (1.0, stage.number) if stage.turns_first else (-1.0, stage.number + 1)
+    pinned = link, other_of(stage)
+
+    def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
+               _second: Curve) -> DyadMotion:
+        (_, _, cos_y, sin_y, cos_2, sin_2, l, d_l, d_y, d_2, dd_l, dd_y, _,
+         per_q) = block_on_bar(*half_angle(*turned_by(way[:2], (cos_0, sin_0))))
+        per = sqrt(per_q)
+        bar: Direction = *turned_by((cos_y, sin_y), of_g), *along(way, d_y, dd_y)
+        on_other: Direction = (*turned_by((side * cos_2, side * sin_2), of_a),
+                               *along(way, d_2, dd_y))
+        return _bar(stage, at_p, at_q, bar, (unit * l, *along(way, unit * d_l, unit * dd_l)),
+                    l * per, h * per, {pinned: on_other})
+    return motion
+
+
+def make_rrr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> MovesDyad:
+    """Return the motion of RRR as crank and coupler of a slider-crank driven by its slider."""
+    (shift, e, *line), first = own.shape, stage.turns_first
+    on_other, on_frame = own.sizes if first else own.sizes[::-1]
+    unit, side = n.power_of_two(on_other, on_frame, e), 1.0 if first else -1.0
+    per, (one, two) = 1.0 / unit, (stage.number, stage.number + 1)
+    triangle = make_triangle(n, on_frame * per, on_other * per, e * per, side * sign)
+
+    def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
+               _second: Curve) -> DyadMotion:
+        (cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, d_b, d_2, dd_x, dd_b, dd_2,
+         _) = triangle((way[0] + shift) * per)
+        scaled = way[1] * per, way[2] * per
+        frames: Direction = *turned_by((cos_x, sin_x), line), *_along_slide(scaled, d_x, dd_x)
+        others: Direction = *turned_by((-cos_b, -sin_b), line), *_along_slide(scaled, d_b, dd_b)
+        d_2, dd_2 = _along_slide(scaled, -side * d_2, -side * dd_2)
+        directions = (others, frames) if first else (frames, others)
+        return ((*at_p, *directions[0]), (*at_q, *directions[1]), (), side * sin_2, -cos_2,
+                {(two, one): (-cos_2, side * sin_2, d_2, dd_2)})
+    return motion
+
+
+def _along_slide(way: tuple[Scalar, Scalar], first: Scalar,
+                 second: Scalar) -> tuple[Scalar, Scalar]:
+    """Return derivatives by the input of those by a slide in a unit, (P2)."""
+    rate, change = way
+    return first * rate, second * rate * rate + first * change
+
+
+def make_rpr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers) -> MovesDyad:
+    """Return the motion of RPR whose block, or whose pivot, slides along a line."""
+    (shift, e, *line), (h,) = own.shape, own.sizes
+    unit = n.power_of_two(e, h, shift)
+    per, sqrt, where = 1.0 / unit, n.sqrt, n.where
+    shift, e, h = shift * per, e * per, h * per
+    k = (e - h) * (e + h)
+    beside_0 = nudge(n, k)
+
+    def motion(at_p: Node, at_q: Node, way: Sequence[Scalar], _first: Curve,
+               _second: Curve) -> DyadMotion:
+        x = way[0] * per + shift + beside_0
+        q = x * x + e * e
+        l = sign * sqrt(x * x + k)  # noqa: E741                                        # (P3)
+        per_l, per_q, h_x, e_l = 1.0 / l, 1.0 / q, h * x, e * l
+        d_l, dd_l = x * per_l, k * per_l * per_l * per_l                                # (P4)
+        over, under = where((h_x * e_l).real > 0.0, (-k, h_x + e_l), (h_x - e_l, q))
+        d_y = over / (l * under)
+        dd_y = (h * dd_l - 2.0 * x * d_y) * per_q
+        scaled, root = (way[1] * per, way[2] * per), sqrt(per_q)
+        bar: Direction = (*turned_by(((l * x + h * e) * per_q, (l * e - h * x) * per_q), line),
+                          *_along_slide(scaled, d_y, dd_y))
+        d_l, dd_l = _along_slide(scaled, unit * d_l, unit * dd_l)
+        return _bar(stage, at_p, at_q, bar, (unit * l, d_l, dd_l), l * root, h * root, {})
+    return motion
+
+
+PAIRS = {(RRR, False): make_rrr_pair, (RRP, False): make_rrp_pair, (RPR, False): make_rpr_pair,
+         (RRR, True): make_rrr_slide, (RPR, True): make_rpr_slide}
+
+
+def rod_of_cylinder(at_p: Node, at_q: Node, driven: Any, _first: Curve,
+                    _second: Curve) -> DyadMotion:
+    """Return the motion of the rod and the tube of a cylinder, which its own triangle gives."""
+    slide, rod, sine, cosine = driven
+    return (*at_p, *rod), (*at_q, *rod), (slide, 1.0, 0.0), sine, cosine, {}
+
+
+def make_moves(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
+               signs: Sequence[Scalar]) -> list[MovesDyad]:
+    """Return the motions of all dyads."""
+    return [rod_of_cylinder if stage.name == CYLINDER
+            else PAIRS[stage.kind, stage.pair.slides](n, sign, stage, own) if stage.pair
+            else MAKERS[stage.kind](n, sign, *own.sizes)
+            for stage, own, sign in zip(layout.stages, numbers, signs)]
+
+
+# --- where one closes ----------------------------------------------------------------------------
+
+class Factor(NamedTuple):
+    """
+    A factor of the discriminant of a pair, by exact sums of its lengths.
+
+    Of an angle x: plus cos^2(x/2) + minus sin^2(x/2), of RRP with x from the normal of its line;
+    of a slide: plus sigma^2 + minus.
+    """
+
+    plus: float
+    minus: float
+
+    @property
+    def is_limit(self) -> bool:
+        """Return whether it changes its sign."""
+        return self.plus * self.minus < 0.0
+
+    @property
+    def is_impossible(self) -> bool:
+        """Return whether it is positive nowhere."""
+        return max(self.plus, self.minus) <= 0.0
+
+
+class Closure:
+    """
+    Where a pair closes: by the signs of its factors, which are exact.
+
+    Of two factors one at most is negative. One that vanishes in one direction and is positive
+    elsewhere makes a change point: ``flats`` has +1.0 or -1.0 of x = 0 or pi, 0.0 of sigma = 0.
+    """
+
+    def __init__(self, stage: Stage, own: Numbers) -> None:
+        assert stage.pair is not None
+        self.slides, self.is_sine = stage.pair.slides, stage.kind == RRP
+        self._start: Any = own.shape[0] if self.slides else own.shape[2:4]
+        self._factors = _factors(stage, own)
+        one, other = own.shape[:2]
+        rods = [*own.sizes[:{RRR: 2, RRP: 1, RPR: 0}[stage.kind]],
+                *(() if self.slides else own.shape[:1 if self.is_sine else 2])]
+        self._rods = min(rods, default=1.0), max(rods, default=1.0)
+        self._square = ((other * other, 1.0) if self.slides else
+                        ((one - other)**2 / (one + other)**2, 1.0))
+        self.is_impossible = any(factor.is_impossible for factor in self._factors)
+        self.has_limits = any(factor.is_limit for factor in self._factors)
+        self.flats = [sign for factor in self._factors for sign in self._flats_of(factor)]
+        # those that vanish at toggles, real or complex, and not at flat positions
+        self._toggles = [factor for factor in self._factors if not self._flats_of(factor)]
+        self.has_toggles = bool(self._toggles)
+
+    @property
+    def margin(self) -> float:
+        """Return how near a change point it is, from 0 to 1, or how unlike its lengths are."""
+        sizes = [sorted(map(abs, (1.0 if self.slides else plus, minus)))
+                 for plus, minus in self._factors]
+        return min([small / large if large else 0.0 for small, large in [*sizes, self._rods]])
+
+    def _flats_of(self, factor: Factor) -> list[float]:
+        if self.slides:
+            return [0.0] if factor.minus == 0.0 < factor.plus else []
+        return [sign for sign, value in ((1.0, factor.plus), (-1.0, factor.minus)) if value == 0.0]
+
+    def make_place(self, n: NumberType) -> Function:
+        """
+        Return the angle or slide of a pair -> (how far beside a flat position, on which side).
+
+        Of an angle sine and cosine, of RRP cosine and sine; of a slide sigma and 0.
+        """
+        if self.slides:
+            return lambda way: (way[0] + self._start, 0.0)
+        if self.is_sine:
+            return lambda way: turned_by(way[:2], self._start)
+        return lambda way: turned_by(way[:2], self._start)[::-1]
+
+    def make_closing(self, n: NumberType) -> Function:
+        """Return the angle or slide of a pair -> product of the factors that have toggles."""
+        place, half_angle = self.make_place(n), make_half_angle(n)
+
+        def closing(way: Sequence[Scalar]) -> Scalar:
+            beside, ahead = place(way)
+            one, other = beside * beside, 1.0
+            if not self.slides:
+                other, one, _ = half_angle(ahead, beside)
+            product = 1.0
+            for plus, minus in self._toggles:
+                per = 1.0 / (abs(plus) * one + 1.0 if self.slides else abs(plus) + abs(minus))
+                product = product * ((plus * one + minus * other) * per)
+            return product
+        return closing
+
+    def make_square(self, n: NumberType) -> Function:
+        """Return the angle or slide of a pair -> |D|^2, scaled."""
+        place, half_angle = self.make_place(n), make_half_angle(n)
+
+        def square(way: Sequence[Scalar]) -> Scalar:
+            beside, ahead = place(way)
+            if self.slides:
+                return beside * beside + self._square[0]
+            ss, cc, _ = half_angle(ahead, beside)
+            return self._square[0] * cc + self._square[1] * ss
+        return square
+
+    def input_at(self, flat: float, is_driven: bool) -> float:
+        """
+        Return the input where a pair of the driven link and the ground lies flat [rad or m].
+
+        ``is_driven``: whether it is the driven link that moves in the frame.
+        """
+        if self.slides:
+            return 0.0 - self._start
+        angle = atan2(*((flat, 0.0) if self.is_sine else (0.0, flat)))
+        turn = angle - atan2(*self._start[::-1])
+        folded = remainder(turn if is_driven else -turn, 2.0 * pi)
+        return pi if folded == -pi else folded + 0.0
+
+
+def _factors(stage: Stage, own: Numbers) -> list[Factor]:
+    assert stage.pair is not None
+    unit = power_of_two(*own.sizes[:1 + (stage.kind == RRR)],
+                        *own.shape[stage.pair.slides:2])
+    sizes = [size / unit for size in own.sizes]
+    first, second = [length / unit for length in own.shape[:2]]
+    if stage.pair.slides:
+        if stage.kind == RPR:
+            return [Factor(unit**-2, difference_of_squares(second, 0.0, sizes[0], 0.0))]
+        return [Factor(-unit**-2, difference_of_squares(sizes[0], sizes[1], second, 0.0)),
+                Factor(unit**-2, -difference_of_squares(sizes[0], -sizes[1], second, 0.0))]
+    if stage.kind == RRP:
+        r = sizes[0]
+        return [Factor(fsum((r, -second, first)), fsum((r, -second, -first))),
+                Factor(fsum((r, second, -first)), fsum((r, second, first)))]
+    near, far = (first, -second), (first, second)
+    if stage.kind == RPR:
+        return [Factor(*[difference_of_squares(*apart, sizes[0], 0.0) for apart in (near, far)])]
+    return [Factor(*[difference_of_squares(sizes[0], sizes[1], *apart) for apart in (near, far)]),
+            Factor(*[difference_of_squares(*apart, sizes[0], -sizes[1])
+                     for apart in (near, far)])]

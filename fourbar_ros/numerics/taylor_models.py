@@ -1,0 +1,408 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Taylor models: functions over many pieces of the input at once, a number type that is certain.
+
+About the middle m of a piece, x = m + radius t, a function is
+
+    (T1)  f(t) = c_0 + c_1 t + ... + c_n t^n + r(t),   |r_0| + |r_1| + ... <= error
+
+with numbers r_k of which only this is known. The sum of the sizes of all coefficients is a norm
+with ||f g|| <= ||f|| ||g|| (Wiener's algebra). For approximations q and w it gives
+
+    (T2)  1/g:      d = ||1 - q g||,     ||1/g - q|| <= ||q|| d / (1 - d)
+    (T3)  sqrt(g):  d = ||1 - g w w||,   ||sqrt(g) - g w|| <= ||g w|| d / (2 (1 - d))
+
+and for the angle of (x, y), turned by about itself to (u, v), arctan(v/u) has Taylor's series.
+Arithmetic is that of doubles: what each operation rounds is added to its error, which itself is
+raised by more than its own rounding. An error that is not finite says that nothing is known:
+the piece is too wide, or reaches a pole.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from math import fsum
+from typing import Any
+
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.number_types import NumberType
+import numpy as np
+
+ORDER = 10                    # n
+# What one operation on doubles rounds; more than errors round; than what underflows.
+UNIT, UP, TINY = 2.0**-53, 1.0 + 2.0**-40, 1e-280
+REACH = 1.25                  # of the disc |t| <= 1, over the piece
+BITS = 120                    # of sines and cosines of middles, in whole numbers
+
+
+class Model:
+    """
+    A function over n pieces, (T1); a constant if it has one coefficient.
+
+    numpy functions like ``np.sqrt`` find its methods.
+
+    Parameters
+    ----------
+    c : ndarray, shape (ORDER + 1, n), or (1, 1) of a constant
+        Coefficients.
+    error : ndarray, shape (n,), or (1,)
+
+    """
+
+    def __init__(self, c: Array, error: Array) -> None:
+        self.c, self.error = c, error
+
+    @cached_property
+    def tails(self) -> Array:
+        """Return the sums of the sizes of the coefficients from each one on."""
+        return np.cumsum(np.abs(self.c[::-1]), axis=0)[::-1]
+
+    @cached_property
+    def weight(self) -> Array:
+        """Return the sum of (k + 1) |c_k|."""
+        return self.tails.sum(axis=0)
+
+    @property
+    def norm(self) -> Array:
+        """Return a bound of the function on the disc |t| <= 1."""
+        return (self.tails[0] + self.error) * UP
+
+    @property
+    def real(self) -> Middle:
+        """Return the value in the middle, to choose between forms that are both right."""
+        return Middle(self.c[0])
+
+    @property
+    def is_zero(self) -> bool:
+        """Return whether it is zero everywhere, exactly."""
+        return len(self.c) == 1 and not (self.c.any() or self.error.any())
+
+    @property
+    def is_one(self) -> bool:
+        """Return whether it is one everywhere, exactly."""
+        return len(self.c) == 1 and not ((self.c != 1.0).any() or self.error.any())
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *values: Any, **_: Any) -> Any:
+        function = _OF_NUMPY.get(ufunc.__name__)
+        return function(*map(model, values)) if function and method == '__call__' else (
+            NotImplemented)
+
+    def __lt__(self, other: Any) -> bool:
+        return bool((self - other)._alone() < 0.0)
+
+    def __gt__(self, other: Any) -> bool:
+        return bool((self - other)._alone() > 0.0)
+
+    def _alone(self) -> float:
+        """Return the value of a constant: no others are compared but in their middles."""
+        if self.c.size > 1:
+            raise TypeError('functions are not compared')
+        return float(self.c[0, 0])
+
+    def __neg__(self) -> Model:
+        return Model(-self.c, self.error)
+
+    def __add__(self, other: Any) -> Model:
+        other = model(other)
+        one, two = (self, other) if len(self.c) >= len(other.c) else (other, self)
+        if two.is_zero:
+            return one
+        if len(two.c) == len(one.c):
+            c = one.c + two.c
+        else:
+            c = one.c.copy()
+            c[0] += two.c[0]
+        return _rounded(c, one.error + two.error)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Model:
+        return self + -model(other)
+
+    def __rsub__(self, other: Any) -> Model:
+        return -self + other
+
+    def __mul__(self, other: Any) -> Model:
+        other = model(other)
+        if len(self.c) < len(other.c):
+            return other * self
+        if other.is_zero or self.is_zero:
+            return ZERO
+        error = (self.tails[0] * other.error + other.norm * self.error) * UP
+        if len(other.c) == 1:
+            return _rounded(other.c * self.c, error)
+        lost = (np.abs(self.c[1:]) * other.tails[:0:-1]).sum(axis=0)
+        # coefficient k is a sum of k + 1 products
+        return _rounded(_product(self.c, other.c, ORDER + 1), error + lost,
+                        self.weight * other.tails[0] + self.tails[0] * other.weight)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Model:
+        return self if model(other).is_one else self * model(other).inverse()
+
+    def __rtruediv__(self, other: Any) -> Model:
+        return self.inverse() * other
+
+    def __pow__(self, exponent: int) -> Model:
+        if not isinstance(exponent, int):
+            raise TypeError(f'{exponent!r} is no whole exponent')
+        if exponent < 0:
+            return self.inverse()**-exponent
+        power = ONE
+        for _ in range(exponent):
+            power = self * power
+        return power
+
+    def inverse(self) -> Model:
+        """Return 1 / itself, (T2)."""
+        q, count = 1.0 / self.c[:1], 1
+        while count < len(self.c):
+            count = min(2 * count, len(self.c))
+            rest = -_product(self.c[:count], q, count)
+            rest[0] += 2.0
+            q = _product(q, rest, count)
+        found = Model(q, np.zeros(1))
+        return found._with_rest(found.tails[0], (ONE - self * found).norm)
+
+    def sqrt(self) -> Root:
+        """Return its root."""
+        return Root(self)
+
+    def root(self) -> Model:
+        """Return its root, (T3)."""
+        if self.is_zero:
+            return self
+        w, count = 1.0 / np.sqrt(self.c[:1]), 1
+        while count < len(self.c):
+            count = min(2 * count, len(self.c))
+            rest = -_product(self.c[:count], _product(w, w, count), count)
+            rest[0] += 3.0
+            w = 0.5 * _product(w, rest, count)
+        inverse = Model(w, np.zeros(1))
+        found = self * inverse
+        return found._with_rest(0.5 * found.norm, (ONE - found * inverse).norm)
+
+    def _with_rest(self, size: Array, d: Array) -> Model:
+        """Return itself with size * d / (1 - d) more error."""
+        rest = np.where(d < 0.5, size * d / (1.0 - d), np.inf)
+        return Model(self.c, (self.error + rest) * UP**2 + TINY)
+
+    def sin(self) -> Model:
+        """Return its sine."""
+        return self._turned()[1]
+
+    def cos(self) -> Model:
+        """Return its cosine."""
+        return self._turned()[0]
+
+    def _turned(self) -> tuple[Model, Model]:
+        """Return cosine and sine: those of the middle, turned by the series of the rest."""
+        rest = self - Model(self.c[:1], np.zeros(1))
+        cosine, sine = _cosine_and_sine(self.c[0])
+        cos, sin = _series(rest * rest, _COSINE), rest * _series(rest * rest, _SINE)
+        return cosine * cos - sine * sin, sine * cos + cosine * sin
+
+
+class Later(Model):
+    """A model made when it is calculated with."""
+
+    def __init__(self, make: Callable[[], Model]) -> None:
+        self._make = make
+
+    @cached_property
+    def _made(self) -> Model:
+        return self._make()
+
+    @property
+    def c(self) -> Array:       # type: ignore[override]
+        """Return the coefficients."""
+        return self._made.c
+
+    @property
+    def error(self) -> Array:   # type: ignore[override]
+        """Return the error."""
+        return self._made.error
+
+
+class Root(Later):
+    """
+    The root of a model.
+
+    It has its extrema where its square has them: also where that is zero and the root has a kink,
+    as the magnitude of a force along one line has where the force changes its sense.
+    """
+
+    def __init__(self, square: Model) -> None:
+        super().__init__(square.root)
+        self.square = square
+
+
+class Middle:
+    """Values in the middles of pieces: formulas compare them."""
+
+    def __init__(self, at: Array) -> None:
+        self.at = at
+
+    def __lt__(self, other: Any) -> Array:
+        return self.at < _middle(other)
+
+    def __gt__(self, other: Any) -> Array:
+        return self.at > _middle(other)
+
+
+def _middle(value: Any) -> Any:
+    return value.at if isinstance(value, Middle) else value.c[0] if isinstance(
+        value, Model) else value
+
+
+def constant(value: float, error: float = 0.0) -> Model:
+    """Return a constant."""
+    return Model(np.array([[float(value)]]), np.array([error]))
+
+
+def model(value: Any) -> Model:
+    """Return a number as a model."""
+    return value if isinstance(value, Model) else constant(value)
+
+
+ZERO, ONE = constant(0.0), constant(1.0)
+
+
+def inputs(low: Array, high: Array) -> tuple[Model, Array]:
+    """Return x over the pieces [low, high], and the radii of their discs, REACH times wider."""
+    middle = 0.5 * (low + high)
+    radius = (np.maximum(high - middle, middle - low) + 2.0**-49 * np.abs(middle)) * REACH * UP
+    c = np.zeros((ORDER + 1, middle.size))
+    c[0], c[1] = middle, radius
+    return Model(c, np.zeros(middle.size)), radius
+
+
+def _rounded(c: Array, error: Array, size: Array | None = None) -> Model:
+    """Return a model of new coefficients, of which UNIT * ``size`` may be rounding."""
+    found = Model(c, error)
+    found.error = (error + UNIT * (found.tails[0] if size is None else size)) * UP + TINY
+    return found
+
+
+def _product(a: Array, b: Array, count: int) -> Array:
+    """Return the first coefficients of a product of series."""
+    found = np.zeros((count, max(a.shape[1], b.shape[1])))
+    for k in range(min(count, len(a))):
+        width = min(count - k, len(b))
+        found[k:k + width] += a[k] * b[:width]
+    return found
+
+
+# Of cos(z), sin(z)/z and atan(z)/z in z^2; the last number bounds the next one.
+_COSINE = [1.0]
+_SINE = [1.0]
+_ARCTAN = [(-1.0)**k / (2 * k + 1) for k in range(14)]
+for _k in range(1, 12):
+    _COSINE.append(-_COSINE[-1] / ((2 * _k - 1) * 2 * _k))
+    _SINE.append(-_SINE[-1] / (2 * _k * (2 * _k + 1)))
+
+
+def _series(square: Model, coefficients: Sequence[float]) -> Model:
+    """Return an alternating series in ``square``, where its norm is below 1/2."""
+    *terms, last = coefficients
+    found, size = ZERO, square.norm
+    for term in reversed(terms):
+        found = found * square + constant(term, 64 * UNIT * abs(term))
+    rest = np.where(size < 0.5, 2.0 * abs(last) * size**len(terms), np.inf)
+    return found + Model(ZERO.c, rest * UP)
+
+
+def _cosine_and_sine(angles: Array) -> tuple[Model, Model]:
+    """Return cosines and sines of floats, as constants of each piece."""
+    rows = [_in_whole_numbers(angle) for angle in angles.tolist()]
+    error = np.full(len(rows), 2.0**-53)
+    cosine, sine = [Model(np.array([row]), error) for row in zip(*rows)]
+    return cosine, sine
+
+
+def _in_whole_numbers(angle: float) -> tuple[float, float]:
+    """Return cosine and sine of a float to 2^-53: Taylor's series in fixed point."""
+    if not abs(angle) < 32.0:
+        return np.nan, np.nan
+    over, under = angle.as_integer_ratio()
+    x = (over << BITS) // under
+    sums, term, k = [0, 0, 0, 0], 1 << BITS, 0
+    while term:
+        sums[k % 4] += term
+        k += 1
+        term = term * x // (k << BITS) if term * x >= 0 else -(-term * x // (k << BITS))
+    return (sums[0] - sums[2]) / (1 << BITS), (sums[1] - sums[3]) / (1 << BITS)
+
+
+def _angle(y: Any, x: Any) -> Model:
+    """Return the angle of (x, y): continuous over a piece, near its value in the middle."""
+    return Later(lambda: _angle_of(model(y), model(x)))
+
+
+def _angle_of(y: Model, x: Model) -> Model:
+    middle = np.atleast_1d(np.arctan2(y.c[0], x.c[0]))
+    cosine, sine = _cosine_and_sine(middle)
+    u, v = x * cosine + y * sine, y * cosine - x * sine
+    tangent = v * u.inverse()
+    return tangent * _series(tangent * tangent, _ARCTAN) + Model(middle[None], np.zeros(1))
+
+
+def _hypot(x: Any, y: Any) -> Root:
+    return Root(model(x) * x + model(y) * y)
+
+
+def _fabs(v: Any) -> Any:
+    """Return |v|; of a model by its middle, for forms that are right whatever the sign."""
+    v = model(v)
+    return _where(v.real < 0.0, -v, v)
+
+
+def _where(condition: Any, one: Any, other: Any) -> Any:
+    if isinstance(condition, (bool, np.bool_)):
+        return one if condition else other
+    if isinstance(one, tuple):
+        return tuple([_where(condition, a, b) for a, b in zip(one, other)])
+    one, other = model(one), model(other)
+    if condition.all():
+        return one
+    if not condition.any():
+        return other
+    one, other = one + _FLAT(condition.size), other + _FLAT(condition.size)
+    return Model(np.where(condition, one.c, other.c), np.where(condition, one.error, other.error))
+
+
+def _FLAT(size: int) -> Model:
+    return Model(np.zeros((ORDER + 1, size)), np.zeros(size))
+
+
+def _exact_sum(terms: Any) -> Model:
+    terms = [model(term) for term in terms]
+    return constant(value := fsum(term.c[0, 0] for term in terms),
+                    sum(float(term.error[0]) for term in terms) * UP + 2.0**-52 * abs(value))
+
+
+_OF_NUMPY: dict[str, Callable[..., Any]] = {
+    'sqrt': Model.sqrt, 'sin': Model.sin, 'cos': Model.cos, 'arctan2': _angle, 'hypot': _hypot,
+    'square': lambda v: v * v, 'negative': Model.__neg__, 'add': Model.__add__,
+    'subtract': Model.__sub__, 'multiply': Model.__mul__, 'divide': Model.__truediv__}
+
+
+class _Certain(NumberType):
+    """Taylor models know nothing where they cannot tell which of several functions is least."""
+
+    def least(self, pairs: Sequence[tuple[Any, Any]]) -> tuple[Any, Any]:
+        size, value = super().least(pairs)
+        chosen = np.argmin(np.stack(np.broadcast_arrays(*[one.c[0] for one, _ in pairs])), axis=0)
+        unsure = np.zeros(chosen.size)
+        for i, (one, _) in enumerate(pairs):
+            for other, _ in (*pairs[:i], *pairs[i + 1:]):
+                apart = other - one
+                unsure[(chosen == i) & ~(2.0 * apart.c[0] > apart.norm)] = np.inf
+        return size, value + Model(ZERO.c, unsure)
+
+
+TAYLOR_MODELS = _Certain(
+    'Taylor models', lambda v: model(v).sin(), lambda v: model(v).cos(), lambda v: model(v).sqrt(),
+    _angle, _hypot, _fabs, _where, _exact_sum, lambda *lengths: 1.0, 0.0)

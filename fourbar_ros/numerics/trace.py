@@ -1,0 +1,332 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What a formula does, written down once, and everything fast is written from it.
+
+:class:`Number` is one more type of number for formulas: arithmetic with it is written down as a
+:class:`Trace`, a list of steps, each one operation on the results of earlier steps. A trace
+belongs to a structure, not to one mechanism: lengths and masses are *data*, as the inputs are
+inputs, and what depends on data alone is computed once for each mechanism.
+
+Writers make functions of a trace: :mod:`fourbar_ros.numerics.straight_line` Python of floats,
+:mod:`fourbar_ros.numerics.program` calls of numpy for arrays. One for another language has to walk
+:attr:`Trace.steps`, and needs nothing else.
+
+A step is there once, however often the formula asks for it, and a minus sign is moved into the
+sum that takes it: neither changes a bit of a result. :meth:`Trace.simplified` leaves out what
+known zeros and ones do; the sign of a zero may change there.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
+import itertools
+import math
+import operator
+from typing import Any, NamedTuple, Union
+
+from fourbar_ros.numerics.number_types import (
+    choose,
+    converted,
+    Function,
+    numbers_of,
+    NumberType,
+    power_of_two,
+)
+
+OPERATIONS: dict[str, Function] = {
+    'add': operator.add, 'sub': operator.sub, 'mul': operator.mul, 'truediv': operator.truediv,
+    'neg': operator.neg, 'pow': operator.pow, 'gt': operator.gt, 'lt': operator.lt,
+    'sin': math.sin, 'cos': math.cos, 'sqrt': math.sqrt, 'atan2': math.atan2, 'fabs': math.fabs,
+    'hypot': math.hypot, 'where': choose, 'exact_sum': lambda *terms: math.fsum(terms),
+    'power_of_two': power_of_two}
+COMMUTES = ('add', 'mul')
+REFUSING = ('sqrt', 'truediv', 'pow', 'exact_sum', 'power_of_two')    # some arguments, of floats
+
+# Places of results as a formula returned them: numbers, or sequences of such.
+Places = Union[int, Sequence['Places']]
+MakeFormula = Callable[[NumberType, Any], Function]
+
+
+class Step(NamedTuple):
+    """
+    One operation of a trace.
+
+    Parameters
+    ----------
+    operation : str
+        One of :data:`OPERATIONS`; 'call' of a function that is no formula; 'input', 'datum' or
+        'constant' of a number that is given; 'nothing' where a step was left out.
+    arguments : tuple of int
+        Places of the steps whose results it takes.
+    value : float or callable, optional
+        Of a constant its number, of a call its function.
+
+    """
+
+    operation: str
+    arguments: tuple[int, ...] = ()
+    value: Any = None
+
+    @property
+    def is_given(self) -> bool:
+        """Return whether nothing is computed."""
+        return self.operation in ('input', 'datum', 'constant', 'nothing')
+
+    def of(self, *values: float) -> Any:
+        """Return its result for floats."""
+        return (OPERATIONS.get(self.operation) or self.value)(*values)
+
+
+NOTHING = Step('nothing')
+
+
+class Number:
+    """A number that is not known yet: its place in a trace."""
+
+    __slots__ = ('place', 'trace')
+
+    def __init__(self, trace: Trace, place: int) -> None:
+        self.trace, self.place = trace, place
+
+    @property
+    def real(self) -> Number:
+        """Return itself: recorded numbers are real."""
+        return self
+
+    def __bool__(self) -> bool:
+        raise TypeError('formulas choose with where(), not with if')
+
+
+def _method(name: str, is_reflected: bool) -> Function:
+    def method(self: Number, *others: Any) -> Any:
+        if not all(isinstance(other, (Number, float, int)) for other in others):
+            return NotImplemented
+        return self.trace.add(name, *(others + (self,) if is_reflected else (self, *others)))
+    return method
+
+
+for _name in ('add', 'sub', 'mul', 'truediv', 'neg', 'pow', 'gt', 'lt'):
+    setattr(Number, f'__{_name}__', _method(_name, False))
+    if _name in ('add', 'sub', 'mul', 'truediv'):
+        setattr(Number, f'__r{_name}__', _method(_name, True))
+
+
+def _function(name: str) -> Function:
+    def call(*values: Any) -> Any:
+        known = [value for value in values if isinstance(value, Number)]
+        return known[0].trace.add(name, *values) if known else OPERATIONS[name](*values)
+    return call
+
+
+def _choice(condition: Any, one: Any, other: Any) -> Any:
+    if isinstance(condition, bool):
+        return one if condition else other
+    if isinstance(one, tuple):
+        return tuple(_choice(condition, a, b) for a, b in zip(one, other))
+    return condition.trace.add('where', condition, one, other)
+
+
+def _call(function: Function, x: Any) -> Any:
+    return x.trace.add('call', x, value=function) if isinstance(x, Number) else function(x)
+
+
+_exact_sum = _function('exact_sum')
+RECORDED = NumberType('recorded', _function('sin'), _function('cos'), _function('sqrt'),
+                      _function('atan2'), _function('hypot'), _function('fabs'), _choice,
+                      lambda terms: _exact_sum(*terms), _function('power_of_two'), call=_call)
+
+
+class Trace:
+    """
+    What a formula does.
+
+    Attributes
+    ----------
+    steps : list of Step
+        First the inputs, then the data, then all others, each after its arguments.
+    count, size : int
+        Number of inputs and of data.
+    results : nested tuples of int
+        Places of what the formula returns.
+    varies : set of int
+        Places of all that depends on an input.
+
+    Parameters
+    ----------
+    make_formula : callable
+        (number type, data) -> formula, a function of ``count`` numbers that gives a sequence of
+        numbers or of such sequences.
+    count : int
+    data
+        Nested records of floats: any, as all data of a structure have the same record.
+
+    """
+
+    def __init__(self, make_formula: MakeFormula, count: int, data: Any = ()) -> None:
+        self.steps: list[Step] = []
+        self._places: dict[Any, int] = {}
+        self.count, self.size = count, len(numbers_of(data))
+        given = iter([Number(self, self._append(Step('input' if i < count else 'datum')))
+                      for i in range(count + self.size)])
+        self.varies = set(range(count))
+        inputs = list(itertools.islice(given, count))
+        formula = make_formula(RECORDED, converted(data, lambda _: next(given)))
+        self.results: Places = self._of(formula(*inputs))
+
+    def add(self, operation: str, *values: Any, value: Any = None) -> Number:
+        """Write down an operation on numbers of this trace and floats; return its result."""
+        return Number(self, self._add(operation, tuple([self._place(v) for v in values]), value))
+
+    def _add(self, operation: str, places: tuple[int, ...], value: Any = None) -> int:
+        minus = [self.steps[place].arguments if self.steps[place].operation == 'neg' else ()
+                 for place in places]         # of -x the place of x
+        if operation == 'neg' and minus[0]:
+            return minus[0][0]
+        if operation == 'add' and minus[1]:
+            return self._add('sub', (places[0], *minus[1]))
+        if operation == 'add' and minus[0]:
+            return self._add('sub', (places[1], *minus[0]))
+        if operation == 'sub' and minus[1]:
+            return self._add('add', (places[0], *minus[1]))
+        for i, inner in enumerate(minus):
+            if operation in ('mul', 'truediv') and inner and places[i] in self.varies:
+                return self._add('neg', (self._add(operation, (*places[:i], *inner,
+                                                               *places[i + 1:])),))
+        return self._append(Step(operation, places, value))
+
+    def _place(self, value: Any) -> int:
+        return (value.place if isinstance(value, Number)
+                else self._append(Step('constant', (), float(value))))
+
+    def _append(self, step: Step) -> int:
+        key = len(self.steps) if step.operation in ('input', 'datum') else _key(step)
+        place = self._places.setdefault(key, len(self.steps))
+        if place == len(self.steps):
+            self.steps.append(step)
+            if step.arguments and not self.varies.isdisjoint(step.arguments):
+                self.varies.add(place)
+        return place
+
+    def _of(self, results: Any) -> Places:
+        if isinstance(results, (tuple, list)):
+            return tuple([self._of(value) for value in results])
+        return self._place(results)
+
+    # --- what is known of it --------------------------------------------------------------------
+
+    @property
+    def operations(self) -> int:
+        """Return the number of operations that depend on the inputs."""
+        return len(self.varies) - self.count
+
+    @cached_property
+    def used_constants(self) -> list[int]:
+        """Return the places of what is made of data alone and used together with inputs."""
+        used = {i for place in self.varies for i in self.steps[place].arguments}
+        return [i for i in sorted(used.union(flat(self.results)) - self.varies)
+                if self.steps[i].operation != 'constant']
+
+    def constants(self, data: Sequence[float]) -> list[Any]:
+        """Return by place what does not depend on the inputs, for some data; None elsewhere."""
+        values: list[Any] = [None] * len(self.steps)
+        values[self.count:self.count + self.size] = data
+        for place in range(self.count + self.size, len(values)):
+            if place not in self.varies:
+                step = self.steps[place]
+                values[place] = step.value if step.is_given else step.of(
+                    *[values[i] for i in step.arguments])
+        return values
+
+    def needed(self, places: Iterable[int], with_refusals: bool = False) -> list[int]:
+        """
+        Return the places of all steps that some results need, in order.
+
+        ``with_refusals``: and of those that refuse some arguments, as the formula with floats
+        does even where no result needs them.
+        """
+        found: set[int] = set()
+        left = list(places)
+        if with_refusals:
+            left += [i for i, step in enumerate(self.steps) if step.operation in REFUSING]
+        while left:
+            place = left.pop()
+            if place not in found:
+                found.add(place)
+                left += self.steps[place].arguments
+        return sorted(found)
+
+    def literals(self) -> dict[int, Any]:
+        """Return the constants that stand in the text of the formula, by place."""
+        return {place: step.value for place, step in enumerate(self.steps)
+                if step.operation == 'constant'}
+
+    def simplified(self, known: Mapping[int, Any]) -> Trace:
+        """
+        Return the same trace, of the same places, with what some known numbers make needless.
+
+        Operations on known numbers become constants; products and sums of zero, factors of one
+        and choices that are made are passed by. An operation that refuses its arguments stays.
+        """
+        other = object.__new__(Trace)
+        other.steps, other.count, other.size = list(self.steps), self.count, self.size
+        other._places = {}
+        values, same = dict(known), list(range(len(self.steps)))
+        for place, value in known.items():
+            other.steps[place] = Step('constant', (), value)
+        for place, step in enumerate(self.steps):
+            if step.is_given:
+                continue
+            step = step._replace(arguments=tuple([same[i] for i in step.arguments]))
+            same_as = _passed(step, values)
+            if same_as is None:
+                try:
+                    values[place] = step.of(*[values[i] for i in step.arguments])
+                    step = Step('constant', (), values[place])
+                except (KeyError, ArithmeticError, ValueError):       # not known, or refused
+                    pass
+                same_as = other._places.setdefault(_key(step), place)
+            same[place] = same_as
+            other.steps[place] = step if same_as == place else NOTHING
+        other.results = _renamed(self.results, same)
+        other.varies = set(range(self.count))
+        for place, step in enumerate(other.steps):
+            if not other.varies.isdisjoint(step.arguments):
+                other.varies.add(place)
+        return other
+
+
+def _key(step: Step) -> Any:
+    """Return what two steps of the same result have in common; 0.0 is not -0.0."""
+    if step.operation == 'constant':
+        return step.operation, float(step.value).hex()
+    arguments = sorted(step.arguments) if step.operation in COMMUTES else step.arguments
+    return step.operation, tuple(arguments), step.value
+
+
+def _passed(step: Step, values: Mapping[int, Any]) -> int | None:
+    """Return the argument that is the result of an operation that does nothing, or None."""
+    operation, arguments = step.operation, step.arguments
+    known = [values.get(i) for i in arguments]
+    if operation == 'where' and known[0] is not None:
+        return arguments[1] if known[0] else arguments[2]
+    if all(value is not None for value in known):
+        return None
+    for value, own, other in zip(known, arguments, reversed(arguments)):
+        if operation == 'mul' and value == 0.0:
+            return own
+        if operation == 'mul' and value == 1.0 or operation == 'add' and value == 0.0:
+            return other
+    does_nothing = {'sub': 0.0, 'truediv': 1.0}.get(operation)
+    return arguments[0] if does_nothing is not None and known[1] == does_nothing else None
+
+
+def _renamed(places: Places, same: Sequence[int]) -> Places:
+    return same[places] if isinstance(places, int) else tuple([_renamed(part, same)
+                                                               for part in places])
+
+
+def flat(places: Places) -> list[int]:
+    """Return the places of nested results in order."""
+    return [places] if isinstance(places, int) else [place for part in places
+                                                     for place in flat(part)]

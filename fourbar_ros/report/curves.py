@@ -1,0 +1,236 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Quantities over the input of a mechanism, as a table or a figure.
+
+A table has a row for each input, its columns carry their units. Where the input is at a limit,
+rates and loads are unbounded and left out.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple, TYPE_CHECKING
+
+from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.quantities import known, positions, UnknownQuantity
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.optional import MissingPackage
+from fourbar_ros.report.cycles import cycles
+from fourbar_ros.report.drawing import need_matplotlib, STYLE
+import numpy as np
+
+if TYPE_CHECKING:
+    from fourbar_ros.scene.scene import Scene
+    from matplotlib.figure import Figure
+
+TABLES, PICTURES = ('.csv', '.xlsx', '.parquet'), ('.png', '.svg', '.pdf', '.html')
+PAGE = """\
+<!DOCTYPE html>
+<html lang="en">
+<head><meta charset="utf-8"><title>{title}</title>
+<style>body {{ font-family: sans-serif; margin: 2em auto; max-width: 60em }} svg {{ width: 100% }}
+</style></head>
+<body><h1>{title}</h1>
+{picture}
+</body></html>
+"""
+
+
+class CannotWrite(FourBarError, ValueError):
+    """A file cannot be written in the format of its suffix; the message says which ones are."""
+
+
+class Curves(NamedTuple):
+    """
+    Quantities over the input.
+
+    Attributes
+    ----------
+    title : str
+    names : tuple of str
+        Of the columns; the first is the input.
+    units : tuple of str
+        Of the columns; angles in degrees.
+    values : ndarray
+        Shape (columns, rows). Rows of NaN part the ranges of the input.
+
+    """
+
+    title: str
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    values: Array
+
+
+def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
+              acceleration: float = 0.0, samples: int = 361) -> Curves:
+    """
+    Return quantities of a scene over all ranges of its input, at one speed and acceleration.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of its points are the quantities ``NAME.speed`` and ``NAME.acceleration``.
+    linkage : Mechanism
+        The scene's, in the assembly mode wanted.
+    names : sequence of str
+        Fields of motion or loads, or quantities of points; none: all that have a name, loads
+        where there are masses.
+    speed, acceleration : float
+        Of the input [rad/s, rad/s^2] or [m/s, m/s^2].
+    samples : int
+        Inputs in each range.
+
+    Raises
+    ------
+    UnknownQuantity
+        The mechanism has none of this name; the message has the nearest.
+    MissingBodies
+        A load was asked for without masses.
+    InvalidParameter
+        Speed or acceleration are so large that a quantity overflows.
+
+    """
+    units, coordinate, parts = _units(linkage, scene), linkage.input_coordinate, []
+    wanted = [name for name in dict.fromkeys(names) if name != coordinate.position]
+    for name in wanted:
+        if name not in units:
+            raise UnknownQuantity(name, units)
+    wanted = wanted or [name for name in units if name not in linkage.LOADS._fields
+                        or linkage.bodies is not None]
+    of_points = {quantity.name: quantity for quantity in scene.point_quantities}
+    needs_loads = any(name in linkage.LOADS._fields for name in wanted)
+    for inputs in cycles(linkage, samples):
+        motion = linkage.motion(inputs, speed, acceleration)
+        loads = linkage.loads(inputs, speed, acceleration) if needs_loads else None
+        rows = [inputs] + [
+            of_points[name].of(motion, loads) if name in of_points
+            else getattr(loads if name in linkage.LOADS._fields else motion, name)
+            for name in wanted]
+        parts += [np.full((len(rows), 1), np.nan), np.array([
+            np.broadcast_to(row, inputs.shape) for row in rows])]
+    values = np.concatenate(parts[1:], axis=1)
+    names, found = (coordinate.position, *wanted), (coordinate.unit,
+                                                    *(units[name] for name in wanted))
+    for name, column in zip(names, values):
+        if not np.isfinite(column).any():
+            raise InvalidParameter('speed', speed, f'too large: {name} overflows')
+    is_angle = np.array([unit == 'rad' for unit in found])
+    values[is_angle] = np.degrees(values[is_angle])
+    rate = f'{speed:g} {coordinate.unit}/s'
+    if acceleration:
+        rate += f', {acceleration:g} {coordinate.unit}/s^2'
+    return Curves(f'{linkage.description} at {rate}', tuple(names),
+                  tuple('deg' if unit == 'rad' else unit for unit in found), values)
+
+
+def _units(linkage: Mechanism, scene: Scene) -> dict[str, str]:
+    """Return {name: unit} of all that can be asked for."""
+    quantities = {**positions(linkage, linkage.input), **known(linkage, linkage.input)}
+    units = {name: quantity.unit for name, quantity in quantities.items()}
+    units.update((quantity.name, quantity.unit) for quantity in scene.point_quantities)
+    for part in linkage.PARTS:
+        if part != linkage.input_coordinate:
+            units |= {name: part.unit + tail for name, tail in
+                      zip(part, ('', '/s', '/s^2')) if name in linkage.MOTION._fields}
+    for name in linkage.LOADS._fields:
+        if name not in units and name.endswith(('_x', '_y')):
+            units[name] = 'N'
+    return units
+
+
+def write_table(curves: Curves, path: str | Path) -> Path:
+    """
+    Write a table in the format of the suffix: .csv, .xlsx or .parquet; return its path.
+
+    Raises
+    ------
+    CannotWrite
+        The suffix is another one, or the file cannot be written.
+    MissingPackage
+        Of this format.
+
+    """
+    path = _checked(path, TABLES)
+    heads = [f'{name} [{unit}]' if unit else name
+             for name, unit in zip(curves.names, curves.units)]
+    rows = curves.values.T[np.isfinite(curves.values[0])]
+    try:
+        if path.suffix == '.csv':
+            import csv
+            with open(path, 'w', newline='', encoding='utf-8') as file:
+                csv.writer(file).writerows([heads, *rows.tolist()])
+        elif path.suffix == '.xlsx':
+            _write_sheet(path, heads, rows)
+        else:
+            import pyarrow
+            import pyarrow.parquet
+            pyarrow.parquet.write_table(pyarrow.table(dict(zip(heads, rows.T))), path)
+    except ModuleNotFoundError as error:
+        raise MissingPackage(f'a table as {path.suffix}', error) from None
+    except OSError as error:
+        raise CannotWrite(f'{path}: {error.strerror or error}') from None
+    return path
+
+
+def _write_sheet(path: Path, heads: list[str], rows: Array) -> None:
+    from openpyxl import Workbook
+    book = Workbook(write_only=True)
+    sheet = book.create_sheet('over the input')
+    sheet.append(heads)
+    for row in rows.tolist():
+        sheet.append([value if value == value else None for value in row])
+    book.save(path)
+
+
+def _checked(path: str | Path, suffixes: Sequence[str]) -> Path:
+    """Return a path whose suffix says its format."""
+    path = Path(path)
+    if path.suffix not in suffixes:
+        raise CannotWrite(f'{path}: must end in {", ".join(suffixes[:-1])} or {suffixes[-1]}'
+                          + nearest(path.suffix, suffixes))
+    return path
+
+
+def make_figure(curves: Curves) -> Figure:
+    """Return a figure with one pair of axes for each unit, over the same input."""
+    need_matplotlib('plot')
+    import matplotlib
+    from matplotlib.figure import Figure
+    units = list(dict.fromkeys(curves.units[1:]))
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 0.6 + 2.4 * len(units)), layout='constrained')
+        axes = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
+        for axis, unit in zip(axes, units):
+            for name, its_unit, values in zip(curves.names[1:], curves.units[1:],
+                                              curves.values[1:]):
+                if its_unit == unit:
+                    axis.plot(curves.values[0], values, label=name)
+            axis.set_ylabel(f'[{unit}]' if unit else '')
+            axis.grid(alpha=0.3)
+            axis.legend(loc='center left', bbox_to_anchor=(1.0, 0.5), frameon=False)
+        axes[0].set_title(curves.title)
+        axes[-1].set_xlabel(f'{curves.names[0]} [{curves.units[0]}]')
+    return figure
+
+
+def write_picture(curves: Curves, path: str | Path) -> Path:
+    """Write the figure as .png, .svg or .pdf, or as a page, .html; return its path."""
+    from fourbar_ros.report.drawing import save
+    path = _checked(path, PICTURES)
+    figure: Any = make_figure(curves)
+    if path.suffix != '.html':
+        return save(figure, path)
+    from html import escape
+    from io import StringIO
+    text = StringIO()
+    figure.savefig(text, format='svg')
+    try:
+        path.write_text(PAGE.format(title=escape(curves.title),
+                                    picture=text.getvalue().partition('<!DOCTYPE')[2]
+                                    .partition('>')[2]), encoding='utf-8')
+    except OSError as error:
+        raise CannotWrite(f'{path}: {error.strerror or error}') from None
+    return path

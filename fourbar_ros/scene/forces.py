@@ -1,0 +1,229 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Forces over a position in a scene: where they act, over which coordinate, from which table.
+
+A table stands in the scene or in a CSV file beside it, which is read with the scene: a scene that
+was read holds the numbers themselves, so a bag needs no file.
+"""
+from __future__ import annotations
+
+from collections.abc import Iterator
+import csv
+from math import atan2, isfinite, pi
+from pathlib import Path
+import re
+from typing import NamedTuple, TYPE_CHECKING
+
+from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.scene.files import SceneError, table_files
+from fourbar_ros.scene.parameter_table import COUPLE, OF_PLACES, OF_VALUES, PRESSURES
+from fourbar_ros.scene.parameters import names_in, ParameterValues
+
+if TYPE_CHECKING:      # other scenes do without
+    from fourbar_ros.dynamics.model.elements import Place, PositionForce
+
+FAMILY = 'forces'
+MOST_ROWS, LARGEST = 10_000, 4_000_000      # of a table: rows, bytes
+HEADER = re.compile(r'\s*([^\[\],]*?)\s*\[\s*([^\[\]]*?)\s*\]\s*')
+# directions by name: of the ground, or of the link itself; turned from its x [rad]
+ACTS = {'x': (False, 0.0), 'y': (False, 0.5 * pi), 'along': (True, 0.0),
+        'across': (True, 0.5 * pi)}
+# links whose angle an angle of the contract's kinds is, and from which it counts
+ANGLES = {'theta1': ('crank', GROUND), 'theta2': ('coupler', 'crank'),
+          'theta4': ('output', GROUND), 'beta': ('coupler', GROUND)}
+
+
+class Columns(NamedTuple):
+    """A table as a CSV file has it: two columns and their units."""
+
+    places: list[float]
+    place_unit: str
+    values: list[float]
+    value_unit: str
+
+
+def with_tables(values: ParameterValues) -> ParameterValues:
+    """
+    Return values with the tables of files in place of their names.
+
+    Raises
+    ------
+    SceneError
+        Naming file and row.
+    InvalidParameter
+        For a table that is given twice.
+
+    """
+    found = dict(values)
+    for name in table_files(values):
+        force = name.removesuffix('.table')
+        for own in Columns._fields:
+            if found.get(f'{force}.{own}'):
+                raise InvalidParameter(f'{force}.{own}', found[f'{force}.{own}'],
+                                       f'is in the file already: {values[name]}')
+        columns = read_table(Path(values[name]), values.get(f'{force}.periodic') is True)
+        del found[name]
+        found.update((f'{force}.{own}', value) for own, value in columns._asdict().items())
+    return found
+
+
+def read_table(path: Path, is_periodic: bool = False) -> Columns:
+    """
+    Return the table of a CSV file: a header with units, then a place and a value in each row.
+
+    Raises SceneError naming file and row: numbers that are missing, not finite, not increasing.
+    """
+    def refuse(row: int, why: str) -> SceneError:
+        return SceneError(f'{path}, row {row}: {why}')
+
+    rows = _rows(path)
+    row, header = next(rows, (1, []))
+    units = [match and match[2] for match in map(HEADER.fullmatch, header)]
+    for unit, known in zip((*units, None, None), (OF_PLACES, OF_VALUES)):
+        if len(units) != 2 or unit not in known:
+            raise refuse(row, 'must be two headings with units, as "theta1 [deg], pressure [bar]"'
+                         f'; units are {", ".join(OF_PLACES)} and {", ".join(OF_VALUES)}')
+    found = Columns([], str(units[0]), [], str(units[1]))
+    for row, texts in rows:
+        if len(texts) != 2:
+            raise refuse(row, f'{len(texts)} columns, must be a place and a value')
+        for text, column in zip(texts, (found.places, found.values)):
+            try:
+                column.append(float(text))
+            except ValueError:
+                raise refuse(row, f'{text.strip()!r} must be a number') from None
+            if not isfinite(column[-1]):
+                raise refuse(row, f'{text.strip()!r} must be a finite number')
+        if len(found.places) > 1 and not found.places[-1] > found.places[-2]:
+            raise refuse(row, f'{found.places[-1]!r} must be larger than the place before, '
+                              f'{found.places[-2]!r}')
+        if len(found.places) > MOST_ROWS:
+            raise refuse(row, f'a table has at most {MOST_ROWS} rows')
+    if len(found.places) < 2:
+        raise refuse(row, 'a table has at least two rows of numbers')
+    if is_periodic and found.values[0] != found.values[-1]:
+        raise refuse(row, f'{found.values[-1]!r} must be the first value again, '
+                          f'{found.values[0]!r}: the table is periodic')
+    return found
+
+
+def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Yield (number, texts) of the rows of a CSV file; empty rows and comments are left out."""
+    number = 1
+    if path.exists() and not (path.is_file() and path.stat().st_size <= LARGEST):
+        raise SceneError(f'{path}: must be a file of at most {LARGEST} bytes')
+    try:
+        with path.open(encoding='utf-8-sig', newline='') as file:
+            reader = csv.reader(file)
+            for row in reader:
+                number = reader.line_num
+                if any(map(str.strip, row)) and not row[0].lstrip().startswith('#'):
+                    yield number, row
+    except OSError as error:
+        raise SceneError(f'{path}: {error.strerror}') from None
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise SceneError(f'{path}, row {number}: not a table as text: {error}') from None
+
+
+def forces_of(values: ParameterValues, linkage: Mechanism) -> tuple[PositionForce, ...]:
+    """Return the forces over a position of a scene; InvalidParameter names the parameter."""
+    names = names_in(FAMILY, values)
+    if names and linkage.bodies is None:
+        raise InvalidParameter('bodies.crank.mass', None, 'must be given (or bodies.rods): '
+                               f'{FAMILY}.{names[0]} needs masses')
+    return tuple([_force(values, f'{FAMILY}.{name}', linkage) for name in names])
+
+
+def _force(values: ParameterValues, name: str, linkage: Mechanism) -> PositionForce:
+    from fourbar_ros.dynamics.model.element_forces import make_loaded
+    from fourbar_ros.dynamics.model.elements import Attachment, PositionForce
+    from fourbar_ros.dynamics.model.force_table import ForceTable
+    given = {field: values[f'{name}.{field}'] for field in
+             ('link', 'along', 'across', 'acts', 'direction', 'over', 'factor', 'periodic')}
+    links = tuple(linkage.loads_of_links())
+    if given['link'] not in links:
+        raise InvalidParameter(f'{name}.link', given['link'], f'must be one of {", ".join(links)}')
+    over = _over(values, name, linkage)
+    is_couple = given['acts'] == COUPLE
+    turns, direction = ACTS.get(given['acts'], (False, 0.0))
+    places, forces = _numbers(values, name, over, linkage)
+    try:
+        table = ForceTable(places, forces, given['periodic'],
+                           values[f'{name}.interpolation'] == 'linear')
+        force = PositionForce(
+            Attachment(given['link'], given['along'], given['across']), table, over,
+            None if is_couple else direction + given['direction'],
+            given['link'] if turns else GROUND, given['factor'])
+        make_loaded(linkage, (force,))
+    except InvalidParameter as error:
+        field = 'periodic' if error.name == 'is_periodic' else error.name
+        raise InvalidParameter(f'{name}.{field}', error.value, error.allowed) from None
+    return force
+
+
+def _numbers(values: ParameterValues, name: str, over: Place, linkage: Mechanism
+             ) -> tuple[list[float], list[float]]:
+    """Return places [rad] or [m] and forces [N], couples [N m] or pressures [Pa] of a table."""
+    from fourbar_ros.dynamics.model.elements import INPUT, LinkAngle
+    is_angle = (not linkage.is_driven_by_slide if over == INPUT else isinstance(over, LinkAngle))
+    place_unit = values[f'{name}.place_unit'] or ('rad' if is_angle else 'm')
+    is_couple = values[f'{name}.acts'] == COUPLE
+    value_unit = values[f'{name}.value_unit'] or ('N m' if is_couple else 'N')
+    if not values[f'{name}.places']:
+        raise InvalidParameter(f'{name}.table', None, 'must be given, or places and values: what '
+                                                      'acts where')
+    if (place_unit in ('rad', 'deg')) is not is_angle:
+        raise InvalidParameter(f'{name}.place_unit', place_unit, 'must be a unit of '
+                               f'{"an angle" if is_angle else "a length"}: over is '
+                               f'{values[f"{name}.over"]}')
+    if value_unit in PRESSURES and (is_couple or values[f'{name}.factor'] == 1.0):
+        raise InvalidParameter(f'{name}.factor', values[f'{name}.factor'], 'must be the area '
+                               f'[m^2] on which the pressure [{value_unit}] acts, negative '
+                               'against the direction')
+    if value_unit not in PRESSURES and is_couple is not value_unit.endswith('N m'):
+        raise InvalidParameter(f'{name}.value_unit', value_unit, 'must be a unit of '
+                               f'{"a couple" if is_couple else "a force or pressure"}')
+    by_place, by_value = OF_PLACES[place_unit], OF_VALUES[value_unit]
+    return ([by_place * place for place in values[f'{name}.places']],
+            [by_value * value for value in values[f'{name}.values']])
+
+
+def _over(values: ParameterValues, name: str, linkage: Mechanism) -> Place:
+    """Return the place over which a force is given, by its name."""
+    from fourbar_ros.dynamics.model.elements import Attachment, INPUT, Way
+    over, driven = values[f'{name}.over'], linkage.input_coordinate.position
+    known: dict[str, Place] = {INPUT: INPUT, driven: INPUT}
+    known.update(item for item in _coordinates(linkage).items() if item[0] != driven)
+    for point in names_in('points', values):
+        place = Attachment(*(values[f'points.{point}.{field}']
+                             for field in ('link', 'along', 'across')))
+        known |= {f'{point}.x': Way(place), f'{point}.y': Way(place, direction=0.5 * pi)}
+    if over not in known:
+        raise InvalidParameter(f'{name}.over', over, f'there is no such coordinate'
+                                                     f'{nearest(over, known)}')
+    return known[over]
+
+
+def _coordinates(linkage: Mechanism) -> dict[str, Place]:
+    """Return {name: place} of the angles and slides of a mechanism that a force can be over."""
+    from fourbar_ros.dynamics.model.elements import Attachment, LinkAngle, Way
+    names = [coordinate.position for coordinate in linkage.PARTS]
+    found: dict[str, Place] = {}
+    for name in names:
+        link = name.removeprefix('theta_')
+        if name in ANGLES:
+            found[name] = LinkAngle(*ANGLES[name])
+        elif link != name and link in [its.name for its in linkage.LINKS]:
+            found[name] = LinkAngle(link)
+    if hasattr(linkage, 'stages'):
+        from fourbar_ros.scene.machines import slides_in
+        found |= {f'slide_{link}': Way(Attachment(link), Attachment(*origin), atan2(sine, cosine))
+                  for link, origin, (cosine, sine) in slides_in(linkage)}
+    elif 'slide' in names:
+        # of a bar that turns, along it from its pivot; else along x
+        found['slide'] = (Way(Attachment('coupler'), Attachment('output'))
+                          if linkage.SLIDE_DIRECTION else Way(Attachment('output')))
+    return found

@@ -1,0 +1,519 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The single table of scene parameters: type, unit, default, allowed values, text. Imports no ROS.
+
+It feeds the declaration in the node, the check of scene files, the manual and the tests;
+:mod:`fourbar_ros.scene.parameters` finds and checks parameters by it. Families are sets of
+parameters of which a scene may have any number: in ``points.NAME.link`` NAME is free.
+"""
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import inf, isfinite, nan, pi
+from typing import Any, NamedTuple
+
+from fourbar_ros.dynamics.model.drives import DCMotor, Law, MotorLine, SpeedController
+from fourbar_ros.dynamics.model.induction_motor import InductionMotor
+from fourbar_ros.mechanisms.contract import find_link
+from fourbar_ros.mechanisms.kinds import KINDS
+from fourbar_ros.mechanisms.machine.describe.description import DIMENSIONS
+from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.numerics.given import quantities_of
+from fourbar_ros.scene.topics import INPUTS, OUTPUTS, PICTURES, SERVICES, wrench_topic
+
+REQUIRED = object()        # as a default: the scene must give the value
+MACHINE, NAME, COUPLE = 'machine', 'NAME', 'couple'
+SOURCES = ('torque', 'motor')      # of drive.source, with which the motion follows from torque
+# units of a table of forces, in SI units
+OF_PLACES = {'rad': 1.0, 'deg': pi / 180.0, 'm': 1.0, 'mm': 1e-3}
+PRESSURES = {'Pa': 1.0, 'kPa': 1e3, 'MPa': 1e6, 'bar': 1e5}
+OF_VALUES = {'N': 1.0, 'kN': 1e3, 'N m': 1.0, 'kN m': 1e3, **PRESSURES}
+
+
+class Parameter(NamedTuple):
+    """
+    One parameter.
+
+    A ``default`` of NaN means "not given". ``low`` and ``high`` are inclusive; ``positive``
+    excludes zero.
+    """
+
+    name: str
+    type: str
+    default: Any
+    unit: str
+    text: str
+    low: float = -inf
+    high: float = inf
+    positive: bool = False
+    choices: tuple[str, ...] = ()
+    live: bool = True          # can be changed while the node runs
+
+    @property
+    def allowed(self) -> str:
+        """Return the allowed values as text."""
+        if self.choices:
+            return ', '.join(self.choices)
+        if self.positive:
+            return '> 0' if self.high == inf else f'(0, {self.high:g}]'
+        if self.low > -inf:
+            return f'>= {self.low:g}' if self.high == inf else f'[{self.low:g}, {self.high:g}]'
+        return ''
+
+
+def _table(*parameters: Parameter) -> dict[str, Parameter]:
+    return {parameter.name: parameter for parameter in parameters}
+
+
+# --- from the kinds of motors --------------------------------------------------------------------
+
+# each number of a law is a parameter motor.NAME, with its unit, limits and text
+MOTORS: dict[str, type[Law]] = {'line': MotorLine, 'dc': DCMotor, 'controller': SpeedController,
+                                'induction': InductionMotor}
+
+
+def _of_motor(kind: str) -> dict[str, Parameter]:
+    """Return the parameters of a kind of motor, by field."""
+    found = {}
+    for name, default, what in quantities_of(MOTORS[kind]):
+        is_given = isinstance(default, (int, float)) and isfinite(default)
+        found[name] = Parameter(
+            f'motor.{what.parameter or name}', 'integer' if what.is_whole else 'double',
+            default if is_given else nan, what.unit, f'{kind}: {what.text}', low=what.least,
+            positive=what.above == 0.0)
+    return found
+
+
+OF_MOTORS = {kind: _of_motor(kind) for kind in MOTORS}
+GEAR = Parameter('motor.gear', 'double', 1.0, '',
+                 'gear ratio: speed of the motor over that of the shaft behind the gear; not zero')
+
+
+# --- from the kinds of mechanisms ----------------------------------------------------------------
+
+def _kinds_by_text(pairs: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
+    """Return {text: kinds} of pairs (kind, text)."""
+    found: dict[str, list[str]] = {}
+    for kind, text in pairs:
+        found.setdefault(text, []).append(kind)
+    return found
+
+
+def _length(name: str) -> Parameter:
+    """Return the parameter of a length; a text that is not of every kind names its kinds."""
+    lengths = {kind: length for kind, its in KINDS.items() for length in its.LENGTHS
+               if length.name == name}
+    texts = _kinds_by_text((kind, length.text) for kind, length in lengths.items())
+    is_in_all = len(lengths) == len(KINDS)
+    text = next(iter(texts)) if is_in_all and len(texts) == 1 else '; '.join(
+        f'{text} ({", ".join(kinds)})' for text, kinds in texts.items())
+    name = f'linkage.{name}'
+    if any(length.signed for length in lengths.values()):
+        return Parameter(name, 'double', 0.0, 'm', text)
+    return Parameter(name, 'double', nan, 'm',
+                     text + ' (all kinds but machine)' * is_in_all, positive=True)
+
+
+def _first_joint(link: str) -> str:
+    """Return the first joint of a link, or its joints by kind."""
+    joints = _kinds_by_text((kind, find_link(its.LINKS, link).first_joint)
+                            for kind, its in KINDS.items()
+                            if link in [its_link.name for its_link in its.LINKS])
+    usual, *others = sorted(joints, key=lambda joint: -len(joints[joint]))
+    return usual + ''.join(f' ({joint} of a {" or ".join(joints[joint])})' for joint in others)
+
+
+# names of the lengths, and {link: its first joint}, of all kinds together
+LENGTHS = tuple(dict.fromkeys(length.name for kind in KINDS.values() for length in kind.LENGTHS))
+LINKS = {name: _first_joint(name)
+         for name in dict.fromkeys(link.name for kind in KINDS.values() for link in kind.LINKS)}
+_DRIVEN = tuple(dict.fromkeys(name for kind in KINDS.values() for name in kind.INPUTS))
+_KINDS_IN_WORDS = '; '.join(f'{kind.TEXT} ({name})' for name, kind in KINDS.items())
+_JOINTS_IN_WORDS = '; '.join(f'{", ".join(joint.name for joint in kind.JOINTS)} ({name})'
+                             for name, kind in KINDS.items())
+_WITH_SLIDES = ' or '.join(name for name, kind in KINDS.items() if len(kind.INPUTS) > 1)
+
+
+# --- bodies and forces of links ------------------------------------------------------------------
+
+def _body(link: str, first_joint: str) -> tuple[Parameter, ...]:
+    """Return the parameters of the body of a link."""
+    name = f'bodies.{link}.'
+    return (
+        Parameter(name + 'mass', 'double', nan, 'kg', f'mass of the {link}', low=0.0),
+        Parameter(name + 'inertia', 'double', nan, 'kg m^2',
+                  f'moment of inertia of the {link} about its centre of gravity; required with a '
+                  'mass', low=0.0),
+        Parameter(name + 'cg_along', 'double', nan, 'm',
+                  f'centre of gravity of the {link}: distance from {first_joint} along the link; '
+                  'default: half its length (0 for a link without a length)'),
+        Parameter(name + 'cg_across', 'double', 0.0, 'm',
+                  f'centre of gravity of the {link}: distance to the left of the line of the '
+                  'link'),
+    )
+
+
+def _external(link: str, first_joint: str) -> tuple[Parameter, ...]:
+    """Return the parameters of what acts on a link from outside."""
+    name = f'external.{link}.'
+    return (
+        Parameter(name + 'force_x', 'double', 0.0, 'N', f'external force on the {link}: x '
+                                                        'component, constant'),
+        Parameter(name + 'force_y', 'double', 0.0, 'N', f'external force on the {link}: y '
+                                                        'component, constant'),
+        Parameter(name + 'along', 'double', 0.0, 'm',
+                  f'point where the external force acts on the {link}: distance from '
+                  f'{first_joint} along the link'),
+        Parameter(name + 'across', 'double', 0.0, 'm',
+                  f'point where the external force acts on the {link}: distance to the left of '
+                  'the line of the link'),
+        Parameter(name + 'couple', 'double', 0.0, 'N m', f'external couple on the {link}, '
+                                                         'constant, counter-clockwise positive'),
+        Parameter(name + 'from_topic', 'bool', False, '',
+                  f'take the external force and couple on the {link} from the topic '
+                  f'{wrench_topic(link).topic} instead of force_x, force_y and couple',
+                  live=False),
+    )
+
+
+# --- the table -----------------------------------------------------------------------------------
+
+PARAMETERS = _table(
+    Parameter('linkage.kind', 'string', 'four_bar', '',
+              f'kind of linkage: {_KINDS_IN_WORDS}; a driven link and dyads ({MACHINE})',
+              choices=(*KINDS, MACHINE), live=False),
+    Parameter('linkage.input', 'string', 'crank', '',
+              f'driven joint: the crank, or the slide of a {_WITH_SLIDES} or '
+              f'{MACHINE}; of a {MACHINE} also a cylinder that turns the crank',
+              choices=(*_DRIVEN, 'cylinder'), live=False),
+    *map(_length, LENGTHS),
+    Parameter('linkage.range', 'doubles', [], 'm',
+              'stroke of a driven slide: [shortest, longest]; empty: every position where the '
+              'linkage can be assembled', live=False),
+    Parameter('linkage.mode', 'integer', 2, '',
+              'assembly mode: 1 crossed, 2 open; for the sliders see docs/conventions.md', 1, 2),
+    Parameter('linkage.dyads', 'strings', [], '',
+              f'names of the dyads of a {MACHINE}, each after those on whose links it hangs',
+              live=False),
+    Parameter('linkage.output', 'string', '', '',
+              f'link of a {MACHINE} whose motion is the output; empty: the last link', live=False),
+    Parameter('cylinder.base.along', 'double', 0.0, 'm',
+              'with linkage.input cylinder: x of the pivot of its tube on the ground'),
+    Parameter('cylinder.base.across', 'double', 0.0, 'm',
+              'with linkage.input cylinder: y of that pivot'),
+    Parameter('cylinder.pin.along', 'double', 0.0, 'm',
+              'with linkage.input cylinder: pin of its rod on the crank, distance from O1 along '
+              'the crank'),
+    Parameter('cylinder.pin.across', 'double', 0.0, 'm',
+              'with linkage.input cylinder: pin of its rod, distance to the left of the crank'),
+    Parameter('cylinder.links', 'strings', ['rod', 'tube'], '',
+              'with linkage.input cylinder: names of rod and tube', live=False),
+    Parameter('cylinder.mode', 'integer', 2, '',
+              'with linkage.input cylinder: 2, from O1-pivot to O1-pin one turns left; 1, right',
+              1, 2),
+    Parameter('gravity.x', 'double', 0.0, 'm/s^2', 'gravitational acceleration: x component'),
+    Parameter('gravity.y', 'double', 0.0, 'm/s^2', 'gravitational acceleration: y component'),
+    Parameter('bodies.rods.density', 'double', nan, 'kg/m^3',
+              'model every link with two revolute joints as a solid cylinder of this density',
+              positive=True),
+    Parameter('bodies.rods.radius', 'double', nan, 'm',
+              'radius of these cylinders (with bodies.rods.density)', positive=True),
+    *(parameter for item in LINKS.items() for parameter in _body(*item)),
+    *(parameter for item in LINKS.items() for parameter in _external(*item)),
+    Parameter('external.timeout', 'double', 1.0, 's', 'with from_topic: a link without a wrench '
+                                                      'for longer than this counts as silent; 0: '
+                                                      'never',
+              low=0.0),
+    Parameter('external.when_silent', 'string', 'unknown', '',
+              'external wrench of a silent link, and before its first message: unknown (all loads '
+              'are NaN), constant (force_x, force_y, couple) or hold (the last wrench; before the '
+              'first, constant)', choices=('unknown', 'constant', 'hold')),
+    Parameter('external.extrapolated', 'bool', False, '',
+              'with from_topic: take from the last two wrenches the one that is due a step later, '
+              'for chains of nodes, whose reactions come one step late'),
+    Parameter('drive.source', 'string', 'timer', '',
+              'source of the input: the clock (timer), Motion messages (motion), one joint of '
+              'JointState messages (joint_state); or the motion follows from torque: of a topic '
+              '(torque) or of a motor (motor)',
+              choices=('timer', *INPUTS, *SOURCES), live=False),
+    Parameter('drive.speed', 'double', 1.0, 'rad/s or m/s',
+              'with the timer: constant speed of the input'),
+    Parameter('drive.start', 'double', 0.0, 'rad or m',
+              'with the timer, torque or motor: input at the first sample', live=False),
+    Parameter('drive.rate', 'double', 100.0, 'Hz',
+              'with the timer, torque or motor: samples per second', low=0.001, high=5000.0),
+    Parameter('drive.start_speed', 'double', 0.0, 'rad/s or m/s',
+              'with torque or motor: speed of the input at the start', live=False),
+    Parameter('drive.tolerance', 'double', 1e-6, '',
+              'with torque or motor: largest error of one step of the node, of angles [rad] and, '
+              'over one sample, of speeds [rad/s]', low=1e-12, high=0.1),
+    Parameter('drive.budget', 'integer', 60, '',
+              'with torque or motor: most evaluations of the equation of motion in one step; a '
+              'step that needs more is finished less accurately, as its status shows', 12, 10000),
+    Parameter('drive.when_silent', 'string', 'zero', '',
+              'with torque: torque in effect before the first message, and after drive.timeout '
+              'without one: none (zero), or the last one (hold; before the first, none)',
+              choices=('zero', 'hold')),
+    Parameter('drive.torque_limit', 'double', nan, 'N m or N',
+              'with torque: a larger torque from the topic counts as this one; default: no limit',
+              positive=True),
+    Parameter('drive.joint', 'string', '', '', 'with joint_state: name of the driven joint',
+              live=False),
+    Parameter('drive.joint_ratio', 'double', 1.0, '',
+              'with joint_state: ratio in joint = ratio * input + offset; negative if they turn '
+              'in opposite directions', live=False),
+    Parameter('drive.joint_offset', 'double', 0.0, 'rad or m',
+              'with joint_state: offset in joint = ratio * input + offset',
+              live=False),
+    Parameter('drive.window', 'integer', 5, '',
+              'estimate of missing rates: number of latest samples that are fitted', 3, 50),
+    Parameter('drive.jump', 'double', 1.0, 'rad or m',
+              'estimate of missing rates: a larger step between two samples restarts it',
+              positive=True),
+    Parameter('drive.timeout', 'double', 1.0, 's',
+              'with messages: after this time without input the status is STATUS_INPUT_TIMEOUT; '
+              '0: never', low=0.0),
+    Parameter('drive.out_of_range', 'string', 'none', '',
+              'published where the linkage cannot be assembled: NaN (none), the last good values '
+              '(hold) or the pose at the nearest limit (clamp)',
+              choices=('none', 'hold', 'clamp')),
+    Parameter('motor.kind', 'string', 'line', '',
+              'with motor: torque that falls linearly with speed (line), DC motor (dc), speed '
+              "controller with a limited torque (controller), or induction motor by Kloss' "
+              'formula (induction)', choices=tuple(MOTORS)),
+    GEAR,
+    Parameter('motor.rotor_inertia', 'double', 0.0, 'kg m^2 or kg',
+              'inertia of the rotor itself; behind the gear it counts gear^2 times', low=0.0),
+    *(parameter for of_kind in OF_MOTORS.values() for parameter in of_kind.values()
+      if parameter.name != GEAR.name),
+    Parameter('shaft.stiffness', 'double', nan, 'N m/rad or N/m',
+              'elastic shaft between the drive and the input; default: a rigid one',
+              positive=True),
+    Parameter('shaft.damping', 'double', 0.0, 'N m s/rad or N s/m', 'damping of the elastic shaft',
+              low=0.0),
+    Parameter('flywheel.inertia', 'double', 0.0, 'kg m^2 or kg',
+              'inertia on the input itself, on its side of an elastic shaft', low=0.0),
+    Parameter('outputs', 'strings', ['state', 'output', 'joint_states'], '',
+              'outputs to publish; those not listed are neither created nor computed',
+              choices=(*OUTPUTS, *PICTURES)),
+    Parameter('pictures.rate', 'double', 30.0, 'Hz',
+              'outputs tf and markers: messages per second at most; 0: one for every input',
+              low=0.0),
+    Parameter('services', 'strings', list(SERVICES), '',
+              'services to offer, find_extrema also as an action', choices=tuple(SERVICES),
+              live=False),
+    Parameter('frame_id', 'string', 'fourbar', '', 'frame_id of all outputs; origin O1, x towards '
+                                                   'O4 or along the guide',
+              live=False),
+    Parameter('joint_names', 'strings', [], '',
+              'names of the joints in joint_states, in this order; empty: '
+              f'{_JOINTS_IN_WORDS}',
+              live=False),
+    Parameter('joint_states.prefix', 'string', '', '', 'prefix of every name in joint_names',
+              live=False),
+    Parameter('joint_states.ratios', 'doubles', [], '',
+              'ratio of each joint: published position = ratio * (angle or slide) + offset; '
+              'negative: opposite direction; empty: 1', live=False),
+    Parameter('joint_states.offsets', 'doubles', [], 'rad or m',
+              'offset of each joint: published position = ratio * (angle or slide) + offset; '
+              'empty: 0',
+              live=False),
+    Parameter('joint_states.when_unknown', 'string', 'skip', '',
+              'published while a position is unknown: nothing (skip: robot_state_publisher keeps '
+              'the last pose), the last known positions with NaN rates (hold), or NaN (send_nan)',
+              choices=('skip', 'hold', 'send_nan')),
+    Parameter('joint_states.only_passive', 'bool', False, '',
+              'leave the driven joint out of joint_states: for a node that publishes on the topic '
+              'it listens to, as a relay does', live=False),
+    Parameter('trajectories', 'bool', False, '',
+              'translate trajectories of the output joint into those of the driven joint, and '
+              'back; drive.start chooses the branch', live=False),
+    Parameter('trajectory_fields', 'strings', ['velocities', 'accelerations'], '',
+              'with trajectories: what answers hold beside positions. accelerations are answered '
+              'where they are given; joint_trajectory_controller takes effort only if it commands '
+              'effort', choices=('velocities', 'accelerations', 'effort')),
+    Parameter('recording.start', 'bool', False, '', 'start recording with the first sample',
+              live=False),
+    Parameter('recording.directory', 'string', 'bags', '', 'directory for the bags', live=False),
+    Parameter('recording.name', 'string', '', '', 'name of the first bag; empty: a new name from '
+                                                  'the clock',
+              live=False),
+    Parameter('recording.split_size', 'double', 0.0, 'MB',
+              'continue a bag in a new file when the current one exceeds this size; 0: never',
+              low=0.0, live=False),
+    Parameter('recording.split_duration', 'double', 0.0, 's',
+              'continue a bag in a new file when the current one exceeds this duration; 0: never',
+              low=0.0, live=False),
+    Parameter('recording.keep', 'double', 0.0, 's',
+              'keep only the files that hold the last so many seconds; 0: keep all (a file covers '
+              'a tenth of this, unless split_size or split_duration is given)', low=0.0,
+              live=False),
+)
+
+
+# --- families ------------------------------------------------------------------------------------
+
+def _having(dimension: str) -> str:
+    """Return the kinds of dyads that have a dimension, as text."""
+    return ', '.join(kind for kind, names in DIMENSIONS.items() if dimension in names)
+
+
+def _place(name: str, which: str) -> tuple[Parameter, ...]:
+    return (
+        Parameter(f'{name}.link', 'string', REQUIRED, '',
+                  f'link on which dyad NAME hangs with its {which} link: ground, the driven link '
+                  '(crank or slider), or a link of a dyad before it', live=False),
+        Parameter(f'{name}.along', 'double', 0.0, 'm',
+                  'the point of that link: distance from its first joint along it; of the ground '
+                  'x and y'),
+        Parameter(f'{name}.across', 'double', 0.0, 'm',
+                  'the point of that link: distance to the left of its line'),
+    )
+
+
+def _end(which: str) -> tuple[Parameter, ...]:
+    name = f'springs.NAME.{which}'
+    return (
+        Parameter(f'{name}.link', 'string', GROUND, '',
+                  f'link to which the {which} end of the spring NAME is fixed'),
+        Parameter(f'{name}.along', 'double', 0.0, 'm',
+                  f'{which} end of the spring NAME: distance from the first joint of its link '
+                  'along the link; on the ground x from O1'),
+        Parameter(f'{name}.across', 'double', 0.0, 'm',
+                  f'{which} end of the spring NAME: distance to the left of the line of its link; '
+                  'on the ground y from O1'),
+    )
+
+
+_POINT = _table(
+    Parameter('points.NAME.link', 'string', 'coupler', '',
+              'link to which the point NAME is fixed'),
+    Parameter('points.NAME.along', 'double', 0.0, 'm', 'position of the point NAME: distance '
+              'from the first joint of its link along the link'),
+    Parameter('points.NAME.across', 'double', 0.0, 'm',
+              'position of the point NAME: distance to the left of the line of its link'),
+)
+_DYAD = _table(
+    Parameter('dyads.NAME.kind', 'string', REQUIRED, '',
+              'kind of dyad NAME by its joints, R a pin, P a slide: outer, inner, outer; '
+              'see docs/machines.md', choices=tuple(DIMENSIONS), live=False),
+    *_place('dyads.NAME.first', 'first'), *_place('dyads.NAME.second', 'second'),
+    Parameter('dyads.NAME.links', 'strings', REQUIRED, '',
+              'names of the two links of dyad NAME, the one at `first` first', live=False),
+    Parameter('dyads.NAME.length_1', 'double', nan, 'm',
+              f'length of the first link ({_having("length_1")})', positive=True),
+    Parameter('dyads.NAME.length_2', 'double', nan, 'm',
+              f'length of the second link ({_having("length_2")})', positive=True),
+    Parameter('dyads.NAME.offset', 'double', nan, 'm',
+              "distance of the path of the block's pin from the pivot of the bar, to its left "
+              f'({_having("offset")}); default: 0'),
+    Parameter('dyads.NAME.direction_1', 'double', nan, 'rad',
+              'direction of the line along which the first link slides, from that of the link at '
+              f'`first` ({_having("direction_1")})'),
+    Parameter('dyads.NAME.direction_2', 'double', nan, 'rad',
+              'direction of the line along which the second link slides, from that of the link at '
+              f'`second` ({_having("direction_2")})'),
+    Parameter('dyads.NAME.slot', 'double', nan, 'rad',
+              'direction of the slot of the yoke, from that in which the yoke slides '
+              f'({_having("slot")})'),
+    Parameter('dyads.NAME.mode', 'integer', 2, '',
+              'assembly mode of dyad NAME, see docs/machines.md', 1, 2),
+)
+# A damper is a spring without stiffness.
+_SPRING = _table(
+    *_end('first'), *_end('second'),
+    Parameter('springs.NAME.stiffness', 'double', 0.0, 'N/m', 'stiffness of the spring NAME',
+              low=0.0),
+    Parameter('springs.NAME.free_length', 'double', 0.0, 'm',
+              'length of the spring NAME without force', low=0.0),
+    Parameter('springs.NAME.damping', 'double', 0.0, 'N s/m',
+              'damping along the line between the two ends of the spring NAME', low=0.0),
+)
+_TORSION = _table(
+    Parameter('torsion_springs.NAME.first', 'string', GROUND, '',
+              'link at one end of the torsion spring NAME'),
+    Parameter('torsion_springs.NAME.second', 'string', 'crank', '',
+              'link at the other end of the torsion spring NAME'),
+    Parameter('torsion_springs.NAME.stiffness', 'double', 0.0, 'N m/rad',
+              'stiffness of the torsion spring NAME', low=0.0),
+    Parameter('torsion_springs.NAME.free_angle', 'double', 0.0, 'rad',
+              'angle of the second link relative to the first without moment'),
+    Parameter('torsion_springs.NAME.damping', 'double', 0.0, 'N m s/rad',
+              'damping of the torsion spring NAME', low=0.0),
+)
+# A table of forces stands in a file, or in places and values.
+_FORCE = _table(
+    Parameter('forces.NAME.link', 'string', REQUIRED, '',
+              'link on which the force NAME acts, also in a motion that is given'),
+    Parameter('forces.NAME.along', 'double', 0.0, 'm', 'point where the force NAME acts: distance '
+              'from the first joint of its link along the link'),
+    Parameter('forces.NAME.across', 'double', 0.0, 'm',
+              'point where the force NAME acts: distance to the left of the line of its link'),
+    Parameter('forces.NAME.acts', 'string', REQUIRED, '',
+              'direction of the force NAME: x or y of the ground; along the link, of a slider '
+              'along its guide, or across it, to its left; or a couple, counter-clockwise',
+              choices=('x', 'y', 'along', 'across', COUPLE)),
+    Parameter('forces.NAME.direction', 'double', 0.0, 'rad',
+              'angle by which the force NAME is turned from that direction'),
+    Parameter('forces.NAME.over', 'string', 'input', '',
+              'what the table of the force NAME is over: input (of a crank counted over whole '
+              'turns), an angle or slide of the linkage as theta4 or slide, or POINT.x, POINT.y '
+              'of a point of the scene'),
+    Parameter('forces.NAME.table', 'string', '', '',
+              'CSV file, from the folder of the scene: a header with units, as "theta1 [deg], '
+              'pressure [bar]", then a place and a value in each row; or give places and values',
+              live=False),
+    Parameter('forces.NAME.places', 'doubles', [], '',
+              'places of the table of the force NAME, increasing'),
+    Parameter('forces.NAME.place_unit', 'string', '', '',
+              'unit of the places; default: rad or m', choices=('', *OF_PLACES)),
+    Parameter('forces.NAME.values', 'doubles', [], '',
+              'forces, couples or pressures at these places; beyond the ends those at the ends'),
+    Parameter('forces.NAME.value_unit', 'string', '', '',
+              'unit of the values; default: N, of a couple N m', choices=('', *OF_VALUES)),
+    Parameter('forces.NAME.periodic', 'bool', False, '',
+              'the table of the force NAME repeats: its last place is the first one again, after '
+              'a turn, a whole part of it, or, of a crank that is driven, some turns'),
+    Parameter('forces.NAME.interpolation', 'string', 'smooth', '',
+              'between places: cubic polynomials without overshoot (smooth) or lines (linear)',
+              choices=('smooth', 'linear')),
+    Parameter('forces.NAME.factor', 'double', 1.0, '',
+              'the force NAME is this times the value of its table; of pressures the area [m^2], '
+              'negative against the direction'),
+)
+FAMILIES = {'points': _POINT, 'springs': _SPRING, 'torsion_springs': _TORSION, 'forces': _FORCE,
+            'dyads': _DYAD, 'bodies': _table(*_body(NAME, 'its first joint')),
+            'external': _table(*_external(NAME, 'its first joint'))}
+OF_MACHINES = 'dyads', 'bodies', 'external'      # families whose names only machines choose
+
+_TIMER, _MESSAGES, (_TORQUE, _MOTOR) = 'timer', tuple(INPUTS), SOURCES
+# What has a meaning only with a value of another: (names by pattern, the other, its values; none:
+# any that is given). The first that fits a name counts; the node declares what has a meaning.
+GOES_WITH: tuple[tuple[str, str, tuple[Any, ...]], ...] = (
+    *((f'linkage.{length}', 'linkage.kind', tuple(
+        name for name, kind in KINDS.items() if length in [its.name for its in kind.LENGTHS]))
+      for length in LENGTHS),
+    ('linkage.range', 'linkage.input', ('slide', 'cylinder')),
+    ('linkage.mode', 'linkage.kind', tuple(KINDS)),
+    ('linkage.dyads', 'linkage.kind', (MACHINE,)), ('linkage.output', 'linkage.kind', (MACHINE,)),
+    ('cylinder.*', 'linkage.input', ('cylinder',)),
+    ('external.timeout', 'external.*.from_topic', (True,)),
+    ('external.when_silent', 'external.*.from_topic', (True,)),
+    ('external.extrapolated', 'external.*.from_topic', (True,)),
+    ('external.*', 'bodies.*.[md]*', ()),      # masses, or the density of rods
+    ('drive.speed', 'drive.source', (_TIMER,)),
+    ('drive.start', 'drive.source', (_TIMER, _TORQUE, _MOTOR)),
+    ('drive.rate', 'drive.source', (_TIMER, _TORQUE, _MOTOR)),
+    ('drive.joint*', 'drive.source', ('joint_state',)),
+    ('drive.window', 'drive.source', _MESSAGES), ('drive.jump', 'drive.source', _MESSAGES),
+    ('drive.timeout', 'drive.source', (*_MESSAGES, _TORQUE)),
+    ('drive.when_silent', 'drive.source', (_TORQUE,)),
+    ('drive.torque_limit', 'drive.source', (_TORQUE,)),
+    ('drive.start_speed', 'drive.source', SOURCES),
+    ('drive.tolerance', 'drive.source', SOURCES),
+    ('drive.budget', 'drive.source', SOURCES),
+    ('motor.*', 'drive.source', (_MOTOR,)),
+    ('shaft.*', 'drive.source', SOURCES),
+    ('flywheel.*', 'drive.source', SOURCES),
+)

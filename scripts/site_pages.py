@@ -1,0 +1,114 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What the site has besides docs/: README, CHANGELOG and their like, the public names, linked files.
+
+A hook of mkdocs. Links of the pages lead to files of the tree; here to copies of them.
+"""
+from importlib import import_module
+import inspect
+import os
+from pathlib import Path
+import re
+import sys
+
+from mkdocs.exceptions import PluginError
+from mkdocs.structure.files import File
+
+ROOT = Path(__file__).resolve().parent.parent
+DOCS = ROOT / 'docs'
+PAGES = {ROOT / 'README.md': 'index.md', **{path: path.name for path in ROOT.glob('[A-Z]*.md')
+                                            if path.name != 'README.md'}}
+LINK = re.compile(r'(?<=\]\()[^)\s#]+|(?<=src=")[^"#]+')
+FENCE = re.compile(r'^```.*?^```', re.S | re.M)
+sys.path.insert(0, str(ROOT / 'test'))
+
+
+def public():
+    """Return the public packages, as the tests know them."""
+    text = (ROOT / 'test' / 'test_fence.py').read_text(encoding='utf-8')
+    return re.findall(r"'(fourbar_[\w.]+)'", re.search(r'PUBLIC = \((.*?)\)', text, re.S)[1])
+
+
+def undocumented():
+    """Return the public classes and functions without a docstring."""
+    sys.path.insert(0, str(ROOT))
+    found = []
+    for name in public():
+        package = import_module(name)
+        for member in package.__all__:
+            value = getattr(package, member)
+            if (inspect.isclass(value) or inspect.isroutine(value)) and not inspect.getdoc(value):
+                found.append(f'{name}.{member}')
+    return found
+
+
+def names():
+    """Return the page of the public names."""
+    parts = ['# Public names', '', 'Everything else may move without notice.', '']
+    for name in public():
+        members = ', '.join(import_module(name).__all__)
+        parts += [f'::: {name}', '    options:', f'      members: [{members}]', '']
+    return '\n'.join(parts)
+
+
+def source(path):
+    """Return the true path of a page of the site."""
+    given = {name: file for file, name in PAGES.items()}
+    return given.get(path, DOCS / path)
+
+
+def target(page, link):
+    """Return the path in the site of what a page links to; None for an address."""
+    if '://' in link or link.startswith(('mailto:', '/')):
+        return None
+    path = Path(os.path.normpath(source(page).parent / link))
+    if path in PAGES:
+        return PAGES[path]
+    if path.is_relative_to(DOCS) and path.suffix != '.py':
+        return path.relative_to(DOCS).as_posix()
+    if not path.is_relative_to(ROOT) or not path.exists():
+        return None                                     # mkdocs says that it is broken
+    name = path.relative_to(ROOT).as_posix()
+    return f'files/{name}' + ('/index.md' if path.is_dir() else '.txt')
+
+
+def copy(path):
+    """Return the text of a file, or the list of a folder."""
+    if path.is_dir():
+        return f'# {path.relative_to(ROOT)}\n\n' + ''.join(
+            f'- `{entry.name}`\n' for entry in sorted(path.iterdir()) if entry.name[0] not in '._')
+    return path.read_text(encoding='utf-8')
+
+
+def on_files(files, config):
+    """Add the pages and files that are not in docs/."""
+    if missing := undocumented():
+        raise PluginError('public names without a docstring: ' + ', '.join(missing))
+    for path, name in PAGES.items():
+        files.append(File.generated(config, name, content=path.read_text(encoding='utf-8')))
+    files.append(File.generated(config, 'names.md', content=names()))
+    made = set()
+    for file in list(files.documentation_pages()):
+        for match in LINK.finditer(FENCE.sub('', file.content_string)):
+            name = target(file.src_uri, match[0])
+            if name and name.startswith('files/') and name not in made:
+                made.add(name)
+                path = Path(os.path.normpath(source(file.src_uri).parent / match[0]))
+                files.append(File.generated(config, name, content=copy(path)))
+    return files
+
+
+def on_page_markdown(markdown, page, config, files):
+    """Turn the links of a page into those of the site."""
+    here = page.file.src_uri
+
+    def link(match):
+        place = target(here, match[0])
+        return match[0] if place is None else os.path.relpath(place, Path(here).parent)
+
+    parts, last = [], 0
+    for fence in FENCE.finditer(markdown):
+        parts += [LINK.sub(link, markdown[last:fence.start()]), fence[0]]
+        last = fence.end()
+    return ''.join([*parts, LINK.sub(link, markdown[last:])])

@@ -1,0 +1,177 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""One's own linkage on the command line: new, list, table, plot, units; no ROS, no bag."""
+import csv
+from math import degrees, pi
+from pathlib import Path
+
+from fourbar_ros import Bodies, flat_bar, FourBar, load_scene
+from fourbar_ros.cli.main import main
+from fourbar_ros.mechanisms.kinds import KINDS
+import numpy as np
+import pytest
+
+GIVEN = ('--a1', '50mm', '--a2', '150mm', '--a3', '100mm', '--a4', '125mm')
+
+
+@pytest.fixture(autouse=True)
+def in_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def rows_of(path):
+    with open(path, newline='', encoding='utf-8') as file:
+        heads, *rows = csv.reader(file)
+    return heads, np.array(rows, float)
+
+
+def test_a_new_scene_of_flat_bars_is_the_linkage_made_by_hand(capsys):
+    assert main(['new', 'my.yaml', *GIVEN, '--speed', '300rpm', '--bar', '20x5mm']) == 0
+    assert 'fourbar show my.yaml' in capsys.readouterr().out
+    scene = load_scene('my.yaml')
+    bars = Bodies(*(flat_bar(length, 7850.0, 0.02, 0.005) for length in (0.05, 0.15, 0.1)))
+    by_hand = FourBar(0.05, 0.15, 0.1, 0.125, bodies=bars)
+    assert scene.linkage.lengths == by_hand.lengths
+    assert scene.drive.speed == pytest.approx(10.0 * pi, rel=1e-9)      # ten digits in the file
+    ours, theirs = (linkage.loads(1.0, 30.0).shaking_force for linkage in (scene.linkage, by_hand))
+    assert ours == pytest.approx(theirs, rel=1e-8)
+
+
+def test_a_flat_bar_has_the_mass_and_inertia_of_its_parts():
+    """A bar cut into 200 x 200 squares, each with its own inertia."""
+    length, width, n = 0.3, 0.05, 200
+    bar = flat_bar(length, 2700.0, width, 0.004)
+    part = 2700.0 * 0.004 * (length / n) * (width / n)
+    x = ((np.arange(n) + 0.5) / n - 0.5) * length
+    y = ((np.arange(n) + 0.5) / n - 0.5) * width
+    own = part * ((length / n)**2 + (width / n)**2) / 12.0
+    whole = (part * (x[:, None]**2 + y**2) + own).sum()
+    assert bar.mass == pytest.approx(part * n * n, rel=1e-12)
+    assert bar.inertia == pytest.approx(whole, rel=1e-12)
+    assert (bar.cg_along, bar.cg_across) == (0.15, 0.0)
+
+
+@pytest.mark.parametrize('kind', KINDS)
+def test_every_kind_has_a_scene_that_has_loads_and_a_table(kind):
+    given = [word for length in KINDS[kind].LENGTHS if not length.signed
+             for word in (f'--{length.name}', {'a2': '90mm', 'a3': '80mm', 'a4': '70mm'}.get(
+                 length.name, '30mm'))]
+    assert main(['new', 'my', '--kind', kind, *given, '--bar', '20mmx5', '--speed=-300rpm']) == 0
+    assert '0.02 x 0.005 m' in (Path('my.yaml').read_text())
+    assert main(['table', 'my.yaml', 'shaking_force', '-o', 'x.csv']) == 0
+    _, rows = rows_of('x.csv')
+    assert np.isfinite(rows).all() and rows[:, 1].min() > 0.0
+
+
+@pytest.mark.parametrize(('given', 'inside'), [
+    (['--a1', '-5mm'], 'linkage.a1 = -0.005'), (['--speed', '-300rpm'], '')])
+def test_a_negative_number_may_have_a_unit(given, inside, capsys):
+    code = main(['new', 'my.yaml', *GIVEN, *given])
+    assert (code, inside in capsys.readouterr().err) == (1 if inside else 0, True)
+
+
+@pytest.mark.parametrize('verb', ['', 'new', 'list', 'table', 'plot', 'show', 'draw', 'scene',
+                                  'simulate', 'bag', 'replay', 'describe', 'layout', 'study',
+                                  'balance', 'live', 'reproduce'])
+def test_help_fits_eighty_columns_without_a_lost_word(verb, capsys, monkeypatch):
+    words = {}
+    for columns in ('80', '300'):
+        monkeypatch.setenv('COLUMNS', columns)
+        with pytest.raises(SystemExit):
+            main([*verb.split(), '--help'])
+        text = capsys.readouterr().out
+        assert columns != '80' or max(map(len, text.splitlines())) <= 80
+        words[columns] = sorted(text.replace(' \\\n', ' ').split())
+    assert words['80'] == words['300']
+
+
+@pytest.mark.parametrize(('arguments', 'text'), [
+    (('x.yaml', '--a1', '50mm'), 'must be given'),
+    (('x.yaml', '--kind', 'scotch_yoke', '--a1', '1', '--a2', '1'), 'no length of a scotch_yoke'),
+    (('x.yaml', '--a1', '1', '--a2', '9', '--a3', '1', '--a4', '1'), 'cannot close'),
+    (('x.txt', *GIVEN), 'must end in .yaml'),
+    (('there.yaml', *GIVEN), 'exists already')])
+def test_what_cannot_be_written_is_one_line_and_leaves_no_file(arguments, text, tmp_path, capsys):
+    (tmp_path / 'there.yaml').write_text('mine')
+    assert main(['new', *arguments]) == 1
+    error = capsys.readouterr().err
+    assert text in error
+    assert error.count('\n') == 1
+    assert [path.name for path in tmp_path.iterdir()] == ['there.yaml']
+    assert (tmp_path / 'there.yaml').read_text() == 'mine'
+
+
+@pytest.mark.parametrize('name', ['paper', 'slider_crank', 'cylinder', 'watt', 'engine'])
+def test_a_table_holds_what_step_returns(name):
+    assert main(['table', name, '-o', 'all.csv', '--samples', '25']) == 0
+    heads, rows = rows_of('all.csv')
+    scene = load_scene(name)
+    linkage, speed = scene.linkage, scene.drive.speed
+    for row in rows[3:20:4]:
+        at = row[0] if heads[0].endswith('[m]') else np.radians(row[0])
+        motion, loads = linkage.step(at, speed)
+        for head, value in zip(heads[1:], row[1:]):
+            field, _, unit = head.partition(' [')
+            if '.' in field:
+                continue
+            want = getattr(loads if field in linkage.LOADS._fields else motion, field)
+            if unit == 'deg]':
+                want = np.degrees(want)
+            # the input went through degrees and back: two roundings times the condition
+            assert value == pytest.approx(want, rel=1e-10, abs=1e-10 * max(1.0, abs(want)))
+
+
+def test_tables_for_spreadsheets_and_data_frames_are_the_same():
+    openpyxl, parquet = (pytest.importorskip(name) for name in ('openpyxl', 'pyarrow.parquet'))
+    for suffix in ('csv', 'xlsx', 'parquet'):
+        assert main(['table', 'paper', 'f41', '-o', f'x.{suffix}', '--samples', '9']) == 0
+    heads, rows = rows_of('x.csv')
+    sheet = [[cell.value for cell in row] for row in openpyxl.load_workbook('x.xlsx').active]
+    assert sheet[0] == heads
+    np.testing.assert_allclose(np.array(sheet[1:], float), rows, rtol=1e-14)    # 15 digits
+    frame = parquet.read_table('x.parquet').to_pydict()
+    assert np.array_equal(np.array([frame[head] for head in heads]).T, rows)
+
+
+@pytest.mark.parametrize(('suffix', 'begins'), [('png', b'\x89PNG'), ('html', b'<!DOCTYPE html>'),
+                                                ('pdf', b'%PDF'), ('svg', b'<?xml')])
+def test_a_plot_is_what_its_suffix_says(suffix, begins, tmp_path):
+    pytest.importorskip('matplotlib')
+    assert main(['plot', 'paper', 'f41', 'omega4', '-o', f'x.{suffix}']) == 0
+    data = (tmp_path / f'x.{suffix}').read_bytes()
+    assert data.startswith(begins)
+    assert suffix != 'html' or b'<svg' in data
+
+
+@pytest.mark.parametrize(('given', 'same'), [
+    (('--at', '60deg'), ('--at', '60')), (('--at', '1.5rad'), ('--at', repr(degrees(1.5)))),
+    (('--at', '60', '--speed', '300rpm'), ('--at', '60', '--speed', repr(10.0 * pi))),
+    (('--at', '60', '--mode', 'crossed'), ('--at', '60', '--mode', '1'))])
+def test_units_mean_what_they_say(given, same, capsys):
+    texts = []
+    for arguments in (given, same):
+        assert main(['show', 'paper', *arguments]) == 0
+        texts.append(capsys.readouterr().out)
+    assert texts[0] == texts[1]
+
+
+@pytest.mark.parametrize('arguments', [
+    ('show', 'paper', '--at', '50mm'), ('show', 'cylinder', '--at', '60deg'),
+    ('table', 'paper', '--speed', '1m/s', '-o', 'x.csv'), ('table', 'paper', 'f4', '-o', 'x.csv'),
+    ('table', 'paper', '-o', 'x.xls'), ('plot', 'paper', '-o', 'x.csv'),
+    ('table', 'paper', '--speed', '1e308', '-o', 'x.csv')])
+def test_what_does_not_fit_is_one_line_that_names_what_does(arguments, tmp_path, capsys):
+    assert main(list(arguments)) == 1
+    error = capsys.readouterr().err
+    assert error.count('\n') == 1
+    assert any(hint in error for hint in ('did you mean', 'takes', 'must end in', 'overflows'))
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_list_has_every_scene_that_a_verb_takes(capsys):
+    from fourbar_ros.scene.files import folder
+    assert main(['list']) == 0
+    listed = {line.split()[0] for line in capsys.readouterr().out.splitlines() if line}
+    names = {path.stem for below in ('.', 'classics')
+             for path in (folder() / below).glob('*.yaml')}
+    assert names <= listed

@@ -1,0 +1,188 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Loads with springs against the equation of motion, which knows them as energies."""
+from fourbar_ros import Bodies, FourBar, InvertedSlider, round_rod, SliderCrank
+from fourbar_ros.dynamics.model.element_forces import forces_of, make_loaded
+from fourbar_ros.dynamics.model.elements import Attachment, Spring, TorsionSpring
+from fourbar_ros.dynamics.model.equation import Equation
+from fourbar_ros.mechanics.bodies import Applied, External
+from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.machine import Machine
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.mechanisms.scotch_yoke.scotch_yoke import ScotchYoke
+from fourbar_ros.pipeline.status import OK
+from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.scene import scene
+import numpy as np
+import pytest
+from support.power import power
+from support.samples import some
+from support.scenes import PAPER, RODS
+
+BODIES = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8)))
+LOADS = External(Applied(3.0, -4.0, 0.2, 0.1, 1.5), Applied(-20.0, 7.0, 0.5, -0.2, 0.0))
+LINKAGES = [FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES, gravity=(1.0, -9.81), external=LOADS),
+            FourBar(0.4, 1.2, 0.8, 1.0, mode=1, bodies=BODIES),
+            SliderCrank(0.3, 0.9, 0.1, bodies=BODIES, gravity=(0.0, -9.81)),
+            SliderCrank(0.3, 0.9, 0.1, input='slide', bodies=BODIES)]
+MORE = [*LINKAGES, InvertedSlider(0.3, 0.9, 0.1, bodies=BODIES, gravity=(0.0, -9.81)),
+        InvertedSlider(0.3, 0.9, 0.1, input='slide', bodies=BODIES, gravity=(0.0, -9.81)),
+        ScotchYoke(0.5, 0.1, input='slide', mode=1, bodies=BODIES, gravity=(2.0, -9.81))]
+LINEAR = [Spring(Attachment('ground', 1.4, 0.3), Attachment('output', 0.3, 0.1), 900.0, 0.4, 15.0),
+          Spring(Attachment('coupler', 0.2, -0.3), Attachment('output', 0.0, 0.2), 700.0, 0.0),
+          Spring(Attachment('coupler', 0.5, 0.5), Attachment('ground', 0.1, 2.0), 0.0, 0.0, 40.0)]
+ON_CRANK = [
+    Spring(Attachment('ground', -0.3, 0.5), Attachment('crank', 0.2, 0.1), 600.0, 0.3, 12.0),
+    Spring(Attachment('crank', 0.1, -0.2), Attachment('output', 0.1, 0.2), 500.0, 0.2, 7.0),
+    TorsionSpring('ground', 'crank', 30.0, 0.4, 1.5),
+    TorsionSpring('crank', 'coupler', 20.0, -0.2, 0.8)]
+TORSION = [TorsionSpring('coupler', 'output', 60.0, 0.3, 2.0),
+           TorsionSpring('ground', 'coupler', 25.0, -1.0, 0.5)]
+
+
+@some('elements', [LINEAR[:1], LINEAR, TORSION, ON_CRANK,
+                   [*LINEAR, *TORSION, *ON_CRANK]], 2,
+      ids=['one', 'linear', 'torsion', 'on the crank', 'all'])
+@pytest.mark.parametrize('linkage', LINKAGES, ids=lambda linkage: linkage.description)
+def test_the_drive_of_the_loads_is_that_of_the_equation(linkage, elements):
+    equation, loaded = Equation(linkage, elements), make_loaded(linkage, elements)
+    (low, high), *_ = linkage.input_ranges
+    rng = np.random.default_rng(5)
+    for share, rate, acceleration in rng.uniform((0.05, -9.0, -50.0), (0.95, 9.0, 50.0), (40, 3)):
+        motion = float(low + share * (high - low)), float(rate), float(acceleration)
+        loads = loaded(*motion[:2]).step(*motion)[1]
+        drive = loads.driving_force if linkage.is_driven_by_slide else loads.driving_torque
+        wanted = equation.torque(*motion)
+        without = Equation(linkage).torque(*motion)
+        size = abs(wanted) + abs(without) + 1e3 * (1.0 + rate * rate + abs(acceleration))
+        assert abs(drive - wanted) <= 1e-11 * size
+        assert abs(wanted - without) > 1e-6              # the springs matter
+
+
+def samples(linkage, seed, count=20):
+    (low, high), *_ = linkage.input_ranges
+    rng = np.random.default_rng(seed)
+    for share, rate, acceleration in rng.uniform((0.05, -9.0, -50.0), (0.95, 9.0, 50.0),
+                                                 (count, 3)).tolist():
+        yield low + share * (high - low), rate, acceleration
+
+
+def stretched(linkage, motion, spring):
+    """Return direction from the first to the second end, length and its rate, from the points."""
+    (one, its_rate), (two, other_rate) = (end_of(linkage, motion, end)
+                                          for end in (spring.first, spring.second))
+    length = np.hypot(*(two - one))
+    along = (two - one) / length
+    return along, length, float(along @ (other_rate - its_rate))
+
+
+def end_of(linkage, motion, end):
+    """Return place and velocity of an end of a spring."""
+    if end.link == 'ground':
+        return np.array([end.along, end.across]), np.zeros(2)
+    at = point_motion(linkage, motion, end.link, end.along, end.across)
+    return at.place, at.velocity
+
+
+def turned(linkage, motion, spring):
+    """Return the angle of the second link to the first, less the free one, and its rate."""
+    (c1, s1, w1), (c2, s2, w2) = ((1.0, 0.0, 0.0) if link == 'ground' else
+                                  linkage.link_motion(motion, link)[6:9]
+                                  for link in spring.links)
+    free = np.exp(-1j * spring.free_angle)
+    return float(np.angle(complex(c2, s2) / complex(c1, s1) * free)), w2 - w1
+
+
+def tension(linkage, motion, spring):
+    """Return force or moment of a spring and damper, and the power they take up."""
+    change = stretched if isinstance(spring, Spring) else turned
+    *_, stretch, growth = change(linkage, motion, spring)
+    stretch -= getattr(spring, 'free_length', 0.0)
+    pull = spring.stiffness * stretch + spring.damping * growth
+    return pull, pull * growth
+
+
+@pytest.mark.parametrize('linkage', MORE, ids=lambda linkage: linkage.description)
+def test_power_balances_with_springs_on_the_crank(linkage):
+    """Drive, weight and loads give what the bodies gain and springs and dampers take: 1e-12."""
+    elements = [*ON_CRANK, LINEAR[0], TORSION[0]]
+    loaded = make_loaded(linkage, elements)
+    for sample in samples(linkage, 7):
+        loads, motion = loaded(*sample[:2]).step(*sample)[1], linkage.motion(*sample)
+        drive = loads.driving_force if linkage.is_driven_by_slide else loads.driving_torque
+        taken = [tension(linkage, motion, element)[1] for element in elements]
+        of_bodies, size = power(linkage, *sample)
+        size += sum(map(abs, taken)) + abs(drive * sample[1])
+        condition = 1.0 + motion.condition / linkage.input_unit
+        assert abs(drive * sample[1] - of_bodies - sum(taken)) <= 1e-12 * condition * size
+
+
+@pytest.mark.parametrize('linkage', MORE, ids=lambda linkage: linkage.description)
+def test_the_crank_is_in_balance_with_the_springs_on_it(linkage):
+    """Newton and Euler of the crank as a free body, with its springs and both its pins."""
+    loaded, body = make_loaded(linkage, ON_CRANK), linkage.bodies.crank
+    for sample in samples(linkage, 8):
+        loads, motion = loaded(*sample[:2]).step(*sample)[1], linkage.motion(*sample)
+        centre = point_motion(linkage, motion, 'crank', body.cg_along, body.cg_across)
+        crank, pin = (point_motion(linkage, motion, 'crank', along, 0.0)
+                      for along in (0.0, linkage.a1))
+        forces = [(pin.place, (loads.f21_x, loads.f21_y)),
+                  (crank.place, (loads.f41_x, loads.f41_y)),
+                  (centre.place, body.mass * (np.array(linkage.gravity) - centre.acceleration))]
+        moments = [loads.driving_torque,
+                   -body.inertia * linkage.link_motion(motion, 'crank').alpha]
+        for spring in ON_CRANK:
+            pull = tension(linkage, motion, spring)[0]
+            sign = 1.0 if spring.links[0] == 'crank' else -1.0
+            if isinstance(spring, TorsionSpring):
+                moments.append(sign * pull)
+            else:
+                end = spring.first if sign > 0.0 else spring.second
+                forces.append((end_of(linkage, motion, end)[0],
+                               sign * pull * stretched(linkage, motion, spring)[0]))
+        moments += [x * f_y - y * f_x for (x, y), (f_x, f_y) in forces]
+        size = sum(abs(np.array(force)).sum() for _, force in forces)
+        condition = 1.0 + motion.condition / linkage.input_unit
+        assert np.abs(sum(np.array(force) for _, force in forces)).max() <= 1e-12 * size
+        assert abs(sum(moments)) <= 1e-12 * condition * (size + sum(map(abs, moments)))
+
+
+def test_a_machine_of_a_dyad_has_the_same_loads_with_springs_on_its_crank():
+    linkage = LINKAGES[0]
+    machine = Machine([Dyad('d', 'RRR', Point('crank', 0.4), Point('ground', 1.0),
+                            ('coupler', 'output'), length_1=1.2, length_2=0.8)],
+                      bodies=linkage.bodies._asdict(), gravity=linkage.gravity,
+                      external=linkage.external._asdict())
+    for sample in samples(linkage, 9, 5):
+        one, other = (make_loaded(its, ON_CRANK)(*sample[:2]).step(*sample)[1]
+                      for its in (linkage, machine))
+        size = abs(one.driving_torque) + one.f41 + one.f21 + one.f32
+        for a, b in ((one.driving_torque, other.driving_torque), (one.f41, other.base),
+                     (one.shaking_force, other.shaking_force)):
+            assert abs(a - b) <= 1e-12 * size
+
+
+def test_a_spring_pulls_both_ends_alike():
+    linkage = LINKAGES[0]
+    motion = linkage.motion(0.7, 3.0, 0.0)
+    one, two = (linkage.link_motion(motion, link) for link in ('coupler', 'output'))
+    for element in (LINEAR[1], TORSION[0]):
+        first, second = forces_of(element, one, two)
+        assert (first.force_x, first.force_y) == (-second.force_x, -second.force_y)
+        moment = sum(force.couple + force.x * force.force_y - force.y * force.force_x
+                     for force in (first, second))
+        assert abs(moment) < 1e-12 * (abs(first.couple) + 1e3)
+
+
+def test_a_scene_publishes_loads_with_its_springs():
+    values = {**PAPER, **RODS, 'drive.source': 'torque', 'outputs': ['loads'],
+              'springs.back.second.link': 'output', 'springs.back.second.along': 0.4,
+              'springs.back.first.along': 1.5, 'springs.back.first.across': 0.2,
+              'springs.back.stiffness': 800.0, 'springs.back.damping': 10.0,
+              'torsion_springs.pivot.stiffness': 25.0, 'torsion_springs.pivot.damping': 1.0}
+    there = scene.from_values(values)
+    status, found = Stepper(there).step(0.4, 2.0, 1.0, True, False)
+    torque = found[there.layout.place['driving_torque']]
+    equation = there.dynamics.system(there.linkage).equation
+    assert status == OK and torque == pytest.approx(equation.torque(0.4, 2.0, 1.0), rel=1e-11)
+    assert Stepper(there).step(float('nan'), 2.0, 1.0, True, False)[0] != OK

@@ -1,0 +1,353 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Every run ends with a status: sliding controllers, hostile sources, bounds; threads, pickles."""
+from concurrent.futures import ThreadPoolExecutor
+from math import inf, nan, pi
+import pickle
+
+from fourbar_ros import Bodies, Body, FourBar, InvalidParameter
+from fourbar_ros.dynamics.analysis.statics import equilibria
+from fourbar_ros.dynamics.model.drives import (
+    ConstantTorque,
+    Drive,
+    MotorLine,
+    Shaft,
+    SpeedController,
+    TorqueTable,
+)
+from fourbar_ros.dynamics.model.elements import Attachment, GROUND, Spring, TorsionSpring
+from fourbar_ros.dynamics.model.equation import Equation
+from fourbar_ros.dynamics.model.system import System
+from fourbar_ros.dynamics.solve.simulate import (
+    CHANGE_POINT,
+    LIMIT,
+    NOT_CONVERGED,
+    PERIODIC,
+    REACHED,
+    simulate,
+    STOPPED,
+)
+from fourbar_ros.dynamics.step.mover import Mover, NOT_FINITE, OK
+from fourbar_ros.scene.scene import load
+import mpmath as mp
+import numpy as np
+import pytest
+from support.dynamics_problems import one_window, paper_linkage, windows_exact
+from support.samples import some
+
+scipy = pytest.importorskip('scipy')
+STATUSES = {REACHED, LIMIT, CHANGE_POINT, NOT_CONVERGED, STOPPED}
+HEAVY = paper_linkage(gravity=(0.0, -9.81))
+
+
+def wheel(inertia=2.0):
+    """Return a linkage of which only the crank has mass: J is constant."""
+    return FourBar(0.4, 1.2, 0.8, 1.0,
+                   bodies=Bodies(Body(0.0, inertia=inertia), Body(0.0), Body(0.0)))
+
+
+def test_a_controller_slides_along_its_limit_as_filippov_says():
+    """Linear until its limit, along the limit at constant torque until ki e = kp w', linear."""
+    from scipy.linalg import expm
+    from scipy.optimize import brentq
+    kp, ki, limit, wanted, inertia = 10.0, 1000.0, 400.0, 25.0, 2.0
+    # (angle, speed, integral, 1) under the linear law
+    law = np.array([[0.0, inertia, 0.0, 0.0], [0.0, -kp, ki, kp * wanted],
+                    [0.0, -inertia, 0.0, inertia * wanted], [0.0] * 4]) / inertia
+
+    def torque(state):
+        return kp * (wanted - state[1]) + ki * state[2]
+    start = np.array([0.0, 0.0, 0.0, 1.0])
+    first = brentq(lambda t: torque(expm(t * law) @ start) - limit, 1e-6, 0.05, xtol=1e-15)
+    there = expm(first * law) @ start
+    push = limit / inertia
+    last = first + (wanted - kp * push / ki - there[1]) / push
+    speed = there[1] + push * (last - first)
+    angle = there[0] + 0.5 * (there[1] + speed) * (last - first)
+    leaves = np.array([angle, speed, (limit - kp * (wanted - speed)) / ki, 1.0])
+    system = System(wheel(), 0.0, drive=Drive(SpeedController(wanted, kp, ki, limit)))
+    run = simulate(system, 0.3, 1e-10, times=[last, 0.2, 0.3])
+    exact = [leaves, *(expm((t - last) * law) @ leaves for t in (0.2, 0.3))]
+    assert run.status == REACHED and run.evaluations < 10_000
+    assert np.abs(run.position - [state[0] for state in exact]).max() <= 1e-9
+    assert np.abs(run.states[2] - [state[2] for state in exact]).max() <= 1e-9
+    assert max(abs(torque(expm(t * law) @ leaves)) for t in np.linspace(0.0, 0.2, 99)) <= limit
+
+
+@some('gains', [(10.0, 1000.0, 400.0), (50.0, 5000.0, 100.0),
+                (0.0, 1000.0, 50.0)], 1)
+def test_sliding_is_the_limit_of_a_smooth_integration(gains):
+    """By Radau, with an integration that fades over a small part of the limit: not by events."""
+    from scipy.integrate import solve_ivp
+    kp, ki, limit = gains
+    drive = Drive(SpeedController(25.0, *gains), 0.5, 2.0)
+    system = System(paper_linkage(), 0.0, drive=drive)
+
+    def derivative(time, state, width):
+        error = 25.0 - state[1]
+        wanted = kp * error + ki * state[2]
+        beyond = (wanted if error > 0.0 else -wanted) / limit - 1.0
+        torque = float(np.clip(wanted, -limit, limit))
+        return [state[1], system.equation.acceleration(state[0], state[1], torque),
+                error * float(np.clip(1.0 - beyond / width, 0.0, 1.0))]
+    ends = [solve_ivp(derivative, (0.0, 0.4), [0.0, 0.0, 0.0], 'Radau', rtol=1e-8, atol=1e-8,
+                      args=(width,)).y[0, -1] for width in (2e-3, 1e-3)]
+    run = simulate(system, 0.4, 1e-9)
+    # the rest falls with the width: what is left of it is less than what halving changed
+    assert run.status == REACHED
+    assert abs(run.position[-1] - ends[1]) <= 2.0 * abs(ends[1] - ends[0]) + 1e-6
+
+
+def test_the_node_follows_the_limit_within_its_steps():
+    """As shipped it used up its budget 32 times in 8 s, and was 2e-3 rad away."""
+    scene = load('controlled')
+    system, until = scene.dynamics.system(scene.linkage), 2.0
+    run = simulate(system, until, 1e-9, times=1e-3 * np.arange(1, 2001))
+    mover = Mover(system, scene.drive.tolerance, scene.drive.budget)
+    place, positions = mover.first, []
+    for _ in range(2000):
+        done = mover.advance(place, 1e-3)
+        assert done.status == OK
+        place = done.place
+        positions.append(place.state[0])
+    assert np.abs(run.position - positions).max() <= 5e-5
+
+
+def test_a_crank_that_turns_fully_is_never_at_a_limit():
+    mover = Mover(System(HEAVY, 0.0, drive=Drive(ConstantTorque())), 1e-6, 60)
+    assert mover.advance(mover.first, 1e-3, 1e300).status == NOT_FINITE
+
+
+class Coulomb:
+    """Dry friction as a user may write it: the torque jumps at rest."""
+
+    start, breaks = (), ()
+
+    def torque(self, time, speed, state):
+        """Return it."""
+        return -50.0 * float(np.sign(speed)), ()
+
+
+HOSTILE = {
+    'dry friction': Drive(Coulomb()), 'torque 1e308': Drive(ConstantTorque(1e308), 0.5),
+    'gain 1e7': Drive(SpeedController(25.0, 1e7, 0.0, 400.0), 0.5),
+    'sliding at 1e7': Drive(SpeedController(25.0, 1e7, 1e9, 400.0), 0.5),
+    'limit 1e-300': Drive(SpeedController(25.0, 10.0, 1e3, 1e-300), 0.5),
+    'gain 1e300': Drive(SpeedController(25.0, 1e300, 1e300, 400.0), 0.5),
+    'rotor 1e-300': Drive(MotorLine(400.0, 26.0), 1e-300, shaft=Shaft(1e5)),
+    'motor 1e-9': Drive(MotorLine(400.0, 1e-9), 0.5)}
+
+
+@pytest.mark.parametrize('name', HOSTILE)
+def test_a_hostile_drive_ends_with_a_status(name):
+    run = simulate(System(HEAVY, 0.0, 5.0, drive=HOSTILE[name]), 3.0, 1e-6, evaluations=60_000)
+    assert run.status in STATUSES and run.evaluations <= 70_000
+    assert bool(run.reason) is (run.status == STOPPED)
+    if name == 'gain 1e7':
+        assert run.status == REACHED and 'LSODA from' in run.method
+
+
+@some('method', ['LSODA', 'Radau', 'BDF', 'RK45', 'DOP853'], ('Radau',))
+def test_every_method_ends(method):
+    run = simulate(System(HEAVY, 0.0, 5.0, drive=Drive(Coulomb())), 3.0, 1e-6, method,
+                   evaluations=5_000)
+    assert run.status == STOPPED and run.time[-1] < 3.0 and run.reason
+
+
+def test_the_bounds_of_a_run_and_its_progress():
+    system, done = System(HEAVY, 0.0, drive=Drive(MotorLine(400.0, 26.0), 0.5)), []
+    run = simulate(system, 1.0, progress=done.append)
+    assert run.status == REACHED and max(done) == 1.0 and len(done) > 20
+    few = simulate(system, 1.0, evaluations=500)
+    assert few.status == STOPPED and few.evaluations < 600 and '500 evaluations' in few.reason
+    none = simulate(system, 1.0, seconds=1e-9)
+    assert none.status == STOPPED and '1e-09 s are used up' in none.reason
+
+
+@some('seed', range(12), 2)
+def test_random_drives_and_springs_end(seed):
+    random = np.random.default_rng(seed)
+
+    def size(low=-3.0, high=8.0):
+        return float(10.0**random.uniform(low, high))
+    source = [lambda: ConstantTorque(size() * random.choice([-1.0, 1.0])),
+              lambda: MotorLine(size(), size(-3.0, 3.0)),
+              lambda: SpeedController(size(-2.0, 2.0), size(), size(), size()),
+              lambda: TorqueTable(np.cumsum(random.uniform(1e-4, 0.1, 50)),
+                                  size(-1.0, 4.0) * random.standard_normal(50),
+                                  bool(random.integers(2)))][seed % 4]()
+    shaft = Shaft(size(0.0, 10.0), size(-6.0, 4.0)) if seed % 3 == 0 else None
+    springs = [TorsionSpring(GROUND, 'crank', size(), 1.0, size(-6.0, 3.0)),
+               Spring(Attachment(GROUND, 0.3, 0.5), Attachment('coupler', 0.2), size(), 0.1)]
+    drive = Drive(source, size(-3.0, 2.0), 0.0, shaft)
+    system = System(HEAVY, 0.4, 1.0, springs[:seed % 3], drive)
+    run = simulate(system, 1.0, 1e-6, evaluations=40_000)
+    assert run.status in STATUSES and run.evaluations <= 50_000
+    assert np.all(np.isfinite(run.states)) and run.time[-1] <= 1.0
+
+
+# --- checks that mean something -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize('method', ['auto', 'DOP853'])
+@some('amplitude', [0.0, 1e-6, 1e-4], (1e-6,))
+def test_rest_and_small_swings_converge(amplitude, method):
+    place = next(e for e in equilibria(Equation(HEAVY)) if e.is_stable)
+    run = simulate(System(HEAVY, place.position + amplitude), 1.0, 1e-8, method, times=[0.3, 1.0])
+    assert run.status == REACHED and run.drift <= 1e-8
+    # a small swing is a cosine but for the square of its amplitude
+    swing = amplitude * np.cos(2.0 * pi * place.frequency * run.time)
+    assert np.abs(run.position - place.position - swing).max() <= 1e-8 + 3.0 * amplitude**2
+
+
+def test_drift_is_measured_at_the_steps_not_at_the_times_asked_for():
+    system = System(HEAVY, -0.5)
+    period = simulate(system, 1.0).system and 1.64314493083574
+    strobe = simulate(system, 5.0, method='DOP853', times=period * np.arange(1, 4))
+    assert strobe.status == REACHED and strobe.drift <= 1e-8
+    rough = simulate(system, 5.0, 1e-3, 'RK45', times=[5.0], check=False)
+    assert rough.drift > 1e-6          # not 0 by construction
+
+
+def test_projections_work_with_times_too():
+    """Of free turns; without them the error of the energy adds up, and that of the position."""
+    system, errors = System(HEAVY, 0.2, 9.0), []
+    for times in (None, np.linspace(0.0, 60.0, 301)):
+        run = simulate(system, 60.0, 1e-8, 'DOP853', times, check=False)
+        exact = simulate(system, 60.0, times=run.time)
+        assert exact.method == PERIODIC and len(run.parts) > 5
+        errors.append(np.abs(run.position - exact.position).max())
+    assert errors[1] <= 4.0 * errors[0] + 1e-9
+
+
+def test_the_error_of_a_table_is_that_of_other_steps():
+    table = TorqueTable(np.linspace(0.0, 2.0, 200), 60.0 + 100.0 * np.sin(np.arange(200) * 0.09))
+    system = System(HEAVY, 0.0, drive=Drive(table, 0.5))
+    run, exact = simulate(system, 2.0, 1e-4), simulate(system, 2.0, 1e-9)
+    assert exact.status == REACHED and exact.error > 1e-14
+    assert abs(run.position[-1] - exact.position[-1]) <= run.error <= 1e-4
+
+
+@some('kind', ['pulse', 'smooth', 'noise'], 1)
+def test_long_linear_tables_against_their_double_integral(kind):
+    """J q.. = T: q is the sum of cubic pieces; no pulse between two steps is missed."""
+    times = np.linspace(0.0, 2.0, 5001)
+    torques = {'smooth': 5.0 * np.sin(9.0 * times),
+               'noise': np.random.default_rng(1).standard_normal(5001),
+               'pulse': np.where(np.arange(5001) == 2507, 1e3, 0.0)}[kind]
+    run = simulate(System(wheel(), 0.0, drive=Drive(TorqueTable(times, torques, True))), 2.0, 1e-7)
+    step, low, high = np.diff(times), torques[:-1] / 2.0, torques[1:] / 2.0
+    speed = np.append(0.0, np.cumsum(0.5 * step * (low + high)))
+    angle = np.sum(speed[:-1] * step + step**2 * (2.0 * low + high) / 6.0)
+    assert run.status == REACHED and abs(run.position[-1] - angle) <= 1e-7
+    assert run.evaluations <= 25 * times.size
+
+
+def test_a_smooth_table_of_many_points_costs_about_what_its_interpolation_does():
+    """Bends too small to see need no restart: 1e5 points, and numpy's interpolation of them."""
+    times = np.linspace(0.0, 2.0, 100_001)
+    torques = 5.0 + 3.0 * np.sin(7.0 * times)
+
+    class Interpolated:
+        start, breaks = (), ()
+
+        def torque(self, time, speed, state):
+            """Return it."""
+            return float(np.interp(time, times, torques)), ()
+    run, other = (simulate(System(HEAVY, 0.3, 2.0, drive=Drive(source, 0.5)), 2.0, 1e-8)
+                  for source in (TorqueTable(times, torques, True), Interpolated()))
+    assert run.status == other.status == REACHED
+    assert run.evaluations <= 2 * other.evaluations
+    assert abs(run.position[-1] - other.position[-1]) <= 2e-8
+
+
+# --- free motion --------------------------------------------------------------------------------
+
+
+@some('until', [20.0, 2e3, 2e5], (2e5,))
+def test_free_turns_are_those_of_a_pendulum_for_ever(until):
+    """P3, which goes round through its change points: elliptic functions in 40 digits."""
+    with mp.workdps(40):
+        exact = windows_exact(mp.mpf(until), 1)
+        run = simulate(one_window(), until, 1e-7)
+        assert run.method == PERIODIC and run.status == REACHED and run.evaluations < 5000
+        assert abs(mp.mpf(float(run.position[-1])) - exact) <= max(run.error, 1e-11)
+
+
+@some('turns', [1e3, 1e6], (1e6,))
+def test_a_million_free_turns(turns):
+    """J repeats with every turn, so every period is one turn."""
+    system = System(paper_linkage(), 0.3, 100.0)
+    one = simulate(system, 1.0)
+    period = float(np.interp(0.3 + 2.0 * pi, one.position, one.time))
+    for _ in range(3):                    # by Newton's method
+        there = simulate(system, period, times=[period])
+        period -= float((there.position[0] - 0.3 - 2.0 * pi) / there.rate[0])
+    run = simulate(system, turns * period, 1e-6, times=[turns * period])
+    assert run.method == PERIODIC and run.error <= 1e-6
+    assert abs(run.position[-1] - 0.3 - 2.0 * pi * turns) <= 1e-6
+
+
+@some('amplitude', [1e-3, 0.5, 3.0], (0.5,))
+def test_free_swings_are_elliptic_functions(amplitude):
+    pendulum = FourBar(0.4, 1.2, 0.8, 1.0, gravity=(0.0, -9.81),
+                       bodies=Bodies(Body(1.0, 0.25, 0.0, 0.1), Body(0.0), Body(0.0)))
+    times = np.linspace(0.0, 300.0, 31)
+    run = simulate(System(pendulum, -pi / 2 + amplitude), 300.0, 1e-7, times=times)
+    assert run.method == PERIODIC and run.rate[0] == 0.0
+    with mp.workdps(30):
+        speed = mp.sqrt(mp.mpf(9.81) * mp.mpf(0.25) / (mp.mpf(0.1) + mp.mpf(0.25)**2))
+        m = mp.sin(mp.mpf(amplitude) / 2)**2
+        for time, position in zip(times, run.position):
+            u = mp.ellipk(m) - speed * mp.mpf(float(time))
+            exact = 2 * mp.asin(mp.sqrt(m) * mp.ellipfun('sn', u, m=m)) - mp.pi / 2
+            assert abs(mp.mpf(float(position)) - exact) <= run.error + 1e-13
+
+
+# --- pickles, threads, wrong arguments ----------------------------------------------------------
+
+
+@pytest.mark.parametrize('make', [
+    lambda: System(HEAVY, 0.3, 1.0, [TorsionSpring(GROUND, 'crank', 8.0, 0.0, 0.1)],
+                   Drive(MotorLine(40.0, 20.0), 0.5, shaft=Shaft(1e3, 1.0))),
+    lambda: System(FourBar(0.8, 1.2, 0.4, 1.0, bodies=Bodies(*[Body(1.0, 0.2)] * 3)), 1.0, 1.0)],
+    ids=['motor', 'through toggles'])
+def test_a_run_and_a_system_are_pickled(make):
+    run = simulate(make(), 1.0, 1e-6)
+    again = pickle.loads(pickle.dumps(run))
+    for name in ('time', 'states', 'modes', 'torque', 'acceleration'):
+        assert np.array_equal(getattr(again, name), getattr(run, name))
+    system = pickle.loads(pickle.dumps(run.system))
+    assert np.array_equal(simulate(system, 1.0, 1e-6).states, run.states)
+
+
+@pytest.mark.parametrize('method', ['auto', 'LSODA'])
+def test_runs_in_threads_are_those_of_one(method):
+    def run(seed):
+        drive = Drive(MotorLine(400.0, 26.0), 0.5, shaft=Shaft(1e6 * (1 + seed), 100.0))
+        return simulate(System(HEAVY, 0.0, drive=drive), 0.1, 1e-6, method).states
+    alone = [run(seed) for seed in range(3)]
+    with ThreadPoolExecutor(3) as pool:
+        for one, other in zip(alone, pool.map(run, range(3))):
+            assert np.array_equal(one, other)
+
+
+@pytest.mark.parametrize('make, name', [
+    (lambda: MotorLine(400.0, -26.0), 'free_speed'),
+    (lambda: MotorLine(-400.0, 26.0), 'free_speed'),
+    (lambda: Drive(5), 'source'), (lambda: Drive(ConstantTorque(), 1.0, shaft=3.0), 'shaft'),
+    (lambda: System(HEAVY, 0.0, drive=ConstantTorque(5.0)), 'drive'),
+    (lambda: simulate(System(HEAVY, 0.0), 1.0, times='ab'), 'times'),
+    (lambda: simulate(System(HEAVY, 0.0), 1.0, times=[nan, 1.0]), 'times'),
+    (lambda: simulate(System(HEAVY, 0.0, 1e160), 1.0), 'rate'),
+    (lambda: simulate(System(wheel(0.0), 0.0), 1.0), 'bodies'),
+    (lambda: simulate(HEAVY, 1.0), 'system'),
+    (lambda: simulate(System(HEAVY, 0.0), 1.0, evaluations=0), 'evaluations'),
+    (lambda: simulate(System(HEAVY, 0.0), 1.0, seconds=-1.0), 'seconds'),
+    (lambda: TorqueTable([0.0, 1.0], [1.0, inf]), 'torques'),
+    (lambda: TorqueTable(5.0, [1.0]), 'torques'),
+    (lambda: Spring(Attachment(), Attachment('crank'), 1.0, -0.1), 'free_length')])
+def test_wrong_arguments_are_named(make, name):
+    with pytest.raises(InvalidParameter) as caught:
+        make()
+    assert caught.value.name == name

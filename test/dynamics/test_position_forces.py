@@ -1,0 +1,435 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Forces over a position against virtual work, power, springs of the same law and quadrature."""
+from math import cos, pi, sin
+import pickle
+
+from fourbar_ros import Bodies, FourBar, InvertedSlider, round_rod, SliderCrank
+from fourbar_ros.dynamics.analysis.flywheel import flywheel_for
+from fourbar_ros.dynamics.analysis.statics import equilibria
+from fourbar_ros.dynamics.model.drives import ConstantTorque, Drive, MotorLine
+from fourbar_ros.dynamics.model.element_forces import loads_with, make_loaded
+from fourbar_ros.dynamics.model.elements import (
+    Attachment,
+    LinkAngle,
+    PositionForce,
+    Spring,
+    TorsionSpring,
+    Way,
+)
+from fourbar_ros.dynamics.model.equation import Equation
+from fourbar_ros.dynamics.model.force_table import ForceTable
+from fourbar_ros.dynamics.model.system import System
+from fourbar_ros.dynamics.solve.simulate import REACHED, simulate, STOPPED
+from fourbar_ros.dynamics.step.mover import Mover
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanics.bodies import Body
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.scene.scene import load
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.interpolate import PchipInterpolator
+from support.power import power
+
+BODIES = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8)))
+CRANKS = [FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES, gravity=(1.0, -9.81)),
+          FourBar(0.4, 1.2, 0.8, 1.0, mode=1, bodies=BODIES),
+          SliderCrank(0.3, 0.9, 0.1, bodies=BODIES, gravity=(0.0, -9.81)),
+          InvertedSlider(0.3, 0.9, 0.1, bodies=BODIES)]
+SLIDES = [SliderCrank(0.3, 0.9, 0.1, input='slide', bodies=BODIES),
+          InvertedSlider(0.3, 0.9, 0.1, input='slide', bodies=BODIES)]
+MACHINE = load('v_engine').linkage
+ALL = [*CRANKS, *SLIDES, MACHINE]
+TURN = 2.0 * pi
+CYCLE = ForceTable(np.linspace(0.0, TURN, 9),
+                   [3.0, 90.0, 40.0, -20.0, 5.0, 6.0, 7.0, -80.0, 3.0], is_periodic=True)
+STROKE = ForceTable([-3.0, -0.4, 0.1, 0.5, 0.9, 1.3, 4.0],
+                    [0.0, 50.0, -70.0, 30.0, 20.0, 9.0, 1.0])
+
+
+def forces_on(linkage):
+    """Return forces of all sorts on the links of a mechanism."""
+    first, *_, last = (link.name for link in linkage.LINKS)
+    middle = linkage.LINKS[1].name
+    over_input = STROKE if linkage.is_driven_by_slide else CYCLE
+    return [PositionForce(Attachment(last, 0.2, 0.1), over_input, direction=0.3),
+            PositionForce(Attachment(middle, 0.1, -0.2), CYCLE, LinkAngle(middle), -0.7, middle),
+            PositionForce(Attachment(first, 0.1), STROKE, Way(Attachment(last)), 0.5 * pi),
+            PositionForce(Attachment(middle, 0.3),
+                          lambda s: 40.0 * sin(3.0 * s), Way(Attachment(middle, 0.3),
+                                                             Attachment('ground', 0.2, -0.1), 1.1),
+                          2.0, first, factor=-1.5),
+            PositionForce(Attachment(last), CYCLE, LinkAngle(middle, first), None)]
+
+
+def samples(linkage, seed, count=12):
+    (low, high), *_ = linkage.input_ranges
+    rng = np.random.default_rng(seed)
+    for share, rate, acceleration in rng.uniform((0.05, -9.0, -50.0), (0.95, 9.0, 50.0),
+                                                 (count, 3)).tolist():
+        yield low + share * (high - low), rate, acceleration
+
+
+def pose(linkage, q):
+    """Return the places of points (a function) and the angles of links at an input."""
+    motion = linkage.motion(q, 0.0, 0.0)
+
+    def place(attachment):
+        if attachment.link == 'ground':
+            return np.array([attachment.along, attachment.across])
+        return point_motion(linkage, motion, attachment.link, attachment.along,
+                            attachment.across).place
+
+    def direction(link):
+        if link == 'ground':
+            return 1.0 + 0.0j
+        return complex(*linkage.link_motion(motion, link)[6:8])
+    return place, direction
+
+
+def acting(linkage, force, q):
+    """Return value and unit vector of a force from a pose alone."""
+    place, direction = pose(linkage, q)
+    over = force.over
+    if over == 'input':
+        s = q
+    elif isinstance(over, LinkAngle):
+        s = float(np.angle(direction(over.link) / direction(over.relative_to)))
+    else:
+        line = np.exp(1j * over.direction) * direction(over.origin.link)
+        way = place(over.point) - place(over.origin)
+        s = float(way @ (line.real, line.imag))
+    value = force.factor * float(force.value(s))
+    if force.direction is None:
+        return value, None
+    unit = np.exp(1j * force.direction) * direction(force.axes)
+    return value, np.array([unit.real, unit.imag])
+
+
+@pytest.mark.parametrize('linkage', ALL, ids=lambda linkage: linkage.description)
+def test_the_generalised_force_is_virtual_work(linkage):
+    """Q = F . dP/dq, the derivative of the place by differences of order 4."""
+    for force in forces_on(linkage):
+        equation, without = Equation(linkage, [force]), Equation(linkage)
+        for q, _, _ in samples(linkage, 3):
+            value, unit = acting(linkage, force, q)
+            h = 2e-4
+
+            def moved(step, force=force, unit=unit, q=q):
+                place, direction = pose(linkage, q + step)
+                if unit is None:
+                    turn = direction(force.point.link) / pose(linkage, q)[1](force.point.link)
+                    return float(np.angle(turn))
+                return float(place(force.point) @ unit)
+            slope = (8.0 * (moved(h) - moved(-h)) - (moved(2 * h) - moved(-2 * h))) / (12.0 * h)
+            found = equation.terms(q).force - without.terms(q).force
+            assert abs(found - value * slope) <= 1e-7 * (1.0 + abs(value))
+            assert equation.couples(q) == pytest.approx(found, abs=1e-10 * (1 + abs(value)))
+
+
+@pytest.mark.parametrize('linkage', ALL, ids=lambda linkage: linkage.description)
+def test_power_balances_and_the_drive_is_that_of_the_equation(linkage):
+    """Drive, weight and forces give what the bodies gain: 1e-12, and (E1) asks for the same."""
+    forces = forces_on(linkage)
+    loaded, equation = make_loaded(linkage, forces), Equation(linkage, forces)
+    for sample in samples(linkage, 7):
+        loads, motion = loaded(*sample[:2]).step(*sample)[1], linkage.motion(*sample)
+        drive = loads.driving_force if linkage.is_driven_by_slide else loads.driving_torque
+        given = []
+        for force in forces:
+            value, unit = acting(linkage, force, sample[0])
+            link = linkage.link_motion(motion, force.point.link)
+            velocity = point_motion(linkage, motion, force.point.link, force.point.along,
+                                    force.point.across).velocity
+            given.append(value * (link.omega if unit is None else float(velocity @ unit)))
+        of_bodies, size = power(linkage, *sample)
+        size += sum(map(abs, given)) + abs(drive * sample[1])
+        condition = 1.0 + motion.condition / linkage.input_unit
+        assert abs(drive * sample[1] - of_bodies + sum(given)) <= 1e-12 * condition * size
+        assert abs(drive - equation.torque(*sample)) * abs(sample[1]) <= 1e-11 * condition * size
+
+
+@pytest.mark.parametrize('linkage', ALL, ids=lambda linkage: linkage.description)
+def test_loads_of_arrays_are_those_of_single_samples(linkage):
+    elements = [*forces_on(linkage),
+                Spring(Attachment('ground', 1.4, 0.3), Attachment(linkage.LINKS[-1].name, 0.3),
+                       900.0, 0.4, 15.0),
+                TorsionSpring(linkage.LINKS[0].name, linkage.LINKS[1].name, 20.0, 0.1, 0.5)]
+    motions = list(samples(linkage, 11, 30))
+    found = loads_with(linkage, elements, *np.array(motions).T.reshape(3, 5, 6))
+    loaded = make_loaded(linkage, elements)
+    for i, sample in enumerate(motions):
+        alone = loaded(*sample[:2]).step(*sample)[1]
+        size = max(map(abs, alone))
+        for one, many in zip(alone, found):
+            assert abs(one - many.ravel()[i]) <= 1e-11 * size
+    single = loads_with(linkage, elements, *motions[0])
+    assert isinstance(single[0], float) and single[0] == pytest.approx(found[0][0, 0], rel=1e-9)
+
+
+@pytest.mark.parametrize('linkage', ALL, ids=lambda linkage: linkage.description)
+def test_stiffness_is_the_slope_of_the_force(linkage):
+    forces = forces_on(linkage)
+    equation = Equation(linkage, forces)
+    for q, _, _ in samples(linkage, 5):
+        h = 1e-5
+        slope = (equation.terms(q + h).force - equation.terms(q - h).force) / (2.0 * h)
+        assert equation.stiffness(q) == pytest.approx(-slope, rel=2e-4, abs=2e-2)
+
+
+def test_a_linear_table_is_a_spring_also_through_toggles():
+    """F = -k (x - x0) of a slider is a spring on its guide; a driven slide passes dead points."""
+    linkage = SliderCrank(0.3, 0.9, 0.0, input='slide', bodies=BODIES, gravity=(0.0, -9.81))
+    k, x0 = 300.0, 0.75
+    spring = Spring(Attachment('ground', x0, 0.0), Attachment('output'), k)
+    table = ForceTable([-4.0, 4.0], [k * (x0 + 4.0), k * (x0 - 4.0)], is_linear=True)
+    runs = [simulate(System(linkage, 0.7, 6.0, [element]), 0.5, 1e-8, times=[0.2, 0.5])
+            for element in (spring, PositionForce(Attachment('output'), table),
+                            PositionForce(Attachment('output'), table, Way(Attachment('output'))),
+                            PositionForce(Attachment('output'), lambda x: k * (x0 - x)))]
+    assert len(set(simulate(System(linkage, 0.7, 6.0, [spring]), 0.5).modes)) == 2
+    for run in runs:
+        assert run.status == REACHED
+        assert np.max(np.abs(run.position - runs[0].position)) <= 4e-8 * linkage.input_unit
+
+
+def test_a_flywheel_on_a_driven_slide_is_a_heavier_slider_through_toggles():
+    heavy = BODIES._replace(output=Body(BODIES.output.mass + 5.0))
+    light = BODIES._replace(output=Body(BODIES.output.mass))
+    runs = [simulate(System(SliderCrank(0.3, 0.9, 0.0, input='slide', bodies=bodies), 0.7, 6.0,
+                            drive=Drive(ConstantTorque(), flywheel=flywheel)), 0.5, 1e-9,
+                     times=[0.2, 0.5])
+            for bodies, flywheel in ((heavy, 0.0), (light, 5.0))]
+    assert [run.status for run in runs] == [REACHED] * 2
+    assert np.max(np.abs(runs[0].position - runs[1].position)) <= 4e-9
+
+
+def test_a_linear_couple_over_an_angle_is_a_torsion_spring_through_toggles():
+    linkage = FourBar(0.9, 1.0, 0.8, 1.2, bodies=BODIES, gravity=(0.0, -9.81))
+    middle = 0.5 * sum(linkage.input_ranges[0])
+    table = ForceTable([middle - pi, middle + pi], [25.0 * pi, -25.0 * pi], is_linear=True)
+    runs = [simulate(System(linkage, middle + turns * TURN, 2.0, [element]), 1.5, 1e-8,
+                     times=[0.8, 1.5])
+            for turns in (0, 3)
+            for element in (TorsionSpring('ground', 'crank', 25.0, middle),
+                            PositionForce(Attachment('crank'), table, 'input', None),
+                            PositionForce(Attachment('crank'), table, LinkAngle('crank'), None))]
+    for run in runs:
+        assert run.status == REACHED
+        turns = np.round((run.position - runs[0].position) / TURN)
+        assert np.max(np.abs(run.position - turns * TURN - runs[0].position)) <= 1e-7
+
+
+# --- a four-stroke engine ---------------------------------------------------------------------
+
+def engine(drive=None, speed=150.0):
+    scene = load('engine')
+    gas, = scene.forces
+    return System(scene.linkage, 0.0, speed, [gas], drive or Drive(ConstantTorque(), flywheel=0.5))
+
+
+def work_of_gas(system, start, end):
+    """Return the integral of force over the piston's way, piece by piece of the table."""
+    gas, linkage = system.equation.forces[0], system.mechanism
+    breaks = [place + k * gas.value.span for k in range(8) for place in gas.value.places[:-1]]
+    ends = [start, *(place for place in breaks if start < place < end), end]
+
+    def power(q):
+        return gas.factor * gas.value(q) * linkage.motion(q, 1.0, 0.0).slide_velocity
+    return sum(quad(power, a, b, epsabs=1e-10, epsrel=1e-12)[0] for a, b in zip(ends, ends[1:]))
+
+
+def test_the_work_of_a_cycle_is_the_integral_of_p_dv():
+    """Kinetic energy at every step, from p dV by quadrature; two turns give 426 J."""
+    system = engine()
+    run = simulate(system, 0.11, 1e-8)
+    inertia = system.equation.terms(run.position).inertia
+    kinetic = 0.5 * inertia * run.rate**2
+    assert run.status == REACHED and run.position[-1] > 4.0 * pi
+    for i in (run.time.size // 3, run.time.size // 2, -1):
+        work = work_of_gas(system, 0.0, run.position[i])
+        assert kinetic[i] - kinetic[0] == pytest.approx(work, abs=2e-8 * kinetic[i])
+        assert run.states[-1, i] == pytest.approx(work, abs=2e-8 * kinetic[i])
+    volume = 0.005808804816 * np.array([system.mechanism.motion(q).slide for q in
+                                        system.equation.forces[0].value.places])
+    pressure = np.array(system.equation.forces[0].value.values)
+    by_trapezia = -np.sum(0.5 * (pressure[1:] + pressure[:-1]) * np.diff(volume))
+    assert work_of_gas(system, 0.0, 4.0 * pi) == pytest.approx(by_trapezia, rel=5e-3)
+    assert by_trapezia == pytest.approx(426.0, rel=1e-2)
+
+
+def test_the_steps_of_a_node_follow_the_engine():
+    """Each of 70 steps of 2 ms, over two turns, is within its tolerance of 1e-6 rad."""
+    system = load('engine').dynamics.system(load('engine').linkage)
+    mover = Mover(system, 1e-6, 400, False)
+    values = mover.start()
+    for _ in range(70):
+        _, values = mover.next(values, 2e-3)
+    run = simulate(system, 0.14, 1e-6, times=[0.14])
+    assert values.position > 4.0 * pi
+    assert values.position == pytest.approx(run.position[-1], abs=70 * 1e-6)
+
+
+def test_a_crank_that_counts_turns_tells_the_strokes_apart():
+    system = engine()
+    firing, idle = (system.equation.terms(q).force for q in (TURN + 0.4, 0.4))
+    assert firing > 100.0 > 2.0 > abs(idle)
+    assert system.equation.terms(TURN + 0.4 + 8.0 * pi).force == pytest.approx(firing, rel=1e-12)
+    loaded = make_loaded(system.mechanism, system.equation.forces)
+    torque = loaded(TURN + 0.4, 0.0).loads(TURN + 0.4).driving_torque
+    assert torque == pytest.approx(-firing, rel=1e-12)
+
+
+def test_a_press_works_against_its_cut_and_stalls_at_a_heavier_one():
+    """The motor's work less that of the cut is the change of energy; a stall has its place."""
+    linkage = SliderCrank(0.05, 0.2, bodies=BODIES)
+    cut = ForceTable([0.0, 0.19, 0.2, 0.24, 0.25, 1.0], [0.0, 0.0, 1.0, 1.0, 0.0, 0.0])
+
+    def pressed(force):
+        element = PositionForce(Attachment('output'), cut, Way(Attachment('output')),
+                                factor=-force)
+        drive = Drive(MotorLine(300.0, 12.0), flywheel=1.0)
+        return simulate(System(linkage, pi, 1.0, [element], drive), 2.0, 1e-7)
+    light, heavy = pressed(200.0), pressed(3e4)
+    assert light.status == heavy.status == REACHED
+    assert light.position[-1] > 2.0 * TURN and heavy.position[-1] < TURN
+    slide = linkage.motion(heavy.position[-1]).slide
+    assert 0.18 < slide < 0.2 and abs(heavy.rate[-1]) < 1.0
+
+
+def test_equilibria_count_with_forces_over_a_position():
+    linkage = SliderCrank(0.3, 0.9, 0.0, bodies=BODIES, gravity=(0.0, -9.81))
+    table = ForceTable([0.0, 1.5], [0.5 * 200.0, -200.0], is_linear=True)
+    elements = ([PositionForce(Attachment('output'), table, Way(Attachment('output')))],
+                [Spring(Attachment('ground', 0.5), Attachment('output'), 200.0)])
+    found, wanted = (equilibria(Equation(linkage, each)) for each in elements)
+    assert len(found) == len(wanted) > 1
+    for one, other in zip(found, wanted):
+        assert one.position == pytest.approx(other.position, abs=1e-9)
+        assert one.is_stable == other.is_stable
+        assert one.stiffness == pytest.approx(other.stiffness, rel=1e-6, abs=1e-6)
+
+
+def test_two_turns_count_in_statics_and_are_refused_for_a_flywheel():
+    """Equilibria of an engine at rest: all sign changes of Q over two turns."""
+    equation = engine().equation
+    places = np.array([one.position for one in equilibria(equation)])
+    dense = np.linspace(-pi, 3.0 * pi, 400_001) + 5e-6      # one end of the cycle is in it
+    sides = equation.terms(dense).force > 0.0
+    changes = dense[:-1][sides[1:] != sides[:-1]]
+    assert equation.turns == 2 and places.size == changes.size > 2
+    assert np.max(np.abs(places - changes)) < 4.0 * pi / 400_000 + 1e-12
+    with pytest.raises(InvalidParameter, match='repeats after 2 turns'):
+        flywheel_for(equation, 100.0, 0.01)
+
+
+# --- tables -----------------------------------------------------------------------------------
+
+def test_a_table_is_that_of_scipy_on_floats_and_arrays():
+    rng = np.random.default_rng(2)
+    places, values = np.cumsum(rng.uniform(0.05, 1.0, 40)), rng.normal(size=40)
+    inside = rng.uniform(places[0], places[-1], 300)
+    table, lines = ForceTable(places, values), ForceTable(places, values, is_linear=True)
+    assert np.max(np.abs(table(inside) - PchipInterpolator(places, values)(inside))) < 1e-14
+    assert np.max(np.abs(lines(inside) - np.interp(inside, places, values))) < 1e-14
+    cycle = ForceTable(places, [*values[:-1], values[0]], True)
+    span, three = cycle.span, [np.array(cycle.places) + k * cycle.span for k in range(-2, 3)]
+    every = np.concatenate([three[0][:1], *(part[1:] for part in three)])
+    repeated = np.concatenate([cycle.values[:1], *[cycle.values[1:]] * 5])
+    reference = PchipInterpolator(every, repeated)
+    assert np.max(np.abs(cycle(inside) - reference(inside))) < 1e-13
+    assert np.max(np.abs(cycle(inside + 7 * span) - cycle(inside))) < 1e-12
+    ends = np.array([places[0] - 3.0, places[-1] + 3.0])
+    assert table(ends).tolist() == [values[0], values[-1]]
+    for its in (table, lines, cycle):
+        wide = rng.uniform(places[0] - 9.0, places[-1] + 9.0, 400)
+        assert its(wide).tolist() == [its(x) for x in wide.tolist()]
+        low, high = its(wide).min(), its(wide).max()
+        assert min(values) <= low and high <= max(values)                # no overshoot
+        assert pickle.loads(pickle.dumps(its))(0.3) == its(0.3)
+    step = 1e-7
+    left, right = ((cycle(places[0] + side * step) - cycle(places[0])) / (side * step)
+                   for side in (-1.0, 1.0))
+    assert left == pytest.approx(right, abs=1e-4)
+
+
+@pytest.mark.parametrize(('arguments', 'why'), [
+    (([0.0], [1.0]), 'places = 1: must be 2 to 10000 points'),
+    (([0.0, 1.0], [1.0]), 'values = 1: must be as many as places, 2'),
+    (([0.0, 1.0, 1.0], [1.0, 2.0, 3.0]), r'places\[3\] = 1.0: must be larger than the one before'),
+    (([0.0, float('nan')], [1.0, 2.0]), r'places\[2\] = nan: must be a finite number'),
+    (([0.0, 1.0], [1.0, 'x']), r"values\[2\] = 'x': must be a finite number, not of type str"),
+    (([0.0, 1.0], [1.0, 2.0], True), r'values\[2\] = 2.0: must be the first value again, 1.0'),
+    (([0.0, 1e-300], [-1e300, 1e300]), 'slopes overflow'),
+    (('ab', [1.0, 2.0]), r'places\[1\] = \'ab\': must be a finite number'),
+    ((range(20_000), range(20_000)), 'places = 20000: must be 2 to 10000 points')])
+def test_a_wrong_table_is_refused_in_one_line(arguments, why):
+    with pytest.raises(InvalidParameter, match=why) as refused:
+        ForceTable(*arguments)
+    assert '\n' not in str(refused.value)
+
+
+SHORT = ForceTable([0.0, 1.0], [1.0, 2.0])
+NOT_FULL = FourBar(0.9, 1.0, 0.8, 1.2, bodies=BODIES)
+TWO_TURNS = ForceTable([0.0, 2.0 * TURN], [1.0, 1.0], True)
+
+
+@pytest.mark.parametrize(('linkage', 'make', 'why'), [
+    (CRANKS[0], lambda: PositionForce(Attachment('ground'), SHORT), 'acts on a moving link'),
+    (CRANKS[0], lambda: PositionForce('output', SHORT), 'must be of type Attachment'),
+    (CRANKS[0], lambda: PositionForce(Attachment('output'), 3.0), 'ForceTable or a function'),
+    (CRANKS[0], lambda: PositionForce(Attachment('output'), SHORT, 'theta9'), "must be 'input'"),
+    (CRANKS[0], lambda: PositionForce(Attachment('rocker'), CYCLE), "link = 'rocker': must be"),
+    (CRANKS[0], lambda: PositionForce(Attachment('output'), SHORT), 'the crank turns fully'),
+    (CRANKS[0], lambda: PositionForce(Attachment('output'),
+                                      ForceTable([0.0, 3.0], [1.0, 1.0], True)), 'period must be'),
+    (CRANKS[0], lambda: PositionForce(Attachment('output'), TWO_TURNS, LinkAngle('crank')),
+     'turns are counted'),
+    (NOT_FULL, lambda: PositionForce(Attachment('output'), TWO_TURNS), 'turns are counted'),
+    (NOT_FULL, lambda: PositionForce(Attachment('output'), ForceTable([0.0, 7.0], [1.0, 2.0])),
+     'more than a turn'),
+    (SLIDES[0], lambda: PositionForce(Attachment('output'), CYCLE), 'a length does not come'),
+    (CRANKS[0], lambda: PositionForce(Attachment('output', 0.2), lambda x: float('nan')),
+     'must be a finite number')])
+def test_a_force_that_does_not_fit_is_refused_in_one_line(linkage, make, why):
+    with pytest.raises(InvalidParameter, match=why) as refused:
+        Equation(linkage, [make()]).terms(0.5)
+    assert '\n' not in str(refused.value)
+
+
+def test_a_force_of_a_user_that_fails_ends_the_run_with_a_status():
+    linkage = CRANKS[0]
+    broken = PositionForce(Attachment('output', 0.2), lambda q: 1.0 if q < 1.0 else float('inf'))
+    run = simulate(System(linkage, 0.0, 5.0, [broken]), 1.0, 1e-6)
+    assert run.status == STOPPED and run.position[-1] == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.slow
+def test_random_tables_keep_the_energy_and_two_integrators_agree():
+    rng = np.random.default_rng(8)
+    for i in range(20):
+        linkage = [*CRANKS, *SLIDES][i % 6]
+        places = np.sort(rng.uniform(-2.0, 2.0, int(rng.integers(2, 30))))
+        element = PositionForce(
+            Attachment(rng.choice(['coupler', 'output']), *rng.uniform(-0.3, 0.3, 2)),
+            ForceTable(places, rng.normal(size=places.size) * 30.0, False, bool(i % 2)),
+            Way(Attachment('coupler', *rng.uniform(-0.3, 0.3, 2))), float(rng.uniform(0.0, TURN)),
+            rng.choice(['ground', 'coupler']))
+        low, high = linkage.input_ranges[0]
+        start = low + 0.4 * (high - low)
+        runs = [simulate(System(linkage, start, 0.3, [element], Drive(ConstantTorque(3.0))), 1.0,
+                         1e-7, method, [0.5, 1.0]) for method in ('DOP853', 'RK45')]
+        assert [run.status for run in runs] == [REACHED] * 2, i
+        unit = linkage.input_unit
+        assert np.max(np.abs(runs[0].position - runs[1].position)) <= 4e-7 * unit, i
+
+
+def test_a_direction_that_turns_with_a_link_does():
+    linkage, force = CRANKS[0], PositionForce(Attachment('output'), CYCLE, direction=0.4,
+                                              axes='coupler')
+    motion = linkage.motion(0.7)
+    loads = make_loaded(linkage, [force])(0.7, 0.0).external.output
+    value, angle = CYCLE(0.7), motion.beta + 0.4
+    assert loads.force_x == pytest.approx(value * cos(angle), rel=1e-13)
+    assert loads.force_y == pytest.approx(value * sin(angle), rel=1e-13)

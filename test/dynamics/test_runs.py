@@ -1,0 +1,228 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""A run between its times, stopped where asked, with its loads and its picture."""
+from math import pi
+import pickle
+import subprocess
+import sys
+
+from fourbar_ros import Bodies, FourBar, round_rod, SliderCrank
+from fourbar_ros.dynamics.model.drives import ConstantTorque, Drive, MotorLine, TorqueTable
+from fourbar_ros.dynamics.model.elements import Attachment, PositionForce, Spring, Way
+from fourbar_ros.dynamics.model.force_table import ForceTable
+from fourbar_ros.dynamics.model.system import System
+from fourbar_ros.dynamics.solve.integrators import Allowance, integrate
+from fourbar_ros.dynamics.solve.simulate import EVENT, REACHED, simulate
+from fourbar_ros.errors import FourBarError, InvalidParameter
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+BODIES = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8)))
+LINKAGE = FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES, gravity=(0.0, -9.81))
+ROCKER = FourBar(0.9, 1.0, 0.8, 1.2, bodies=BODIES, gravity=(0.0, -9.81))
+CUT = PositionForce(Attachment('output', 0.3), ForceTable([0.0, 0.4, 0.8], [0.0, -40.0, 5.0]),
+                    Way(Attachment('output', 0.3), direction=0.5 * pi))
+SPRING = Spring(Attachment('ground', 1.4, 0.3), Attachment('output', 0.3, 0.1), 900.0, 0.4, 15.0)
+MIDDLE = 0.5 * sum(ROCKER.input_ranges[0])
+SYSTEMS = {'motor': System(LINKAGE, 0.0, 0.0, (), Drive(MotorLine(400.0, 26.0), rotor=0.5)),
+           'forces': System(LINKAGE, 0.3, 12.0, (CUT, SPRING)),
+           'free': System(LINKAGE, 0.0, 9.0),
+           'constant': System(LINKAGE, 0.0, 0.0, (), Drive(ConstantTorque(60.0))),
+           'table': System(LINKAGE, 0.0, 1.0, (), Drive(TorqueTable([0.0, 0.1, 0.2],
+                                                                    [50.0, -20.0, 90.0]))),
+           'toggles': System(ROCKER, MIDDLE, 2.0)}
+
+
+@pytest.mark.parametrize('name', SYSTEMS)
+def test_a_run_is_as_good_between_its_times_as_at_them(name):
+    """Against a run at a tolerance of 1e-11 at these times: no more than the tolerance asked."""
+    asked, system = 1e-7, SYSTEMS[name]
+    run = simulate(system, 0.4, asked)
+    times = np.linspace(0.0, 0.4, 23)
+    reference = simulate(system, 0.4, 1e-11, times=times)
+    assert run.status == reference.status == REACHED
+    assert np.max(np.abs(run.at(times)[0] - reference.position)) <= asked
+    mixed = run.at([[0.3, 0.1], [0.1, 0.0]])
+    assert mixed.shape == (len(system.names), 2, 2)
+    assert np.array_equal(mixed[:, 0, 1], mixed[:, 1, 0])
+    assert mixed[:, 1, 1] == pytest.approx(system.start)
+    assert run.at(0.4).shape == (len(system.names),)
+    assert run.at(0.4)[0] == pytest.approx(run.position[-1], abs=asked)
+    sparse = simulate(system, 0.4, asked, times=[0.4])
+    assert np.max(np.abs(sparse.at(times)[0] - reference.position)) <= asked
+
+
+@pytest.mark.parametrize('wrong', [-0.1, 0.41, float('nan'), [0.1, 0.5], 'soon', None, []])
+def test_times_that_are_not_in_the_run_are_refused(wrong):
+    run = simulate(SYSTEMS['free'], 0.4, 1e-6)
+    for what in (run.at, run.loads_at):
+        with pytest.raises(InvalidParameter) as refused:
+            what(wrong)
+        assert '\n' not in str(refused.value)
+
+
+@pytest.mark.parametrize('name', ['motor', 'forces', 'free', 'constant', 'table'])
+def test_a_run_stops_at_an_angle(name):
+    """Where scipy's own event is, of the one equation, to the tolerance over the speed."""
+    system = SYSTEMS[name]
+    run = simulate(system, 5.0, 1e-9, stop_when=lambda t, y: y[0] - 2.0)
+    assert run.status == EVENT and run.position[-1] == pytest.approx(2.0, abs=1e-13)
+
+    def passed(t, y):
+        return y[0] - 2.0
+    passed.terminal = True
+    alone = solve_ivp(lambda t, y: system.derivative(t, y.tolist()), (0.0, 5.0), system.start,
+                      'DOP853', events=passed, rtol=1e-11, atol=1e-11, max_step=0.01)
+    assert run.time[-1] == pytest.approx(alone.t_events[0][0], abs=2e-9 / abs(run.rate[-1]))
+    assert run.error <= 1e-9 and run.drift <= 1e-9
+    later = simulate(system, 5.0, 1e-9, times=[4.9], stop_when=lambda t, y: y[0] - 2.0)
+    assert later.status == EVENT and later.time.size == 1
+    assert later.time[-1] == pytest.approx(run.time[-1], abs=2e-9 / abs(run.rate[-1]))
+
+
+def test_a_swing_from_rest_stops_at_its_next_rest():
+    """Half a period after the start, where it is at rest; the start itself does not count."""
+    from fourbar_ros.dynamics.analysis.free_motion import FreeMotion
+    system = System(LINKAGE, -1.2)
+    run = simulate(system, 10.0, 1e-10, stop_when=lambda t, y: y[1])
+    assert run.status == EVENT and abs(run.rate[-1]) < 1e-9
+    assert run.time[-1] == pytest.approx(0.5 * FreeMotion(system).period, abs=1e-8)
+
+
+def test_a_run_stops_beyond_toggles_in_numbers_of_its_input():
+    middle = MIDDLE
+    seen = []
+
+    def rests(t, y):
+        seen.append(len(y))
+        return t - 1.1
+    run = simulate(System(ROCKER, middle, 2.0), 3.0, 1e-8, stop_when=rests)
+    assert run.status == EVENT and run.time[-1] == pytest.approx(1.1, abs=1e-12)
+    assert len(set(run.modes.tolist())) == 2 and set(seen) == {2}
+    whole = simulate(System(ROCKER, middle, 2.0), 3.0, 1e-8, times=[1.1])
+    assert run.position[-1] == pytest.approx(whole.position[0], abs=2e-8)
+
+
+def test_what_never_comes_ends_the_run_at_its_end():
+    run = simulate(SYSTEMS['free'], 0.2, 1e-6, stop_when=lambda t, y: 1.0)
+    assert run.status == REACHED and run.time[-1] == 0.2
+
+
+@pytest.mark.parametrize(('stop_when', 'why'), [
+    (3.0, 'must be a function'), ('angle', 'must be a function'),
+    (lambda t, y: 'x', 'of type str'), (lambda t, y: None, 'None'),
+    (lambda t, y: float('inf'), 'finite')])
+def test_a_wrong_stop_is_refused_in_one_line(stop_when, why):
+    with pytest.raises(InvalidParameter, match='stop_when') as refused:
+        simulate(SYSTEMS['free'], 0.2, 1e-6, stop_when=stop_when)
+    assert why in str(refused.value) and '\n' not in str(refused.value)
+
+
+@pytest.mark.parametrize('name', SYSTEMS)
+def test_loads_of_a_run_ask_for_the_torque_that_drove_it(name):
+    """Driving torque of the loads + inertia of rotor and flywheel = torque of the drive."""
+    system = SYSTEMS[name]
+    run = simulate(system, 0.3, 1e-8)
+    fields = type(run.loads)._fields
+    assert fields == LINKAGE.LOADS._fields and run.loads.f41.shape == run.time.shape
+    beside = system.equation.extra_inertia * run.acceleration
+    size = 1.0 + np.abs(run.torque) + np.abs(run.loads.f41) + np.abs(run.loads.f32)
+    inside = np.abs(run.loads.f41) < 1e6          # next to a toggle loads are unbounded
+    error = np.abs(run.loads.driving_torque + beside - run.torque)
+    assert inside.sum() > 3 and np.max((error / size)[inside]) < 1e-9
+    at = run.loads_at([0.1, 0.2])
+    assert at.f41.shape == (2,)
+    single = run.loads_at(0.2)
+    assert isinstance(single.f41, float) and single.f41 == pytest.approx(at.f41[1], rel=1e-6)
+
+
+def test_a_plot_shows_all_of_a_run():
+    run = simulate(SYSTEMS['motor'], 0.2, 1e-6)
+    figure = run.plot()
+    assert [ax.get_ylabel() for ax in figure.axes] == [
+        'position [rad]', 'rate [rad/s]', 'acceleration [rad/s²]', 'drive [N m]']
+    for ax, values in zip(figure.axes, (run.position, run.rate, run.acceleration, run.torque)):
+        assert np.array_equal(ax.lines[0].get_ydata(), values)
+    slide = System(SliderCrank(0.3, 0.9, input='slide', bodies=BODIES), 0.8)
+    assert len(simulate(slide, 0.1, 1e-6, times=[0.05, 0.1]).plot().axes) == 3
+
+
+def test_a_plot_without_matplotlib_says_how_to_get_it():
+    code = ('import sys\nsys.modules["matplotlib.figure"] = sys.modules["matplotlib"] = None\n'
+            'from fourbar_ros import Bodies, FourBar, round_rod\n'
+            'from fourbar_ros.dynamics.solve.simulate import simulate\n'
+            'from fourbar_ros.dynamics.model.system import System\n'
+            'rods = Bodies(*(round_rod(a, 7750.0, 0.01) for a in (0.4, 1.2, 0.8)))\n'
+            'run = simulate(System(FourBar(0.4, 1.2, 0.8, 1.0, bodies=rods), 0.0, 1.0), 0.1)\n'
+            'try:\n    run.plot()\nexcept Exception as error:\n'
+            '    print(type(error).__name__, error)\n')
+    said = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True,
+                          timeout=300, check=False)
+    assert said.stdout.startswith('MissingPackage a plot requires matplotlib: pip install'), said
+
+
+@pytest.mark.parametrize('times', ['ab', ['a'], [None], [0.2, 0.1], [[0.1]], [], [float('nan')],
+                                   [0.1, 9.0], 3, b'x', {'a': 1}])
+def test_wrong_times_of_a_run_are_errors_of_ours(times):
+    with pytest.raises(FourBarError) as refused:
+        simulate(SYSTEMS['free'], 0.4, 1e-6, times=times)
+    assert '\n' not in str(refused.value)
+
+
+# --- where a run stops: what lies between two steps, or between two parts ------------------------
+
+
+@pytest.mark.parametrize('sign', [1.0, -1.0])
+def test_an_event_on_the_seam_of_two_parts_is_seen(sign):
+    """
+    A zero at a projection: the side before it is carried over, as the state changes there.
+
+    The event lies between the rate before a projection and the one after it: neither of the two
+    parts crosses zero by itself.
+    """
+    system = System(LINKAGE, 0.0, 9.0)
+    parts = integrate(system, 'DOP853', 1e-6, np.empty(0), Allowance(12.0),
+                      lambda t, y: 1.0).parts
+    seams = [(before.time[-1], before.states[1, -1], after.states[1, 0])
+             for before, after in zip(parts, parts[1:])]
+    assert len(seams) > 3 and all(before != after for _, before, after in seams)
+    for time, before, after in seams[:4]:
+        level = 0.5 * (before + after)
+
+        def crosses(t, y, time=time, level=level, rises=after > before):
+            side = y[1] - level if rises else level - y[1]
+            return sign * (side if abs(t - time) < 1e-9 else t - time)
+        run = simulate(system, 12.0, 1e-6, 'DOP853', check=False, stop_when=crosses)
+        assert run.time[-1] == pytest.approx(time, abs=2e-9)
+
+
+def test_two_crossings_in_one_step_are_seen():
+    """A dip below zero for a seventh of a step, wherever in the step it lies."""
+    system = SYSTEMS['constant']
+    steps = simulate(system, 0.4, 1e-6, 'DOP853', check=False).time
+    first, last = steps[np.argmax(np.diff(steps))], steps[np.argmax(np.diff(steps)) + 1]
+    half = (last - first) / 14.0
+    for share in np.linspace(0.2, 0.8, 7):
+        middle = first + share * (last - first)
+        run = simulate(system, 0.4, 1e-6, 'DOP853',
+                       stop_when=lambda t, y, at=middle: (t - at)**2 - half**2)
+        assert run.status == EVENT and run.time[-1] == pytest.approx(middle - half, abs=1e-12)
+
+
+@pytest.mark.parametrize('until', [1e6, 1e12, 1e300])
+def test_an_end_far_away_costs_nothing_where_a_run_stops(until):
+    near = simulate(SYSTEMS['forces'], 5.0, 1e-8, stop_when=lambda t, y: y[0] - 2.0)
+    far = simulate(SYSTEMS['forces'], until, 1e-8, stop_when=lambda t, y: y[0] - 2.0)
+    assert far.status == EVENT and far.evaluations <= 2 * near.evaluations
+    assert far.time[-1] == pytest.approx(near.time[-1], abs=4e-8 / abs(near.rate[-1]))
+
+
+def test_a_run_with_forces_and_a_drive_is_pickled():
+    system = System(LINKAGE, 0.3, 12.0, (CUT, SPRING), Drive(MotorLine(400.0, 26.0), rotor=0.5))
+    run = simulate(system, 0.2, 1e-7)
+    again = pickle.loads(pickle.dumps(run))
+    assert np.array_equal(again.states, run.states) and again.status == run.status
+    assert np.array_equal(again.loads.f41, run.loads.f41)
+    assert np.array_equal(again.at(0.1), run.at(0.1))
+    assert simulate(again.system, 0.2, 1e-7).states.tobytes() == run.states.tobytes()

@@ -1,0 +1,223 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Extrema where rounding hides them: none invented, none missed, no value but a computed one."""
+from math import inf, isinf
+
+from fourbar_ros import Bodies, Body, find_extrema, FourBar
+from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.extrema.digit_sampling import DigitSampler
+from fourbar_ros.extrema.sampling import Sampler
+from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
+from fourbar_ros.mechanisms.machine.machine import Machine
+from fourbar_ros.mechanisms.quantities import known, UnknownQuantity
+from fourbar_ros.numerics.laurent import MANY_DIGITS, many_digits, series
+import mpmath as mp
+import numpy as np
+import pytest
+from support.dyad_reference import exact_values
+
+EPS = 2.0**-52
+PAPER = (0.4, 1.2, 0.8, 1.0)
+
+
+# --- many digits ---------------------------------------------------------------------------------
+
+@pytest.mark.parametrize('x', [0.3, -5.7, 1e-20, np.pi, 0.5 * np.pi, 40.0, 0.0])
+def test_functions_of_many_digits(x):
+    with many_digits(), mp.workdps(100):
+        exact = mp.mpf(x)
+        for name in ('sin', 'cos'):
+            found = mp.mpf(str(getattr(MANY_DIGITS, name)(series(x)).coefficient(0)))
+            assert abs(found - getattr(mp, name)(exact)) <= mp.mpf(10)**-72
+        for y, other in ((x, -0.7), (-0.7, x), (x, 0.4)):
+            angle = MANY_DIGITS.atan2(series(y), series(other)).coefficient(0)
+            assert abs(mp.mpf(str(angle)) - mp.atan2(mp.mpf(y), mp.mpf(other))) <= mp.mpf(10)**-72
+        assert float(2.0 - series(x) * 0.5 / 4) == 2.0 - x / 8.0
+        with pytest.raises(ValueError):
+            series(-1.0).sqrt()
+
+
+def test_values_and_slopes_in_many_digits_are_those_of_floats_where_these_are_good():
+    linkage = FourBar(*PAPER, bodies=Bodies(*[Body(1.0, 0.5, 0.1, 0.1)] * 3))
+    plain = Sampler(linkage, list(known(FourBar).values()), (25.0, 3.0))
+    x = np.tile(0.7, len(plain.quantities))
+    for one, other in zip(plain.at(x, np.arange(x.size)),
+                          DigitSampler(plain).at(x, np.arange(x.size))):
+        assert np.allclose(one, other, rtol=256 * EPS, atol=0.0)
+
+
+# --- none invented -------------------------------------------------------------------------------
+
+def on_a_cylinder():
+    """Return a machine whose slide has a smooth acceleration, though its links have none."""
+    return Machine([Dyad('s', 'RRP', Point('rod', 0.0, 0.3), Point('tube'), ('l', 'b'),
+                         length_1=0.5, direction_2=0.3)], 'cylinder',
+                   cylinder=Cylinder(Point('ground', 0.7), Point('crank', -0.25),
+                                     ('rod', 'tube')))
+
+
+def test_no_extrema_of_noise_next_to_the_ends_of_a_cylinder():
+    machine = on_a_cylinder()
+    found = find_extrema(machine, 'slide_b_acceleration')
+    assert [(e.kind, e.place, e.is_global) for e in found] == [
+        ('minimum', 'limit', True), ('maximum', 'limit', True)]
+    (low, high), = machine.closing_ranges
+    for extremum, end, inward in zip(found, (low, high), (1.0, -1.0)):
+        near = [end + inward * t for t in (1e-9, 4e-9)]
+        one, other = exact_values(machine, 'slide_b_acceleration', near, (1.0, 0.0))
+        # two points make the limit of a smooth value to the square of their distance
+        assert extremum.value == pytest.approx(float(one + (one - other) / 3), rel=1e-8)
+        assert (one > extremum.value) is (extremum.kind == 'minimum')
+
+
+def test_a_load_beside_another_one_1e18_times_larger_is_no_constant():
+    dyads = [Dyad('main', 'RRR', Point('crank', 0.4), Point('ground', 1.0), ('rod', 'rocker'),
+                  length_1=1.2, length_2=0.8),
+             Dyad('small', 'RRP', Point('rocker', 0.4, 0.1), Point('ground', 0.0, 0.6),
+                  ('link', 'block'), length_1=1.5, direction_2=0.1)]
+    heavy, light = Body(1e6, 0.3, 0.1, 1e5), Body(1e-12, 0.3, 0.1, 1e-13)
+    machine = Machine(dyads, bodies={'rod': heavy, 'rocker': heavy, 'link': light, 'block': light})
+    found = find_extrema(machine, 'small_inner', 3.0)
+    x = np.linspace(-np.pi, np.pi, 2001)
+    scan = machine.loads(x, 3.0).small_inner
+    tops = (np.diff(np.sign(np.diff(scan))) != 0.0).sum()
+    assert len(found) == tops >= 4 and {e.place for e in found} == {'interior'}
+    for extremum in found:
+        h = 1e-5
+        one, value, other = exact_values(machine, 'small_inner',
+                                         extremum.theta1 + h * np.array((-1.0, 0.0, 1.0)),
+                                         (3.0, 0.0))
+        assert extremum.value == pytest.approx(float(value), rel=64 * EPS)
+        assert (value > max(one, other)) is (extremum.kind == 'maximum')
+        assert (value < min(one, other)) is (extremum.kind == 'minimum')
+    assert sum(e.is_global for e in found) == 2
+
+
+@pytest.mark.parametrize('wrong', [1e-8, 1e-11, 1e-13])
+def test_a_shaking_force_is_zero_only_if_the_masses_balance_to_the_last_bit(wrong):
+    """Berkof and Lowen's counterweights, and one that is a little wrong."""
+    a1, a2, a3, a4 = PAPER
+    coupler = Body(2.0, 0.5, 0.1, 0.1)
+    at_b = coupler.mass * complex(coupler.cg_along, coupler.cg_across) / a2
+    crank, output = -(coupler.mass - at_b) * a1, -at_b * a3
+
+    def linkage(off):
+        return FourBar(*PAPER, bodies=Bodies(
+            Body(1.0, crank.real * (1.0 + off), crank.imag, 0.1), coupler,
+            Body(1.0, output.real, output.imag, 0.1)))
+    still, = find_extrema(linkage(0.0), 'shaking_force', 10.0)
+    assert (still.kind, still.value) == ('constant', 0.0)
+    # the crank's part turns with it: m e omega^2, constant up to the rounding of the others
+    for extremum in find_extrema(linkage(wrong), 'shaking_force', 10.0):
+        assert extremum.value == pytest.approx(abs(crank.real) * wrong * 100.0, rel=1e-14 / wrong)
+
+
+def test_where_a_force_changes_its_sign_its_size_is_0():
+    bodies = Bodies(*[Body(1.0, 0.5, 0.0, 0.1)] * 3)
+    from fourbar_ros import SliderCrank
+
+    crank = SliderCrank(0.3, 1.0, 0.1, bodies=bodies)
+    lowest = [e for e in find_extrema(crank, 'f43', 5.0) if e.kind == 'minimum']
+    normal = [crank.loads(e.theta1, 5.0).f43 for e in lowest]
+    assert len(lowest) >= 2 and max(normal) < 1e-13
+    assert {(e.value, e.is_global) for e in lowest} == {(0.0, True)}
+
+
+# --- none missed: linkages whose dyads come near their toggles together --------------------------
+
+def near_two_toggles(rng):
+    """Return a loaded machine with a second dyad that is nearly stretched where the first is."""
+    while True:
+        first = Dyad('a', 'RRR', Point('crank', rng.uniform(0.5, 1.5)),
+                     Point('ground', *rng.uniform(-2.0, 2.0, 2).tolist()), ('a1', 'a2'),
+                     length_1=rng.uniform(0.3, 2.0), length_2=rng.uniform(0.3, 2.0),
+                     mode=int(rng.integers(1, 3)))
+        try:
+            alone = Machine([first])
+            low, high = alone.closing_ranges[0]
+            if alone.turns_fully or high - low < 0.1:
+                continue
+            carrier = alone.link_motion(alone.motion(low + 10.0**rng.uniform(-6.0, -2.0)), 'a1')
+            own, ground = rng.uniform(-1.0, 1.0, 2).tolist(), rng.uniform(-3.0, 3.0, 2).tolist()
+            reach = abs(complex(carrier.x, carrier.y) - complex(*ground)
+                        + complex(*own) * complex(carrier.cosine, carrier.sine))
+            rod, gap = reach * rng.uniform(0.3, 0.7), 10.0**rng.uniform(-6.0, -2.0)
+            second = Dyad('b', 'RRR', Point('a1', *own), Point('ground', *ground), ('b1', 'b2'),
+                          length_1=rod, length_2=reach * (1.0 + gap) - rod,
+                          mode=int(rng.integers(1, 3)))
+            bodies = {name: Body(rng.uniform(0.5, 2.0), *rng.uniform(-0.5, 0.5, 2).tolist(),
+                                 rng.uniform(0.1, 0.5)) for name in ('a1', 'a2', 'b1', 'b2')}
+            machine = Machine([first, second], bodies=bodies, gravity=(0.0, -9.81))
+        except FourBarError:
+            continue
+        if min(high - low for low, high in machine.input_ranges) > 1e-3:
+            return machine
+
+
+def graded(low, high, points):
+    """Return inputs that crowd towards both ends, up to 1e-6 of the range from them."""
+    s = np.linspace(-1.0, 1.0, points + 2)[1:-1]
+    phi = 0.5 * np.pi * np.sign(s) * (1.0 - 10.0**(-3.0 * np.abs(s)))
+    return np.where(phi < 0.0, low + (high - low) * np.sin(0.5 * (phi + 0.5 * np.pi))**2,
+                    high - (high - low) * np.sin(0.5 * (0.5 * np.pi - phi))**2)
+
+
+def check_against_graded_scan(machine, points):
+    """Return how many extrema a scan has; each must be found, alone of its kind between others."""
+    number, quantities = 0, list(known(machine, machine.input).values())
+    found = find_extrema(machine, quantities, 1.3, -0.7, conditions=False)
+    for low, high in machine.input_ranges:
+        x = graded(low, high, points)
+        state = machine.step(x, 1.3, -0.7)
+        is_far = np.minimum(x - low, high - x)[1:-1] > 1e-6 * (high - low)
+        for quantity in quantities:
+            values = quantity.of(*state)
+            for sign, kind in ((1.0, 'maximum'), (-1.0, 'minimum')):
+                # next to a toggle the rounding of x is 1e-10 of the distance
+                rise, noise = sign * np.diff(values), 1e-7 * np.abs(values[1:-1])
+                tops = np.flatnonzero((rise[:-1] > noise) & (rise[1:] < -noise) & is_far) + 1
+                number += tops.size
+                places = [e.theta1 for e in found if (e.quantity, e.kind, e.place) == (
+                    quantity.name, kind, 'interior')]
+                for i in tops.tolist():
+                    away = min([abs(machine.distance(p, x[i])) for p in places], default=inf)
+                    assert away <= 2.0 * (x[i + 1] - x[i - 1]), (machine, quantity.name, x[i])
+    for quantity in quantities:
+        own = [e for e in found if e.quantity == quantity.name]
+        assert len(own) <= 40, (machine, quantity.name)
+        assert all(e.is_global for e in own if isinf(e.value) and (e.value > 0.0) is (
+            e.kind == 'maximum'))
+    return number
+
+
+def test_machines_near_two_toggles_against_a_graded_scan():
+    rng = np.random.default_rng(902)
+    assert sum(check_against_graded_scan(near_two_toggles(rng), 4000) for _ in range(3)) > 40
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('seed', range(8))
+def test_100_machines_near_two_toggles(seed):
+    rng = np.random.default_rng(910 + seed)
+    for _ in range(25):
+        check_against_graded_scan(near_two_toggles(rng), 100000)
+
+
+# --- what is refused -----------------------------------------------------------------------------
+
+@pytest.mark.parametrize('quantities', [
+    5, None, (name for name in ('omega4',)), (5,), [None], b'omega4', 1.5, np.zeros(3),
+    lambda motion, loads: motion.omega4 * np.nan, lambda motion, loads: np.sqrt(motion.omega4),
+    lambda motion, loads: 1j * motion.omega4, lambda motion, loads: complex(motion.omega4),
+    lambda motion, loads: 1j * abs(motion.omega4), lambda motion, loads: 'fast',
+    lambda motion, loads: [1.0, 2.0], lambda motion, loads: None])
+def test_what_is_no_quantity_is_refused_by_name(quantities):
+    with pytest.raises(InvalidParameter, match='quantities'):
+        find_extrema(FourBar(*PAPER), quantities)
+
+
+def test_a_quantity_that_the_mechanism_has_not_is_refused_by_name():
+    from fourbar_ros.mechanisms.quantities import Quantity
+
+    with pytest.raises(UnknownQuantity, match='omega9'):
+        find_extrema(FourBar(*PAPER), Quantity('omega9', 'rad/s', '', False))

@@ -1,0 +1,284 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The classics of a lecture, scenes in config/classics, each against its textbook property."""
+from dataclasses import replace
+from math import pi
+
+from fourbar_ros import find_extrema, load_scene, point_motion, Toggle
+from fourbar_ros.scene.files import folder
+import numpy as np
+import pytest
+
+EPS = 2.0**-52
+SCENES = {file.stem: file for file in sorted((folder() / 'classics').glob('*.yaml'))}
+TURN = np.linspace(-pi, pi, 361)[:-1] + 1e-3      # of a crank, without its flat positions
+NEAR = np.array([1e-3, 1e-6, 1e-9, 1e-12])        # of a flat position
+
+
+def machine_of(name):
+    return load_scene(SCENES[name]).linkage
+
+
+def traced(name, inputs, rate=1.0, machine=None):
+    """Return the motion of the first point of a scene: of another machine if given."""
+    scene = load_scene(SCENES[name])
+    machine = machine or scene.linkage
+    point, = scene.points.values()
+    return point_motion(machine, machine.motion(inputs, rate), point.link, point.along,
+                        point.across)
+
+
+def inside(machine, share=1e-3, count=201):
+    """Return inputs over the widest range of a machine, without its ends."""
+    low, high = max(machine.input_ranges, key=lambda ends: ends[1] - ends[0])
+    return np.linspace(low + share * (high - low), high - share * (high - low), count)
+
+
+def circles(p, r, q, s, side):
+    """Return where circles meet, as complex numbers, left (+1) or right of the way from p to q."""
+    d = q - p
+    along = 0.5 + (r * r - s * s) / (2.0 * abs(d)**2)
+    return p + d * (along + side * 1j * np.sqrt((r / abs(d))**2 - along**2))
+
+
+def close(found, wanted, times=16.0, size=1.0):
+    assert np.abs(found - wanted).max() <= times * EPS * size
+
+
+def test_scenes_are_short_and_found_by_their_names():
+    assert len(SCENES) == 16
+    for name, file in SCENES.items():
+        lines = file.read_text(encoding='utf-8').splitlines()
+        assert len(lines) <= 25 and lines[0].startswith('# '), name
+        assert load_scene(name).linkage == machine_of(name)
+
+
+# --- exact lines ---------------------------------------------------------------------------------
+
+def test_scott_russell_draws_the_y_axis():
+    machine, flat = machine_of('scott_russell'), 0.5 * pi
+    beyond = machine.in_mode(machine.mode_beyond(flat))     # in which the rod goes on to the left
+    theta = np.concatenate([TURN, *(place + side * NEAR for place in (flat, -flat)
+                                    for side in (-1.0, 1.0))])
+    is_right = np.cos(theta) > 0.0
+    for own, its in ((machine, theta[is_right]), (beyond, theta[~is_right])):
+        point = traced('scott_russell', its, machine=own)
+        close(point.x, 0.0)
+        close(point.y, 0.4 * np.sin(its))
+        close(point.velocity_y, 0.4 * np.cos(its))
+        close(point.acceleration_y, -0.4 * np.sin(its))
+
+
+def test_peaucellier_draws_a_line():
+    machine = machine_of('peaucellier')
+    theta = inside(machine)
+    point = traced('peaucellier', theta)
+    k = 0.4**2 - 0.15**2
+    close(point.x + 0.15, k / 0.3, 64)
+    close(point.y, k / 0.3 * np.tan(0.5 * theta), 64)
+    limit = 2.0 * np.arccos(0.25 / 0.3)          # O P = L - l
+    assert not np.any(machine.transmission_sine(machine.motion(theta)) == 0.0)
+    assert max(end for _, end in machine.input_ranges) == pytest.approx(limit, abs=1e-12)
+
+
+def flat_peaucellier():
+    """Return one with r = 0.2: the rhombus lies flat where O P^2 = L^2 - l^2, inside the range."""
+    machine = machine_of('peaucellier')
+
+    def wider(dyad):
+        return replace(dyad, first=dyad.first._replace(along=0.2),
+                       second=dyad.second._replace(along=-0.2))
+    left, right, tip = machine.dyads
+    return (replace(machine, bodies=None, external={}, dyads=[wider(left), wider(right), tip]),
+            2.0 * np.arccos(np.sqrt(0.1375) / 0.4))
+
+
+def test_a_flat_rhombus_inside_the_range_is_a_limit_and_a_toggle():
+    machine, flat = flat_peaucellier()
+    ends = [x for ends in machine.input_ranges for x in ends]
+    for place in (flat, -flat):
+        assert min(abs(x - place) for x in ends) < 1e-12
+    with pytest.raises(Toggle, match='tip'):
+        machine.motion(min(ends, key=lambda x: abs(x - flat)))
+    beyond = machine.in_mode(machine.mode_beyond(flat))
+    for own, theta in ((machine, flat + np.linspace(0.01, 0.3, 50)),
+                       (beyond, np.linspace(-0.98, 0.98, 50) * flat)):
+        close(traced('peaucellier', theta, machine=own).x + 0.2, 0.1375 / 0.4, 1e3)
+
+
+def test_hart_draws_a_line():
+    theta = inside(machine_of('hart'))
+    point = traced('hart', theta)
+    k = 0.25 * (0.5**2 - 0.2**2)
+    close(point.x + 0.1, k / 0.2, 256)
+    close(point.y, k / 0.2 * np.tan(0.5 * theta), 256)
+
+
+# --- parallelograms ------------------------------------------------------------------------------
+
+@pytest.mark.parametrize('name', ['parallelogram', 'coupling_rod'])
+def test_wheels_turn_alike_and_rods_do_not_turn(name):
+    machine = machine_of(name)
+    beyond = machine.in_mode(machine.mode_beyond(0.0))
+    half = np.concatenate([TURN[TURN > 0], NEAR, pi - NEAR])
+    radius = machine.dyads[0].first.along
+    for own, theta in ((machine, half), (beyond, -half)):
+        motion = own.motion(theta, 2.0, 3.0)
+        for dyad in machine.dyads:
+            rod, wheel = dyad.links
+            close(getattr(motion, f'omega_{wheel}'), 2.0, 8, 2.0)
+            close(getattr(motion, f'alpha_{wheel}'), 3.0, 8, 30.0)
+            for rate in ('theta', 'omega', 'alpha'):
+                close(getattr(motion, f'{rate}_{rod}'), 0.0, 8, 30.0)
+            point = point_motion(own, motion, rod, 0.4, 0.1)
+            start = sum(one.length_1 for one in machine.dyads[:machine.dyads.index(dyad)])
+            close(point.x, start + 0.4 + radius * np.cos(theta), 8, 4.0)
+            close(point.y, 0.1 + radius * np.sin(theta), 8, 4.0)
+
+
+def test_the_antiparallelogram_turns_as_two_ellipses_that_roll():
+    machine = machine_of('antiparallelogram')
+    a, d, theta = 0.2, 0.5, np.concatenate([TURN[TURN > 0], NEAR, pi - NEAR])
+    ratio = -(d * d - a * a) / (d * d + a * a - 2.0 * a * d * np.cos(theta))
+    close(machine.motion(theta, 1.0).omega_rocker, ratio, 16, 3.0)
+
+
+def test_a_scissor_lift_of_two_stages():
+    machine = machine_of('scissor_lift')
+    x = np.linspace(0.31, 1.09, 79)
+    motion, loads = machine.step(x, 0.2)
+    height = np.sqrt(1.44 - x * x)
+    table = point_motion(machine, motion, 'outer_2', along=1.2)
+    close(table.x, x, 64)
+    close(table.y, 2.0 * height, 64, 4.0)
+    close(table.velocity_y, -0.4 * x / height, 64, 4.0)
+    close(loads.driving_force / (-4000.0 * x / height), 1.0, 256)
+
+
+# --- approximate lines: the deviation from circles that meet -------------------------------------
+
+def four_bar(theta, a, b, q, c, side):
+    """Return both ends of the coupler of a four-bar, crank at 0."""
+    one = a * np.exp(1j * theta)
+    return one, circles(one, b, q, c, side)
+
+
+def test_watt_stays_near_his_line():
+    theta = np.linspace(-0.35, 0.35, 141)
+    path = sum(four_bar(theta, 0.5, 0.2, 1.0 - 0.2j, 0.5, -1)) / 2.0
+    point = traced('watt_line', theta)
+    close(point.x + 1j * point.y, path, 32)
+    off = np.abs(point.x - 0.5)
+    assert np.ptp(point.y) > 0.3
+    assert off.max() < 2.5e-3
+    assert off[np.abs(theta) < 0.18].max() < 0.1 * off.max()
+
+
+def test_roberts_touches_the_line_three_times():
+    b = 1.0 + 1j * np.sqrt(0.44)          # 1.2 from both pivots: the apex is at one of them
+    a = circles(0.0, 1.2, b, 1.0, 1)
+    for x, theta in ((0.0, np.angle(a)), (1.0, np.arccos(0.5 / 1.2)), (2.0, np.angle(b))):
+        point = traced('roberts', float(theta))
+        close(np.hypot(point.x - x, point.y), 0.0, 64, 2.0)
+    theta = np.linspace(np.angle(b), np.angle(a), 101)
+    one, other = four_bar(theta, 1.2, 1.0, 2.0, 1.2, 1)
+    path = one + (other - one) * (0.5 - 1j * np.sqrt(1.19))
+    point = traced('roberts', theta)
+    close(point.x + 1j * point.y, path, 64, 2.0)
+    assert 0.01 < np.abs(point.y).max() < 0.014         # over 2 m
+
+
+def test_chebyshev_crosses_the_line():
+    for x, theta in ((0.0, 0.5 * pi), (0.2, np.arctan2(4.0, 3.0))):
+        point = traced('chebyshev', float(theta))
+        close(point.x - x, 0.0)
+        close(point.y - 0.4, 0.0)
+    theta = np.linspace(np.arctan2(3.0, 4.0), 0.5 * pi, 101)[1:-1]
+    path = sum(four_bar(theta, 0.5, 0.2, 0.4, 0.5, -1)) / 2.0
+    point = traced('chebyshev', theta)
+    close(point.x + 1j * point.y, path, 64)
+    assert 0.9e-3 < np.abs(point.y - 0.4).max() < 1e-3         # over 0.4 m
+
+
+def test_evans_nearly_draws_the_y_axis():
+    theta = np.linspace(-0.6, 0.6, 121)
+    a, b = four_bar(theta, 0.2, 0.2, 0.35 - 2.0j, 2.0, 1)
+    point = traced('evans', theta)
+    close(point.x + 1j * point.y, 2.0 * a - b, 64)
+    assert np.ptp(point.y) > 0.4
+    assert np.abs(point.x).max() < 1.5e-4
+
+
+# --- legs, presses, pumps, engines ---------------------------------------------------------------
+
+def test_klann_walks():
+    machine = machine_of('klann')
+    assert machine.turns_fully
+    a, elbow = four_bar(TURN, 0.268, 0.59, -0.59 - 0.176j, 0.3206, -1)
+    # the knee is 1.1051 from the crank pin and 0.5221 from the elbow, the foot 0.8966 and 1.732
+    # from knee and hip
+    knee = circles(a, 1.1051, elbow, 0.5221, -1)
+    hip = circles(knee, 0.8966, -0.233 + 0.616j, 0.5177, 1)
+    foot = circles(knee, 0.8966, hip, 1.732, -1)
+    point = traced('klann', TURN)
+    close(point.x + 1j * point.y, foot, 256)
+    stands = point.y < point.y.min() + 0.15 * np.ptp(point.y)
+    assert 0.45 < stands.mean() < 0.55          # half a turn
+    assert np.ptp(point.x[stands]) > 0.85 * np.ptp(point.x)
+    assert abs(np.sign(point.velocity_x[stands]).mean()) > 0.7       # it goes one way
+    assert (stands & ~np.roll(stands, 1)).sum() == 1       # one step a turn
+
+
+def test_a_toggle_press_has_no_bound():
+    machine = replace(machine_of('toggle_press'), bodies={})
+    straight = np.arccos(1.0 / 12.0)
+    theta = np.concatenate([TURN, straight + NEAR[:3], straight - NEAR[:3]])
+    pivot = 0.6 + 0.3j
+    a, knee = four_bar(theta, 0.1, 0.6, pivot, 0.3, -1)
+    u = knee - a
+    turn = (1j * a * u.conj()).real / (1j * (knee - pivot) * u.conj()).real
+    fall = 2.0 * (1j * (knee - pivot) * turn).imag
+    torque = machine.loads(theta).driving_torque
+    close(torque, -5000.0 * fall, 256, 5000.0)
+    advantage = 5000.0 / np.abs(torque[len(TURN):])     # force for a torque of 1 N m
+    assert (advantage[1:3] / advantage[:2] > 900.0).all()
+    assert (advantage[4:] / advantage[3:5] > 900.0).all()
+
+
+def test_the_stroke_of_a_pumpjack():
+    machine = machine_of('pumpjack')
+    d, c = np.hypot(2.4, 2.8), 2.5
+
+    def at_the_saddle(reach):
+        return np.arccos((d * d + c * c - reach * reach) / (2.0 * d * c))
+    swing = at_the_saddle(2.9 + 0.9) - at_the_saddle(2.9 - 0.9)
+    found = [e.value for e in find_extrema(machine, ('theta_beam',))]
+    assert 3.0 * (max(found) - min(found)) == pytest.approx(3.0 * swing, abs=64 * EPS)
+
+
+def orders(machine, rate):
+    """Return {order: size} of the shaking force in one turn, as vectors that turn."""
+    theta = 2.0 * pi * np.arange(256) / 256.0
+    loads = machine.loads(theta, rate)
+    sizes = np.fft.fft(loads.shaking_force_x + 1j * loads.shaking_force_y) / 256.0
+    return {k: abs(sizes[k]) for k in range(-16, 17)}
+
+
+def test_a_radial_engine_of_five():
+    found = orders(machine_of('radial_engine'), 100.0)
+    theta = 2.0 * pi * np.arange(256) / 256.0
+    place = 0.06 * np.cos(theta) + np.sqrt(0.22**2 - (0.06 * np.sin(theta))**2)
+    series = np.fft.fft(place).real / 256.0 * np.arange(-128, 128).take(
+        np.arange(256) - 128)**2 * 100.0**2           # of the acceleration of one piston
+    for k, size in found.items():
+        # five pistons in five directions: orders k with k - 1 a multiple of 5; the first balanced
+        wanted = 5.0 * abs(series[k]) if k % 5 == 1 and k != 1 else 0.0
+        assert abs(size - wanted) < 1e-10 * 600.0, k
+    assert found[-4] > 8.0
+
+
+def test_a_v8():
+    found = orders(machine_of('v8'), 100.0)
+    one = 0.37 * 0.045 * 100.0**2          # of one rod's mass at the pin [N]
+    assert all(size < 1e-12 * one for k, size in found.items() if k % 4 or not k)
+    assert 0.001 * one < found[4] < 0.02 * one

@@ -1,0 +1,128 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""A real node with a force over a position, whose motion is given or follows; bags recompute."""
+from math import pi
+import subprocess
+import sys
+
+from fourbar_msgs.msg import DriveState, LinkageLoads
+from fourbar_ros.bag.comparison.recompute import compare
+from fourbar_ros.bag.read.info import info
+from fourbar_ros.bag.read.reader import Bag
+from fourbar_ros.scene import scene
+from fourbar_ros.scene.files import folder
+import numpy as np
+import pytest
+from support.harness import set_parameters
+from support.scenes import PAPER, RODS
+
+TURN = 2.0 * pi
+GIVEN = {'linkage.kind': 'slider_crank', 'linkage.a1': 0.043, 'linkage.a2': 0.143,
+         'bodies.crank.mass': 4.0, 'bodies.crank.inertia': 0.006, 'bodies.coupler.mass': 0.55,
+         'bodies.coupler.inertia': 0.0017, 'bodies.output.mass': 0.4,
+         'forces.gas.link': 'output', 'forces.gas.acts': 'along', 'forces.gas.table': 'gas.csv',
+         'forces.gas.periodic': True, 'forces.gas.factor': -0.0058, 'outputs': ['state', 'loads']}
+TIMER = {**GIVEN, 'drive.source': 'timer', 'drive.speed': 40.0, 'drive.rate': 200.0}
+ENGINE = {**GIVEN, 'drive.source': 'motor', 'motor.stall_torque': 60.0, 'motor.free_speed': 200.0,
+          'flywheel.inertia': 0.2, 'drive.start_speed': 60.0, 'drive.rate': 500.0}
+
+
+def with_table(tmp_path, values):
+    """Return values beside a copy of the shipped table, and the scene of them."""
+    text = (folder() / 'engine.csv').read_text()
+    (tmp_path / 'gas.csv').write_text(text)
+    return values, scene.from_values({**values, 'forces.gas.table': str(tmp_path / 'gas.csv')})
+
+
+def recording(tmp_path):
+    return {'recording.directory': str(tmp_path), 'recording.name': 'run',
+            'recording.start': True}
+
+
+def in_bag(path, topic):
+    return [record.message for record in Bag(path).records([topic])]
+
+
+def listen(client, kind, topic):
+    heard = []
+    client.node.create_subscription(kind, f'/fourbar/{topic}', heard.append, 1000)
+    return heard
+
+
+@pytest.mark.slow
+def test_gas_over_two_turns_loads_a_given_motion(run_node, client, tmp_path):
+    """Torque and piston force are those of virtual work and statics, in both turns."""
+    values, there = with_table(tmp_path, TIMER)
+    node = run_node({**values, **recording(tmp_path)})
+    heard = listen(client, LinkageLoads, 'loads')
+    client.until(lambda: len(heard) > 80, 'loads')
+    assert node.stop() == 0
+    found = compare(tmp_path / 'run')
+    assert not found.problems() and found.largest == 0.0
+    assert info(tmp_path / 'run', check=True).is_sound
+    loads = in_bag(tmp_path / 'run', '/fourbar/loads')
+    driven = in_bag(tmp_path / 'run', '/fourbar/driven')
+    gas, = there.forces
+    angles = np.array([message.position for message in driven])
+    assert angles.max() > 2.0 * TURN
+    for angle, message in zip(angles.tolist(), loads):
+        plain = there.linkage.step(angle, 40.0, 0.0)[1]
+        force = gas.factor * gas.value(angle)
+        ratio = there.linkage.motion(angle, 1.0, 0.0).slide_velocity
+        size = 1e-9 * (1.0 + abs(force))
+        assert abs(message.driving_torque - plain.driving_torque + force * ratio) < size
+        assert abs(message.f32_x - plain.f32_x - force) < size
+
+
+def test_an_engine_turns_by_its_gas_and_is_stepped_again(run_node, client, tmp_path):
+    values, there = with_table(tmp_path, ENGINE)
+    node = run_node({**values, **recording(tmp_path)})
+    heard = listen(client, DriveState, 'drive_state')
+    client.until(lambda: heard and heard[-1].position > 3.0 * TURN, 'three turns')
+    assert set_parameters(client, {'forces.gas.factor': -0.003})[0].successful
+    refused, = set_parameters(client, {'forces.gas.values': [1.0, 2.0]})
+    assert not refused.successful and 'forces.gas.values' in refused.reason
+    refused, = set_parameters(client, {'forces.gas.acts': 'up'})
+    assert not refused.successful and 'forces.gas.acts' in refused.reason
+    mark = len(heard)
+    client.until(lambda: len(heard) > mark + 50, 'states after the change')
+    assert node.stop() == 0
+    found = compare(tmp_path / 'run')
+    assert not found.problems() and found.largest == 0.0
+    assert 'stepped again from the one before' in found.driven
+    gas, system = there.forces[0], there.dynamics.system(there.linkage)
+    for message in in_bag(tmp_path / 'run', '/fourbar/drive_state')[:100]:
+        wanted = system.equation.acceleration(message.position, message.velocity, message.torque)
+        assert abs(message.acceleration - wanted) <= 1e-9 * (1.0 + abs(wanted))
+    assert gas.value.is_periodic
+
+
+@pytest.mark.slow
+def test_services_give_loads_of_a_pose_and_refuse_their_extrema(run_node, client):
+    values = {**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ['state', 'loads'],
+              'forces.push.link': 'output', 'forces.push.along': 0.4, 'forces.push.acts': 'y',
+              'forces.push.places': [0.0, 2.0, TURN], 'forces.push.values': [5.0, 80.0, 5.0],
+              'forces.push.periodic': True}
+    run_node(values)
+    there = scene.from_values(values)
+    answer = client.call('evaluate', position=0.7, velocity=3.0)
+    wanted = there.linkage_at(there.linkage, 0.7, 3.0).loads(0.7, 3.0).driving_torque
+    assert answer.has_loads and answer.loads.driving_torque == wanted
+    assert abs(wanted - there.linkage.loads(0.7, 3.0).driving_torque) > 1.0
+    answer = client.call('find_extrema', quantities=['driving_torque'], velocity=3.0)
+    assert answer.result == answer.RESULT_INVALID_REQUEST and 'forces.push' in answer.message
+    answer = client.call('find_extrema', velocity=3.0)
+    assert answer.result == answer.RESULT_OK and not any(e.unit == 'N' for e in answer.extrema)
+
+
+def test_a_wrong_table_is_one_line_of_the_node(tmp_path):
+    (tmp_path / 'gas.csv').write_text('theta1 [deg], pressure [bar]\n0, 1\n360, nan\n')
+    lines = ''.join(f'    {name}: {str(value).lower() if value is True else value}\n'
+                    for name, value in TIMER.items() if name != 'outputs')
+    (tmp_path / 'scene.yaml').write_text(f'/**:\n  ros__parameters:\n{lines}')
+    done = subprocess.run([sys.executable, '-m', 'fourbar_ros.ros.node.start', '--ros-args',
+                           '--params-file', str(tmp_path / 'scene.yaml')], capture_output=True,
+                          text=True, timeout=300, check=False)
+    assert done.returncode == 2 and 'Traceback' not in done.stderr + done.stdout
+    said = [line for line in (done.stderr + done.stdout).splitlines() if 'row 3' in line]
+    assert len(said) == 1 and "'nan' must be a finite number" in said[0], done.stderr + done.stdout

@@ -1,0 +1,140 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+No live change of a parameter ends a node: it is taken, or refused with the reason.
+
+``SOAK_MINUTES`` lets the slow test try values for so long, else it takes some seconds a scene.
+"""
+import os
+import random
+import time
+
+from fourbar_ros.ros.clients.client import name_on
+from fourbar_ros.ros.messages import resolve
+from fourbar_ros.scene.files import folder
+from fourbar_ros.scene.parameters import find, of_name
+from fourbar_ros.scene.scene import from_values, load
+from fourbar_ros.scene.topics import OUTPUTS, PICTURES
+import pytest
+from rcl_interfaces.srv import ListParameters, SetParametersAtomically
+import rclpy
+from rclpy.parameter import Parameter
+from support.harness import ALL_OUTPUTS
+from support.scenes import PAPER, RODS
+
+MINUTES = float(os.environ.get('SOAK_MINUTES', '0'))
+SCENES = sorted(file.stem for file in folder().glob('*.yaml'))
+SOME = 150             # changes in the fast test
+MEMORY = 6 << 30       # [B] more than any change may take
+LIMITED = f'import resource; resource.setrlimit(resource.RLIMIT_AS, ({MEMORY},) * 2)'
+DOUBLES = [0.0, -0.0, 1.0, -1.0, 1e-9, 1e9, -1e9, 5e-324, 1e-300, -1e-300, 1e154, 1e300, -1e300,
+           1.7976931348623157e308, float('inf'), float('-inf'), float('nan')]
+EVERY = [*OUTPUTS, *PICTURES]
+HOSTILE = {
+    'double': [*DOUBLES, 0, 3, 2**63 - 1],
+    'integer': [0, 1, 2, 3, -1, 50, 2**31, 2**63 - 1, -2**63],
+    'string': ['', 'x' * 100_000, '\n', 'ä\0', '../..', 'ground', 'crank', 'hold', 'dc'],
+    'bool': [True, False],
+    'strings': [[], [''], ['x'] * 1000, ['state', 'state'], EVERY, ['robot_description'],
+                ['markers', 'traces', 'tf'], ['loads', 'links', 'reactions'], ['state']],
+    'doubles': [[], [0.0], DOUBLES, [1] * 1000],
+}
+
+
+@pytest.fixture
+def hearing(client):
+    """Return a node whose subscriptions are never taken from."""
+    node = rclpy.create_node('hearing')
+    yield node
+    node.destroy_node()
+
+
+def start(run_node, client, hearing, given, **more):
+    """
+    Start a node; return it when it answers. Each of its topics has a subscriber.
+
+    No executor takes their messages. Taken by that of the client, they stand in one queue with
+    the answers: on a loaded machine 5000 messages a second kept an answer of the node waiting for
+    two minutes.
+    """
+    node = run_node({**given, 'recording.directory': 'bags'}, first=LIMITED, **more)
+    for name in ALL_OUTPUTS:
+        hearing.create_subscription(resolve(OUTPUTS[name].type), name_on('fourbar', OUTPUTS[name]),
+                                    lambda message: None, 1)
+    client.call('evaluate', position=0.5)
+    return node
+
+
+def setter(client):
+    """Return the function that sets parameters together, {name: value}, and returns the result."""
+    caller = client.node.create_client(SetParametersAtomically,
+                                       '/fourbar/set_parameters_atomically')
+    client.until(caller.service_is_ready, 'the parameter service')
+
+    def put(values):
+        future = caller.call_async(SetParametersAtomically.Request(parameters=[
+            Parameter(name, value=value).to_parameter_msg() for name, value in values.items()]))
+        client.until(future.done, f'the answer to {values}'[:200])
+        return future.result().result
+    return put
+
+
+def hostile(rng, name):
+    """Return a value that a parameter should not have, now and then of another type."""
+    kind = of_name(name).type if rng.random() < 0.8 else rng.choice([*HOSTILE])
+    if kind == 'double' and rng.random() < 0.3:
+        return rng.choice([-1.0, 1.0]) * 10.0**rng.uniform(-20.0, 20.0)
+    return rng.choice(HOSTILE[kind])
+
+
+def declared_by(client):
+    """Return the names of the parameters of the node."""
+    caller = client.node.create_client(ListParameters, '/fourbar/list_parameters')
+    client.until(caller.service_is_ready, 'the parameter service')
+    future = caller.call_async(ListParameters.Request())
+    client.until(future.done, 'its parameters')
+    return future.result().result.names
+
+
+def attack(client, node, values, until, seed):
+    """
+    Set hostile values one by one; those that are taken pile up, and are taken back now and then.
+
+    Return how many were taken, of how many.
+    """
+    rng, count, taken = random.Random(seed), 0, 0
+    declared = [name for name in declared_by(client) if find(name) and find(name).live]
+    put = setter(client)
+    while not until(count):
+        name = rng.choice(declared)
+        value = hostile(rng, name)
+        result = put({name: value})
+        assert result.successful or result.reason and 'fault' not in result.reason, (
+            name, value, result.reason, node.said)
+        taken, count = taken + result.successful, count + 1
+        if count % 10 == 0 or until(count):
+            back = put({name: values[name] for name in declared})
+            assert back.successful, back.reason
+        assert node.process.poll() is None, node.said
+    return taken, count
+
+
+@pytest.mark.slow
+def test_hostile_values_are_refused_or_taken(run_node, client, hearing):
+    given = {**PAPER, **RODS, 'outputs': ['state', 'loads']}
+    node = start(run_node, client, hearing, given)
+    taken, count = attack(client, node, from_values(given).values, lambda count: count >= SOME, 1)
+    assert 0 < taken < count
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('name', SCENES)
+def test_hostile_values_of_every_scene(run_node, client, hearing, name):
+    scene = load(name)
+    given = {key: value for key, value in scene.values.items()
+             if value == value and value != of_name(key).default}
+    end = time.monotonic() + max(MINUTES * 60.0 / len(SCENES), 3.0)
+    node = start(run_node, client, hearing, {**given, 'recording.start': False})
+    taken, count = attack(client, node, scene.values, lambda _: time.monotonic() > end, name)
+    print(f'{name}: {count} changes, {taken} taken')
+    assert 0 < taken < count

@@ -1,0 +1,283 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Forces over a position in scenes: tables beside them, what they mean, why others are refused."""
+import json
+from math import pi, radians
+
+from fourbar_ros.dynamics.model.elements import LinkAngle, PositionForce, Way
+from fourbar_ros.dynamics.model.terms import make_push
+from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.mechanisms.points import FIXED
+from fourbar_ros.numerics.number_types import REAL
+from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.pipeline.wrenches import Wrench
+from fourbar_ros.scene import scene
+from fourbar_ros.scene.files import SceneError
+from fourbar_ros.scene.forces import _coordinates, read_table
+from fourbar_ros.scene.simulated import simulate_scene
+import numpy as np
+import pytest
+from support.scenes import PAPER, RODS
+
+TURN = 2.0 * pi
+ROUND = {'forces.push.link': 'output', 'forces.push.along': 0.4, 'forces.push.acts': 'y',
+         'forces.push.places': [0.0, 2.0, 4.0, TURN],
+         'forces.push.values': [5.0, 80.0, -30.0, 5.0],
+         'forces.push.periodic': True}
+PUSHED = {**PAPER, **RODS, **ROUND, 'outputs': ['loads']}
+ENGINE = scene.load('engine')
+
+
+def engine(**changes):
+    """Return the shipped engine, driven by its timer, with other parameters."""
+    names = {name.replace('__', '.'): value for name, value in changes.items()}
+    return scene.from_values({**ENGINE.values, 'drive.source': 'timer', 'drive.start_speed': 0.0,
+                              **names})
+
+
+def write(folder, text, **parameters):
+    """Return the path of a scene beside a table."""
+    (folder / 'gas.csv').write_text(text, encoding='utf-8')
+    rest = {'link': 'output', 'acts': 'along', 'table': 'gas.csv', **parameters}
+    lines = ''.join(f'        {name}: {value}\n' for name, value in rest.items())
+    path = folder / 'pressed.yaml'
+    path.write_text('/**:\n  ros__parameters:\n    linkage:\n      kind: slider_crank\n'
+                    '      a1: 0.05\n      a2: 0.2\n    bodies:\n'
+                    '      crank: {mass: 1.0, inertia: 0.01}\n'
+                    '      coupler: {mass: 1.0, inertia: 0.01}\n      output: {mass: 1.0}\n'
+                    '    outputs: [loads]\n    forces:\n      gas:\n' + lines)
+    return path
+
+
+def test_the_engine_holds_its_table_itself():
+    """A scene that was read has the numbers, in the units of the file, and no file."""
+    values = ENGINE.values
+    assert values['forces.gas.table'] == '' and values['forces.gas.value_unit'] == 'bar'
+    assert values['forces.gas.places'] == [5.0 * i for i in range(145)]
+    gas, = ENGINE.forces
+    assert gas.value.span == pytest.approx(2.0 * TURN) and gas.value.is_periodic
+    assert gas.value(radians(380.0)) == pytest.approx(39.23e5)
+    again = scene.from_values(json.loads(ENGINE.as_json))
+    assert again.forces == ENGINE.forces and again.values.keys() == values.keys()
+
+
+def test_a_scene_as_text_needs_no_file(tmp_path):
+    path = tmp_path / 'alone.yaml'
+    path.write_text(ENGINE.as_text)
+    assert scene.load(path).forces == ENGINE.forces
+
+
+def test_loads_of_a_given_motion_have_the_force():
+    """Statics of the piston and virtual work of the crank: driving torque = -F ds/dtheta."""
+    there = engine()
+    stepper, place = Stepper(there), there.layout.place
+    gas, = there.forces
+    for angle in (0.3, TURN + 0.3, 3 * TURN + 1.0, -2.0):
+        _, found = stepper.step(angle, 0.0, 0.0, True, False)
+        force = gas.factor * gas.value(angle)
+        ratio = found[place['slide_ratio']]
+        assert found[place['driving_torque']] == pytest.approx(-force * ratio, rel=1e-11, abs=1e-9)
+        assert found[place['f32_x']] == pytest.approx(force, rel=1e-11)
+
+
+def test_a_force_and_wrenches_of_a_topic_act_together():
+    there = engine(external__output__from_topic=True)
+    stepper, place = Stepper(there), there.layout.place
+    gas, = there.forces
+    stepper.act('output', Wrench(-70.0, 0.0, 0.0))
+    _, found = stepper.step(0.3, 0.0, 0.0, True, False)
+    force = gas.factor * gas.value(0.3) - 70.0
+    assert found[place['f32_x']] == pytest.approx(force, rel=1e-11)
+
+
+def test_simulate_balances_the_energy_of_the_engine():
+    """Energy at the end = at the start + motor + gas, each integrated by Simpson over samples."""
+    found = simulate_scene(ENGINE, 0.1, 1e-6)
+    run, system = found.run, found.run.system
+    assert run.status == 'reached the end' and run.drift < 1e-6
+    equation = system.equation
+    energy = 0.5 * equation.terms(run.position).inertia * run.rate**2
+    assert energy[-1] - energy[0] == pytest.approx(run.states[-1, -1], rel=1e-6)
+    power = (run.torque + equation.couples(run.position)) * run.rate
+    step = run.time[1]
+    by_simpson = step / 3.0 * np.sum(power[:-2:2] + 4.0 * power[1:-1:2] + power[2::2])
+    assert by_simpson == pytest.approx(run.states[-1, -1], rel=2e-2)
+    peaks = {peak.name: peak for peak in found.peaks()}
+    assert peaks['f43'].high > 500.0 and peaks['driving_torque'].low < -100.0
+
+
+@pytest.mark.parametrize('name', ['paper', 'slider_crank', 'cylinder', 'scotch_yoke', 'v_engine',
+                                  'quick_return', 'bucket', 'jansen', 'stephenson'])
+def test_coordinates_are_those_of_the_motion(name):
+    """What a force is over, from the places of links, is the field of the motion: 1e-12."""
+    linkage = scene.load(name).linkage
+    low, high = linkage.input_ranges[0]
+    known = _coordinates(linkage)
+    assert known
+    for q in np.linspace(low, high, 9)[1:-1].tolist():
+        motion = linkage.motion(q, 1.0, 0.0)
+        curves = {link.name: linkage.link_motion(motion, link.name) for link in linkage.LINKS}
+        curves['ground'] = FIXED
+        for field, over in known.items():
+            element = PositionForce(_first(linkage), lambda s: 1.0, over)
+            away = make_push(REAL, element, float)(curves, q).place - getattr(motion, field)
+            turns = round(away / TURN) * TURN if isinstance(over, LinkAngle) else 0.0
+            assert abs(away - turns) < 1e-12, field
+
+
+def _first(linkage):
+    from fourbar_ros.dynamics.model.elements import Attachment
+    return Attachment(linkage.LINKS[-1].name)
+
+
+@pytest.mark.parametrize(('over', 'kind'), [('input', str), ('theta1', str), ('theta4', LinkAngle),
+                                            ('beta', LinkAngle), ('tip.x', Way), ('tip.y', Way)])
+def test_a_force_is_over_a_coordinate_or_a_point(over, kind):
+    values = {**PUSHED, 'points.tip.link': 'coupler', 'points.tip.along': 0.6,
+              'forces.push.over': over, 'forces.push.periodic': False,
+              'forces.push.values': [5.0, 80.0, -30.0, 5.0]}
+    force, = scene.from_values(values).forces
+    assert isinstance(force.over, kind)
+
+
+def test_units_are_converted_once():
+    other = {**PUSHED, 'forces.push.places': [0.0, 114.59155902616465, 229.1831180523293, 360.0],
+             'forces.push.place_unit': 'deg', 'forces.push.value_unit': 'kN',
+             'forces.push.values': [0.005, 0.08, -0.03, 0.005]}
+    one, two = (scene.from_values(values).forces[0].value for values in (PUSHED, other))
+    for q in (0.1, 1.3, 5.0):
+        assert two(q) == pytest.approx(one(q), rel=1e-12)
+
+
+WRONG_FILES = [
+    ('', 'row 1: must be two headings with units'),
+    ('0, 1\n1, 2\n', 'row 1: must be two headings with units'),
+    ('slide [inch], force [N]\n0, 1\n', 'row 1: must be two headings with units'),
+    ('slide [m], force [N], more [N]\n0, 1, 2\n', 'row 1: must be two headings with units'),
+    ('slide [m], force [N]\n0, 1\n', 'row 2: a table has at least two rows'),
+    ('slide [m], force [N]\n0, 1\n1\n', 'row 3: 1 columns, must be a place and a value'),
+    ('slide [m], force [N]\n0, 1\n0.1, \n', "row 3: '' must be a number"),
+    ('slide [m], force [N]\n0, 1\n# half\n\n0.1, nan\n', "row 5: 'nan' must be a finite number"),
+    ('slide [m], force [N]\n0, 1\n0.1, 1e999\n', "row 3: '1e999' must be a finite number"),
+    ('slide [m], force [N]\n0, 1\n0.1, 2\n0.1, 3\n', 'row 4: 0.1 must be larger than the place'),
+    ('slide [m], force [N]\n0, 1\n0.1, 2\n0.05, 3\n', 'row 4: 0.05 must be larger than the place'),
+    ('slide [m], force [N]\n0; 1\n', 'row 2: 1 columns, must be a place and a value'),
+    ('slide [m], force [N]\n' + '0, 1\n' * 2, 'row 3: 0.0 must be larger'),
+    ('slide [m], force [N]\n' + ''.join(f'{i}, 1\n' for i in range(10_001)), 'at most 10000 rows'),
+    ('x' * 200_000, 'not a table as text'),
+]
+
+
+@pytest.mark.parametrize(('text', 'why'), WRONG_FILES, ids=range(len(WRONG_FILES)))
+def test_a_wrong_file_is_refused_in_one_line_with_its_row(tmp_path, text, why):
+    path = write(tmp_path, text)
+    with pytest.raises(SceneError, match='gas.csv') as refused:
+        scene.load(path)
+    assert why in str(refused.value) and '\n' not in str(refused.value)
+
+
+def test_a_cycle_that_does_not_close_is_refused_with_its_row(tmp_path):
+    path = write(tmp_path, 'theta1 [deg], force [N]\n0, 1\n100, 5\n360, 1.5\n', periodic='true')
+    with pytest.raises(SceneError, match=r'row 4: 1.5 must be the first value again, 1.0'):
+        scene.load(path)
+
+
+def test_files_that_are_none_are_refused_in_one_line(tmp_path):
+    path = write(tmp_path, '', table='other.csv')
+    with pytest.raises(SceneError, match='other.csv: No such file'):
+        scene.load(path)
+    with pytest.raises(SceneError, match='must be a file of at most'):
+        scene.load(write(tmp_path, '', table='/dev/zero'))
+    (tmp_path / 'binary.csv').write_bytes(b'\xff\xfe\x00')
+    with pytest.raises(SceneError, match='not a table as text'):
+        read_table(tmp_path / 'binary.csv')
+
+
+def test_a_table_of_another_program_is_read(tmp_path):
+    """With a byte order mark, DOS line ends, comments, blanks, quotes."""
+    (tmp_path / 'own.csv').write_bytes(b'\xef\xbb\xbf# made elsewhere\r\n'
+                                       b'"theta1 [deg]","p [bar]"\r\n'
+                                       b'0,1e0\r\n\r\n 360 , +2.5\r\n')
+    assert read_table(tmp_path / 'own.csv') == ([0.0, 360.0], 'deg', [1.0, 2.5], 'bar')
+
+
+def refusing(**changes):
+    return {**PUSHED, **{name.replace('__', '.'): value for name, value in changes.items()}}
+
+
+@pytest.mark.parametrize(('values', 'name', 'why'), [
+    (refusing(forces__push__link='rocker'), 'forces.push.link', 'must be one of crank, coupler'),
+    (refusing(forces__push__link='ground'), 'forces.push.link', 'must be one of crank, coupler'),
+    (refusing(forces__push__acts='up'), 'forces.push.acts', 'must be one of x, y, along'),
+    (refusing(forces__push__over='thetta4'), 'forces.push.over', 'did you mean theta4?'),
+    (refusing(forces__push__over='tip.x'), 'forces.push.over', 'no such coordinate'),
+    (refusing(forces__push__values=[]), 'forces.push.values', 'must be as many as places'),
+    (refusing(forces__push__places=[]), 'forces.push.table', 'must be given'),
+    (refusing(forces__push__place_unit='mm'), 'forces.push.place_unit', 'a unit of an angle'),
+    (refusing(forces__push__value_unit='N m'), 'forces.push.value_unit', 'a force or pressure'),
+    (refusing(forces__push__acts='couple', forces__push__value_unit='N'),
+     'forces.push.value_unit', 'a unit of a couple'),
+    (refusing(forces__push__value_unit='bar'), 'forces.push.factor', 'must be the area'),
+    (refusing(forces__push__periodic=False, forces__push__values=[5.0, 1.0, 2.0, 3.0]),
+     'forces.push.values', 'turns fully'),
+    (refusing(forces__push__values=[5.0, 1.0, 2.0, 3.0]), 'forces.push.values[4]',
+     'must be the first value again'),
+    (refusing(forces__push__places=[0.0, 1.0, 2.0, 3.0]), 'forces.push.places', 'period must be'),
+    (refusing(forces__push__factor=float('inf')), 'forces.push.factor', 'finite'),
+    (refusing(forces__push__table=7), 'forces.push.table', 'must be a string'),
+    (refusing(forces__push__curve='x'), 'forces.push.curve', 'unknown parameter'),
+    ({**PAPER, **ROUND}, 'bodies.crank.mass', 'forces.push needs masses'),
+    (refusing(trajectories=True), 'trajectories', 'their effort would be wrong')])
+def test_a_wrong_force_is_refused_by_the_name_of_its_parameter(values, name, why):
+    with pytest.raises(InvalidParameter) as refused:
+        scene.from_values(values)
+    assert refused.value.name == name and why in str(refused.value)
+    assert '\n' not in str(refused.value)
+
+
+def test_a_table_given_twice_is_refused(tmp_path):
+    path = write(tmp_path, 'slide [m], force [N]\n0, 1\n1, 2\n', places='[0.0, 1.0]', over='slide')
+    with pytest.raises(InvalidParameter, match='is in the file already'):
+        scene.load(path)
+
+
+def test_loads_are_searched_for_no_extrema_and_it_is_said_why():
+    from fourbar_lab.studies.measures import Measures
+    from fourbar_ros.extrema.find import find_extrema
+    there = scene.from_values(PUSHED)
+    assert there.known_linkage.bodies is None and 'forces.push' in there.why_no_loads
+    assert {e.quantity for e in find_extrema(there.known_linkage)} >= {'omega4', 'alpha4'}
+    with pytest.raises(InvalidParameter, match=r'is a load, and forces over a position'):
+        Measures(there).one('measures', 'driving_torque.max')
+    assert Measures(there).one('measures', 'omega4.max')
+    assert scene.from_values({**PAPER, **RODS}).why_no_loads == ''
+
+
+def test_one_pose_has_its_loads():
+    there = scene.from_values(PUSHED)
+    linkage = there.linkage_at(there.linkage, 0.5, 0.0)
+    _, found = Stepper(there).step(0.5, 0.0, 0.0, True, False)
+    torque = found[there.layout.place['driving_torque']]
+    assert linkage.loads(0.5).driving_torque == torque != there.linkage.loads(0.5).driving_torque
+
+
+def test_hostile_values_are_refused_by_errors_of_ours():
+    """No value of any type ends in another error, and none takes long."""
+    hostile = [float('nan'), float('inf'), -1e308, 1e308, 5e-324, 0, True, '', 'x', [], [1.0],
+               [float('nan')] * 4, [1e308, -1e308, 1e308, 0.0], ['a'], [0.0] * 4, None, {}]
+    for name in ROUND:
+        for value in hostile:
+            try:
+                stepper = Stepper(scene.from_values({**PUSHED, name: value}))
+                stepper.step(0.5, 1.0, 0.0, True, False)
+            except FourBarError as error:
+                assert '\n' not in str(error)
+
+
+def test_files_are_found_beside_the_scene_from_anywhere(tmp_path, monkeypatch):
+    path = write(tmp_path, 'slide [mm], force [kN]\n0, 1\n300, -2\n', over='slide')
+    (tmp_path / 'elsewhere').mkdir()
+    monkeypatch.chdir(tmp_path / 'elsewhere')
+    for name in (path, '../pressed.yaml', str(path)):
+        force, = scene.load(name).forces
+        assert force.value.places == (0.0, 0.3) and force.value.values == (1e3, -2e3)

@@ -1,0 +1,134 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Extrema of many functions at once, and slopes of their samples, beside exact ones."""
+from fourbar_lab.studies.full_turns import (
+    FINE,
+    is_coarse,
+    PLAIN,
+    roots_between,
+    search_turns,
+    slopes_of,
+)
+import numpy as np
+import pytest
+
+optimize = pytest.importorskip('scipy.optimize')
+EPS = 2.0**-52
+
+
+def trigonometric(rng, count, orders):
+    """Return (a, b), shape (count, orders): coefficients of trigonometric polynomials."""
+    falling = 0.5 ** np.arange(orders)
+    return rng.normal(size=(2, count, orders)) * falling
+
+
+def values(coefficients, x):
+    a, b = coefficients[..., None, :]
+    k = np.arange(1, a.shape[-1] + 1)
+    angles = x[..., None] * k
+    return (a * np.cos(angles) + b * np.sin(angles)).sum(axis=-1)
+
+
+def slope_roots(a, b):
+    """Return the roots of the slope in [0, 2 pi), as eigenvalues of a companion matrix."""
+    k = np.arange(1, a.size + 1)
+    c = 0.5 * k * (b + 1j * a)
+    polynomial = np.concatenate((c[::-1], [0.0], np.conj(c)))
+    z = np.roots(polynomial)
+    on_circle = z[np.abs(np.abs(z) - 1.0) < 1e-7]
+    return np.sort(np.mod(np.angle(on_circle), 2.0 * np.pi))
+
+
+@pytest.mark.parametrize('count', [96, 128, 192])
+def test_all_extrema_of_random_functions_are_found_or_marked_as_doubtful(count):
+    rng = np.random.default_rng(0)
+    coefficients = trigonometric(rng, 200, 6)
+    found = search_turns(lambda x: values(coefficients, x)[None], 200, count,
+                         np.zeros(1, bool))
+    assert found.is_doubtful.mean() < 0.1
+    for i in np.nonzero(~found.is_doubtful)[0]:
+        places = found.places[0, i][np.isfinite(found.places[0, i])]
+        expected = slope_roots(*coefficients[:, i])
+        assert places.size == found.counts[0, i] == expected.size
+        assert np.abs(np.sort(places) - expected).max() < 1e-9
+        there = values(coefficients[:, [i]], expected[None])[0]
+        one = found.values[0, i][np.isfinite(found.values[0, i])]
+        assert np.abs(np.sort(one) - np.sort(there)).max() < 64 * EPS * np.abs(there).max()
+
+
+def test_a_spike_is_doubtful_and_a_constant_is_one_extremum():
+    def rows(x):
+        spike = 1.0 / (1.0 - np.cos(x[:1] - 1.0) + 1e-6)
+        return np.concatenate((spike, np.sin(x[1:2]), 0.0 * x[2:] + 2.0))[None]
+
+    found = search_turns(rows, 3, 128, np.zeros(1, bool))
+    assert found.is_doubtful.tolist() == [True, False, False]
+    assert found.counts[0, 1:].tolist() == [2, 1] and found.values[0, 2, 0] == 2.0
+
+
+def test_two_extrema_between_two_samples_are_found_or_doubtful_never_lost():
+    gaps = np.logspace(-6, -1, 60)[:, None]
+
+    def rows(x):                # slope 1 - cos(x - 1)/cos(gap): an angle, extrema at 1 +- gap
+        return (x - np.sin(x - 1.0) / np.cos(gaps))[None]
+
+    found = search_turns(rows, 60, 128, np.ones(1, bool))
+    safe = ~found.is_doubtful
+    assert safe.any() and not safe.all()
+    assert (found.counts[0, safe] == 2).all()
+    places = np.sort(found.places[0, safe][:, :2], axis=1)
+    exact = gaps[safe, 0]
+    assert np.abs(places - 1.0 - np.stack((-exact, exact), axis=1)).max() < 1e-9
+
+
+def test_an_angle_that_turns_on_is_followed():
+    def rows(x):
+        angle = x + 0.3 * np.sin(2.0 * x + 0.3)
+        return np.where(x.dtype.kind == 'c', angle,
+                        np.mod(angle.real + np.pi, 2.0 * np.pi) - np.pi)[None]
+
+    found = search_turns(rows, 3, 128, np.ones(1, bool))
+    assert (found.counts == 0).all() and not found.is_doubtful.any()      # 1 + 0.6 cos > 0
+    assert (np.diff(found.samples[0]) > -1e-12).all()
+
+
+COUNT = 96
+STEP = 2.0 * np.pi / COUNT
+X = STEP * (np.arange(COUNT) + 0.5)[:, None]
+ORDERS = np.arange(1, 9)
+
+
+def remainder(weights):
+    """Return what a stencil makes of harmonics, less their slopes: its symbol, less i k h."""
+    angles = ORDERS * STEP
+    symbol = sum(2.0 * weight * np.sin(k * angles) for k, weight in enumerate(weights, 1))
+    return np.abs(symbol - angles)
+
+
+@pytest.mark.parametrize('weights, order', [(FINE, 12), (PLAIN, 4)])
+def test_slopes_are_exact_but_for_the_order_of_their_stencil(weights, order):
+    found = slopes_of(np.sin(ORDERS * X + 0.3), weights)
+    error = np.abs(found - ORDERS * STEP * np.cos(ORDERS * X + 0.3)).max(axis=0)
+    expected = remainder(weights)
+    assert (np.abs(error - expected) <= 1e-2 * expected + 1e-14).all()
+    growth = np.log2(expected[7] / expected[3])         # twice the harmonic
+    assert abs(growth - (order + 1)) < 0.3
+
+
+def test_what_half_the_samples_do_not_tell_is_coarse():
+    waves = np.sin(np.array([3.0, 8.0, 16.0, 24.0, 40.0]) * X + 0.2)
+    assert is_coarse(waves, np.ptp(waves, axis=0)).tolist() == [False, False, True, True, True]
+    spike = 1.0 / (1.0 + 4e-3 - np.cos(X - 1.0))
+    assert is_coarse(spike, np.ptp(spike, axis=0)).all()
+
+
+def test_roots_between_samples_are_those_of_the_function():
+    rng = np.random.default_rng(0)
+    shift = rng.uniform(0.0, 2.0 * np.pi, 40)
+    f = np.sin(X + shift) * np.exp(0.3 * np.cos(X))     # roots where x + shift = 0
+    i = np.floor((-shift / STEP - 0.5) % COUNT).astype(int)
+    exact = (-shift / STEP - 0.5) % COUNT - i
+    after, slope = roots_between(f, i, np.arange(40), exact + 0.01)
+    assert np.abs(after - exact).max() < 1e-11
+    there = STEP * np.exp(0.3 * np.cos(shift))
+    assert np.abs(slope - there).max() < 1e-6 * there.max()
