@@ -39,6 +39,7 @@ BATCH, HALVINGS = 256, 8               # pieces at a time; of a piece, by its po
 # Where pieces are cut, and halved: at odd places, as extrema like the middle.
 CUTS, CUT = np.array((0.0, 0.24, 0.51, 0.77, 1.0)), -0.125
 NARROWEST = 2.0**-44
+WIDEST = 2.0**-20                      # how well places are known at least, in the input's unit
 # By how much pieces overlap, in their half widths and over x: more than by rounding.
 SLACK, SLACK_OF_X = 2.0**-38, 2.0**-46
 # Of the derivatives of the error by (x - middle) / half the width, over the error.
@@ -244,7 +245,8 @@ class _Search:
         self._largest[which] = np.fmax(self._largest[which], np.abs(found.c[..., 0]).max(axis=1))
         i, j = np.nonzero(some.is_open[which])
         c, error, half = found.c[i, j], found.error[i, j], found.radius / REACH
-        stays, hits = _parts_of(c, error, (SLACK + SLACK_OF_X * np.abs(found.middle) / half)[j])
+        stays, hits = _parts_of(c, error, (SLACK + SLACK_OF_X * np.abs(found.middle) / half)[j],
+                                (WIDEST / half)[j])
         for k, a, b, sense in zip(*(hit.tolist() for hit in hits)):
             middle, width = float(found.middle[j[k]]), float(half[j[k]])
             self._found[which[i[k]]].append(Part(
@@ -286,7 +288,8 @@ def _ends(path: InputPath) -> tuple[Array, Array]:
     return x[:-1], x[1:]
 
 
-def _parts_of(c: Array, error: Array, slack: Array) -> tuple[Array, tuple[Array, ...]]:
+def _parts_of(c: Array, error: Array, slack: Array,
+              widest: Array) -> tuple[Array, tuple[Array, ...]]:
     """
     Return which of m functions leave parts of their piece open, and the extrema of the others.
 
@@ -296,6 +299,8 @@ def _parts_of(c: Array, error: Array, slack: Array) -> tuple[Array, tuple[Array,
         Of their Taylor models.
     slack : ndarray, shape (m,)
         By how much pieces may overlap, in half widths: no extremum is so near to an end.
+    widest : ndarray, shape (m,)
+        How well places of extrema are known at least, in half widths.
 
     Returns
     -------
@@ -312,12 +317,14 @@ def _parts_of(c: Array, error: Array, slack: Array) -> tuple[Array, tuple[Array,
         size = np.abs(slope)
         weighted, width = size[:, 1:] @ _K[:-1], 0.5 * (b - a)
         has_none = size[:, 0] > size[:, 1:].sum(axis=1) + first[k]
-        is_monotone = 2.0 * size[:, 1] > weighted + second[k] * width + ORDER * rounded[k]
+        bend = 2.0 * size[:, 1] - weighted - second[k] * width - ORDER * rounded[k]
+        is_monotone = bend > 0.0
         left, right = slope @ _ALTERNATING, slope.sum(axis=1)
         is_known = is_monotone & (np.minimum(np.abs(left), np.abs(right))
                                   > first[k] + slack[k] / width * weighted)
         hit = is_known & ~has_none & ((left > 0.0) != (right > 0.0))
         hits.append((k[hit], a[hit], b[hit], np.where(left[hit] > 0.0, 1, -1)))
+        is_open[k[hit & ~(bend * widest[k] > first[k] * width)]] = True
         goes_on = ~(has_none | is_known)
         is_open[k[goes_on & ~(first[k] < size.sum(axis=1))]] = True
         goes_on &= ~is_open[k]

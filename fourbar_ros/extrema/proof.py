@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from fourbar_ros.extrema.four_bar_rates import exact_count
 from fourbar_ros.extrema.input_paths import InputPath
-from fourbar_ros.extrema.interval_proof import find_parts, Part, Parts
+from fourbar_ros.extrema.interval_proof import find_parts, Part, Parts, WIDEST
 from fourbar_ros.extrema.path_search import Found
 from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.mechanisms.quantities import is_published
@@ -19,9 +19,11 @@ from numpy.polynomial.polynomial import polyval
 EXACT_COUNT, INTERVALS, NOT_PROVED = 'exact count', 'interval bounds', 'not proved'
 # Nearer than this to a flat position, in the input's unit, enclosures of 0/0 take too many pieces.
 LEFT_OUT = 2.0**-13
-# To what places [in the input's unit] are confirmed, and as far as rounding needs it; to what
-# values are, over themselves and over the largest (of a root: of the squares).
-PLACE, WIDEST, VALUE, OF_LARGEST = 2.0**-32, 2.0**-20, 2.0**-32, 2.0**-40
+# Nearer than this to a limit, over the range: the rounding of the distance hides the derivatives.
+LEFT_OUT_AT_LIMIT = 2.0**-30
+# To what places [in the input's unit] are confirmed if rounding allows it; to what values are,
+# over themselves and over the largest (of a root: of the squares).
+PLACE, VALUE, OF_LARGEST = 2.0**-32, 2.0**-32, 2.0**-40
 
 
 class Verdict(NamedTuple):
@@ -61,8 +63,7 @@ class Enclosures:
     """
     All extrema of a quantity, each enclosed in a part of a path.
 
-    At ends of the range they stop at the last sample; what was found in parts left out counts as
-    found there.
+    They stop before the ends of the range; what was found in parts left out counts as found there.
 
     Parameters
     ----------
@@ -174,7 +175,7 @@ def by_intervals(sampler: Sampler, rows: Sequence[int], paths: Sequence[InputPat
 
     """
     varying = {i: row for i, row in enumerate(rows) if all(part.sense for part in found[i])}
-    paths = [_away_from_flats(path) for path in paths]
+    paths = [_away_from_ends(path) for path in paths]
     enclosed = [find_parts(sampler, [*varying.values()], path, share_of(check, done, len(paths)),
                            seconds / len(paths)) for done, path in enumerate(paths)]
     proofs: list[Count | Enclosures] = [
@@ -185,8 +186,12 @@ def by_intervals(sampler: Sampler, rows: Sequence[int], paths: Sequence[InputPat
     return proofs
 
 
-def _away_from_flats(path: InputPath) -> InputPath:
-    """Return a path without its samples next to flat positions."""
-    flats = [end.x for _, end in path.ends() if end.is_flat]
-    return path._replace(x=path.x[[all(abs(x - flat) > LEFT_OUT for flat in flats)
-                                   for x in path.x.tolist()]])
+def _away_from_ends(path: InputPath) -> InputPath:
+    """Return a path without its samples next to flat positions and limits."""
+    if path.is_closed:
+        return path
+    ends = [end for _, end in path.ends()]
+    limit = LEFT_OUT_AT_LIMIT * (ends[-1].x - ends[0].x)
+    return path._replace(x=path.x[[
+        all(abs(x - end.x) > (LEFT_OUT if end.is_flat else limit) for end in ends)
+        for x in path.x.tolist()]])

@@ -38,7 +38,7 @@ def first_of_many(machine, given):
             for part in machine.step(*(np.full(100, v) for v in given))]
 
 
-def check_motion(machine, given):
+def check_motion(machine, given, bound=MOTION_BOUND):
     truth, _, _ = motion_of(machine, given)
     cond = conditions(machine, given, False)
     assert set(truth) == {name for name in machine.MOTION._fields
@@ -48,7 +48,7 @@ def check_motion(machine, given):
     for motion in (machine.motion(*given), first_of_many(machine, given)[0]):
         wrong = {name: error for name, value in truth.items()
                  if not (error := in_conditions(name, mp.mpf(getattr(motion, name)), value,
-                                                cond[name])) <= MOTION_BOUND}
+                                                cond[name])) <= bound}
         assert not wrong, (machine, given)
 
 
@@ -92,12 +92,15 @@ TOGETHER = {
 }
 
 
+STATED = {'bars on a block and its slider': 10.0}     # docs/limitations.md
+
+
 @some('count', [2, 20], 1)
 @pytest.mark.parametrize('name', TOGETHER)
 def test_links_that_move_together(name, count):
     driver, *structure = TOGETHER[name]
     for machine, given in random_machines(404, count, structure=structure, driver=driver):
-        check_motion(machine, given)
+        check_motion(machine, given, STATED.get(name, MOTION_BOUND))
         check_loads(machine, given)
 
 
