@@ -49,7 +49,8 @@ def newton_roots_and_states(function: Function, row: Array, xa: Array, xb: Array
         The roots; the last step to each; and the other arrays, at the root plus this step.
 
     """
-    x = np.where(fa == 0.0, 0.5 * (xa + xb), x)      # a zero at xa lies before the change of sign
+    # A zero at an end may not be where the sign changes: it counts as positive.
+    x = np.where((fa != 0.0) & (x > xa) & (x < xb), x, 0.5 * (xa + xb))
     todo: Array = np.arange(x.size)
     positive: Array = fa >= 0.0
     found, width, last = [], xb - xa, xb - xa

@@ -116,14 +116,16 @@ def test_newton_in_a_bracket_against_brentq(function, derivative, low, high):
     assert np.abs(many - truth).max() <= tolerance
 
 
-def test_a_zero_at_the_first_end_is_not_taken_for_the_change_of_sign():
-    """Zero counts as positive: x (2 - x) is positive from 0 on and changes its sign at 2."""
+@pytest.mark.parametrize('low, high, at_low', [(0.0, 3.0, 0.0), (-3.0, 0.0, -3.0)])
+def test_a_zero_at_an_end_is_not_taken_for_the_change_of_sign(low, high, at_low):
+    """Zero counts as positive: |x| (2 - |x|) is positive from 0 on and changes its sign at +-2."""
     def step(x):
-        return x * (2.0 - x), x * (2.0 - x) / (2.0 - 2.0 * x)
+        f = np.abs(x) * (2.0 - np.abs(x))
+        return f, f / (2.0 * np.sign(x) - 2.0 * x)
 
-    given = [np.array([v]) for v in (0.0, 3.0, 0.0, 0.0)]
+    given = [np.array([v]) for v in (low, high, at_low, 0.0)]
     many = newton_method.newton_roots(lambda x, row: step(x), np.arange(1), *given)
-    assert many[0] == pytest.approx(2.0, rel=2 * EPS)
+    assert abs(many[0]) == pytest.approx(2.0, rel=2 * EPS)
 
 
 def test_slopes_from_samples_are_exact_for_polynomials():
