@@ -258,8 +258,7 @@ def imports():
     modules = {'nothing': 'sys', 'fourbar_ros and numpy (no ROS)': 'fourbar_ros.mechanisms.kinds',
                'rclpy': 'rclpy',
                'the node': 'fourbar_ros.ros.node.node',
-               'the node and its recorder':
-                                            'fourbar_ros.ros.node.node, '
+               'the node and its recorder': 'fourbar_ros.ros.node.node, '
                                             'fourbar_ros.bag.write.recorder'}
     took = {what: [] for what in modules}
     for _ in range(2 * ROUNDS + 1):

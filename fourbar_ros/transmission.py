@@ -140,14 +140,14 @@ class Transmission:
         inputs = self._within(driven.position, self._input)
         names = self._output[:2 if driven.acceleration is None else 3]
         with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
-            position, rate, *acceleration = self.mechanism.motion(
+            position, rate, *more = self.mechanism.motion(
                 inputs, driven.rate, 0.0 if driven.acceleration is None else driven.acceleration,
                 fields=tuple(names))
             ratio = ratio_of(self.mechanism, inputs)
             effort = (None if driven.effort is None else
                       (driven.effort - self._links(inputs, *driven[1:3])) / ratio)
         position = self._counted(inputs, position)
-        return self._checked(Trajectory(position, rate, *(acceleration or [None]), effort),
+        return self._checked(Trajectory(position, rate, more[0] if more else None, effort),
                              self._output, driven, ratio == 0.0, position)
 
     def static_effort(self, wanted: Trajectory) -> Any:
@@ -169,7 +169,7 @@ class Transmission:
             self._check_angles(positions, coordinate)
         if self.branch.ends is None:
             return positions
-        low, high = sorted(end[coordinate == self._output] for end in self.branch.ends)
+        low, high = sorted(end.at(coordinate == self._output) for end in self.branch.ends)
         if is_angle and not low <= positions[0] <= high:
             positions = positions + tau * np.round((0.5 * (low + high) - positions[0]) / tau)
         slack = 4.0 * EPS * np.maximum(max(abs(low), abs(high)), np.abs(positions))
@@ -209,12 +209,13 @@ class Transmission:
     def _why_not(self, sample: int, coordinate: Any, place: float, where: str) -> str:
         """Return which sample lies beyond (or at) which end of the branch."""
         assert self.branch.ends
-        both, its = (self._input, self._output), int(coordinate == self._output)
-        end, other = min(self.branch.ends, key=lambda end: abs(end[its] - place)), both[1 - its]
+        its = coordinate == self._output
+        other = self._input if its else self._output
+        end = min(self.branch.ends, key=lambda end: abs(end.at(its) - place))
         toggle = 'the toggle ' if its else ''
         return (f'sample {sample}: {coordinate.position} = {place:.8g} {coordinate.unit} lies '
-                f'{where} {toggle}{end[its]:.8g} {coordinate.unit}, where {end.why}, at '
-                f'{other.position} = {end[1 - its]:.8g} {other.unit}')
+                f'{where} {toggle}{end.at(its):.8g} {coordinate.unit}, where {end.why}, at '
+                f'{other.position} = {end.at(not its):.8g} {other.unit}')
 
     # --- positions ------------------------------------------------------------------------------
 
@@ -285,6 +286,10 @@ class End(NamedTuple):
     input: float
     output: float
     why: str
+
+    def at(self, is_output: bool) -> float:
+        """Return the position of the output, or of the input, there."""
+        return self.output if is_output else self.input
 
 
 class Branch(NamedTuple):

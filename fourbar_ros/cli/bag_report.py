@@ -169,7 +169,7 @@ def json_of_info(bag: str | Path, info: Info) -> dict[str, Any]:
 
 
 def json_of_recomputed(bag: str | Path, found: Recomputed, tolerance: float,
-                  accept_rounding: bool = False) -> dict[str, Any]:
+                       accept_rounding: bool = False) -> dict[str, Any]:
     """Return the dict of a Recomputed."""
     problems = found.problems(tolerance, accept_rounding)
     return {'bag': str(bag), 'good': not problems, 'problems': problems,

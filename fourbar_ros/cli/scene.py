@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Mechanism
     from fourbar_ros.report.terminal import PlainTable
     from fourbar_ros.scene.parameter_table import Parameter
-    from fourbar_ros.scene.scene import DriveSettings, Scene
-
+    from fourbar_ros.scene.scene import DriveSettings
 
 STEPS, ROUNDS = 2000, 5        # of the measurement: some 50 ms
 LONG = 20                      # numbers of a table that is shown by its ends

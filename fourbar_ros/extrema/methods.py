@@ -149,7 +149,7 @@ class Methods:
                 conditions[:, inside] = sampled_conditions(
                     sampler, x[inside], np.full(inside.sum(), row), spacing[inside])
             sense = np.where(is_maximum == (factor > 0.0), 1, -1)
-            found += [Found(row, *fields[:4], False, *fields[4:]) for fields in zip(
+            found += [Found._make((row, *fields[:4], False, *fields[4:])) for fields in zip(
                 *(v.tolist() for v in (fold(x), factor * value, sense, side, *conditions)))]
         return found
 

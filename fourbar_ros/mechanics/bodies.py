@@ -93,8 +93,6 @@ def round_rod(length: float, density: float, radius: float) -> Body:
     return Body(*rod_numbers(length, density, radius))
 
 
-
-
 def flat_bar(length: float, density: float, width: float, thickness: float) -> Body:
     """
     Body of a uniform bar of rectangular section between its two joints.

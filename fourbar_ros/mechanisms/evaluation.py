@@ -242,4 +242,3 @@ def _complex_rows(mechanism: Any, inputs: list[Any], shape: tuple[int, ...],
         fields += mechanism.make_loads(COMPLEX)(fields)
     fields = fields if wanted is None else [fields[i] for i in wanted]
     return [np.array(np.broadcast_to(field, inputs[0].shape), complex) for field in fields]
-

@@ -20,7 +20,7 @@ from typing import Any, NoReturn, TypeVar
 from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle
 from fourbar_ros.mechanics.bodies import External
 from fourbar_ros.mechanisms.checks import checked, checked_stroke
-from fourbar_ros.mechanisms.contract import CRANK, CROSSED, Described, of_geometry, OPEN, SLIDE  # noqa: F401
+from fourbar_ros.mechanisms.contract import Described, of_geometry, OPEN
 from fourbar_ros.mechanisms.evaluation import evaluate, line_of, Recorded, recorded, with_limits
 from fourbar_ros.mechanisms.stroke import motion_within
 from fourbar_ros.numerics.arrays import EPS, Values

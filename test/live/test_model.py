@@ -176,7 +176,7 @@ def test_charts_mark_the_extrema_of_the_core():
             assert abs(points[near, 1] - mark['coord'][1]) <= 0.02 * span
 
 
-@some('name', SCENES, ('paper','jansen','cylinder','scotch_yoke'))
+@some('name', SCENES, ('paper', 'jansen', 'cylinder', 'scotch_yoke'))
 def test_a_dragged_joint_follows_the_pointer(name):
     found = shown_of(name)
     view = mechanism_view(found)
@@ -198,7 +198,7 @@ def test_a_dragged_joint_follows_the_pointer(name):
 NAN = float('nan')
 
 
-@some('name', SCENES, ('paper','jansen','cylinder','scotch_yoke'))
+@some('name', SCENES, ('paper', 'jansen', 'cylinder', 'scotch_yoke'))
 @pytest.mark.parametrize('kind', ['mechanism', 'velocity', 'acceleration'])
 def test_no_arrow_and_no_label_leaves_the_picture_or_covers_another(name, kind):
     found = shown_of(name)

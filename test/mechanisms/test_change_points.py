@@ -22,7 +22,7 @@ from fourbar_ros import (
 from fourbar_ros.errors import OutOfRange, Toggle
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.extrema.four_bar_rates.exact_count import count_extrema
-from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
+from fourbar_ros.mechanisms.contract import CRANK, SLIDE
 from fourbar_ros.numerics.laurent import many_digits, quarter_turns, T
 import mpmath as mp
 import numpy as np

@@ -32,7 +32,7 @@ def test_the_last_of_files_and_parameters_is_what_was_asked(file):
                    'drive.speed:=2.0']
                   ) == {'drive.speed': 25}
     assert asked_outside(['--ros-args', '--param', 'a:=b:=c'],
-                 '/fourbar') == {'a': Asked('b:=c', '-p a:=b:=c')}
+                         '/fourbar') == {'a': Asked('b:=c', '-p a:=b:=c')}
 
 
 def test_only_what_is_for_the_node_counts_and_its_own_name_more_than_a_pattern(file):

@@ -22,7 +22,7 @@ from scipy.linalg import qr
 
 EPS = 2.0**-52
 BITS, MANY_BITS = 512, 1600      # MANY: next to exact change points
-GROUND, I = 'ground', acb(0, 1)
+GROUND, J = 'ground', acb(0, 1)
 NONE, ONE, ZERO = acb(0), acb(1), arb(0)
 
 conj, real, imag, middle, exp, log = (np.frompyfunc(f, 1, 1) for f in (
@@ -49,13 +49,13 @@ class Columns:
         return column
 
     def point(self, along, across):
-        return self.real(along) + I * self.real(across)
+        return self.real(along) + J * self.real(across)
 
     def direction(self, angle):
         """Return a direction whose cosine and sine are data; exact at right angles."""
         cosine, sine = direction(angle)
-        exact = acb(cosine, sine) if 0.0 in (cosine, sine) else (I * arb(angle)).exp()
-        return exact * exp(I * self.real(0.0, 2.0 * cosine * sine))
+        exact = acb(cosine, sine) if 0.0 in (cosine, sine) else (J * arb(angle)).exp()
+        return exact * exp(J * self.real(0.0, 2.0 * cosine * sine))
 
 
 class Joint(NamedTuple):
@@ -84,7 +84,7 @@ def joints_of(machine, data):
         its = {name: data.real(value) if name[0] in 'lo' else data.direction(value)
                for name, value in its.items()}
         inner_turn = along if dyad.kind == 'RPR' else its.get('slot')
-        a, b = its.get('length_1', here), its.get('length_2', I * its.get('offset', here))
+        a, b = its.get('length_1', here), its.get('length_2', J * its.get('offset', here))
         found += [
             Joint(f'{dyad.name}_first', one, here, dyad.first.link, p, its.get('direction_1')),
             Joint(f'{dyad.name}_inner', one, a, two, b, inner_turn, dyad.name == 'cylinder'),
@@ -166,9 +166,9 @@ class Cartesian:
             return [none] * 3, [none + ONE, none, none]
         (x, y, phi), (dx, dy, turn), (ddx, ddy, bend) = (
             level[self.names.index(name)] for level in self.q)
-        e = exp(I * phi)
-        return ([x + I * y, dx + I * dy, ddx + I * ddy],
-                [e, I * turn * e, (I * bend - turn * turn) * e])
+        e = exp(J * phi)
+        return ([x + J * y, dx + J * dy, ddx + J * ddy],
+                [e, J * turn * e, (J * bend - turn * turn) * e])
 
     def angle(self, name, order):
         return ZERO if name == GROUND else self.q[order][self.names.index(name), 2]
@@ -195,7 +195,7 @@ class Cartesian:
             else:
                 turned = self.angle(joint.i, order) - self.angle(joint.j, order)
                 if not order:       # without full turns
-                    turned = imag(log(exp(I * turned) / joint.turn))
+                    turned = imag(log(exp(J * turned) / joint.turn))
                 rows += [imag(leibniz(t, gap, order)), turned]
             if joint.is_driven:
                 rows.append(real(leibniz(t, gap, order)) - self.given[order])
@@ -211,9 +211,9 @@ class Cartesian:
             both = joint.i, joint.j, p
             if joint.turn is None:
                 yield joint.name, '', *both, none + ONE, ZERO
-                yield joint.name, '', *both, none + I, ZERO
+                yield joint.name, '', *both, none + J, ZERO
             else:
-                yield joint.name, f'{joint.name}_normal', *both, I * t, ZERO
+                yield joint.name, f'{joint.name}_normal', *both, J * t, ZERO
                 yield joint.name, f'{joint.name}_couple', *both, none, arb(1)
             if joint.is_driven:
                 yield joint.name, 'driving_force', *both, t, ZERO
@@ -256,7 +256,7 @@ class Cartesian:
         """Return places (complex) and angles of links, pins and slides by the names of fields."""
         found = {}
         for name, *levels in zip(self.names, *self.q):
-            found[f'place_{name}'] = levels[0][0] + I * levels[0][1]
+            found[f'place_{name}'] = levels[0][0] + J * levels[0][1]
             found.update(_of_angle(name, [level[2] for level in levels]))
         for joint in self.joints[1:]:
             p, q, t = self.ends(joint)
@@ -317,7 +317,7 @@ class Cartesian:
             if field:
                 found[field] = size
         places = [wide.link(name)[0][0] for name in self.names]
-        pushes = [x + I * y for x, y in zip(needs[::3], needs[1::3])]
+        pushes = [x + J * y for x, y in zip(needs[::3], needs[1::3])]
         found['shaking_force'] = -sum(pushes)
         found['shaking_moment'] = -sum(moment + imag(conj(z) * push) for moment, z, push in zip(
             needs[2::3], places, pushes))
@@ -458,7 +458,7 @@ def errors(machine, given, found, kept=None):
             error = (acb(getattr(ours, x), getattr(ours, y)) if isinstance(truth, acb)
                      else arb(getattr(ours, name))) - truth
             if name.startswith('theta'):
-                error, condition = (I * error).exp() - ONE, max(condition, 1.0)
+                error, condition = (J * error).exp() - ONE, max(condition, 1.0)
             size = float(abs(error))
             yield (name, size / (EPS * condition or 1e-300) if not size <= 1e-30 else 0.0,
                    fields is loads)

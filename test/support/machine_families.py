@@ -71,7 +71,7 @@ def flat_rrr(rng):
 
 
 def flat_rrp(rng):
-    """r = a1 + |e| or a1 - |e|: the rod square to the slide, the crank too."""
+    """Draw r = a1 + |e| or a1 - |e|: the rod square to the slide, the crank too."""
     p, quarter = _point(rng, int(rng.integers(2, 10))), int(rng.integers(4))
     a1, e = round(np.hypot(*p)), int(rng.integers(0, 8))
     t = ((1, 0), (0, 1), (-1, 0), (0, -1))[quarter]
@@ -162,8 +162,8 @@ def wide(rng, decades=2.0):
     """Yield machines whose lengths are scaled by 10^+-decades each, masses by 10^+-3."""
     while True:
         machine, _ = next(random_machines(int(rng.integers(2**32)), 1, dyads=(1, 4)))
-        lengths = np.array(machine.lengths) * 10.0**rng.uniform(-decades, decades,
-                                                               len(machine.lengths))
+        given = np.array(machine.lengths)
+        lengths = given * 10.0**rng.uniform(-decades, decades, given.size)
         try:
             other = machine.with_lengths(lengths.tolist())
             bodies = {name: type(body)(body.mass * 10.0**rng.uniform(-3, 3), body.cg_along,

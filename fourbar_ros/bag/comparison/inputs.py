@@ -205,7 +205,7 @@ class DriveStates:
     def __init__(self, scene: Scene, integrator: str) -> None:
         self.integrator = integrator
         drive = scene.dynamics and scene.dynamics.drive
-        self._steps = integrator == name_of(scene.linkage, drive and drive.source)
+        self._steps = integrator == name_of(scene.linkage, drive.source if drive else None)
         self.largest: dict[str, float] = {}
         self.compared = self.alone = self.unknown = 0
         # values, mode, stamp [ns]; no values where they do not tell the state
@@ -266,8 +266,8 @@ class DriveStates:
             self.unknown += 1
         else:
             mover = self._in_mode(mode)
-            place = mover.place(mover.state(values))
-            self._compared(values, mover.values(place, values.step, values.command,
+            now = mover.place(mover.state(values))
+            self._compared(values, mover.values(now, values.step, values.command,
                                                 values.evaluations))
             self.alone += 1
         self._before = known, mode, stamp

@@ -118,7 +118,7 @@ class Parts:
     def write_metadata_file(self) -> None:
         """Write metadata.yaml, of all parts."""
         rosbag2.write_metadata_file(self.folder,
-                                           rosbag2.merged([*self._done, self._metadata()]))
+                                    rosbag2.merged([*self._done, self._metadata()]))
 
     @property
     def has_a_name(self) -> bool:

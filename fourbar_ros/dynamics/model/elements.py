@@ -240,9 +240,10 @@ def _require_fitting(table: ForceTable, is_angle: bool, counts_turns: bool) -> N
                                                         'an angle is a table periodic')
         count = max(turns, 1.0 / turns)
         if abs(count - round(count)) > 1e-9 * count or (turns > 1.5 and not counts_turns):
-            raise InvalidParameter('places', table.span, 'the period must be 2 pi, or a whole '
-                                   'part of it' + (', or some turns' if counts_turns else ': '
-                                   'turns are counted of a crank that is driven and turns fully'))
+            more = (', or some turns' if counts_turns else
+                    ': turns are counted of a crank that is driven and turns fully')
+            raise InvalidParameter('places', table.span,
+                                   f'the period must be 2 pi, or a whole part of it{more}')
     elif is_angle and turns > 1.0 + 1e-9:
         raise InvalidParameter('places', table.span, 'more than a turn of an angle, and not '
                                                      'periodic')

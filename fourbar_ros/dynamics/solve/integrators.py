@@ -389,6 +389,7 @@ def _run_compiled(task: Task) -> Part:
     times: list[float] = []
     states: list[Array] = []
     end, counted = COMPLETE, _Counted(task, task.last)
+
     def keep(time: float, state: Array) -> int:
         nonlocal end
         if not times or time > times[-1]:

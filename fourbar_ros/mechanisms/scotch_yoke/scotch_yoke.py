@@ -196,8 +196,9 @@ class ScotchYoke(Mechanism):
                               motion.slide_acceleration, 0.0,
                               1.0, 0.0, 0.0, 0.0)
         crank = crank_motion(motion)
-        return (crank if link == 'crank' else LinkMotion(*point_of(crank, self.a1),
-                                                           0.0, 1.0, 0.0, 0.0))
+        if link == 'crank':
+            return crank
+        return LinkMotion(*point_of(crank, self.a1), 0.0, 1.0, 0.0, 0.0)
 
     def transmission_sine(self, motion: Any) -> Any:
         """Return a number that is zero where the yoke cannot turn the crank, at most one."""

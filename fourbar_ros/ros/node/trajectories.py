@@ -153,9 +153,10 @@ class Trajectories:
             self._refused += 1
             self._tell(name, str(error))
             return
-        self._last[given] = counted or self._last.get(given)
+        if counted:
+            self._last[given] = counted
         data = write(message.header, now.joints[asked].name, message.times,
-                            _columns(found, now.joints[asked].scale, now.fields))
+                     _columns(found, now.joints[asked].scale, now.fields))
         with suppress(Abandoned):
             self._worker.check()             # the node is there still
             self._senders[answer](data)
@@ -169,9 +170,8 @@ class Trajectories:
                                    f'must hold {joint.name}')
         if not len(message.times):
             raise InvalidParameter('points', [], 'must not be empty')
-        position, velocity, acceleration, effort = (
-            _column(message, name, joint.name, is_needed)
-            for name, is_needed in zip(FIELDS, (True, True, False, False)))
+        position, velocity = (_needed(message, name, joint.name) for name in FIELDS[:2])
+        acceleration, effort = (_column(message, name, joint.name) for name in FIELDS[2:])
         if 'effort' not in now.fields:
             effort = None
             acceleration = acceleration if 'accelerations' in now.fields else None
@@ -203,15 +203,23 @@ def _read(data: bytes) -> Points:
                                ) from None
 
 
-def _column(message: Points, name: str, joint: str, is_needed: bool) -> Array | None:
-    """Return a field of a joint over the points, None if no point has it and none needs it."""
+def _needed(message: Points, name: str, joint: str) -> Array:
+    """Return a field of a joint over the points."""
+    column = _column(message, name, joint)
+    if column is None:
+        raise InvalidParameter(name, [], f'must be given for {joint} in point 0')
+    return column
+
+
+def _column(message: Points, name: str, joint: str) -> Array | None:
+    """Return a field of a joint over the points, None if no point has it."""
     rows, place = message.columns[name], list(message.joint_names).index(joint)
     if isinstance(rows, np.ndarray) and place < rows.shape[1]:
         return np.array(rows[:, place])
     missing = next((i for i, values in enumerate(rows) if len(values) <= place), None)
     if missing is None:
         return np.array([values[place] for values in rows])
-    if is_needed or any(map(len, rows)):
+    if any(map(len, rows)):
         raise InvalidParameter(name, list(rows[missing]),
                                f'must be given for {joint} in point {missing}')
     return None
@@ -313,7 +321,8 @@ def _after_text(data: bytes, at: int) -> int:
 
 def _blocks(data: bytes, at: int, count: int) -> list[Array]:
     """Return the first point and all others, whose place may be aligned differently, as arrays."""
-    lengths, place = [], at
+    lengths: list[int] = []
+    place = at
     for _ in FIELDS:
         lengths += unpack_from('<I', data, place)
         place += 4

@@ -22,8 +22,8 @@ from fourbar_ros.mechanics.moving_frames import (
     relative_acceleration,
     relative_velocity,
 )
+from fourbar_ros.mechanisms.contract import CRANK, SLIDE
 from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
-from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
 from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
 import mpmath as mp
 import numpy as np

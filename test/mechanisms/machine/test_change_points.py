@@ -226,7 +226,7 @@ def check_power(machine, x):
 # --- of other dyads than pairs -------------------------------------------------------------------
 
 def peaucellier(l_long, l_short, r):
-    """An inversor whose rhombus lies flat where O P = sqrt(L^2 - l^2), if the crank gets there."""
+    """Return an inversor whose rhombus lies flat where O P = sqrt(L^2 - l^2), if it gets there."""
     arms = {'first': Point('ground', -r), 'second': Point('crank', r), 'length_1': l_long,
             'length_2': l_short}
     return Machine([Dyad('p', 'RRR', links=('o_1', 'p_1'), **arms),

@@ -14,7 +14,7 @@ from fourbar_ros import (
     Toggle,
 )
 from fourbar_ros.mechanics.moving_frames import relative_acceleration, relative_velocity
-from fourbar_ros.mechanisms.mechanism import CRANK, SLIDE
+from fourbar_ros.mechanisms.contract import CRANK, SLIDE
 from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
 import mpmath as mp
 import numpy as np

@@ -355,8 +355,8 @@ class _Search:
             samples = phi, value[:phi.size], slope[:phi.size]
             inner = value[phi.size:], slope[phi.size:]
             if _doubtful(samples[1:], inner, np.arange(middle.size), phi[1:] - phi[:-1]).any():
-                samples = _resolved(phi, _sampled(lambda x: squares(x)[number], path),  # noqa: B023
-                                    self._machine[0].stages[number].name)
+                function = _sampled(lambda x, k=number: squares(x)[k], path)
+                samples = _resolved(phi, function, self._machine[0].stages[number].name)
             # of a chain of equal loops one is enough
             with np.errstate(all='ignore'):
                 known = any(np.abs(squares(np.array([z]))[number]).min() < DOUBLE**2

@@ -96,6 +96,7 @@ class Driven(NamedTuple):
     way: tuple[Scalar, Scalar, Scalar] | None = None
     of_cylinder: tuple[Any, ...] | None = None
 
+
 FIXED: Curve = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)     # of the ground
 
 
