@@ -149,8 +149,10 @@ class Methods:
                 conditions[:, inside] = sampled_conditions(
                     sampler, x[inside], np.full(inside.sum(), row), spacing[inside])
             sense = np.where(is_maximum == (factor > 0.0), 1, -1)
-            found += [Found._make((row, *fields[:4], False, *fields[4:])) for fields in zip(
-                *(v.tolist() for v in (fold(x), factor * value, sense, side, *conditions)))]
+            found += [
+                Found(row, place, value, sense, side, False, condition, value_condition)
+                for place, value, sense, side, condition, value_condition in zip(
+                    *(v.tolist() for v in (fold(x), factor * value, sense, side, *conditions)))]
         return found
 
     def proved(self, found: list[list[Found]], with_conditions: bool,
