@@ -369,6 +369,10 @@ def kept_at(machine, flat, near):
     return Kept(data.tolist(), np.array(shares.tolist(), object))
 
 
+class NoWay(Exception):
+    """The reference does not get to an input in the modes given: it says nothing there."""
+
+
 def toward(found, flat, end):
     """Return the pose at an input next to a change point, each distance the last one squared."""
     side = 1 if end > flat else -1
@@ -399,7 +403,7 @@ def follow(found, end):
             found, x, share = there, (x + way).mid(), arb(1)
         else:
             share = share / 2
-    raise ArithmeticError('no way to this input')
+    raise NoWay(f'no way to the input {float(end.mid())!r}')
 
 
 def _size(values):

@@ -11,7 +11,7 @@ from flint import arb, ctx
 from fourbar_ros import FourBarError
 from fourbar_ros.mechanisms.quantities import known
 import pytest
-from support.cartesian import BITS, Cartesian, errors, exact, kept_at, MANY_BITS, toward
+from support.cartesian import BITS, Cartesian, errors, exact, kept_at, MANY_BITS, NoWay, toward
 from support.dyad_reference import exact_values
 from support.machine_families import BEGIN, FAMILIES
 from support.scans import check_against_scan
@@ -19,8 +19,10 @@ from support.scans import check_against_scan
 MOTION_BOUND, LOADS_BOUND = 5.0, 10.0       # in eps times condition
 # What docs/limitations.md states of the motion of single machines: slides behind bars or behind
 # five dyads, a bar with arms of 40 and 39, a bar behind three dyads near a toggle.
-STATED = {'near a toggle': 10.0, 'wide ratios': 85.0, 'near a change point': 25.0,
+STATED = {'near a toggle': 10.0, 'wide ratios': 100.0, 'near a change point': 25.0,
           'at a change point': 33.0}
+STATED_LOADS = {'wide ratios': 20.0}
+UNKNOWN = 0.01         # of the machines may be out of the reference's reach
 
 
 def worst_of(drawn):
@@ -48,7 +50,7 @@ def exact_pose(machine, given, flat):
 
 def failures(family, seed, count):
     """Return a line for each of some machines of a family that is beyond a bound; print them."""
-    lines = []
+    lines, unknown = [], 0
     for number, drawn in enumerate(islice(FAMILIES[family](seed), count)):
         machine = drawn.machine
         what = (f'{family} {seed}:{number} {machine.input} {machine.classification} at '
@@ -57,12 +59,19 @@ def failures(family, seed, count):
             found = worst_of(drawn)
             share, name = found['motion']
             found['motion'] = share * MOTION_BOUND / STATED.get(family, MOTION_BOUND), name
+            share, name = found['loads']
+            found['loads'] = share * LOADS_BOUND / STATED_LOADS.get(family, LOADS_BOUND), name
+        except NoWay as error:
+            print(f'{what}: {error}')
+            unknown += 1
+            continue
         except (FourBarError, ArithmeticError) as error:
             lines.append(f'{what}: {type(error).__name__}: {error}')
             continue
         lines += [f'{what}: {kind} {share:.2g} times its bound: {name}'
                   for kind, (share, name) in found.items() if not share <= 1.0]
     print(*lines, f'{len(lines)} beyond the bounds in {count} machines, {family}', sep='\n')
+    assert unknown <= UNKNOWN * count
     return lines
 
 
