@@ -38,7 +38,7 @@ def test_energy_of_a_free_motion_stays_over_many_turns(turns):
     """By DOP853 and by quadrature, to 1e-10; both end where the turn began."""
     system = free(gravity=(0.0, -9.81))
     motion = FreeMotion(system)
-    run = simulate(system, turns * motion.period, 1e-14, check=False)
+    run = simulate(system, turns * motion.period, 1e-14, check=False, evaluations=1e8)
     energy = system.equation.energy(run.position, run.rate)
     in_play = np.ptp(system.equation.potential(run.position)) + np.max(
         energy - system.equation.potential(run.position))
