@@ -61,7 +61,7 @@ def check_against_scan(mechanism, quantities, rate, acceleration, points, exact=
             )
             d = min(
                 1e-6 * unit / max(1.0, extremum.condition / unit),
-                1e-3 * min((abs(z - at) for z in mechanism.singular_inputs), default=inf),
+                1e-3 * _to_singular(mechanism, at),
             )
             inputs = at + d * np.array((-1.0, 0.0, 1.0))
             around = by_name[extremum.quantity].of(*mechanism.step(inputs, rate, acceleration))
@@ -73,6 +73,12 @@ def check_against_scan(mechanism, quantities, rate, acceleration, points, exact=
                 drop = drop if truth is None else _drop(extremum.kind, truth)
             assert drop >= -tolerance, (mechanism, extremum)
     return number
+
+
+def _to_singular(mechanism, at):
+    """Return the distance to the next singular input, of an angle in any turn."""
+    return min((abs(complex(mechanism.distance(z.real, at), z.imag))
+                for z in map(complex, mechanism.singular_inputs)), default=inf)
 
 
 def _is_noise(mechanism, name, kind, top, step, rates, exact):
