@@ -45,7 +45,7 @@ def moved(*columns, values=ROCKER):
     scene = from_values(values)
     found = DriveStates(scene, name_of(scene.linkage))
     for some in columns:
-        found.compare(some)
+        found.compare([some])
     return found
 
 
@@ -90,8 +90,27 @@ def test_bags_of_before_are_stepped_again_where_there_are_no_toggles(swing):
     rows.append((*mover.next(rows[0][2], 1e-9 * STEP), mover.mode))
     rows[1] = rows[1][0], rows[1][2], rows[1][1]
     found = DriveStates(from_values(crank), NAME)
-    found.compare(columns_of(rows))
+    found.compare([columns_of(rows)])
     assert (found.compared, set(found.largest.values())) == (1, {0.0})
     found = DriveStates(from_values(ROCKER), NAME)        # which held the input at its toggles
-    found.compare(columns_of(swing[:20]))
+    found.compare([columns_of(swing[:20])])
     assert found.compared == 0 and found.alone == 20
+
+
+def test_torques_of_two_layouts_are_taken_in_the_order_of_the_bag():
+    """Columns hold messages of one length; of stamps with two names of frames there are two."""
+    pushed = {**ROCKER, **PAPER, 'drive.source': 'torque'}
+    mover = from_values(pushed).mover
+    torques, rows = np.linspace(-3.0, 5.0, 20), [(0, mover.mode, mover.start())]
+    for torque in torques.tolist():
+        status, values = mover.next(rows[-1][2], 1e-9 * STEP, torque)
+        rows.append((status, mover.mode, values))
+    states = columns_of(rows)
+    states.places[:] *= 2                       # torque, state, torque, state, ...
+    found = DriveStates(from_values(pushed), name_of(from_values(pushed).linkage))
+    found.commands([SimpleNamespace(
+        places=2 * np.arange(20)[part] + 1,
+        tree=SimpleNamespace(wrench=SimpleNamespace(torque=SimpleNamespace(z=torques[part]))))
+        for part in (slice(0, None, 2), slice(1, None, 2))])
+    found.compare([states])
+    assert found.compared == 20 and set(found.largest.values()) == {0.0}

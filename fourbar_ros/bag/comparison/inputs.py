@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from math import inf, isfinite, isnan, nan
 
 from fourbar_ros.bag.comparison.difference import distance_of_two
+from fourbar_ros.bag.comparison.window import in_order
 from fourbar_ros.bag.read.origin import Origin
 from fourbar_ros.bag.read.records import Columns
 from fourbar_ros.dynamics.step.mover import DriveValues, KEY, Mover, name_of, OK, SILENT
@@ -219,24 +220,27 @@ class DriveStates:
         self._scene, self._mover = scene, scene.mover
         self._movers: dict[int, Mover] = {}
 
-    def commands(self, columns: Columns) -> None:
+    def commands(self, blocks: Sequence[Columns]) -> None:
         """Take messages of the torque topic."""
-        wrench = columns.tree.wrench
-        torques = (wrench.force.x if self._scene.linkage.is_driven_by_slide else wrench.torque.z)
         limit = self._scene.drive.torque_limit
         limit = inf if isnan(limit) else limit
-        self._commands += [(place, min(max(torque, -limit), limit))
-                           for place, torque in zip(columns.places.tolist(), torques.tolist())
-                           if isfinite(torque)]
+        for columns in blocks:
+            wrench = columns.tree.wrench
+            torques = (wrench.force.x if self._scene.linkage.is_driven_by_slide
+                       else wrench.torque.z)
+            self._commands += [(place, min(max(torque, -limit), limit))
+                               for place, torque in zip(columns.places.tolist(), torques.tolist())
+                               if isfinite(torque)]
+        self._commands.sort()        # a block has messages of one layout: of one length of text
 
-    def compare(self, columns: Columns) -> None:
-        """Compare DriveStates, in order."""
-        statuses = columns.records['status'].tolist()
-        modes = columns.records['mode'].tolist()
-        rows = np.stack([columns.records[name] for name in DriveValues._fields], axis=1)
-        for place, stamp, status, mode, row in zip(columns.places.tolist(),
-                                                   columns.headed.tolist(), statuses, modes,
-                                                   rows.tolist()):
+    def compare(self, blocks: Sequence[Columns]) -> None:
+        """Compare DriveStates."""
+        if not blocks:
+            return
+        for place, stamp, status, mode, row in zip(*(column.tolist() for column in in_order(
+                [(found.places, found.headed, found.records['status'], found.records['mode'],
+                  np.stack([found.records[name] for name in DriveValues._fields], axis=1))
+                 for found in blocks]))):
             self._one(place, stamp, status, mode, DriveValues(*row))
 
     def _in_mode(self, mode: int) -> Mover:

@@ -172,10 +172,8 @@ class Comparison:
         for found in by_name.get(DRIVE_STATE.name, ()):
             self._modes.take(found, self._stepper.own_mode, self._scene.linkage.modes_passed)
         if self._drive_states:
-            for found in by_name.get(TORQUE.name, ()):
-                self._drive_states.commands(found)
-            for found in by_name.get(DRIVE_STATE.name, ()):
-                self._drive_states.compare(found)
+            self._drive_states.commands(by_name.get(TORQUE.name, ()))
+            self._drive_states.compare(by_name.get(DRIVE_STATE.name, ()))
 
     def _take_motions(self, blocks: Sequence[Columns], until: float) -> None:
         """Check the driven motions of a block, and add what follows from them to the window."""
