@@ -9,8 +9,8 @@ Balancing: counterweights that take shaking force, moment, torque or reactions a
 >>> places = Places(Loads(scene.linkage, scene.drive.speed), {'crank': 0.6, 'output': 0.6})
 >>> for weight in least_rms(places, ['force'], mass=2.0).counterweights:
 ...     print(f'{weight.mass:.3f} kg on the {weight.link}, {weight.along:.3f} m along it')
-1.298 kg on the output, -0.598 m along it
 0.702 kg on the crank, -0.587 m along it
+1.298 kg on the output, -0.598 m along it
 """
 from __future__ import annotations
 

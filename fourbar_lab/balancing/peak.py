@@ -39,6 +39,7 @@ def least_peak(places: Places, name: str, mass: float) -> Balance:
     for _ in range(ROUNDS):
         problem = _Peak(places, name, mass, x)
         weights, spots, bound = problem.solve(spots)
+        weights = weights * mass / max(weights.sum(), mass)      # within the solver's tolerance
         numbers = problem.numbers(spots, weights)
         value, places_of = peak(loads, name, numbers)
         if value <= problem.largest(numbers)[0] * (1.0 + ENOUGH):

@@ -113,7 +113,7 @@ class Places:
     def united(self, counterweights: Sequence[Counterweight], value: Callable[[Array], float],
                most: float) -> list[Counterweight]:
         """
-        Return counterweights, neighbours on one link as one at their centre of mass.
+        Return counterweights link by link, neighbours as one at their centre of mass.
 
         The corners of a hull that an algorithm ends with may be micrometres apart. ``value`` of
         the numbers of all links stays ``most`` or less.
@@ -130,7 +130,8 @@ class Places:
             if (apart <= NEAR * self.radii[one.link]
                     and value(self.numbers([*without, both])) <= most):
                 return self.united([*without, both], value, most)
-        return kept
+        # algorithms end with them in an order that rounding decides
+        return sorted(kept, key=lambda one: (self.loads.links.index(one.link), one[2:]))
 
     def lowest(self, slope: Array) -> tuple[float, Spot]:
         """
