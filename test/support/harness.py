@@ -11,6 +11,7 @@ import threading
 import time
 
 from fourbar_ros.ros.clients import client
+from fourbar_ros.ros.clients.client import NoAnswer
 from fourbar_ros.scene.topics import DRIVEN, FAMILIES, OUTPUTS
 import rclpy
 
@@ -146,16 +147,25 @@ class Client(client.Client):
 
 
 def set_parameters(client, values, atomically=False):
-    """Change parameters of a node; return the results."""
+    """
+    Change parameters of a node; return the results.
+
+    A request is repeated once: the middleware drops an answer that leaves the server before it has
+    found the reader of a client that is new.
+    """
     from rcl_interfaces.srv import SetParameters, SetParametersAtomically
     from rclpy.parameter import Parameter
     kind = SetParametersAtomically if atomically else SetParameters
     caller = client.node.create_client(kind, '/fourbar/set_parameters'
                                        + ('_atomically' if atomically else ''))
     client.until(caller.service_is_ready, 'the parameter service')
-    future = caller.call_async(kind.Request(
-        parameters=[Parameter(name, value=value).to_parameter_msg()
-                    for name, value in values.items()]))
-    client.until(future.done, 'the answer')
+    request = kind.Request(parameters=[Parameter(name, value=value).to_parameter_msg()
+                                       for name, value in values.items()])
+    future = caller.call_async(request)
+    try:
+        client.until(future.done, 'the answer', 0.25 * client.patience)
+    except NoAnswer:
+        future = caller.call_async(request)
+        client.until(future.done, 'the second answer')
     client.node.destroy_client(caller)
     return [future.result().result] if atomically else future.result().results
