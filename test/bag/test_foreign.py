@@ -272,7 +272,7 @@ def every_verb(path, capsys, tmp_path):
         assert_one_line([verb[0], str(path), *verb[1:]], capsys, tmp_path)
 
 
-@pytest.mark.parametrize('name', ODD_METADATA)
+@some('name', ODD_METADATA, 4)
 def test_custom_data_of_others_are_no_traceback(tmp_path, capsys, name):
     path = write(tmp_path / 'odd.mcap', [('/t', STRING, text('x'))], ODD_METADATA[name])
     every_verb(path, capsys, tmp_path)
@@ -293,8 +293,8 @@ ODD_SCHEMAS = {
     'texts': b'string[1000000000] x\n', 'unknown': b'b/None x\n'}
 
 
-@pytest.mark.parametrize(('name', 'kind'), [*((name, 'a/msg/T') for name in ODD_SCHEMAS), *(
-    ('self', kind) for kind in ('T', '', '/', 'a/b/c/d')), ('empty', '')])
+@some('name, kind', [*((name, 'a/msg/T') for name in ODD_SCHEMAS), *(
+    ('self', kind) for kind in ('T', '', '/', 'a/b/c/d')), ('empty', '')], 5)
 def test_odd_definitions_end_in_one_line(tmp_path, capsys, name, kind):
     data = b'\0\1\0\0' + bytes(4000)
     path = write(tmp_path / 'odd.mcap', [('/t', kind, data)],

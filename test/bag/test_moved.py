@@ -8,6 +8,7 @@ from fourbar_ros.dynamics.step.mover import DriveValues, NAME, name_of
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
+from support.samples import some
 from support.scenes import PAPER, RODS
 
 STEP = 5_000_000           # [ns]
@@ -44,8 +45,8 @@ def moved(*columns, values=ROCKER):
     """Return the DriveStates that has compared columns."""
     scene = from_values(values)
     found = DriveStates(scene, name_of(scene.linkage))
-    for some in columns:
-        found.compare([some])
+    for block in columns:
+        found.compare([block])
     return found
 
 
@@ -59,7 +60,7 @@ def test_a_bag_may_begin_anywhere_and_miss_states(swing):
     mover = from_values(ROCKER).mover
     told = [mover.tells_all(mover.place(mover.state(values), mode)) for _, mode, values in swing]
     assert 0.3 < np.mean(told) < 0.95
-    for first in range(3, len(swing) - 100, 23):
+    for first in range(3, len(swing) - 100, 69):
         found = moved(columns_of(swing[first:], first))
         assert set(found.largest.values()) == {0.0}
         assert found.unknown == told[first:].index(True) and found.alone == 1
@@ -70,7 +71,7 @@ def test_a_bag_may_begin_anywhere_and_miss_states(swing):
         assert found.unknown == told[first + 2:].index(True)
 
 
-@pytest.mark.parametrize('field', ['position', 'acceleration', 'torque'])
+@some('field', ['position', 'acceleration', 'torque'], 1)
 def test_what_was_not_so_is_found_also_next_to_a_toggle(swing, field):
     changes = np.flatnonzero(np.diff([mode for _, mode, _ in swing]))
     for place in changes[:3].tolist():

@@ -261,6 +261,7 @@ def test_only_the_newest_parts_are_kept(tmp_path):
         assert reader.message_count == sum(1 for _ in reader.messages())
 
 
+@pytest.mark.slow
 def test_dropped_messages_are_counted_over_the_whole_bag(tmp_path, monkeypatch):
     path = split_run(tmp_path, Split(duration=0.1, head=0))
     intake.QUEUE_MESSAGES, old = 50, intake.QUEUE_MESSAGES

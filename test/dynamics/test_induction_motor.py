@@ -14,6 +14,7 @@ from fourbar_ros.scene.scene import from_values
 import mpmath as mp
 import numpy as np
 import pytest
+from support.samples import some
 from support.scenes import PAPER, RODS
 
 scipy = pytest.importorskip('scipy')
@@ -81,7 +82,7 @@ def test_under_load_it_settles_at_the_slip_of_the_quadratic(damping):
     assert run.rate[-1] == pytest.approx(w_s * (1.0 - slip), rel=1e-7)
 
 
-@pytest.mark.parametrize('shaft', [None, Shaft(2e3, 5.0), Shaft(1e8, 10.0)], ids=str)
+@some('shaft', [Shaft(1e8, 10.0), None, Shaft(2e3, 5.0)], 1, ids=str)
 def test_steps_of_the_node_are_of_order_four_and_as_simulate(shaft):
     values = {**PAPER, **RODS, 'gravity.y': -9.81, 'drive.source': 'motor', 'outputs': ['state']}
     linkage = from_values({**values, 'motor.stall_torque': 1.0, 'motor.free_speed': 1.0}).linkage

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from support import DATA, reference, slider_reference
 from support.reference import condition, EPS
+from support.samples import some
 from support.slider_reference import pieces
 
 KINDS = {'four-bar': FourBar, **{f'{kind.__name__} driven at its {driven}': (kind, driven)
@@ -146,7 +147,7 @@ def check(name, power, seed, count):
     assert bad == {}
 
 
-@pytest.mark.parametrize('power', POWERS)
+@some('power', POWERS, 1)
 @pytest.mark.parametrize('name', KINDS)
 def test_each_source_alone(name, power):
     check(name, power, 501, 1)

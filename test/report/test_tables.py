@@ -9,6 +9,7 @@ from fourbar_ros.report.terminal import plain_table
 import pytest
 from rich.console import Console
 from support import bags, ROOT
+from support.samples import some
 from support.scenes import PAPER, RODS
 from support.terminals import numbers, python, shown
 
@@ -36,7 +37,7 @@ def files(tmp_path_factory):
             for name, e in (('bag', 0.0), ('other', 1e-9))}
 
 
-@pytest.mark.parametrize('name', VERBS)
+@some('name', VERBS, 2)
 def test_numbers_are_whole_in_every_width(name, files):
     command = python(RUN.format([word.format(**files) for word in VERBS[name]]))
     wide = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)

@@ -292,6 +292,7 @@ def test_figures_have_the_units_and_letters_of_their_tables(name, row, panel):
     assert any(word.endswith((' ft/s', ' ft/s$^2$')) for word in words)
 
 
+@pytest.mark.slow
 def test_what_cannot_be_written_is_reported_before_the_tables(tmp_path):
     done = subprocess.run([sys.executable, '-m', 'fourbar_ros', 'reproduce', '--html',
                            str(tmp_path / 'no' / 'x.html')],

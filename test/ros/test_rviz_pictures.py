@@ -17,6 +17,7 @@ def rviz():
     return module
 
 
+@pytest.mark.slow
 def test_description_and_markers_are_drawn(rviz, tmp_path):
     from matplotlib.image import imread
     path = rviz.draw('slider_crank', tmp_path)

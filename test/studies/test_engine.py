@@ -110,6 +110,7 @@ def test_a_worker_that_is_killed_is_replaced(tmp_path, expected):
     assert '240 designs' in out and bytes_of(tmp_path / 'out') == expected
 
 
+@pytest.mark.slow
 def test_the_command_is_killed_and_resumed_and_leaves_no_process(tmp_path, expected):
     file, folder = write_study(tmp_path / 's.yaml'), tmp_path / 'out'
     process = start(file, '-o', folder, '--workers', 2)

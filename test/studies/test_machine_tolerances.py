@@ -12,7 +12,6 @@ from fourbar_ros.numerics.number_types import ARRAY, columns_of
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
-from support.samples import some
 
 pytest.importorskip('scipy')
 MACHINES, SAMPLES = 600, 512
@@ -74,7 +73,8 @@ def sampled(study, drawn):
     return found
 
 
-@some('name', BOXES, ('watt',))
+@pytest.mark.slow
+@pytest.mark.parametrize('name', BOXES)
 def test_the_bounds_enclose_random_machines(name):
     pytest.importorskip('flint')
     study = study_of(name, *BOXES[name])

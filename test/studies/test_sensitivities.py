@@ -65,6 +65,7 @@ def close(found, true, size, bound=1e-12):
     assert abs(found - float(true)) <= bound * float(size), (found, float(true), float(size))
 
 
+@pytest.mark.slow
 def test_every_output_has_the_derivatives_of_fifty_digits():
     rng = np.random.default_rng(5)
     names = ('theta4', 'omega4', 'alpha4', 'alpha_beta', 'omega3', *LOAD_NAMES)

@@ -19,6 +19,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from support.reference import condition, EPS
+from support.samples import some
 from support.slider_reference import pieces, random_masses
 from support.yoke_reference import FIELDS, fields_of, LOADS, loads_of
 
@@ -85,7 +86,7 @@ def errors_of(driven, family, rng, with_loads):
 
 
 @pytest.mark.parametrize('driven', INPUTS)
-@pytest.mark.parametrize('family', FAMILIES)
+@some('family', FAMILIES, 1)
 def test_motion_and_loads_to_five_eps_cond(driven, family):
     rng = np.random.default_rng(7)
     for with_loads, names, count in ((False, FIELDS, 25), (True, LOADS, 4)):
