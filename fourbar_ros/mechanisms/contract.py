@@ -194,6 +194,14 @@ class Contract(ABC):
 
     # --- its pictures ----------------------------------------------------------------------------
 
+    def corners(self, motion: Any) -> tuple[tuple[Any, Any, float], ...]:
+        """
+        Return the joints O1, A, B, O4 of a loop that its crank drives, homogeneous: (x w, y w, w).
+
+        A slide is a joint at infinity, w = 0. Empty: it is no such loop.
+        """
+        return ()
+
     @abstractmethod
     def diagram(self, motion: Any) -> Diagram:
         """Return what a picture shows in one pose."""

@@ -57,6 +57,7 @@ from fourbar_ros.mechanisms.points import (
 )
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
 from fourbar_ros.numerics.number_types import Function, NumberType
+import numpy as np
 
 # Signs of (a4 - a1 + a3 - a2, a4 - a1 - a3 + a2, a2 + a3 - a4 - a1) for the eight basic planar 4R
 # linkages: McCarthy and Soh, Geometric Design of Linkages, whose first two are exchanged here. Of
@@ -286,6 +287,13 @@ class FourBar(Mechanism):
         """Return {unit: size} of the terms of rates and accelerations, for noise bounds."""
         gain = min(1.0, self.a1 / min(self.a2, self.a3))
         return {'rad/s': gain * abs(rate), 'rad/s^2': gain * (abs(acceleration) + rate**2)}
+
+    def corners(self, motion: Any) -> tuple[tuple[Any, Any, float], ...]:
+        """Return O1, A, B, O4, homogeneous."""
+        return ((0.0, 0.0, 1.0),
+                (self.a1 * np.cos(motion.theta1), self.a1 * np.sin(motion.theta1), 1.0),
+                (self.a4 + self.a3 * np.cos(motion.theta4), self.a3 * np.sin(motion.theta4), 1.0),
+                (self.a4, 0.0, 1.0))
 
     def diagram(self, motion: Any) -> Diagram:
         """Return the :class:`Diagram` of one pose."""

@@ -266,6 +266,14 @@ class InvertedSlider(OffsetSlide):
         opposite = slide if self.input == CRANK else self.a4 / size * motion.sin_x
         return opposite / (slide * slide + aside * aside)**0.5
 
+    def corners(self, motion: Any) -> tuple[tuple[Any, Any, float], ...]:
+        """Return O1, A, B, which is at infinity, and O4, homogeneous."""
+        if self.is_driven_by_slide:
+            return ()
+        return ((0.0, 0.0, 1.0),
+                (self.a1 * np.cos(motion.theta1), self.a1 * np.sin(motion.theta1), 1.0),
+                (-np.sin(motion.theta4), np.cos(motion.theta4), 0.0), (self.a4, 0.0, 1.0))
+
     def diagram(self, motion: Any) -> Diagram:
         """
         Return the :class:`Diagram` of one pose.

@@ -254,6 +254,14 @@ class SliderCrank(OffsetSlide):
         """Return a number that is zero where the dyad is in line, at most one."""
         return motion.cos_b if self.input == CRANK else motion.sin_2
 
+    def corners(self, motion: Any) -> tuple[tuple[Any, Any, float], ...]:
+        """Return O1, A, B and O4, which is at infinity, homogeneous."""
+        if self.is_driven_by_slide:
+            return ()
+        return ((0.0, 0.0, 1.0),
+                (self.a1 * np.cos(motion.theta1), self.a1 * np.sin(motion.theta1), 1.0),
+                (motion.slide, self.offset, 1.0), (0.0, 1.0, 0.0))
+
     def diagram(self, motion: Any) -> Diagram:
         """Return the :class:`Diagram` of one pose."""
         a, b = (point_motion(self, motion, link, along).place

@@ -1,0 +1,97 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Why a rate is extreme where it is: the collineation axis of a loop of four links.
+
+The pole P13 lies where the ground line meets the coupler line, P24 where the crank line meets the
+output line. The line through both is the collineation axis; l is the angle to it from the coupler
+line. With R the rate of the output over that of the crank, at constant rate of the crank
+
+    (K1)  R' = R (1 - R) cot(l),    R'' = 0 where  d(tan l)/d(theta1) = 1 - 2 R
+
+so omega4 is extreme where the axis is square to the coupler. The first is Freudenstein's (1956).
+Joints are homogeneous, (x w, y w, w): a slide is a joint at infinity, and of a slide that is
+driven by a crank
+
+    (K2)  R' = R cot(l),    R'' = 0 where  d(tan l)/d(theta1) = 1
+
+docs/why.md derives both.
+
+>>> from math import degrees
+>>> from fourbar_ros import FourBar, find_extrema
+>>> linkage = FourBar(2.0, 6.0, 7.0, 5.0)
+>>> for extremum in find_extrema(linkage, ('omega4',), 10.0):
+...     axis = collineation_axis(linkage, linkage.motion(extremum.theta1, 10.0))
+...     print(f'{degrees(extremum.theta1):.4f} deg: {abs(degrees(axis.angle)):.6f} deg')
+2.6810 deg: 90.000000 deg
+138.9638 deg: 90.000000 deg
+"""
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.numerics.arrays import Array
+import numpy as np
+
+
+class CollineationAxis(NamedTuple):
+    """
+    The collineation axis in one pose, or in n.
+
+    Parameters
+    ----------
+    p13, p24 : ndarray, shape (3,) or (3, n)
+        The poles, homogeneous: the place over the longest link is (x/w, y/w), at infinity for
+        w = 0.
+    along, across : float or ndarray
+        The axis along the coupler line and square to it, in a common unit.
+
+    """
+
+    p13: Array
+    p24: Array
+    along: Any
+    across: Any
+
+    @property
+    def angle(self) -> Any:
+        """Return the angle l from the coupler line to the axis, in (-pi/2, pi/2] [rad]."""
+        sense = np.where(self.along < 0.0, -1.0, 1.0)
+        return np.arctan2(sense * self.across, sense * self.along)
+
+
+def collineation_axis(linkage: Mechanism, motion: Any) -> CollineationAxis:
+    """
+    Return the collineation axis of a four-bar or a slider-crank that its crank drives.
+
+    Parameters
+    ----------
+    linkage : FourBar, SliderCrank or InvertedSlider
+    motion : NamedTuple
+        Its motion, floats or arrays.
+
+    Raises
+    ------
+    InvalidParameter
+        Another mechanism, or one that its slide drives.
+
+    """
+    corners = linkage.corners(motion)
+    if not corners:
+        raise InvalidParameter('linkage', type(linkage).__name__, 'must be a four-bar or a '
+                               'slider-crank that its crank drives')
+    unit = max(map(abs, linkage.lengths))
+    o1, a, b, o4 = (np.stack(np.broadcast_arrays(x, y, unit * w, motion.theta1)[:-1])
+                    for x, y, w in corners)
+    coupler = _cross(a, b)
+    p13, p24 = _cross(_cross(o1, o4), coupler), _cross(_cross(o1, a), _cross(o4, b))
+    axis = _cross(p13, p24)
+    return CollineationAxis(p13, p24, coupler[0] * axis[0] + coupler[1] * axis[1],
+                            coupler[0] * axis[1] - coupler[1] * axis[0])
+
+
+def _cross(one: Array, other: Array) -> Array:
+    """Return the line through two points, or the point on two lines."""
+    return np.cross(one, other, axis=0)
