@@ -28,12 +28,12 @@ def _list(arguments: Namespace) -> None:
     for title, below in (('scenes', ''), ('classics', 'classics'), ('studies', 'studies')):
         table = plain_table(title, ['name', 'text'])
         for path in sorted((folder() / below).glob('*.yaml')):
-            table.add_row(path.stem, _about(path.read_text(encoding='utf-8')))
+            table.add_row(path.stem, about(path.read_text(encoding='utf-8')))
         console.print(table)
         console.print()
 
 
-def _about(text: str) -> str:
+def about(text: str) -> str:
     """Return the first sentence of the comment at the top of a scene."""
     words = []
     for line in text.splitlines():
