@@ -71,7 +71,8 @@ class Sheet:
         def room(at: Array) -> tuple[bool, float]:
             is_free = all((np.abs(at - other) >= half + its).any() for other, its in self.labels)
             is_inside = (np.abs(at - self.middle) <= self.half - half).all()
-            return bool(is_free and is_inside), min(enough, np.hypot(*np.moveaxis(taken - (at + reach), -1, 0)).min())
+            gap = np.hypot(*np.moveaxis(taken - (at + reach), -1, 0)).min()
+            return bool(is_free and is_inside), min(enough, gap)
 
         best = max(places, key=room)
         self.axes.text(*best, f'${text}$', ha='center', va='center', color=color, zorder=8,
