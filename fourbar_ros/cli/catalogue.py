@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
+import re
 
 from fourbar_ros.cli.common import add_verb, Verbs
 
@@ -40,4 +41,4 @@ def about(text: str) -> str:
         if not line.startswith('#'):
             break
         words.append(line.lstrip('# '))
-    return ' '.join(words).split('. ')[0].rstrip('.')
+    return re.split(r'(?<=\S)\. ', ' '.join(words))[0].rstrip('.')      # not the dot of a product

@@ -250,16 +250,17 @@ def test_the_pads_of_a_gripper_stay_parallel():
     for side in ('left', 'right'):
         close(np.exp(1j * getattr(motion, f'theta_{side}_finger')), -1.0, 64)
         close(getattr(motion, f'omega_{side}_finger'), 0.0, 256, 2.0)
-    # the pin is 0.06 from the nut and 0.02 from the pivot; the knuckle is three times as long
+    # the pin is 0.06 from the nut and 0.02 from the pivot; the tip of the knuckle is fixed to it
     pivot = 0.015j
     pin = circles(s + 0j, 0.06, pivot, 0.02, 1)
-    pad = pivot + 3.0 * (pin - pivot) + 0.03 - 0.04j
+    knuckle = (pin - pivot) / 0.02 * (0.036 - 0.048j)
+    pad = pivot + knuckle + 0.03 - 0.04j
     close(left.x + 1j * left.y, pad, 256)
     close(right.x + 1j * right.y, pad.conj(), 256)
     # force times way of the nut = twice 20 N times way of a pad, without the weight of rods
     light = replace(machine, bodies={})
     turn = (pin - s).real / (1j * (pin - pivot) * (pin - s).conj()).real       # per way of the nut
-    rise = 3.0 * turn * (pin - pivot).real
+    rise = turn * knuckle.real
     close(light.loads(s).driving_force, -2.0 * 20.0 * rise, 1e4, 40.0)
 
 
