@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
+import re
 
 from fourbar_ros.cli.common import add_verb, Verbs
 
@@ -28,16 +29,16 @@ def _list(arguments: Namespace) -> None:
     for title, below in (('scenes', ''), ('classics', 'classics'), ('studies', 'studies')):
         table = plain_table(title, ['name', 'text'])
         for path in sorted((folder() / below).glob('*.yaml')):
-            table.add_row(path.stem, _about(path.read_text(encoding='utf-8')))
+            table.add_row(path.stem, about(path.read_text(encoding='utf-8')))
         console.print(table)
         console.print()
 
 
-def _about(text: str) -> str:
+def about(text: str) -> str:
     """Return the first sentence of the comment at the top of a scene."""
     words = []
     for line in text.splitlines():
         if not line.startswith('#'):
             break
         words.append(line.lstrip('# '))
-    return ' '.join(words).split('. ')[0].rstrip('.')
+    return re.split(r'(?<=\S)\. ', ' '.join(words))[0].rstrip('.')      # not the dot of a product

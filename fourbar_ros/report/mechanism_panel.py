@@ -3,7 +3,7 @@
 """A mechanism in a pose on paper: links, bodies, points, joint forces, angles, torque."""
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from math import pi, remainder
 import re
 from typing import NamedTuple, TYPE_CHECKING
@@ -101,8 +101,7 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedTuple,
         sheet.label(text, free, ANGLE)
     for name, at in labels.joints.items():
         sheet.label(renamed(name, names), sheet.around(at), 'k')
-    for arm in arms:
-        sheet.label(rf'\mathrm{{{arm.name}}}', sheet.around(arm.end), POINT)
+    _label_points(sheet, arms)
     for force in forces:
         sheet.label(labels.forces[force.name],
                     sheet.around(force.place + force.vector, force.vector), FORCE)
@@ -111,6 +110,32 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedTuple,
         sheet.scale('N', ARROW * size / longest, 0.5)
     sheet.write(load_lines(loads, labels, [force.name for force in forces]) if loads else [],
                 motion_lines(mechanism, motion, unit))
+
+
+def draw_plainly(axes: Axes, mechanism: Mechanism, motion: NamedTuple, points: Points,
+                 paths: Sequence[Array]) -> None:
+    """Draw links, joints, points, and paths of shape (n, 2) [m]; neither angles nor forces."""
+    diagram, parts = mechanism.diagram(motion), picture(mechanism, motion, points)
+    arms, places = of_kind(Arm, parts), np.array(list(diagram.joints.values()))
+    ends = [*places, *(end for bar in diagram.bars for end in bar[:2]), *(arm.end for arm in arms),
+            *np.concatenate([np.empty((0, 2)), *paths])]
+    ends = [end for end in ends if np.isfinite(end).all()]
+    size = max(np.ptp(np.array(ends), axis=0))
+    below = [at - (0.0, 0.06 * size) for at in places]
+    guides = [block.place + share * size * np.asarray(block.direction)
+              for block in diagram.blocks if block.is_guided for share in (-0.17, 0.17)]
+    sheet = Sheet(axes, [*ends, *below, *guides], '')
+    for path in paths:
+        axes.plot(*path.T, color=POINT, lw=0.9, zorder=1.5)
+        sheet.taken.extend(path[np.isfinite(path).all(axis=1)])
+    for extension in _extensions(mechanism, motion, points, {}, diagram.drawn_whole):
+        _draw(sheet, extension)
+    for part in parts:
+        _draw(sheet, part)
+    for name, at in labels_of(diagram).joints.items():
+        sheet.label(name, sheet.around(at), 'k')
+    _label_points(sheet, arms)
+    sheet.scale('m')
 
 
 # --- what is drawn -------------------------------------------------------------------------------
@@ -155,7 +180,7 @@ def _draw(sheet: Sheet, part: Primitive) -> None:
     elif isinstance(part, Arm):
         axes.plot(*zip(part.foot, part.end), color=POINT, lw=0.9, ls=(0, (4, 2)), zorder=4)
         axes.plot(*part.end, 's', ms=4.5, color=POINT, zorder=7)
-        sheet.occupy(part.end, part.end)
+        sheet.occupy(part.foot, part.end)
     elif isinstance(part, Joint):
         axes.plot(*part.place, 'o', ms=5, mfc='w', mec='k', zorder=7)
     else:
@@ -168,6 +193,12 @@ def _draw(sheet: Sheet, part: Primitive) -> None:
         if ground is not None:
             axes.plot(*ground.T, color='k', lw=1.4, zorder=2 if is_block else 1)
             sheet.occupy(*ground)
+
+
+def _label_points(sheet: Sheet, arms: Iterable[Arm]) -> None:
+    for arm in arms:
+        name = arm.name.replace('_', r'\_')
+        sheet.label(rf'\mathrm{{{name}}}', sheet.around(arm.end), POINT)
 
 
 def _draw_centre(sheet: Sheet, at: Array) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import floor, hypot, log10
+import re
 from typing import TYPE_CHECKING
 
 from fourbar_ros.numerics.arrays import Array
@@ -35,6 +36,7 @@ class Sheet:
         self.inch = max((high - low) / (width - 0.9, height - 1.15)) or 1.0
         middle = 0.5 * (low + high) - (0.0, 0.12 * self.inch)
         half = 0.5 * self.inch * np.array([width, height])
+        self.middle, self.half = middle, half
         self.axes, self.left, self.bottom = axes, middle[0] - half[0], middle[1] - half[1]
         axes.set(xlim=(self.left, middle[0] + half[0]), ylim=(self.bottom, middle[1] + half[1]),
                  aspect='equal')
@@ -42,6 +44,7 @@ class Sheet:
         axes.set_title(title, loc='left', fontsize=12, fontweight='bold')
         self.width = 2.0 * half[0]
         self.taken: list[Array] = []
+        self.labels: list[tuple[Array, Array]] = []      # middles, halves of width and height
 
     def occupy(self, start: Array, end: Array) -> None:
         """Keep labels off a line."""
@@ -58,22 +61,31 @@ class Sheet:
 
     def label(self, text: str, places: Sequence[Array], color: str) -> None:
         """Write a label at the first of several places that is free, or else the freest."""
-        letters = len(text.replace('\\', '').translate(str.maketrans('', '', '_^{}')))
+        plain = re.sub(r'\\[a-z]+', 'x', text.replace(r'\mathrm', '').replace(r'\_', '-'))
+        letters = len(plain.translate(str.maketrans('', '', '_^{}')))
+        half = self.inch * np.array([0.02 + 0.045 * letters, 0.1])
         reach = np.array([[x * 0.045 * letters * self.inch, 0.0]
                           for x in (-1.0, -0.5, 0.0, 0.5, 1.0)])
         taken, enough = np.array(self.taken)[:, None, :], 0.13 * self.inch
-        best = (max(places, key=lambda at: min(enough, np.hypot(*np.moveaxis(taken - (at + reach),
-                                                                             -1, 0)).min())))
+
+        def room(at: Array) -> tuple[bool, float]:
+            is_free = all((np.abs(at - other) >= half + its).any() for other, its in self.labels)
+            is_inside = (np.abs(at - self.middle) <= self.half - half).all()
+            gap = np.hypot(*np.moveaxis(taken - (at + reach), -1, 0)).min()
+            return bool(is_free and is_inside), min(enough, gap)
+
+        best = max(places, key=room)
         self.axes.text(*best, f'${text}$', ha='center', va='center', color=color, zorder=8,
                        fontsize=12)
         self.taken.extend(best + reach)
+        self.labels.append((best, half))
 
     def around(self, at: Array, towards: Sequence[float] | Array = (0.0, 1.0)) -> list[Array]:
         """Return places for the label of a point, the first in this direction."""
         first = np.arctan2(towards[1], towards[0])
         turns = [first + side * step * np.pi / 12.0 for step in range(13) for side in (1.0, -1.0)]
         return [at + distance * self.inch * np.array([np.cos(turn), np.sin(turn)])
-                for distance in (0.2, 0.27, 0.35) for turn in turns]
+                for distance in (0.2, 0.27, 0.35, 0.45) for turn in turns]
 
     def beside(self, start: Array, vector: Array) -> list[Array]:
         """Return places for the label of an arrow."""

@@ -91,7 +91,7 @@ class SimulatedScene(NamedTuple):
         """Return (name, unit, values) of loads, the forces of elements among them."""
         from fourbar_ros.mechanisms.quantities import known
         run, linkage = self.run, self.scene.linkage
-        quantities = known(type(linkage), linkage.input)
+        quantities = known(linkage, linkage.input)
         return [(name, quantities[name].unit, values)
                 for name, values in run.loads._asdict().items() if name in quantities]
 

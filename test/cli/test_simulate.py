@@ -25,6 +25,14 @@ def test_the_summary_of_a_motor(capsys):
     assert 'energy constant within' in said and 'shaking_force' in said
 
 
+def test_a_machine_is_simulated_with_its_loads(capsys):
+    assert main(['simulate', 'door_closer', '--until', '6', '--tolerance', '1e-7']) == 0
+    said = capsys.readouterr().out
+    assert 'reached the end: ' in said and 'arms_first' in said
+    end = float(said.partition('the input is at ')[2].split()[0])
+    assert 0.0 < end < 0.1 * 1.5            # the door closes, and damped so much does not swing
+
+
 @pytest.mark.parametrize(('arguments', 'code', 'why'), [
     (['paper', '--until', '1'], 1, 'nothing to simulate: must be torque or motor'),
     (['motor', '--until', '1', '--torque', '3'], 1, 'drive.source: torque'),

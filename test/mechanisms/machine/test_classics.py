@@ -46,7 +46,7 @@ def close(found, wanted, times=16.0, size=1.0):
 
 
 def test_scenes_are_short_and_found_by_their_names():
-    assert len(SCENES) == 16
+    assert len(SCENES) == 20
     for name, file in SCENES.items():
         lines = file.read_text(encoding='utf-8').splitlines()
         assert len(lines) <= 25 and lines[0].startswith('# '), name
@@ -209,6 +209,19 @@ def test_evans_nearly_draws_the_y_axis():
     assert np.abs(point.x).max() < 1.5e-4
 
 
+def test_hoeken_draws_four_cranks_of_a_line_in_half_a_turn():
+    theta = np.linspace(0.5 * pi, 1.5 * pi, 181)
+    one, other = four_bar(theta, 0.1, 0.25, 0.2, 0.25, 1)
+    point = traced('hoeken', theta, rate=2.0)
+    close(point.x + 1j * point.y, 2.0 * other - one, 64)
+    close(point.x[[0, 90, -1]], np.array([0.4, 0.2, 0.0]), 64)      # on the line y = 4 cranks
+    close(point.y[[0, 90, -1]], 0.4, 64)
+    assert 0.8e-3 < np.abs(point.y - 0.4).max() < 1e-3              # over 0.4 m
+    mean = 0.4 / (0.5 * pi)                                         # in half a turn at 2 rad/s
+    middle = np.abs(theta - pi) < 0.35 * pi
+    assert np.abs(-point.velocity_x[middle] / mean - 1.0).max() < 0.15
+
+
 # --- legs, presses, pumps, engines ---------------------------------------------------------------
 
 def test_klann_walks():
@@ -227,6 +240,73 @@ def test_klann_walks():
     assert np.ptp(point.x[stands]) > 0.85 * np.ptp(point.x)
     assert abs(np.sign(point.velocity_x[stands]).mean()) > 0.7       # it goes one way
     assert (stands & ~np.roll(stands, 1)).sum() == 1       # one step a turn
+
+
+def test_the_pads_of_a_gripper_stay_parallel():
+    machine, points = machine_of('gripper'), load_scene(SCENES['gripper']).points
+    s = np.linspace(*machine.input_ranges[0], 84)
+    motion, loads = machine.step(s, 0.01)
+    left, right = (point_motion(machine, motion, *points[name]) for name in ('left', 'right'))
+    for side in ('left', 'right'):
+        close(np.exp(1j * getattr(motion, f'theta_{side}_finger')), -1.0, 64)
+        close(getattr(motion, f'omega_{side}_finger'), 0.0, 256, 2.0)
+    # the pin is 0.06 from the nut and 0.02 from the pivot; the tip of the knuckle is fixed to it
+    pivot = 0.015j
+    pin = circles(s + 0j, 0.06, pivot, 0.02, 1)
+    knuckle = (pin - pivot) / 0.02 * (0.036 - 0.048j)
+    pad = pivot + knuckle + 0.03 - 0.04j
+    close(left.x + 1j * left.y, pad, 256)
+    close(right.x + 1j * right.y, pad.conj(), 256)
+    # force times way of the nut = twice 20 N times way of a pad, without the weight of rods
+    light = replace(machine, bodies={})
+    turn = (pin - s).real / (1j * (pin - pivot) * (pin - s).conj()).real       # per way of the nut
+    rise = turn * knuckle.real
+    close(light.loads(s).driving_force, -2.0 * 20.0 * rise, 1e4, 40.0)
+
+
+def test_the_arms_of_a_door_closer():
+    machine = machine_of('door_closer')
+    spindle, frame, arm, forearm = 0.2 + 0.05j, 0.4 + 0.05j, 0.24, 0.32
+    # it opens until the arms are in line
+    r, d = abs(spindle), abs(frame)
+    between = np.arccos((r * r + d * d - (arm + forearm)**2) / (2.0 * r * d))
+    wide = between + np.angle(frame) - np.angle(spindle)
+    assert max(machine.input_ranges[0]) == pytest.approx(wide, abs=1e-12)
+    theta = np.linspace(0.0, 0.5 * pi, 91)
+    motion = machine.motion(theta, 1.0)
+    at = spindle * np.exp(1j * theta)
+    elbow = circles(at, arm, frame, forearm, 1)
+    # speeds along the forearm: of the spindle with the door, and of the elbow about the spindle
+    along = elbow - frame
+    ratio = -((1j * at) * along.conj()).real / ((1j * (elbow - at)) * along.conj()).real
+    close(motion.omega_arm, ratio, 256, 2.0)
+    leverage = np.abs(motion.omega_arm - 1.0)       # of the spring's moment on the door
+    assert leverage.max() == leverage[:15].max() > 1.4 * leverage[-1]       # it latches
+
+
+def test_a_wiper_swings_without_a_toggle():
+    machine, points = machine_of('wiper'), load_scene(SCENES['wiper']).points
+    assert machine.turns_fully
+    a, b, c, d = 0.045, 0.25, 0.06, np.hypot(0.25, 0.06)
+
+    def at_the_pivot(reach):            # crank and rod in line
+        return np.arccos((d * d + c * c - reach * reach) / (2.0 * d * c))
+    swing = at_the_pivot(b + a) - at_the_pivot(b - a)
+    for lever in ('left_lever', 'right_lever'):
+        found = [e.value for e in find_extrema(machine, (f'theta_{lever}',))]
+        assert max(found) - min(found) == pytest.approx(swing, abs=64 * EPS)
+    assert 95.0 < np.degrees(swing) < 105.0
+    # the least transmission angle is where the crank is in line with the ground
+    least = min(np.arccos(np.clip((b * b + c * c - reach * reach) / (2.0 * b * c), -1.0, 1.0))
+                if reach < d else pi - np.arccos((b * b + c * c - reach * reach) / (2.0 * b * c))
+                for reach in (d - a, d + a))
+    motion = machine.motion(TURN)
+    sine = np.sin(motion.theta_left_lever - motion.theta_rod)
+    assert np.abs(sine).min() == pytest.approx(np.sin(least), rel=1e-3)
+    assert np.degrees(least) > 30.0
+    left, right = (point_motion(machine, motion, *points[name]) for name in ('left', 'right'))
+    close(right.x - left.x, 0.5, 256)
+    close(right.y, left.y, 256)
 
 
 def test_a_toggle_press_has_no_bound():

@@ -1,0 +1,90 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The examples run as they are, each in a process and a folder of its own."""
+import importlib.util
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+from support import bags, ROOT
+from support.scenes import PAPER, RODS
+
+EXAMPLES = ROOT / 'examples'
+NEEDS = {'loads_plot': ['matplotlib'], 'balancing': ['scipy'], 'study': ['scipy', 'pyarrow'],
+         'motor_start': ['scipy'], 'proof': ['scipy'], 'live_page': ['nicegui'],
+         'bag_to_dataframe': ['mcap']}
+FIRST = {'extrema', 'six_bar', 'batch', 'bag_to_dataframe'}         # the others are slow
+# a line of each, of the documents or of another way to the same
+SAID = {
+    'extrema': r'alpha4 +maximum +1062\.775829 rad/s\^2',           # Hayes, Hninn and Irani
+    'loads_plot': r'loads\.png',
+    'six_bar': r'swings through \d+\.\d+ deg',
+    'motor_start': r'reached the end',
+    'balancing': r'force +rms +\S+ -> +0\.000',
+    'study': r'row \d+: linkage\.a1',
+    'bag_to_dataframe': r'shaking_force',
+    'batch': r'largest rate of 1000000 samples 13\.51343',
+    'live_page': r'http://127\.0\.0\.1:\d+.*\nended with',
+    'proof': r'exact count\n(.*\n)+period 1\.64314493083',
+}
+PANDAS = '''
+class DataFrame:
+    def __init__(self, columns):
+        self.columns = columns
+    def head(self):
+        return {name: values[:5] for name, values in self.columns.items()}
+    def to_csv(self, path, index):
+        rows = zip(*self.columns.values(), strict=True)
+        lines = [','.join(self.columns), *(','.join(map(str, row)) for row in rows)]
+        open(path, 'w').write('\\n'.join(lines))
+'''
+
+
+def run(name, folder, *arguments):
+    """Return what an example prints."""
+    ours = {name: value for name, value in os.environ.items()
+            if not name.startswith('PYTEST')}        # nicegui takes it for a test of its own
+    environment = {**ours, 'PYTHONPATH': os.pathsep.join(
+        [str(folder), str(ROOT), os.environ.get('PYTHONPATH', '')])}
+    done = subprocess.run([sys.executable, str(EXAMPLES / f'{name}.py'), *arguments], cwd=folder,
+                          env=environment, stdin=subprocess.DEVNULL, capture_output=True,
+                          text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_there_are_ten_short_ones_that_say_what_one_sees():
+    files = {file.stem: file for file in EXAMPLES.glob('*.py')}
+    assert set(files) == set(SAID)
+    readme = (EXAMPLES / 'README.md').read_text(encoding='utf-8')
+    for name, file in files.items():
+        text = file.read_text(encoding='utf-8')
+        assert len(text.splitlines()) < 40, name
+        summary, _, see = text.split('"""')[1].strip().partition('\n\n')
+        assert '\n' not in summary and see.startswith('You see ') or 'holds all' in see, name
+        assert f'({name}.py)' in readme
+        for module in re.findall(r'^from (fourbar_\S+)', text, re.M):
+            assert module in ('fourbar_ros', 'fourbar_ros.machine', 'fourbar_ros.dynamics',
+                              'fourbar_ros.bag', 'fourbar_lab.studies', 'fourbar_lab.balancing')
+
+
+@pytest.mark.parametrize('name', [
+    pytest.param(name, marks=[pytest.mark.slow] * (name not in FIRST)) for name in SAID])
+def test_an_example_runs(name, tmp_path):
+    for module in NEEDS.get(name, ()):
+        pytest.importorskip(module)
+    arguments = []
+    if name == 'bag_to_dataframe':
+        bags.run(tmp_path / 'bags', 'run', {**PAPER, **RODS, 'outputs': ['state', 'loads']},
+                 [(0.01 * k, 25.0, 0.0) for k in range(1, 30)])
+        arguments = [str(tmp_path / 'bags' / 'run')]
+        if importlib.util.find_spec('pandas') is None:       # no package of ours needs it
+            (tmp_path / 'pandas.py').write_text(PANDAS)
+    assert re.search(SAID[name], run(name, tmp_path, *arguments))
+    written = {'loads_plot': 'loads.png', 'bag_to_dataframe': 'loads.csv'}.get(name)
+    if written:
+        assert (tmp_path / written).stat().st_size > 1000
+    if name == 'bag_to_dataframe':
+        assert len((tmp_path / written).read_text().splitlines()) == 30
