@@ -14,7 +14,7 @@ from timeit import repeat
 from typing import Any, TYPE_CHECKING
 from xml.etree import ElementTree
 
-from fourbar_ros.cli.common import SCENE_HELP, Verbs
+from fourbar_ros.cli.common import SCENE_HELP, Verbs, warn
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import FIND_EXTREMA, SERVICES
 
@@ -74,6 +74,7 @@ def _check(arguments: Namespace) -> None:
     for part in (_outputs_table(scene), _changed_table(scene), _cost_in_words(scene)):
         console.print()
         console.print(part)
+    warn(scene)
 
 
 def _leaves_the_range(linkage: Mechanism, drive: DriveSettings) -> str:

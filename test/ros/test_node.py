@@ -304,10 +304,10 @@ BAD_SCENES = [
     ({'outputs': ['state', 'torque']}, "outputs = 'torque'"),
     ({'outputs': ['loads']}, 'bodies.crank.mass'),
     ({'bodies.crank.mass': 1.0}, 'bodies.crank.inertia'),
-    ({'linkage.a5': 1.0}, 'linkage.a5 = 1.0: unknown parameter; did you mean linkage.a'),
+    ({'linkage.a5': 1.0}, 'linkage.a5 = 1.0: unknown parameter; linkage has kind, '),
     ({'drive.rate': 0.0}, 'drive.rate = 0.0'),
     ({'drive.source': 'joint_state'}, 'drive.joint'),
-    ({'drive.speed': 'fast'}, "drive.speed = 'fast': must be a double"),
+    ({'drive.speed': 'fast'}, "drive.speed = 'fast': must be a number in rad/s or m/s"),
 ]
 
 
