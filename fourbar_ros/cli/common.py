@@ -69,6 +69,19 @@ def add_verb(verbs: Verbs, name: str, text: str, description: str, epilog: str =
                             formatter_class=HelpFormatter)
 
 
+def add_scene(parser: argparse.ArgumentParser) -> None:
+    """Add the scene, of which a shell completes names and files."""
+    scene: Any = parser.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    scene.completer = _scenes           # an attribute that argcomplete looks for
+
+
+def _scenes(prefix: str, **_: object) -> list[str]:
+    """Return the names of shipped scenes and the files that a shell may complete."""
+    from argcomplete.completers import FilesCompleter
+    from fourbar_ros.scene.files import shipped
+    return [*shipped(), *FilesCompleter(('yaml', 'yml'))(prefix)]
+
+
 def add_pose(parser: argparse.ArgumentParser, what_at: str, is_required: bool = False) -> None:
     """Add the arguments for input, speed, acceleration and assembly mode."""
     parser.add_argument('--at', type=of('angle', 'length'), required=is_required, metavar='INPUT',

@@ -6,7 +6,7 @@ from __future__ import annotations
 from argparse import Namespace
 from typing import TYPE_CHECKING
 
-from fourbar_ros.cli.common import add_pose, add_verb, PICTURE_HELP, SCENE_HELP, Verbs
+from fourbar_ros.cli.common import add_pose, add_scene, add_verb, PICTURE_HELP, Verbs
 
 if TYPE_CHECKING:      # verbs import when they run
     from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -29,7 +29,7 @@ def add(verbs: Verbs) -> None:
                                    'acceleration polygons',
                     'Draw the linkage with its joint forces and its velocity and acceleration '
                     'polygons, to scale.\nRequires matplotlib.', EPILOG)
-    draw.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    add_scene(draw)
     add_pose(draw, 'input angle [degrees], or slide [m]')
     draw.add_argument('--animate', action='store_true',
                       help='instead of one pose: a cycle, as .gif, or as .mp4 if ffmpeg is there')

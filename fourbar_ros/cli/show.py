@@ -7,7 +7,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from fourbar_ros.cli.common import add_pose, add_verb, bar, json_line, SCENE_HELP, Verbs, warn
+from fourbar_ros.cli.common import add_pose, add_scene, add_verb, bar, json_line, Verbs, warn
 from fourbar_ros.scene.arguments import positive
 
 if TYPE_CHECKING:      # verbs import when they run
@@ -34,7 +34,7 @@ def add(verbs: Verbs) -> None:
                     'Show Grashof class, input range, transmission angle, all extrema of motion '
                     'and (with masses) of\nloads over the input at constant speed, and optionally '
                     'the state at one input.', EPILOG)
-    show.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    add_scene(show)
     add_pose(show, 'also show state and loads at this input angle [degrees], or slide [m]')
     show.add_argument('--certify', action='store_true',
                       help='also prove that no extremum inside the input range is missing, and '

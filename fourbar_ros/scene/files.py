@@ -61,12 +61,17 @@ def find(name: str | Path, among: Path | None = None) -> Path:
     path = Path(name)
     if path.exists() or path.parent != Path('.') or path.suffix:
         return path
-    places = [among] if among else [folder() / 'classics', folder()]
-    shipped = {file.stem: file for place in places for file in sorted(place.glob('*.yaml'))}
-    if str(name) in shipped:
-        return shipped[str(name)]
-    known = sorted(shipped)
+    files = shipped(among)
+    if str(name) in files:
+        return files[str(name)]
+    known = sorted(files)
     raise SceneError(f'{name}: neither a file nor the name of a scene{nearest(str(name), known)}')
+
+
+def shipped(among: Path | None = None) -> dict[str, Path]:
+    """Return {name: file} of the supplied scenes; ``among``: those of a folder."""
+    places = [among] if among else [folder() / 'classics', folder()]
+    return {file.stem: file for place in places for file in sorted(place.glob('*.yaml'))}
 
 
 def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
