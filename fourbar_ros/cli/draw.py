@@ -42,9 +42,11 @@ def add(verbs: Verbs) -> None:
 
 def _draw(arguments: Namespace) -> None:
     from fourbar_ros.errors import InvalidParameter
+    from fourbar_ros.report.poses import position_of, require_units
     from fourbar_ros.scene.scene import load
     scene = load(arguments.scene)
     linkage = scene.in_mode(arguments.mode)
+    require_units(linkage, arguments.at, arguments.speed, arguments.acceleration)
     speed = scene.drive.speed if arguments.speed is None else arguments.speed
     points = {name: (point.link, point.along, point.across)
               for name, point in scene.points.items()}
@@ -61,7 +63,6 @@ def _draw(arguments: Namespace) -> None:
     elif arguments.at is None:
         raise InvalidParameter('--at', None, 'must be given, or --animate, or --over')
     else:
-        from fourbar_ros.report.poses import position_of
         here = scene.linkage_at(linkage, position_of(linkage, arguments.at), speed)
         _draw_pose(arguments, here, speed, points)
 
