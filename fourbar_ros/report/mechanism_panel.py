@@ -155,7 +155,7 @@ def _draw(sheet: Sheet, part: Primitive) -> None:
     elif isinstance(part, Arm):
         axes.plot(*zip(part.foot, part.end), color=POINT, lw=0.9, ls=(0, (4, 2)), zorder=4)
         axes.plot(*part.end, 's', ms=4.5, color=POINT, zorder=7)
-        sheet.occupy(part.end, part.end)
+        sheet.occupy(part.foot, part.end)
     elif isinstance(part, Joint):
         axes.plot(*part.place, 'o', ms=5, mfc='w', mec='k', zorder=7)
     else:
@@ -197,7 +197,7 @@ def _draw_angles(sheet: Sheet, motion: NamedTuple, diagram: Diagram
             sheet.occupy(point, point)
         directions = list(_directions(angle * np.array([0.5, 0.35, 0.65, 0.8, 0.2])))
         places = [at + out * radius * direction for out in (1.5, 1.8, 2.1)
-                  for direction in directions]
+                  for direction in directions] + sheet.around(at, directions[0])
         found.append((symbol_of(name), places))
     return found
 
