@@ -43,6 +43,7 @@ def test_the_start_of_a_slide_is_no_angle_and_links_of_machines_have_names():
     assert line.startswith('dyads.two.length_1 = 20 m: did you mean 0.02?')
 
 
+@pytest.mark.slow
 def test_of_all_shipped_scenes_one_is_in_numbers_without_a_unit():
     """Example 7.6 of the slides has lengths 8, 14, 9, 17 of no unit."""
     named = {path.stem for below in ('.', 'classics') for path in (folder() / below).glob('*.yaml')
