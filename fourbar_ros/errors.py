@@ -6,18 +6,34 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+LINE = 100        # characters of a list of names in a message of one line
+
 
 def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str:
     """
     Return what to add to a message about an unknown name.
 
-    The nearest known one, or all of them.
+    The nearest known one, or all of them, or of many the nearest few.
     """
     from difflib import get_close_matches
 
     known = list(known)
     close = get_close_matches(name, known, 1, cutoff)
-    return f'; did you mean {close[0]}?' if close else f'; known: {", ".join(known)}'
+    if close:
+        return f'; did you mean {close[0]}?'
+    if len(', '.join(known)) <= LINE:
+        return f'; known: {", ".join(known)}'
+    return f'; nearest: {", ".join(get_close_matches(name, known, 3, 0.0))}'
+
+
+def one_of(choices: Iterable[str], given: object = '', some: bool = False) -> str:
+    """Return what must be given, as text: all choices, of many the nearest to what was given."""
+    choices = [choice or "''" for choice in choices]
+    text = ', '.join(choices)
+    which = 'some' if some else 'one'
+    if len(text) <= LINE:
+        return f'must be {which} of {text}'
+    return f'must be {which} of {len(choices)} words{nearest(str(given), choices)}'
 
 
 class FourBarError(Exception):

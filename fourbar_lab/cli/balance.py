@@ -7,7 +7,7 @@ import argparse
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from fourbar_ros.cli.common import add_verb, PICTURE_HELP, SCENE_HELP, Verbs
+from fourbar_ros.cli.common import add_scene, add_verb, PICTURE_HELP, Verbs
 from fourbar_ros.scene.arguments import not_negative, positive, positive_integer
 
 if TYPE_CHECKING:      # verbs import when they run
@@ -38,7 +38,7 @@ def add(verbs: Verbs) -> None:
     """Add the verb."""
     verb = add_verb(verbs, 'balance', 'find counterweights for a scene, with a proof of how good',
                     DESCRIPTION, EPILOG)
-    verb.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    add_scene(verb)
     verb.add_argument('--minimize', nargs='+', metavar='LOAD',
                       help='force, moment, torque or a joint reaction, as f21; if several, each '
                            'counts relative to its value before balancing')

@@ -13,7 +13,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from fourbar_lab.studies.measures import Measures, Searched
-from fourbar_ros.mechanics.bodies import Applied, Body, rod_numbers, unchecked
+from fourbar_ros.mechanics.bodies import Applied, bar_numbers, Body, rod_numbers, unchecked
 from fourbar_ros.mechanisms.contract import Constants
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
@@ -33,6 +33,10 @@ class _Columns(Bodies):
     @staticmethod
     def rod(length: Values, density: Values, radius: Values) -> Body:
         return unchecked(Body, *rod_numbers(length, density, radius))
+
+    @staticmethod
+    def bar(length: Values, density: Values, width: Values, thickness: Values) -> Body:
+        return unchecked(Body, *bar_numbers(length, density, width, thickness))
 
 
 def is_machine(scene: Scene) -> bool:

@@ -19,6 +19,7 @@ from fourbar_ros.cli.common import (
     BAD,
     BAG_HELP,
     bar,
+    json_line,
     PICTURE_HELP,
     reading,
     Verbs,
@@ -101,7 +102,7 @@ def _run(arguments: Namespace, work: Callable[..., Result], text: str, report: R
             results = each(work, bags, arguments.jobs, step)
     good = [result for result in results if not isinstance(result, BagError)]
     if arguments.json:
-        from fourbar_ros.cli.bag_report import json_line, json_of_error
+        from fourbar_ros.cli.bag_report import json_of_error
         for bag, result in zip(bags, results):
             print(json_line(json_of_error(bag, result) if isinstance(result, BagError)
                             else report.to_json(bag, result)))
@@ -269,7 +270,7 @@ def _add_diff(actions: Verbs) -> None:
 
 def _diff(arguments: Namespace) -> int:
     from fourbar_ros.bag.comparison.diff import diff
-    from fourbar_ros.cli.bag_report import diff_table, json_line, json_of_diff
+    from fourbar_ros.cli.bag_report import diff_table, json_of_diff
     with reading(arguments.first, 'comparing topic by topic') as step:
         found = diff(arguments.first, arguments.second, arguments.topics, step)
     if arguments.json:

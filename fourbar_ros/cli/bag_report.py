@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from datetime import datetime
-import json
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -136,19 +134,6 @@ def diff_table(found: Sequence[TopicDiff], tolerance: float) -> PlainTable:
 
 
 # --- JSON ----------------------------------------------------------------------------------------
-
-def json_line(found: dict[str, Any]) -> str:
-    """Return a dict as one line of JSON; what is not finite is text: "inf", "nan"."""
-    return json.dumps(_plain(found), allow_nan=False)
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
-    return str(value) if isinstance(value, float) and not isfinite(value) else value
-
 
 def json_of_error(bag: str | Path, error: BaseException) -> dict[str, Any]:
     """Return the dict of a bag that could not be read."""

@@ -7,12 +7,19 @@ import argparse
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import groupby
+import json
+from math import isfinite
 from pathlib import Path
+import sys
 from textwrap import wrap
-from typing import Any, Protocol
+from typing import Any, Protocol, TYPE_CHECKING
 
 from fourbar_ros.scene.arguments import not_negative
+from fourbar_ros.scene.parameter_table import MODES
 from fourbar_ros.scene.units import of
+
+if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_ros.scene.scene import Scene
 
 
 class Verbs(Protocol):
@@ -62,6 +69,19 @@ def add_verb(verbs: Verbs, name: str, text: str, description: str, epilog: str =
                             formatter_class=HelpFormatter)
 
 
+def add_scene(parser: argparse.ArgumentParser) -> None:
+    """Add the scene, of which a shell completes names and files."""
+    scene: Any = parser.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    scene.completer = _scenes           # an attribute that argcomplete looks for
+
+
+def _scenes(prefix: str, **_: object) -> list[str]:
+    """Return the names of shipped scenes and the files that a shell may complete."""
+    from argcomplete.completers import FilesCompleter
+    from fourbar_ros.scene.files import shipped
+    return [*shipped(), *FilesCompleter(('yaml', 'yml'))(prefix)]
+
+
 def add_pose(parser: argparse.ArgumentParser, what_at: str, is_required: bool = False) -> None:
     """Add the arguments for input, speed, acceleration and assembly mode."""
     parser.add_argument('--at', type=of('angle', 'length'), required=is_required, metavar='INPUT',
@@ -83,7 +103,7 @@ def add_rates(parser: argparse.ArgumentParser) -> None:
 
 def assembly_mode(text: str) -> int:
     """Return an assembly mode of its number or name; for ``type=`` of an argument."""
-    modes = {'1': 1, '2': 2, 'crossed': 1, 'open': 2}
+    modes = {**MODES, **{str(mode): mode for mode in MODES.values()}}
     if text not in modes:
         raise argparse.ArgumentTypeError(f'{text!r}: must be 1 or crossed, 2 or open')
     return modes[text]
@@ -110,6 +130,27 @@ def add_tolerance(parser: argparse.ArgumentParser, when: str = '') -> None:
 def add_topics(parser: argparse.ArgumentParser, text: str) -> None:
     """Add ``--topics``."""
     parser.add_argument('--topics', nargs='+', metavar='TOPIC', help=text)
+
+
+def warn(scene: Scene) -> None:
+    """Say on stderr what is hardly meant in a scene, a line each; after all that is printed."""
+    from fourbar_ros.scene.plausible import warnings_of
+    sys.stdout.flush()
+    for warning in warnings_of(scene):
+        print(f'fourbar: warning: {warning}', file=sys.stderr)
+
+
+def json_line(found: dict[str, Any]) -> str:
+    """Return a dict as one line of JSON; what is not finite is text: "inf", "nan"."""
+    return json.dumps(_plain(found), allow_nan=False)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    return str(value) if isinstance(value, float) and not isfinite(value) else value
 
 
 @contextmanager

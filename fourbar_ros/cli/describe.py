@@ -7,7 +7,7 @@ from argparse import Namespace
 from pathlib import Path
 import sys
 
-from fourbar_ros.cli.common import add_verb, SCENE_HELP, Verbs
+from fourbar_ros.cli.common import add_scene, add_verb, Verbs
 
 SUFFIXES = {'.urdf': 'urdf', '.sdf': 'sdf', '.mjcf': 'mjcf', '.xml': 'mjcf'}
 EPILOG = """\
@@ -29,7 +29,7 @@ def add(verbs: Verbs) -> None:
                     'Write a scene as a robot description: URDF (ROS, RViz, MoveIt, Foxglove), '
                     'SDF (Gazebo) or MJCF\n(MuJoCo), with masses, joint names and senses of the '
                     'scene, in its assembly mode.', EPILOG)
-    verb.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    add_scene(verb)
     verb.add_argument('--as', dest='format', choices=('urdf', 'sdf', 'mjcf'),
                       help='format; default: that of the file name, else urdf')
     verb.add_argument('-o', '--out', metavar='FILE', type=Path,

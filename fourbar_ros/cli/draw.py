@@ -6,7 +6,7 @@ from __future__ import annotations
 from argparse import Namespace
 from typing import TYPE_CHECKING
 
-from fourbar_ros.cli.common import add_pose, add_verb, PICTURE_HELP, SCENE_HELP, Verbs
+from fourbar_ros.cli.common import add_pose, add_scene, add_verb, PICTURE_HELP, Verbs
 
 if TYPE_CHECKING:      # verbs import when they run
     from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -29,7 +29,7 @@ def add(verbs: Verbs) -> None:
                                    'acceleration polygons',
                     'Draw the linkage with its joint forces and its velocity and acceleration '
                     'polygons, to scale.\nRequires matplotlib.', EPILOG)
-    draw.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    add_scene(draw)
     add_pose(draw, 'input angle [degrees], or slide [m]')
     draw.add_argument('--animate', action='store_true',
                       help='instead of one pose: a cycle, as .gif, or as .mp4 if ffmpeg is there')
@@ -42,9 +42,11 @@ def add(verbs: Verbs) -> None:
 
 def _draw(arguments: Namespace) -> None:
     from fourbar_ros.errors import InvalidParameter
+    from fourbar_ros.report.poses import position_of, require_units
     from fourbar_ros.scene.scene import load
     scene = load(arguments.scene)
     linkage = scene.in_mode(arguments.mode)
+    require_units(linkage, arguments.at, arguments.speed, arguments.acceleration)
     speed = scene.drive.speed if arguments.speed is None else arguments.speed
     points = {name: (point.link, point.along, point.across)
               for name, point in scene.points.items()}
@@ -61,7 +63,6 @@ def _draw(arguments: Namespace) -> None:
     elif arguments.at is None:
         raise InvalidParameter('--at', None, 'must be given, or --animate, or --over')
     else:
-        from fourbar_ros.report.poses import position_of
         here = scene.linkage_at(linkage, position_of(linkage, arguments.at), speed)
         _draw_pose(arguments, here, speed, points)
 

@@ -7,7 +7,7 @@ from argparse import Namespace
 from pathlib import Path
 import sys
 
-from fourbar_ros.cli.common import add_verb, SCENE_HELP, Verbs
+from fourbar_ros.cli.common import add_scene, add_verb, Verbs
 
 TOOLS = ('rviz', 'foxglove', 'plotjuggler')
 EPILOG = """\
@@ -27,7 +27,7 @@ def add(verbs: Verbs) -> None:
                                      'PlotJuggler',
                     'Write a layout that shows the outputs of a scene, live or from its bag.',
                     EPILOG)
-    verb.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    add_scene(verb)
     verb.add_argument('--for', dest='tool', choices=TOOLS, required=True,
                       help='program; foxglove is for Lichtblick too')
     verb.add_argument('--node', metavar='NAME', default='/fourbar',

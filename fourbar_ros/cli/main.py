@@ -1,5 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
+# PYTHON_ARGCOMPLETE_OK
 """
 The ``fourbar`` command: each verb is a module of :mod:`fourbar_ros.cli`, or an entry point.
 
@@ -12,6 +13,7 @@ import argparse
 from collections.abc import Iterator, Sequence
 import contextlib
 from importlib.metadata import entry_points
+import os
 import signal
 import sys
 import threading
@@ -95,7 +97,12 @@ def _of_other_packages() -> Iterator[Any]:
 
 def main(args: Sequence[str] | None = None) -> int:
     """Run one verb and return the exit code; an error is one line on stderr."""
-    arguments = parser().parse_args(args)
+    command = parser()
+    if '_ARGCOMPLETE' in os.environ:        # a shell asks for words
+        with contextlib.suppress(ModuleNotFoundError):
+            from argcomplete import autocomplete
+            autocomplete(command)
+    arguments = command.parse_args(args)
     try:
         with _terminable():
             return arguments.run(arguments) or 0

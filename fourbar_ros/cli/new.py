@@ -10,13 +10,12 @@ import re
 import sys
 from typing import NamedTuple, TYPE_CHECKING
 
-from fourbar_ros.cli.common import add_verb, assembly_mode, Verbs
+from fourbar_ros.cli.common import add_verb, assembly_mode, Verbs, warn
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.scene.units import measured, of
 
 if TYPE_CHECKING:      # verbs import when they run
-    from fourbar_ros.mechanics.bodies import Body
     from fourbar_ros.mechanisms.parts import Length
 
 MATERIALS = {'steel': 7850.0, 'stainless': 8000.0, 'aluminium': 2700.0, 'brass': 8500.0,
@@ -98,8 +97,8 @@ def _density(text: str) -> float:
     try:
         return _positive(text, measured(text, 'density'))
     except ArgumentTypeError:
-        raise ArgumentTypeError(f'{text!r}: must be a density or one of '
-                                f'{", ".join(MATERIALS)}{nearest(text, MATERIALS)}') from None
+        raise ArgumentTypeError(f'{text!r}: is no density and no material'
+                                f'{nearest(text, MATERIALS)}') from None
 
 
 def _new(arguments: Namespace) -> None:
@@ -116,12 +115,13 @@ def _new(arguments: Namespace) -> None:
     with open(path, 'x', encoding='utf-8') as file:
         file.write(text)
     try:
-        linkage = load(path).linkage
+        scene = load(path)
     except FourBarError:
         path.unlink()
         raise
-    print(f'{path}: {linkage.description}')
+    print(f'{path}: {scene.linkage.description}')
     print(f'next:  fourbar show {path}')
+    warn(scene)
 
 
 def _lengths(arguments: Namespace) -> dict[str, float]:
@@ -157,7 +157,7 @@ def scene_text(kind: str, lengths: dict[str, float], mode: int, speed: float,
               for length in KINDS[kind].LENGTHS]
     lines += [f'{f"      mode: {mode}":<27}# 1 crossed, 2 open']
     if section:
-        lines += ['    bodies:', *_bodies(kind, lengths, section, density)]
+        lines += ['    bodies:', *_bodies(kind, section, density)]
     lines += ['    drive:', '      source: timer',
               f'{f"      speed: {_text(speed)}":<27}# [rad/s], {speed * 30.0 / pi:.6g} rpm',
               f'{"      rate: 200.0":<27}# [Hz] of the samples',
@@ -166,27 +166,19 @@ def scene_text(kind: str, lengths: dict[str, float], mode: int, speed: float,
     return '\n'.join(lines)
 
 
-def _bodies(kind: str, lengths: dict[str, float], section: Section, density: float) -> list[str]:
+def _bodies(kind: str, section: Section, density: float) -> list[str]:
     """Return the lines of the bodies; links without two joints have to be given by hand."""
-    what = (f'bars {section.width:g} x {section.thickness:g} m' if section.thickness
-            else f'rods of {section.width:g} m diameter')
-    lines = [f'      # {what}, {density:g} kg/m^3']
+    what, size = ((f'bars {section.width:g} x {section.thickness:g} m',
+                   f'width: {_text(section.width)}, thickness: {_text(section.thickness)}')
+                  if section.thickness else (f'rods of {section.width:g} m diameter',
+                                             f'radius: {_text(0.5 * section.width)}'))
+    lines = [f'      # {what}, {density:g} kg/m^3',
+             f'      rods: {{density: {_text(density)}, {size}}}']
     for link in KINDS[kind].LINKS:
-        if link.length:
-            body = _body(lengths[link.length], section, density)
-            lines.append(f'      {link.name}: {{mass: {_text(body.mass)}, '
-                         f'inertia: {_text(body.inertia)}, cg_along: {_text(body.cg_along)}}}')
-        else:
+        if not link.length:
             its = 'mass: 0.0, inertia: 0.0' if link.turns else 'mass: 0.0'
             lines.append(f'      {link.name}: {{{its}}}     # {link.text}: give its own')
     return lines
-
-
-def _body(length: float, section: Section, density: float) -> Body:
-    from fourbar_ros.mechanics.bodies import flat_bar, round_rod
-    if section.thickness:
-        return flat_bar(length, density, *section)
-    return round_rod(length, density, 0.5 * section.width)
 
 
 def _text(value: float) -> str:

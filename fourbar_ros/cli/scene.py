@@ -14,7 +14,7 @@ from timeit import repeat
 from typing import Any, TYPE_CHECKING
 from xml.etree import ElementTree
 
-from fourbar_ros.cli.common import SCENE_HELP, Verbs
+from fourbar_ros.cli.common import add_scene, Verbs, warn
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import FIND_EXTREMA, SERVICES
 
@@ -39,13 +39,13 @@ def add(verbs: Verbs) -> None:
         description='Show what a node with this scene receives, publishes and computes, and what '
                     'a step costs on this machine. For an invalid scene: one line that names the '
                     'parameter, exit code 1.')
-    check.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    add_scene(check)
     check.set_defaults(run=_check)
     policy = actions.add_parser(
         'policy', help='print the SROS2 policy of a scene: what its node may publish and receive',
         description='Print the SROS2 policy of the node of a scene: the topics, services and '
                     'actions that it uses, and no others. For  ros2 security create_permission.')
-    policy.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    add_scene(policy)
     policy.add_argument('--node', metavar='NAME', default='/fourbar',
                         help='full name of the node; default /fourbar')
     policy.add_argument('--use-sim-time', action='store_true', help='the node follows /clock')
@@ -74,6 +74,7 @@ def _check(arguments: Namespace) -> None:
     for part in (_outputs_table(scene), _changed_table(scene), _cost_in_words(scene)):
         console.print()
         console.print(part)
+    warn(scene)
 
 
 def _leaves_the_range(linkage: Mechanism, drive: DriveSettings) -> str:

@@ -4,13 +4,16 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import Any, NamedTuple, TYPE_CHECKING
 
-from fourbar_ros.cli.common import add_pose, add_verb, bar, SCENE_HELP, Verbs
+from fourbar_ros.cli.common import add_pose, add_scene, add_verb, bar, json_line, Verbs, warn
 from fourbar_ros.scene.arguments import positive
 
 if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_ros.extrema.find import Extremum
     from fourbar_ros.mechanisms.mechanism import Mechanism
+    from fourbar_ros.report.poses import Pose
     from fourbar_ros.report.terminal import PlainTable
     from fourbar_ros.scene.scene import Scene
 
@@ -21,6 +24,7 @@ examples:
   fourbar show my.yaml --mode 1 --speed 10
   fourbar show slides_7_6 --at 60 --acceleration 100
   fourbar show jansen --certify
+  fourbar show paper --at 60 --json            all of it as one line of JSON, in SI units
 """
 
 
@@ -30,7 +34,7 @@ def add(verbs: Verbs) -> None:
                     'Show Grashof class, input range, transmission angle, all extrema of motion '
                     'and (with masses) of\nloads over the input at constant speed, and optionally '
                     'the state at one input.', EPILOG)
-    show.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    add_scene(show)
     add_pose(show, 'also show state and loads at this input angle [degrees], or slide [m]')
     show.add_argument('--certify', action='store_true',
                       help='also prove that no extremum inside the input range is missing, and '
@@ -38,39 +42,81 @@ def add(verbs: Verbs) -> None:
     show.add_argument('--seconds', type=positive, default=SECONDS, metavar='SECONDS',
                       help='with --certify: processor time for each quantity, after which it is '
                            f'not proved (default {SECONDS:g})')
+    show.add_argument('--json', action='store_true',
+                      help='print the same as one line of JSON, in SI units, angles in rad')
     show.set_defaults(run=_show)
 
 
 def _show(arguments: Namespace) -> None:
-    from fourbar_ros.report.poses import (
-        evaluate_at,
-        loads_table,
-        motion_table,
-        points_table,
-        position_of,
-    )
-    from fourbar_ros.report.tables import what_it_is
-    from fourbar_ros.report.terminal import make_console
+    from fourbar_ros.report.poses import evaluate_at, position_of, require_units
     from fourbar_ros.scene.files import find
     from fourbar_ros.scene.scene import load
     path = find(arguments.scene)
     scene = load(path)
     mode = scene.in_mode(arguments.mode).mode
     linkage = scene.known_linkage.in_mode(mode)
+    require_units(linkage, arguments.at, arguments.speed, arguments.acceleration)
     speed = scene.drive.speed if arguments.speed is None else arguments.speed
     pose = (None if arguments.at is None else evaluate_at(
         scene.linkage_at(scene.in_mode(mode), position_of(linkage, arguments.at), speed),
         arguments.at, speed, arguments.acceleration))
+    shown = Shown(path, scene, linkage, speed, arguments.acceleration, pose)
+    found = _extrema(shown, arguments)
+    if arguments.json:
+        print(json_line(_record(shown, found)))
+    else:
+        _print(shown, found, arguments.certify)
+    warn(scene)
+
+
+class Shown(NamedTuple):
+    """What is shown: a linkage of a scene in one mode, its rates, and one pose if asked for."""
+
+    path: Path
+    scene: Scene
+    linkage: Mechanism
+    speed: float
+    acceleration: float
+    pose: Pose | None
+
+    @property
+    def why_no_loads(self) -> str:
+        """Return why there are no loads; empty: there are."""
+        if self.scene.known_linkage is not self.scene.linkage:
+            return self.scene.why_no_loads
+        return ('' if self.linkage.bodies is not None else
+                'no masses given, so no loads: see bodies.* in docs/reference.md')
+
+
+def _record(shown: Shown, found: list[Extremum]) -> dict[str, Any]:
+    from fourbar_ros.report.record import record_of
+    return {'scene': str(shown.path), 'speed': shown.speed, 'acceleration': shown.acceleration,
+            'why_no_loads': shown.why_no_loads,
+            **record_of(shown.linkage, found, shown.scene.points, shown.pose)}
+
+
+def _print(shown: Shown, found: list[Extremum], with_proofs: bool) -> None:
+    from fourbar_ros.report.poses import loads_table, motion_table, points_table
+    from fourbar_ros.report.tables import (
+        extrema_table,
+        mode_name,
+        proofs_in_words,
+        rate_unit,
+        what_it_is,
+    )
+    from fourbar_ros.report.terminal import make_console
+    linkage, pose, points, unit = (shown.linkage, shown.pose, shown.scene.points,
+                                   rate_unit(shown.linkage))
+    driven = f'{shown.speed:g} {unit}' + (f' and {shown.acceleration:g} {unit}^2'
+                                          if shown.acceleration else '')
     tables: list[PlainTable | str | None] = [
-        what_it_is(linkage, path), *_extrema_tables(scene, linkage, speed, arguments)]
-    if scene.known_linkage is not scene.linkage:
-        tables.append(scene.why_no_loads)
-    elif linkage.bodies is None:
-        tables.append('no masses given, so no loads: see bodies.* in docs/reference.md')
+        what_it_is(linkage, shown.path),
+        extrema_table(found, f'extrema at {driven}, mode {mode_name(linkage)}'),
+        proofs_in_words(found) if with_proofs else None, shown.why_no_loads]
     if pose:
         tables += [motion_table(linkage, pose),
                    loads_table(linkage, pose.loads) if pose.loads else None,
-                   points_table(linkage, pose.motion, scene.points) if scene.points else None]
+                   points_table(linkage, pose.motion, points) if points else None]
     console = make_console()
     for place, table in enumerate(filter(None, tables)):
         if place and not isinstance(table, str):
@@ -78,17 +124,11 @@ def _show(arguments: Namespace) -> None:
         console.print(table)
 
 
-def _extrema_tables(scene: Scene, linkage: Mechanism, speed: float, arguments: Namespace
-                    ) -> list[PlainTable | str]:
-    """Return the table of extrema and, if it was asked for, what is proved of them."""
+def _extrema(shown: Shown, arguments: Namespace) -> list[Extremum]:
     from fourbar_ros.extrema.find import find_extrema
     from fourbar_ros.mechanisms.quantities import select
-    from fourbar_ros.report.tables import extrema_table, mode_name, proofs_in_words, rate_unit
-    unit, acceleration = rate_unit(linkage), arguments.acceleration
-    driven = f'{speed:g} {unit}' + (f' and {acceleration:g} {unit}^2' if acceleration else '')
     with bar('proof', 100) as done:
-        found = find_extrema(linkage, select((), linkage, scene.point_quantities), speed,
-                             acceleration, arguments.certify, seconds=arguments.seconds,
-                             progress=lambda share: done(round(100.0 * share)))
-    table = extrema_table(found, f'extrema at {driven}, mode {mode_name(linkage)}')
-    return [table, proofs_in_words(found)] if arguments.certify else [table]
+        return find_extrema(
+            shown.linkage, select((), shown.linkage, shown.scene.point_quantities), shown.speed,
+            shown.acceleration, arguments.certify, seconds=arguments.seconds,
+            progress=lambda share: done(round(100.0 * share)))

@@ -11,7 +11,7 @@ from pathlib import Path
 import time
 from typing import TYPE_CHECKING
 
-from fourbar_ros.cli.common import add_verb, BAD, bar, SCENE_HELP, Verbs
+from fourbar_ros.cli.common import add_scene, add_verb, BAD, bar, Verbs
 from fourbar_ros.report.terminal import make_console, plain_table
 from fourbar_ros.scene.arguments import finite, positive
 
@@ -43,7 +43,7 @@ def add(verbs: Verbs) -> None:
                         'Integrate the motion that follows from the torque of a motor, weight and '
                         'springs, faster than\nreal time, and show the extrema of speed, torque '
                         'and loads over the run.', EPILOG)
-    simulate.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    add_scene(simulate)
     simulate.add_argument('--until', type=positive, required=True, metavar='T',
                           help='end of the run [s]; samples are taken at drive.rate')
     simulate.add_argument('--tolerance', type=positive, default=1e-8, metavar='X',

@@ -6,7 +6,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from typing import TYPE_CHECKING
 
-from fourbar_ros.cli.common import add_rates, add_verb, SCENE_HELP, Verbs
+from fourbar_ros.cli.common import add_rates, add_scene, add_verb, Verbs
 from fourbar_ros.scene.arguments import positive_integer
 
 if TYPE_CHECKING:      # verbs import when they run
@@ -41,7 +41,7 @@ def add(verbs: Verbs) -> None:
 
 
 def _add_arguments(verb: ArgumentParser, out: str, default: str) -> None:
-    verb.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    add_scene(verb)
     verb.add_argument('names', nargs='*', metavar='QUANTITY',
                       help=f'e.g. omega4, f41, shaking_force, middle.speed of a point; {default}')
     add_rates(verb)

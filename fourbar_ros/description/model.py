@@ -245,8 +245,10 @@ def _limits(mechanism: Mechanism, coordinate: Coordinate, connection: Connection
 
 
 def _radius(scene: Scene) -> float:
-    """Return the radius of the scene's rods, or one that looks well [m]."""
+    """Return the radius of the scene's rods, half the width of bars, or a fair one [m]."""
     radius = scene.values.get('bodies.rods.radius', nan)
+    if radius != radius:
+        radius = 0.5 * scene.values.get('bodies.rods.width', nan)
     return radius if radius == radius else 0.02 * max(map(abs, scene.linkage.lengths))
 
 

@@ -110,14 +110,19 @@ def flat_bar(length: float, density: float, width: float, thickness: float) -> B
         number(name, value, 'must be a positive number', above=0.0)
         for name, value in (('length', length), ('density', density), ('width', width),
                             ('thickness', thickness)))
-    mass = density * width * thickness * length
-    return Body(mass, 0.5 * length, 0.0, mass * (width**2 + length**2) / 12.0)
+    return Body(*bar_numbers(length, density, width, thickness))
 
 
 def rod_numbers(length: Any, density: Any, radius: Any) -> tuple[Any, ...]:
     """Return mass, cg_along, cg_across and inertia of a rod as :func:`round_rod`; unchecked."""
     mass = density * pi * radius**2 * length
     return mass, 0.5 * length, 0.0, mass * (3.0 * radius**2 + length**2) / 12.0
+
+
+def bar_numbers(length: Any, density: Any, width: Any, thickness: Any) -> tuple[Any, ...]:
+    """Return mass, cg_along, cg_across and inertia of a bar as :func:`flat_bar`; unchecked."""
+    mass = density * width * thickness * length
+    return mass, 0.5 * length, 0.0, mass * (width**2 + length**2) / 12.0
 
 
 def unchecked(kind: type[Any], *values: Any) -> Any:

@@ -13,7 +13,7 @@ from functools import cached_property
 from math import fsum, inf, nan, pi, remainder
 from typing import Any, ClassVar, NamedTuple, TypeVar
 
-from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.errors import InvalidParameter, one_of
 from fourbar_ros.mechanics.bodies import Applied, Body, External, NOT_APPLIED
 from fourbar_ros.mechanisms.parts import (
     Arrow,
@@ -439,5 +439,4 @@ def find_link(links: Iterable[Link], name: str) -> Link:
     for link in links:
         if link.name == name:
             return link
-    raise InvalidParameter('link', name, 'must be one of '
-                                         f'{", ".join(link.name for link in links)}')
+    raise InvalidParameter('link', name, one_of((link.name for link in links), name))

@@ -228,7 +228,7 @@ def _draw_angles(sheet: Sheet, motion: NamedTuple, diagram: Diagram
             sheet.occupy(point, point)
         directions = list(_directions(angle * np.array([0.5, 0.35, 0.65, 0.8, 0.2])))
         places = [at + out * radius * direction for out in (1.5, 1.8, 2.1)
-                  for direction in directions]
+                  for direction in directions] + sheet.around(at, directions[0])
         found.append((symbol_of(name), places))
     return found
 

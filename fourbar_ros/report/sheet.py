@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from math import floor, hypot, log10
-import re
 from typing import TYPE_CHECKING
 
 from fourbar_ros.numerics.arrays import Array
@@ -14,7 +14,18 @@ import numpy as np
 if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.axes import Axes
 
+FONT = 12           # size of labels [points]
+PAD = (0.03, 0.07)    # inches around its letters
+FREE = 0.05         # inches between a label and lines, where there is room
+SCALE = 0.2         # inches at the lower edge that scale bars take
 HEAD = 6.5          # heads of arrows of 0.5 in an inch (matplotlib: of the font's 11 points)
+
+
+@cache
+def _size_of(text: str) -> Array:
+    """Return width and height of a label [inches]."""
+    from matplotlib.textpath import TextPath
+    return TextPath((0.0, 0.0), f'${text}$', size=FONT).get_extents().size / 72.0 + PAD
 
 
 def nice(value: float) -> float:
@@ -43,8 +54,10 @@ class Sheet:
         axes.axis('off')
         axes.set_title(title, loc='left', fontsize=12, fontweight='bold')
         self.width = 2.0 * half[0]
+        self.low = np.array([self.left, self.bottom + SCALE * self.inch])
+        self.high = middle + half
         self.taken: list[Array] = []
-        self.labels: list[tuple[Array, Array]] = []      # middles, halves of width and height
+        self.labels: list[tuple[Array, Array]] = []       # (place, half of width and height)
 
     def occupy(self, start: Array, end: Array) -> None:
         """Keep labels off a line."""
@@ -61,24 +74,19 @@ class Sheet:
 
     def label(self, text: str, places: Sequence[Array], color: str) -> None:
         """Write a label at the first of several places that is free, or else the freest."""
-        plain = re.sub(r'\\[a-z]+', 'x', text.replace(r'\mathrm', '').replace(r'\_', '-'))
-        letters = len(plain.translate(str.maketrans('', '', '_^{}')))
-        half = self.inch * np.array([0.02 + 0.045 * letters, 0.1])
-        reach = np.array([[x * 0.045 * letters * self.inch, 0.0]
-                          for x in (-1.0, -0.5, 0.0, 0.5, 1.0)])
-        taken, enough = np.array(self.taken)[:, None, :], 0.13 * self.inch
-
-        def room(at: Array) -> tuple[bool, float]:
-            is_free = all((np.abs(at - other) >= half + its).any() for other, its in self.labels)
-            is_inside = (np.abs(at - self.middle) <= self.half - half).all()
-            gap = np.hypot(*np.moveaxis(taken - (at + reach), -1, 0)).min()
-            return bool(is_free and is_inside), min(enough, gap)
-
-        best = max(places, key=room)
-        self.axes.text(*best, f'${text}$', ha='center', va='center', color=color, zorder=8,
-                       fontsize=12)
-        self.taken.extend(best + reach)
+        half = 0.5 * self.inch * _size_of(text)
+        best = max(places, key=lambda at: self._room(at, half))
         self.labels.append((best, half))
+        self.axes.text(*best, f'${text}$', ha='center', va='center', color=color, zorder=8,
+                       fontsize=FONT)
+
+    def _room(self, at: Array, half: Array) -> tuple[float, float]:
+        """Return how free a place is for a label: of labels and edges first, then of lines."""
+        gaps = [(np.abs(at - other) - half - its).max() for other, its in self.labels]
+        edges = np.minimum(at - half - self.low, self.high - at - half).min()
+        beyond = np.maximum(np.abs(np.array(self.taken) - at) - half, 0.0)
+        lines = np.hypot(*beyond.T).min() if self.taken else np.inf
+        return min(0.0, edges, *gaps), min(FREE * self.inch, lines)
 
     def around(self, at: Array, towards: Sequence[float] | Array = (0.0, 1.0)) -> list[Array]:
         """Return places for the label of a point, the first in this direction."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import degrees, pi, tau
+from typing import NamedTuple
 
 from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -69,6 +70,17 @@ def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None
     return sorted(found)
 
 
+def known_output_ranges(linkage: Mechanism
+                        ) -> list[tuple[Coordinate, Sequence[tuple[float, float]], bool]]:
+    """Return (output, its ranges, whether they are those of both modes, which meet)."""
+    if linkage.change_point_margin > 0.0:
+        return [(coordinate, output_ranges(linkage, coordinate), False)
+                for coordinate, _ in linkage.outputs]
+    both = linkage.ranges_of_both_modes
+    return [(coordinate, both[coordinate.position], True)
+            for coordinate, _ in linkage.outputs if coordinate.position in both]
+
+
 def what_it_is(linkage: Mechanism, title: object) -> PlainTable:
     """Return the table of a linkage's own properties."""
     table = plain_table(str(title), ('', ''))
@@ -86,13 +98,9 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
             ('class', class_name(linkage)),
             ('assembly mode', mode_name(linkage)),
             ('input', _ranges(linkage.input_coordinate, linkage.input_ranges))]
-    for coordinate, _ in linkage.outputs:
-        if linkage.change_point_margin > 0.0:
-            rows.append(('output', _ranges(coordinate, output_ranges(linkage, coordinate))
-                         + ', in this mode'))
-        elif coordinate.position in linkage.ranges_of_both_modes:
-            ranges = linkage.ranges_of_both_modes[coordinate.position]
-            rows.append(('output', _ranges(coordinate, ranges) + ', in both modes: they meet'))
+    rows += [('output', _ranges(coordinate, ranges)
+              + (', in both modes: they meet' if of_both else ', in this mode'))
+             for coordinate, ranges, of_both in known_output_ranges(linkage)]
     rows += [('dead point' + (f', {"stretched" if point.stretched else "folded"}'
                               if hasattr(point, 'stretched') else ''),
               ', '.join(f'{coordinate.position} {shown(coordinate, value)}'
@@ -110,29 +118,55 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
     return rows
 
 
-def _toggles(linkage: Mechanism) -> list[tuple[str, str]]:
-    """Return the row of where the links of a dyad come in line: at ends of the input."""
+def toggles_of(linkage: Mechanism) -> list[float]:
+    """Return where the links of a dyad come in line: at ends of the input [rad] or [m]."""
     ends = {end for bounds in linkage.closing_ranges for end in bounds}
-    found = [] if linkage.turns_fully else [
-        shown(linkage.input_coordinate, end) for bounds in linkage.input_ranges
-        for end in bounds if end in ends]
+    return [] if linkage.turns_fully else [end for bounds in linkage.input_ranges
+                                           for end in bounds if end in ends]
+
+
+def _toggles(linkage: Mechanism) -> list[tuple[str, str]]:
+    """Return the row of the toggles."""
+    found = [shown(linkage.input_coordinate, end) for end in toggles_of(linkage)]
     return [('toggle', f'{linkage.input_coordinate.position} {", ".join(found)}' if found
              else 'none within the range of the input')]
 
 
-def transmission_angles(linkage: Mechanism) -> list[tuple[str, str]]:
-    """Return rows of the band of each transmission angle over the input: ends, and worst."""
+class Band(NamedTuple):
+    """The band of a transmission angle over the input: least, most, and the worst of them."""
+
+    name: str
+    least: Extremum
+    most: Extremum
+    worst: Extremum
+
+
+def transmission_bands(linkage: Mechanism) -> list[Band]:
+    """Return the band of each transmission angle."""
     names = [name for name in positions(linkage, linkage.input) if name.startswith(ANGLE)]
     own = [name for name in names if name != ANGLE] or names     # of a machine, each dyad's own
     found = find_extrema(linkage, own, conditions=False)
-    rows = []
+    bands = []
     for name in own:
         places = [extremum for extremum in found if extremum.quantity == name]
         least, most = (pick(places, key=lambda extremum: extremum.value) for pick in (min, max))
         worst = max((least, most), key=lambda extremum: abs(extremum.value - 0.5 * pi))
+        bands.append(Band(name, least, most, worst))
+    return bands
+
+
+def input_of(linkage: Mechanism, extremum: Extremum) -> float:
+    """Return the driven joint at an extremum [rad] or [m]."""
+    return extremum.slide if linkage.is_driven_by_slide else extremum.theta1
+
+
+def transmission_angles(linkage: Mechanism) -> list[tuple[str, str]]:
+    """Return rows of the band of each transmission angle over the input: ends, and worst."""
+    rows = []
+    for name, least, most, worst in transmission_bands(linkage):
         band = (in_degrees(least.value) if least.kind == CONSTANT else
                 f'{degrees(least.value):.4f} to {in_degrees(most.value)}')
-        at = worst.slide if linkage.is_driven_by_slide else worst.theta1
+        at = input_of(linkage, worst)
         where = '' if least.kind == CONSTANT else (
             f'; {degrees(abs(worst.value - 0.5 * pi)):.1f} deg off square at '
             f'{linkage.input_coordinate.position} {shown(linkage.input_coordinate, at)}')

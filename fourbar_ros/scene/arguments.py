@@ -7,6 +7,7 @@ import argparse
 from collections.abc import Callable, Sequence
 from math import isfinite
 import re
+import sys
 from typing import Any, NoReturn
 
 from fourbar_ros.errors import FourBarError, nearest
@@ -35,24 +36,33 @@ class Parser(argparse.ArgumentParser):
         super().__init__(*args, **kwargs)
         # argparse would take -1e-9 and -5mm for options
         self._negative_number_matcher = NEGATIVE
+        self._given: list[str] = []
 
     def error(self, message: str) -> NoReturn:
-        """Print the error in one line below the usage; exit with code 2."""
+        """Print the error in one line that names the help; exit with code 2."""
         if match := INVALID_CHOICE.search(message):
             known = re.findall(r"[^\s,']+", match[2])
             message = (message[:match.start()] + f'{match[1]!r} is '
                                                  f'unknown{nearest(match[1], known)}')
-        super().error(message)
+        unknown = [option for option in self._given if option.startswith('--')
+                   and option.split('=')[0] not in self._option_string_actions]
+        if message.startswith('the following arguments are required') and unknown:
+            message = self._not_understood(unknown[0])
+        message = ' '.join(message.split())
+        self.exit(2, f'{self.prog}: {message} ({self.prog} --help)\n')
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse as the base class does, but refuse options that a verb does not know."""
+        self._given = [*(sys.argv[1:] if args is None else args)]
         namespace, rest = super().parse_known_args(args, namespace)
         if rest and ' ' in self.prog:
-            known = [option for action in self._actions for option in action.option_strings]
-            self.error(f'{rest[0]!r} is not understood'
-                       + (nearest(rest[0].split('=')[0], known) if rest[0].startswith('--')
-                          else ''))
+            self.error(self._not_understood(rest[0]))
         return namespace, rest
+
+    def _not_understood(self, word: str) -> str:
+        known = [option for action in self._actions for option in action.option_strings]
+        return f'{word!r} is not understood' + (nearest(word.split('=')[0], known)
+                                                if word.startswith('--') else '')
 
 
 def positive(text: str) -> float:

@@ -7,7 +7,7 @@ from dataclasses import MISSING
 from math import inf, isnan
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.given import quantities_of
 from fourbar_ros.scene.parameter_table import GEAR, MOTORS, OF_MOTORS, SOURCES
@@ -111,8 +111,7 @@ def _element(values: ParameterValues, name: str, linkage: Mechanism) -> Element:
     def given(field: str) -> Any:
         value = values[f'{name}.{field}']
         if isinstance(value, str) and value not in links:
-            raise InvalidParameter(f'{name}.{field}', value,
-                                   f'must be one of {", ".join(links)}')
+            raise InvalidParameter(f'{name}.{field}', value, one_of(links, value))
         return value
 
     try:

@@ -21,6 +21,10 @@ BOOLS = {word: value for value, words in ((True, 'y yes true on'), (False, 'n no
          for small in words.split() for word in {small, small.capitalize(), small.upper()}}
 INTEGER = re.compile(r'[-+]?(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)')       # base 0 of C's strtoll
 TABLE = re.compile(r'forces\.\w+\.table')
+IN_WORDS = {"<block end>": 'it is indented unlike the lines above it',
+            "'<stream end>'": 'a bracket is open', 'end of stream': 'a quote is open',
+            'mapping values are not allowed': 'a second colon, or indented unlike the line above'}
+NO_BLANK = re.compile(r'''(?:^|[\s{,])([A-Za-z][\w.]*):([^\s:/,}]+)''')
 DOUBLE = re.compile(r'[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?')
 NAMED = {'.nan': nan, '.inf': inf, '+.inf': inf, '-.inf': -inf,
          **{sign + word: float(sign + word) for sign in ('', '+', '-')
@@ -57,12 +61,17 @@ def find(name: str | Path, among: Path | None = None) -> Path:
     path = Path(name)
     if path.exists() or path.parent != Path('.') or path.suffix:
         return path
-    places = [among] if among else [folder() / 'classics', folder()]
-    shipped = {file.stem: file for place in places for file in sorted(place.glob('*.yaml'))}
-    if str(name) in shipped:
-        return shipped[str(name)]
-    known = sorted(shipped)
+    files = shipped(among)
+    if str(name) in files:
+        return files[str(name)]
+    known = sorted(files)
     raise SceneError(f'{name}: neither a file nor the name of a scene{nearest(str(name), known)}')
+
+
+def shipped(among: Path | None = None) -> dict[str, Path]:
+    """Return {name: file} of the supplied scenes; ``among``: those of a folder."""
+    places = [among] if among else [folder() / 'classics', folder()]
+    return {file.stem: file for place in places for file in sorted(place.glob('*.yaml'))}
 
 
 def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
@@ -124,17 +133,47 @@ def sections(path: str | Path) -> dict[str, dict[str, Any]]:
 
     Raises SceneError if the text is not a parameter file.
     """
+    text = ''
     try:
-        document = yaml.load(Path(path).read_text(encoding='utf-8'), _Loader)
+        text = Path(path).read_text(encoding='utf-8')
+        document = yaml.load(text, _Loader)
     except OSError as error:
         raise SceneError(f'{path}: {error.strerror}') from None
-    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
-        text = ' '.join(str(error).split())
-        raise SceneError(f'{path}: not YAML that ROS reads: {text}') from None
+    except UnicodeDecodeError:
+        raise SceneError(f'{path}: is no text in UTF-8, so not a scene') from None
+    except (yaml.YAMLError, RecursionError) as error:
+        raise SceneError(f'{path}{_why_no_yaml(text, error)}') from None
     found = dict(_sections(document)) if isinstance(document, dict) else {}
     if not found:
-        raise SceneError(f'{path}: not a scene: expected "/**:" with "ros__parameters:" below it')
+        raise SceneError(f'{path}: not a scene: expected "/**:" with "ros__parameters:" below it'
+                         + _typed_like(text))
     return found
+
+
+def _why_no_yaml(text: str, error: Exception) -> str:
+    """Return where a text is no YAML that ROS reads and why, with what is missing there."""
+    mark = getattr(error, 'problem_mark', None)
+    if mark is None:
+        why = getattr(error, 'problem', None) or getattr(error, 'reason', 'nested too deeply')
+        return f': not YAML that ROS reads: {" ".join(str(why).split())}'
+    lines, at = text.splitlines(), mark.line
+    why = ' '.join(str(getattr(error, 'problem', None) or error).split())
+    for line in (at, at - 1):          # YAML often sees it a line later
+        found = NO_BLANK.search(lines[line]) if 0 <= line < len(lines) else None
+        if found:
+            at, why = line, (f'a blank is missing behind the colon: {found[1]}: {found[2]}')
+            break
+    else:
+        if at < len(lines) and '\t' in lines[at]:
+            why = 'a tab: YAML takes blanks only'
+        why = next((words for part, words in IN_WORDS.items() if part in why), why)
+    return f', line {at + 1}: not YAML that ROS reads: {why}'
+
+
+def _typed_like(text: str) -> str:
+    """Return a hint on a word that only looks like ros__parameters; empty: there is none."""
+    words = re.findall(r'\w*param\w*', text)
+    return f'; there is {words[0]!r}' if words and 'ros__parameters' not in words else ''
 
 
 def parse(text: str) -> Any:

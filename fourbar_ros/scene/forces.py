@@ -15,7 +15,7 @@ from pathlib import Path
 import re
 from typing import NamedTuple, TYPE_CHECKING
 
-from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.errors import InvalidParameter, nearest, one_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.scene.files import SceneError, table_files
@@ -145,7 +145,7 @@ def _force(values: ParameterValues, name: str, linkage: Mechanism) -> PositionFo
              ('link', 'along', 'across', 'acts', 'direction', 'over', 'factor', 'periodic')}
     links = tuple(linkage.loads_of_links())
     if given['link'] not in links:
-        raise InvalidParameter(f'{name}.link', given['link'], f'must be one of {", ".join(links)}')
+        raise InvalidParameter(f'{name}.link', given['link'], one_of(links, given['link']))
     over = _over(values, name, linkage)
     is_couple = given['acts'] == COUPLE
     turns, direction = ACTS.get(given['acts'], (False, 0.0))

@@ -8,7 +8,7 @@ from math import isnan
 from typing import Any
 
 from fourbar_ros.errors import InvalidParameter, nearest
-from fourbar_ros.mechanics.bodies import Applied, Body, round_rod
+from fourbar_ros.mechanics.bodies import Applied, Body, flat_bar, round_rod
 from fourbar_ros.mechanisms.contract import SLIDE
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -18,7 +18,9 @@ from fourbar_ros.scene.parameter_table import LENGTHS, MACHINE, PARAMETERS
 from fourbar_ros.scene.parameters import member_of, of_name, ParameterValues
 
 OWN_NAMES = 'dyads.', 'cylinder', 'bodies.', 'external.'      # of parameters, as errors have them
-ALWAYS = 'bodies.rods.density', 'bodies.rods.radius'
+RODS = 'bodies.rods.'
+SECTIONS = ('radius',), ('width', 'thickness')       # of rods: round, rectangular
+ALWAYS = tuple(RODS + field for field in ('density', *SECTIONS[0], *SECTIONS[1]))
 RENAMED = {'stroke': 'linkage.range', 'dyads': 'linkage.dyads',
            'name of a dyad': 'linkage.dyads'}
 
@@ -139,15 +141,26 @@ class Bodies:
     """
 
     # What is made of its numbers; subclasses may take arrays.
-    body, rod = staticmethod(Body), staticmethod(round_rod)
+    body, rod, bar = staticmethod(Body), staticmethod(round_rod), staticmethod(flat_bar)
 
     def __init__(self, values: ParameterValues, links: Sequence[Link],
                  lengths: Mapping[str, Values]) -> None:
         self._values, self._links, self._lengths = values, links, lengths
-        self._has_rods = self._has('bodies.rods.density') or self._has('bodies.rods.radius')
-        for name in ('bodies.rods.density', 'bodies.rods.radius'):
-            if self._has_rods and not self._has(name):
-                raise InvalidParameter(name, None, 'must be given: rods have density and radius')
+        self._has_rods = any(map(self._has, ALWAYS))
+        self._section = self._section_of_rods() if self._has_rods else ()
+
+    def _section_of_rods(self) -> tuple[str, ...]:
+        """Return the names of the numbers of the section of the rods: one of SECTIONS."""
+        given = [field for section in SECTIONS for field in section if self._has(RODS + field)]
+        section = SECTIONS[bool(given) and given[-1] in SECTIONS[1]]
+        if given and given[0] not in section:
+            raise InvalidParameter(RODS + given[0], self._values[RODS + given[0]],
+                                   'give either the radius of round rods or width and thickness')
+        for field in ('density', *section):
+            if not self._has(RODS + field):
+                raise InvalidParameter(RODS + field, None, 'must be given: rods have density and '
+                                       'radius, or density, width and thickness')
+        return section
 
     def _has(self, name: str) -> bool:
         value = self._values[name]
@@ -184,8 +197,9 @@ class Bodies:
             if self._has(name):
                 raise InvalidParameter(name, self._values[name], 'give either bodies.rods or the '
                                                                  'bodies one by one, not both')
-        return self.rod(self._lengths[link.length], self._values['bodies.rods.density'],
-                        self._values['bodies.rods.radius'])
+        make = self.rod if self._section == SECTIONS[0] else self.bar
+        return make(self._lengths[link.length],
+                    *(self._values[RODS + field] for field in ('density', *self._section)))
 
     def _one(self, link: Link) -> Body:
         name, values = f'bodies.{link.name}.', self._values

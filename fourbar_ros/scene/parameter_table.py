@@ -9,8 +9,9 @@ parameters of which a scene may have any number: in ``points.NAME.link`` NAME is
 """
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from math import inf, isfinite, nan, pi
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from fourbar_ros.dynamics.model.drives import DCMotor, Law, MotorLine, SpeedController
@@ -22,6 +23,7 @@ from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.given import quantities_of
 from fourbar_ros.scene.topics import INPUTS, OUTPUTS, PICTURES, SERVICES, wrench_topic
 
+MODES = MappingProxyType({'crossed': 1, 'open': 2})
 REQUIRED = object()        # as a default: the scene must give the value
 MACHINE, NAME, COUPLE = 'machine', 'NAME', 'couple'
 SOURCES = ('torque', 'motor')      # of drive.source, with which the motion follows from torque
@@ -49,6 +51,7 @@ class Parameter(NamedTuple):
     positive: bool = False
     choices: tuple[str, ...] = ()
     live: bool = True          # can be changed while the node runs
+    words: Mapping[str, Any] = MappingProxyType({})       # names of some values
 
     @property
     def allowed(self) -> str:
@@ -192,7 +195,8 @@ PARAMETERS = _table(
               'stroke of a driven slide: [shortest, longest]; empty: every position where the '
               'linkage can be assembled', live=False),
     Parameter('linkage.mode', 'integer', 2, '',
-              'assembly mode: 1 crossed, 2 open; for the sliders see docs/conventions.md', 1, 2),
+              'assembly mode: 1 or crossed, 2 or open; for the sliders see docs/conventions.md',
+              1, 2, words=MODES),
     Parameter('linkage.dyads', 'strings', [], '',
               f'names of the dyads of a {MACHINE}, each after those on whose links it hangs',
               live=False),
@@ -215,10 +219,15 @@ PARAMETERS = _table(
     Parameter('gravity.x', 'double', 0.0, 'm/s^2', 'gravitational acceleration: x component'),
     Parameter('gravity.y', 'double', 0.0, 'm/s^2', 'gravitational acceleration: y component'),
     Parameter('bodies.rods.density', 'double', nan, 'kg/m^3',
-              'model every link with two revolute joints as a solid cylinder of this density',
-              positive=True),
+              'model every link with two revolute joints as a solid cylinder, or a bar of '
+              'rectangular section, of this density', positive=True),
     Parameter('bodies.rods.radius', 'double', nan, 'm',
               'radius of these cylinders (with bodies.rods.density)', positive=True),
+    Parameter('bodies.rods.width', 'double', nan, 'm',
+              'for bars of rectangular section instead: width, in the plane of the linkage (with '
+              'bodies.rods.density and .thickness)', positive=True),
+    Parameter('bodies.rods.thickness', 'double', nan, 'm',
+              'thickness of these bars, square to the plane', positive=True),
     *(parameter for item in LINKS.items() for parameter in _body(*item)),
     *(parameter for item in LINKS.items() for parameter in _external(*item)),
     Parameter('external.timeout', 'double', 1.0, 's', 'with from_topic: a link without a wrench '

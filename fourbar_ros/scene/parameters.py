@@ -15,7 +15,7 @@ from math import isfinite, isnan
 import re
 from typing import Any, NamedTuple
 
-from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.errors import InvalidParameter, nearest, one_of
 from fourbar_ros.scene.parameter_table import (
     FAMILIES,
     GOES_WITH,
@@ -27,10 +27,13 @@ from fourbar_ros.scene.parameter_table import (
     PARAMETERS,
     REQUIRED,
 )
+from fourbar_ros.scene.units import in_unit, UNITS
 
 ParameterValues = Mapping[str, Any]       # {name: value}; their types stand in the table
 TYPES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings': list,
          'doubles': list}
+IN_WORDS = {'integer': 'a whole number', 'string': 'a text', 'bool': 'true or false',
+            'strings': 'a list of texts: [a, b]', 'doubles': 'a list of numbers: [1.0, 2.0]'}
 _MEMBER = re.compile(rf'({"|".join(FAMILIES)})\.([A-Za-z]\w*)\.([\w.]+)')
 
 
@@ -118,7 +121,8 @@ def check(values: ParameterValues) -> dict[str, Any]:
     is_machine = values.get('linkage.kind') == MACHINE
     for name in values:
         if not _is_known(name, is_machine):
-            raise InvalidParameter(name, values[name], _why_unknown(name, is_machine))
+            raise InvalidParameter(name, values[name],
+                                   _why_unknown(name, is_machine, values[name]))
     of_members = [parameter for family, name in _members(values, is_machine)
                   for parameter in _parameters_of(family, name)]
     every = {parameter.name: parameter for parameter in of_members} | PARAMETERS
@@ -136,8 +140,16 @@ def _is_known(name: str, is_machine: bool) -> bool:
                                   and (is_machine or member.family not in OF_MACHINES))
 
 
-def _why_unknown(name: str, is_machine: bool) -> str:
+def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
     parts = name.split('.')
+    if with_unit := _named_with_unit(name, value):
+        return with_unit
+    below = list(dict.fromkeys(known.removeprefix(f'{name}.').split('.')[0]
+                               for known in PARAMETERS if known.startswith(f'{name}.')))
+    if below and isinstance(value, str) and ':' in value:
+        return f'a blank is missing behind the colon: {value.replace(":", ": ", 1)}'
+    if below:
+        return f'is a group of parameters, not a value{nearest("", below)}'
     if parts[0] in FAMILIES and len(parts) > 2 and not member_of(name):
         of_what = {'bodies': 'link', 'external': 'link'}.get(parts[0], parts[0][:-1])
         return (f'{parts[1]!r} is not a valid {of_what.replace("_", " ")} name: use letters, '
@@ -148,7 +160,30 @@ def _why_unknown(name: str, is_machine: bool) -> str:
     known = [*PARAMETERS, *FAMILIES['points']]
     if member and (is_machine or member.family not in OF_MACHINES):
         known = [p.name for p in _parameters_of(member.family, member.name)]
-    return f'unknown parameter{nearest(name, known, 0.75)}'
+    group, _, last = name.rpartition('.')
+    beside = [other.rpartition('.')[2] for other in known if other.rpartition('.')[0] == group]
+    if group and beside:
+        hint = nearest(last, beside)
+        return 'unknown parameter' + hint.replace('mean ', f'mean {group}.').replace(
+            '; known:', f'; {group} has')
+    return f'unknown parameter{nearest(name, known)}'
+
+
+def _named_with_unit(name: str, value: Any) -> str:
+    """Return what to write for a name with a unit, as drive.rpm or linkage.a1_mm; or nothing."""
+    group, _, last = name.rpartition('.')
+    base, _, unit = last.rpartition('_')
+    units = {unit.lower().replace('/', '_'): unit for its in UNITS.values() for unit in its}
+    for word in (last, unit):
+        parameter = PARAMETERS.get('drive.speed' if name == f'drive.{word}' and word == last
+                                   else f'{group}.{base}')
+        if parameter and word.lower() in units:
+            of_unit = units[word.lower()]
+            found = in_unit(f'{value}{of_unit}', parameter.unit)
+            its = f' [{parameter.unit.partition(" or ")[0]}]'
+            return (f'unknown parameter; did you mean {parameter.name}{its}?'
+                    + (f' {value} {of_unit} = {found:.5g}' if found is not None else ''))
+    return ''
 
 
 def _members(values: ParameterValues, is_machine: bool) -> list[tuple[str, str]]:
@@ -198,13 +233,14 @@ def check_value(parameter: Parameter, value: Any) -> Any:
     # an array of doubles comes so from rclpy
     if kind is list and isinstance(value, (tuple, array)):
         value = list(value)
+    if isinstance(value, str) and value in parameter.words:
+        value = parameter.words[value]
     if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
-        article = 'an' if kind is int else 'some' if kind is list else 'a'
-        raise InvalidParameter(name, value, f'must be {article} {parameter.type}')
+        raise InvalidParameter(name, value, f'must be {_wanted(parameter, value)}')
     if parameter.type == 'strings':
         for item in value:
             if not isinstance(item, str) or (choices and item not in choices):
-                raise InvalidParameter(name, item, f'must be some of {", ".join(choices)}'
+                raise InvalidParameter(name, item, one_of(choices, item, some=True)
                                        if choices else 'must be a text')
     elif parameter.type == 'doubles':
         value = [_as_float(item) for item in value]
@@ -212,10 +248,32 @@ def check_value(parameter: Parameter, value: Any) -> Any:
             if not isinstance(item, float) or not isfinite(item):
                 raise InvalidParameter(name, item, 'must hold finite numbers')
     elif choices and value not in choices:
-        raise InvalidParameter(name, value, f'must be one of {", ".join(choices)}')
+        raise InvalidParameter(name, value, one_of(choices, value))
     if kind in (float, int):
         _check_number(parameter, value)
     return value
+
+
+def _wanted(parameter: Parameter, value: Any) -> str:
+    """Return the type of a parameter in words, with what was probably meant."""
+    if parameter.words:
+        return 'one of ' + ', '.join(f'{number} or {word}' for word, number
+                                     in parameter.words.items())
+    if parameter.type == 'double':
+        return f'a number{f" in {parameter.unit}" * bool(parameter.unit)}' + _meant(parameter,
+                                                                                    value)
+    if parameter.type == 'integer' and isinstance(value, float) and value.is_integer():
+        return f'a whole number: {value:.0f}'
+    return IN_WORDS[parameter.type]
+
+
+def _meant(parameter: Parameter, value: Any) -> str:
+    """Return a text, such as 50mm or 0,05, as the number that it means; empty: it means none."""
+    if not isinstance(value, str):
+        return ''
+    with_point = value.replace(',', '.') if value.count(',') == 1 else value
+    found = in_unit(with_point, parameter.unit)
+    return f': {found:.5g}' if found is not None and isfinite(found) else ''
 
 
 def _check_number(parameter: Parameter, value: float) -> None:
@@ -226,7 +284,8 @@ def _check_number(parameter: Parameter, value: float) -> None:
     if parameter.positive and value <= 0:
         raise InvalidParameter(parameter.name, value, 'must be positive')
     if not parameter.low <= value <= parameter.high:
-        raise InvalidParameter(parameter.name, value, f'must lie in {parameter.allowed}')
+        verb = 'lie in' if parameter.allowed.startswith(('[', '(')) else 'be'
+        raise InvalidParameter(parameter.name, value, f'must {verb} {parameter.allowed}')
 
 
 def _as_float(value: Any) -> Any:

@@ -13,7 +13,7 @@ import json
 from pathlib import Path
 from typing import Any, cast, NamedTuple, NoReturn, TYPE_CHECKING, TypeVar
 
-from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
+from fourbar_ros.errors import FourBarError, InvalidParameter, one_of, OutOfRange
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Function, point_acceleration, point_speed
 from fourbar_ros.scene.dynamics import Dynamics, of_values
@@ -370,7 +370,7 @@ def _check_link(name: str, link: str, linkage: Mechanism) -> None:
     """Refuse a link that the linkage does not have."""
     known = [its.name for its in linkage.LINKS]
     if link not in known:
-        raise InvalidParameter(name, link, f'must be one of {", ".join(known)}')
+        raise InvalidParameter(name, link, one_of(known, link))
 
 
 def _check_together(scene: Scene) -> None:

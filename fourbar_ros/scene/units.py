@@ -58,6 +58,9 @@ def measured(text: str, *dimensions: str) -> Measured:
     units = {unit: (size, dimension) for dimension in dimensions
              for unit, size in UNITS[dimension].items()}
     match = NUMBER.fullmatch(text.strip())
+    if re.fullmatch(r'[-+\d]*,\d+.*', text.strip()):
+        raise ArgumentTypeError(f'{text!r} must be a number with a point: '
+                                f'{text.strip().replace(",", ".", 1)}')
     if not match or match[2] and match[2] not in units:
         raise ArgumentTypeError(f'{text!r} must be a number, with or without one of the units '
                                 + ', '.join(units))
@@ -67,6 +70,21 @@ def measured(text: str, *dimensions: str) -> Measured:
         raise ArgumentTypeError(f'{text!r} must be a finite number')
     value.dimension = dimension
     return value
+
+
+def in_unit(text: str, unit: str) -> float | None:
+    """
+    Return the number of a text with a unit, in a unit of a scene; None if it does not fit.
+
+    >>> in_unit('50mm', 'm'), in_unit('90deg', 'rad'), in_unit('3 N', 'm')
+    (0.05, 1.5707963267948966, None)
+    """
+    dimensions = [name for name, units in UNITS.items() if set(unit.split(' or ')) & set(units)]
+    try:
+        value = measured(text, *dimensions)
+    except ArgumentTypeError:
+        return None
+    return value * DEGREE if value.dimension == 'angle' else float(value)
 
 
 def of(*dimensions: str) -> Callable[[str], Measured]:

@@ -130,7 +130,8 @@ def test_the_nearest_word_is_named(arguments, suggestion, capsys):
     code, _, err = said(capsys, *arguments)
     assert code == 2 and f'did you mean {suggestion}?' in err
     if len(arguments) > 3:
-        assert err.startswith(f'usage: fourbar {arguments[0]}')        # that of the verb
+        assert err.startswith(f'fourbar {arguments[0]}')        # that of the verb
+    assert len(err.splitlines()) == 1
 
 
 @pytest.mark.parametrize('field, suggestion', [('state.omga4', 'state.omega4'),

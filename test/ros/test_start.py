@@ -37,11 +37,11 @@ def paper(tmp_path):
 QOS = 'qos_overrides./fourbar/'
 REFUSED = [
     ('use_sim_time:=maybe', "use_sim_time = 'maybe': must be a bool"),
-    ('linkage.a1:=abc', "linkage.a1 = 'abc': must be a double"),
+    ('linkage.a1:=abc', "linkage.a1 = 'abc': must be a number in m"),
     (QOS + 'stat.publisher.depth:=3', 'no such topic of this node; known: /fourbar/driven'),
     (QOS + 'state.publisher.reliability:=maybe', 'reliable, best_effort'),
     ('start_type_description_service:=3', 'start_type_description_service = 3: must be a bool'),
-    ('linkage.mode:=1.0', 'linkage.mode = 1.0: must be an integer'),
+    ('linkage.mode:=1.0', 'linkage.mode = 1.0: must be one of 1 or crossed'),
     ('frame_id:=/base', "frame_id = '/base': must not begin with a slash"),
     ('outputs:=state', "outputs = 'state': must be"),
     (QOS + 'state.subscription.depth:=3', '/fourbar/state is a publisher'),

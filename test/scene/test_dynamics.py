@@ -57,7 +57,7 @@ def test_the_source_torque_starts_at_rest_without_a_torque():
     ({**MOTOR, 'motor.kind': 'stepper'}, 'motor.kind', 'must be one of line, dc, '),
     ({**MOTOR, 'motor.kind': 'controller'}, 'motor.speed', 'must be given'),
     ({**DC, 'motor.resistance': 0.0}, 'motor.resistance', 'must be positive'),
-    ({**DC, 'motor.inductance': -1.0}, 'motor.inductance', 'must lie in >= 0'),
+    ({**DC, 'motor.inductance': -1.0}, 'motor.inductance', 'must be >= 0'),
     ({**MOTOR, 'shaft.stiffness': 1e5}, 'motor.rotor_inertia', 'elastic shaft'),
     ({**MOTOR, 'shaft.damping': 1.0}, 'shaft.damping', 'needs shaft.stiffness'),
     ({**MOTOR, 'springs.s.first.link': 'slider'}, 'springs.s.first.link', 'must be one of'),

@@ -224,7 +224,7 @@ def refusing(**changes):
      'must be the first value again'),
     (refusing(forces__push__places=[0.0, 1.0, 2.0, 3.0]), 'forces.push.places', 'period must be'),
     (refusing(forces__push__factor=float('inf')), 'forces.push.factor', 'finite'),
-    (refusing(forces__push__table=7), 'forces.push.table', 'must be a string'),
+    (refusing(forces__push__table=7), 'forces.push.table', 'must be a text'),
     (refusing(forces__push__curve='x'), 'forces.push.curve', 'unknown parameter'),
     ({**PAPER, **ROUND}, 'bodies.crank.mass', 'forces.push needs masses'),
     (refusing(trajectories=True), 'trajectories', 'their effort would be wrong')])

@@ -111,7 +111,7 @@ def test_scene_check_explains_and_refuses(tmp_path, capsys):
     bad = tmp_path / 'bad.yaml'
     bad.write_text('/**: {ros__parameters: {linkage: {a1: 0.4, a2: x, a3: 1.0, a4: 1.0}}}')
     assert main(['scene', 'check', str(bad)]) == 1
-    assert capsys.readouterr().err == "fourbar: linkage.a2 = 'x': must be a double\n"
+    assert capsys.readouterr().err == "fourbar: linkage.a2 = 'x': must be a number in m\n"
 
 
 def test_scene_check_lists_what_was_given_in_units_of_what_is_driven(tmp_path, capsys):
@@ -132,12 +132,12 @@ def test_scene_check_lists_what_was_given_in_units_of_what_is_driven(tmp_path, c
 
 @pytest.mark.parametrize('values, said', [
     ({'bodies.rods.density': 7000.0}, 'bodies.rods.radius: must be given: rods have density and '
-                                      'radius'),
+                                      'radius, or density, width and thickness'),
     ({'bodies.crank.mass': 1.0}, 'bodies.crank.inertia: must be given: loads need mass and '
                                  'inertia of the crank'),
     ({'outputs': ['loads']}, 'bodies.crank.mass: must be given (or bodies.rods): output loads '
                              'needs masses'),
-    ({'linkage.mode': 'x'}, "linkage.mode = 'x': must be an integer")])
+    ({'linkage.mode': 'x'}, "linkage.mode = 'x': must be one of 1 or crossed, 2 or open")])
 def test_what_is_missing_is_named_without_a_value(values, said):
     with pytest.raises(InvalidParameter) as caught:
         scene.from_values({**PAPER, **values})

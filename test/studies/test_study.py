@@ -54,7 +54,7 @@ BAD = [
     ('constraints', {'swing': 2.0}, 'must be {least: VALUE}'),
     ('constraints', {'class': 3}, 'a type or a list of types'),
     ('constraints', {'class': ['crank-rokcer']}, 'no type of a .*; did you mean .*crank-rocker'),
-    ('constraints', {'class': ['crank-rocker', 'wheel']}, "= 'wheel': no type of a .*known: "),
+    ('constraints', {'class': ['crank-rocker', 'wheel']}, "= 'wheel': no type of a .*nearest: "),
     ('constraints', {'swing': {'least': 60}}, r'swing lies in \[0, 6.28319\] rad'),
     ('constraints', {'least_transmission_angle': {'least': 40}}, r'lies in \[0, 1.5708\] rad'),
     ('constraints', {'time_ratio': {'most': 0.9}}, r'lies in \[1, inf\]'),

@@ -23,6 +23,7 @@ from fourbar_ros.ros.node.worker import Worker
 from fourbar_ros.ros.stop import Stop
 from fourbar_ros.scene.arguments import check_node_arguments, full_name, NODE_HELP, node_names
 from fourbar_ros.scene.parameter_table import SOURCES
+from fourbar_ros.scene.plausible import warnings_of
 from fourbar_ros.scene.scene import check_for_node, Scene
 from fourbar_ros.scene.topics import FIND_EXTREMA, SERVICES
 import rclpy
@@ -63,6 +64,8 @@ class FourBarNode(Running):
         super().__init__(name, automatically_declare_parameters_from_overrides=True, **kwargs)
         scene = parameters.scene(self, arguments)
         check_for_node(scene)
+        for warning in warnings_of(scene):
+            self.get_logger().warning(warning)
         self.failure = None                  # a fault in any thread, raised by main
         self.steady_timers = SteadyTimers()
         self.log = QuietLog(self.get_logger())

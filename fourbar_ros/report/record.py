@@ -1,0 +1,83 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""All that ``fourbar show`` tells of a scene as one record of plain values in SI units."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from math import nan
+from typing import Any
+
+from fourbar_ros.extrema.find import Extremum
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Coordinate
+from fourbar_ros.mechanisms.picture import Points
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.pipeline.status import STATUS_NAMES
+from fourbar_ros.report.poses import Pose
+from fourbar_ros.report.tables import (
+    class_name,
+    input_of,
+    known_output_ranges,
+    mode_name,
+    toggles_of,
+    transmission_bands,
+)
+
+Record = dict[str, Any]        # text, numbers, lists and records
+
+
+def record_of(linkage: Mechanism, extrema: Sequence[Extremum], points: Points,
+              pose: Pose | None = None) -> Record:
+    """
+    Return what a linkage is, its extrema and, if one was asked for, its state at one input.
+
+    Angles in [rad], all else in SI units too; a value that is not known is NaN, no masses None.
+    """
+    driven = linkage.input_coordinate
+    found: Record = {
+        'lengths': dict(zip(linkage.length_names, linkage.lengths)),
+        'class': class_name(linkage), 'mode': linkage.mode, 'mode_name': mode_name(linkage),
+        'input': _with_ranges(driven, linkage.input_ranges)
+        | {'turns_fully': linkage.turns_fully},
+        'outputs': [_with_ranges(coordinate, ranges) | {'of_both_modes': of_both}
+                    for coordinate, ranges, of_both in known_output_ranges(linkage)],
+        'dead_points': [_dead_point(linkage, point) for point in linkage.dead_points],
+        'toggles': toggles_of(linkage),
+        'transmission_angles': {
+            band.name: {'least': band.least.value, 'most': band.most.value,
+                        'worst': band.worst.value, 'worst_at': input_of(linkage, band.worst)}
+            for band in transmission_bands(linkage)},
+        'change_point_margin': linkage.change_point_margin,
+        'bodies': linkage.bodies and {name: asdict(body)
+                                      for name, body in linkage.bodies._asdict().items()},
+        'extrema': [extremum._asdict() for extremum in extrema]}
+    if pose:
+        found['pose'] = _pose(linkage, pose, points)
+    return found
+
+
+def _with_ranges(coordinate: Coordinate, ranges: Sequence[tuple[float, float]]) -> Record:
+    return {'name': coordinate.position, 'unit': coordinate.unit,
+            'ranges': [list(map(float, bounds)) for bounds in ranges]}
+
+
+def _dead_point(linkage: Mechanism, point: Any) -> Record:
+    coordinates = linkage.input_coordinate, *(output.coordinate for output in linkage.outputs)
+    places: Record = {its.position: value for its, value in zip(coordinates, point)}
+    if hasattr(point, 'stretched'):
+        places['stretched'] = bool(point.stretched)
+    return places
+
+
+def _pose(linkage: Mechanism, pose: Pose, points: Points) -> Record:
+    motion = pose.motion._asdict()
+    joints = {field: motion.get(field, nan) for coordinate in linkage.PARTS
+              for field in (coordinate.position, coordinate.rate, coordinate.acceleration)}
+    there = {name: point_motion(linkage, pose.motion, *point) for name, point in points.items()}
+    return {'status': STATUS_NAMES[pose.status],
+            'motion': joints | {'transmission_angle': motion['transmission_angle']},
+            'loads': pose.loads and pose.loads._asdict(),
+            'points': {name: {'place': list(found.place), 'velocity': list(found.velocity),
+                              'acceleration': list(found.acceleration)}
+                       for name, found in there.items()}}

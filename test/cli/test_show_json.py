@@ -1,0 +1,72 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""``fourbar show --json`` beside what ``fourbar show`` prints."""
+import json
+from math import degrees, hypot
+import re
+
+from fourbar_ros.cli.main import main
+import pytest
+from support.samples import some
+
+CASES = [('paper', '60'), ('slides_7_6', '60'), ('slider_crank', '40'), ('cylinder', '1.5'),
+         ('watt', '20'), ('engine', '30'), ('quick_return', '75')]
+
+
+def said(capsys, *arguments):
+    assert main(list(arguments)) == 0
+    return capsys.readouterr().out
+
+
+def numbers_in(found):
+    """Yield all numbers of a record."""
+    if isinstance(found, dict):
+        found = list(found.values())
+    if isinstance(found, list):
+        for item in found:
+            yield from numbers_in(item)
+    elif isinstance(found, (int, float)):
+        yield float(found)
+
+
+@some('name, at', CASES, 2)
+def test_every_number_that_is_printed_is_in_the_record(name, at, capsys):
+    """Angles are printed in degrees with four decimals, all else with six digits or more."""
+    text = said(capsys, 'show', name, '--at', at)
+    line = said(capsys, 'show', name, '--at', at, '--json')
+    assert line.count('\n') == 1
+    found = json.loads(line)
+    there = sorted(numbers_in(found))
+    there += [degrees(value) for value in there]
+    there += [hypot(*vector) for point in found['pose']['points'].values()
+              for vector in point.values()]
+    off_square = [abs(degrees(band['worst']) - 90.0)
+                  for band in found['transmission_angles'].values()]
+    places = [degrees(extremum['theta1']) for extremum in found['extrema']]
+    tables = text.partition('\n')[2]          # below the path
+    for word in re.findall(r'(?<![\w.^])-?\d+\.\d+(?:e[-+]?\d+)?(?![\w^])', tables):
+        value, last = float(word), len(word.partition('.')[2].partition('e')[0])
+        near = 10.0**-last + 1e-5 * abs(value)
+        assert any(abs(value - other) <= near for other in [*there, *off_square, *places]), word
+    for quantity in {extremum['quantity'] for extremum in found['extrema']}:
+        assert quantity in text
+    rows = [row.split() for row in text.splitlines()]
+    kinds = sum(1 for row in rows if {'minimum', 'maximum', 'constant'} & set(row[:2]))
+    assert kinds == len(found['extrema'])
+
+
+def test_a_record_is_in_si_units_and_says_what_is_missing(capsys):
+    found = json.loads(said(capsys, 'show', 'slides_7_6', '--at', '60', '--json'))
+    assert found['lengths'] == {'a1': 8.0, 'a2': 14.0, 'a3': 9.0, 'a4': 17.0}
+    assert found['pose']['motion']['theta1'] == pytest.approx(1.0471975511965976)
+    assert found['bodies'] is None and found['pose']['loads'] is None
+    assert 'no masses given' in found['why_no_loads']
+    assert found['input']['ranges'][0][1] == pytest.approx(found['toggles'][1])
+    assert 'pose' not in json.loads(said(capsys, 'show', 'slides_7_6', '--json'))
+
+
+def test_a_record_holds_points_and_proofs(capsys):
+    found = json.loads(said(capsys, 'show', 'slider_crank', '--at', '40', '--json', '--certify'))
+    assert all(extremum['proof'] for extremum in found['extrema'])
+    for point in found['pose']['points'].values():
+        assert {len(vector) for vector in point.values()} == {2}

@@ -1,0 +1,104 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Values that are allowed but hardly meant; rods of rectangular section."""
+from fourbar_ros import flat_bar, InvalidParameter
+from fourbar_ros.cli.main import main
+from fourbar_ros.scene import from_values, load, warnings_of
+from fourbar_ros.scene.files import folder
+import pytest
+from support.scenes import PAPER, RODS
+
+BARS = {'bodies.rods.density': 7850.0, 'bodies.rods.width': 0.02, 'bodies.rods.thickness': 0.005}
+
+
+@pytest.mark.parametrize(('changes', 'said'), [
+    ({'linkage.a1': 50.0, 'linkage.a2': 150.0, 'linkage.a3': 100.0, 'linkage.a4': 125.0},
+     ['linkage.a1 = 50 m: did you mean 0.05?']),
+    ({'bodies.rods.density': 7.75, 'bodies.rods.radius': 0.01}, ['did you mean 7750?']),
+    ({'bodies.rods.density': 7750e3, 'bodies.rods.radius': 0.01}, ['did you mean 7750?']),
+    ({'bodies.rods.density': 99.9, 'bodies.rods.radius': 0.01}, ['99.9 kg/m^3']),
+    ({'bodies.rods.density': 25001.0, 'bodies.rods.radius': 0.01}, ['denser than any metal']),
+    ({'bodies.rods.density': 7750.0, 'bodies.rods.radius': 10.0}, ['did you mean 0.01?']),
+    ({**BARS, 'bodies.rods.width': 20.0}, ['bodies.rods.width = 20 m: ']),
+    ({**BARS, 'bodies.rods.thickness': 5.0}, ['bodies.rods.thickness = 5 m: ']),
+    ({'drive.start': 90.0}, ['did you mean 1.5708 (90 degrees)?']),
+    ({'drive.start': -6.3}, ['drive.start = -6.3 rad is more than a turn']),
+    ({'drive.start': 6.28, **RODS}, []),
+    ({'linkage.a1': 5.0, 'linkage.a2': 10.0, 'linkage.a3': 8.0, 'linkage.a4': 9.0}, []),
+    ({'bodies.rods.density': 100.0, 'bodies.rods.radius': 0.199}, []),
+    ({'linkage.a1': 50.0, 'linkage.a2': 90.0, 'linkage.a3': 80.0, 'linkage.a4': 70.0,
+      'drive.start': 45.0}, ['linkage.a1', 'drive.start'])])
+def test_what_is_hardly_meant_is_one_line_each(changes, said):
+    found = warnings_of(from_values({**PAPER, **changes}))
+    assert len(found) == len(said)
+    assert all(part in line and '\n' not in line for part, line in zip(said, found))
+
+
+def test_the_start_of_a_slide_is_no_angle_and_links_of_machines_have_names():
+    values = dict(load('cylinder').values)
+    assert warnings_of(from_values({**values, 'drive.start': 7.0})) == []
+    watt = dict(load('watt').values)
+    line, = warnings_of(from_values({**watt, 'dyads.two.length_1': 20.0,
+                                     'dyads.two.length_2': 20.5}))
+    assert line.startswith('dyads.two.length_1 = 20 m: did you mean 0.02?')
+
+
+@pytest.mark.slow
+def test_of_all_shipped_scenes_one_is_in_numbers_without_a_unit():
+    """Example 7.6 of the slides has lengths 8, 14, 9, 17 of no unit."""
+    named = {path.stem for below in ('.', 'classics') for path in (folder() / below).glob('*.yaml')
+             if warnings_of(load(path))}
+    assert named == {'slides_7_6'}
+
+
+@pytest.mark.parametrize('verb', [('scene', 'check'), ('show',)])
+def test_verbs_warn_on_stderr_and_go_on(verb, tmp_path, capsys):
+    file = tmp_path / 'my.yaml'
+    file.write_text('/**: {ros__parameters: {linkage: {a1: 0.4, a2: 1.2, a3: 0.8, a4: 1.0}, '
+                    'drive: {start: 90}}}')
+    assert main([*verb, str(file)]) == 0
+    out, err = capsys.readouterr()
+    assert out
+    assert err == ('fourbar: warning: drive.start = 90 rad is more than a turn: did you mean '
+                   '1.5708 (90 degrees)?\n')
+
+
+def test_a_new_scene_in_millimetres_is_written_with_a_warning(tmp_path, capsys):
+    lengths = ['--a1', '50', '--a2', '150', '--a3', '100', '--a4', '125']
+    assert main(['new', str(tmp_path / 'my.yaml'), *lengths, '--rod', '8',
+                 '--material', '7.85']) == 0
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.split()[2] for line in lines] == ['linkage.a1', 'bodies.rods.density']
+
+
+# --- rods of rectangular section -----------------------------------------------------------------
+
+def test_bars_are_flat_bars():
+    linkage = from_values({**PAPER, **BARS}).linkage
+    assert linkage.bodies == tuple(flat_bar(length, 7850.0, 0.02, 0.005)
+                                   for length in (0.4, 1.2, 0.8))
+
+
+def test_bars_of_a_machine_are_flat_bars():
+    values = {name: value for name, value in load('watt').values.items()
+              if not name.startswith('bodies.')}
+    bodies = from_values({**values, **BARS}).linkage.bodies._asdict()
+    assert bodies['rocker'] == flat_bar(values['dyads.one.length_2'], 7850.0, 0.02, 0.005)
+
+
+def test_a_study_computes_bars_as_a_scene_does():
+    from fourbar_lab.studies.parametric import constants_of
+    scene = from_values({**PAPER, **BARS})
+    assert constants_of(scene, dict(scene.values)).bodies == scene.linkage.bodies
+
+
+@pytest.mark.parametrize(('changes', 'name'), [
+    ({'bodies.rods.radius': 0.01}, 'bodies.rods.radius'),
+    ({'bodies.rods.width': float('nan')}, 'bodies.rods.width'),
+    ({'bodies.rods.thickness': float('nan')}, 'bodies.rods.thickness'),
+    ({'bodies.rods.density': float('nan')}, 'bodies.rods.density'),
+    ({'bodies.crank.mass': 1.0}, 'bodies.crank.mass')])
+def test_half_a_section_or_two_of_them_are_refused(changes, name):
+    with pytest.raises(InvalidParameter) as refused:
+        from_values({**PAPER, **BARS, **changes})
+    assert refused.value.name == name
