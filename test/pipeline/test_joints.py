@@ -87,7 +87,7 @@ def test_effort_is_absent_where_it_is_not_computed(outputs, has):
     ('joint_states.ratios', [1.0, 0.0, 1.0, 1.0], 'must not be zero'),
     ('joint_states.ratios', [1.0, 1.0], 'four numbers'),
     ('joint_states.ratios', [1.0, math.inf, 1.0, 1.0], 'finite'),
-    ('joint_states.ratios', 2.0, 'some doubles'),
+    ('joint_states.ratios', 2.0, 'a list of numbers'),
     ('joint_states.offsets', ['a', 'b', 'c', 'd'], 'finite numbers'),
     ('joint_states.offsets', [0.0] * 5, 'four numbers'),
     ('joint_states.when_unknown', 'nan', 'skip, hold, send_nan'),
