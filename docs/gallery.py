@@ -79,8 +79,8 @@ def entry(name, title):
 
 def page():
     """Return the text of the page."""
-    parts = [f'## {heading}\n\n' + '\n'.join(entry(name, title)
-                                            for name, (title, _) in entries.items())
+    parts = [f'## {heading}\n\n'
+             + '\n'.join(entry(name, title) for name, (title, _) in entries.items())
              for heading, entries in ENTRIES.items()]
     return ('# Gallery\n\n<!-- gallery -->\n'
             'Every scene that comes with the package: `fourbar list` names them, and each verb '

@@ -21,10 +21,10 @@ BOOLS = {word: value for value, words in ((True, 'y yes true on'), (False, 'n no
          for small in words.split() for word in {small, small.capitalize(), small.upper()}}
 INTEGER = re.compile(r'[-+]?(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)')       # base 0 of C's strtoll
 TABLE = re.compile(r'forces\.\w+\.table')
-IN_WORDS = {"<block end>": 'it is indented unlike the lines above it',
+IN_WORDS = {'<block end>': 'it is indented unlike the lines above it',
             "'<stream end>'": 'a bracket is open', 'end of stream': 'a quote is open',
             'mapping values are not allowed': 'a second colon, or indented unlike the line above'}
-NO_BLANK = re.compile(r'''(?:^|[\s{,])([A-Za-z][\w.]*):([^\s:/,}]+)''')
+NO_BLANK = re.compile(r'(?:^|[\s{,])([A-Za-z][\w.]*):([^\s:/,}]+)')
 DOUBLE = re.compile(r'[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?')
 NAMED = {'.nan': nan, '.inf': inf, '+.inf': inf, '-.inf': -inf,
          **{sign + word: float(sign + word) for sign in ('', '+', '-')

@@ -29,7 +29,7 @@ SAID = {
     'live_page': r'http://127\.0\.0\.1:\d+.*\nended with',
     'proof': r'exact count\n(.*\n)+period 1\.64314493083',
 }
-PANDAS = '''
+PANDAS = """
 class DataFrame:
     def __init__(self, columns):
         self.columns = columns
@@ -39,7 +39,7 @@ class DataFrame:
         rows = zip(*self.columns.values(), strict=True)
         lines = [','.join(self.columns), *(','.join(map(str, row)) for row in rows)]
         open(path, 'w').write('\\n'.join(lines))
-'''
+"""
 
 
 def run(name, folder, *arguments):

@@ -9,7 +9,7 @@ from support import ROOT
 
 sys.path.insert(0, str(ROOT / 'docs'))
 
-import gallery  # noqa: E402
+import gallery  # noqa: E402, I100
 
 NAMES = [name for entries in gallery.ENTRIES.values() for name in entries]
 AGAIN = 'run python docs/gallery.py'
