@@ -70,7 +70,7 @@ def add_verb(verbs: Verbs, name: str, text: str, description: str, epilog: str =
 
 
 def add_scene(parser: argparse.ArgumentParser) -> None:
-    """Add the scene, of which a shell completes names and files."""
+    """Add the argument SCENE; a shell completes names of scenes and files."""
     scene: Any = parser.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
     scene.completer = _scenes           # an attribute that argcomplete looks for
 
@@ -133,7 +133,7 @@ def add_topics(parser: argparse.ArgumentParser, text: str) -> None:
 
 
 def warn(scene: Scene) -> None:
-    """Say on stderr what is hardly meant in a scene, a line each; after all that is printed."""
+    """Print the warnings of a scene on stderr, a line each, after all other output."""
     from fourbar_ros.scene.plausible import warnings_of
     sys.stdout.flush()
     for warning in warnings_of(scene):
@@ -141,7 +141,7 @@ def warn(scene: Scene) -> None:
 
 
 def json_line(found: dict[str, Any]) -> str:
-    """Return a dict as one line of JSON; what is not finite is text: "inf", "nan"."""
+    """Return a dict as one line of JSON; infinities and NaN become text: "inf", "nan"."""
     return json.dumps(_plain(found), allow_nan=False)
 
 

@@ -70,7 +70,7 @@ def _show(arguments: Namespace) -> None:
 
 
 class Shown(NamedTuple):
-    """What is shown: a linkage of a scene in one mode, its rates, and one pose if asked for."""
+    """A linkage of a scene in one mode, its rates, and one pose if the user asked for it."""
 
     path: Path
     scene: Scene

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import CONSTANT, find_extrema, MAXIMUM
-from fourbar_ros.extrema.four_bar_rates.search import Linkages, RateExtrema, search
+from fourbar_ros.extrema.four_bar_rates.search import at_rate, Linkages, RateExtrema, search
 from fourbar_ros.extrema.methods import RATES
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
@@ -114,9 +114,7 @@ Columns = tuple[Array, ...]     # index, theta1, value, is_maximum, side
 
 def _scaled(found: RateExtrema, rate: Array, order: int) -> Columns:
     """Return the extrema of omega4 (order 0) or alpha4 (1) from those at unit input rate."""
-    row, theta1, value, is_maximum, side, _ = found
-    factor = rate[row]**(order + 1)
-    return row, theta1, factor * value, is_maximum == (factor > 0.0), side
+    return found.row, found.theta1, *at_rate(found, rate[found.row], order), found.side
 
 
 def _at_change_points(indices: list[int], lengths: Array, mode: Array,

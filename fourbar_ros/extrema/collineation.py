@@ -57,9 +57,14 @@ class CollineationAxis(NamedTuple):
 
     @property
     def angle(self) -> Any:
-        """Return the angle l from the coupler line to the axis, in (-pi/2, pi/2] [rad]."""
+        """
+        Return the angle l from the coupler line to the axis, in (-pi/2, pi/2] [rad].
+
+        NaN where there is no axis: in a flat position, and in a parallelogram.
+        """
         sense = np.where(self.along < 0.0, -1.0, 1.0)
-        return np.arctan2(sense * self.across, sense * self.along)
+        is_none = (np.asarray(self.along) == 0.0) & (np.asarray(self.across) == 0.0)
+        return np.where(is_none, np.nan, np.arctan2(sense * self.across, sense * self.along))[()]
 
 
 def collineation_axis(linkage: Mechanism, motion: Any) -> CollineationAxis:
@@ -83,8 +88,9 @@ def collineation_axis(linkage: Mechanism, motion: Any) -> CollineationAxis:
         raise InvalidParameter('linkage', type(linkage).__name__, 'must be a four-bar or a '
                                'slider-crank that its crank drives')
     unit = max(map(abs, linkage.lengths))
-    o1, a, b, o4 = (np.stack(np.broadcast_arrays(x, y, unit * w, motion.theta1)[:-1])
-                    for x, y, w in corners)
+    scales = [unit if w else 1.0 for *_, w in corners]       # a direction has no unit
+    o1, a, b, o4 = (np.stack(np.broadcast_arrays(x / scale, y / scale, w, motion.theta1)[:-1])
+                    for (x, y, w), scale in zip(corners, scales))
     coupler = _cross(a, b)
     p13, p24 = _cross(_cross(o1, o4), coupler), _cross(_cross(o1, a), _cross(o4, b))
     axis = _cross(p13, p24)

@@ -27,10 +27,10 @@ from typing import TYPE_CHECKING
 from fourbar_ros.extrema.difference_sampling import DifferenceSampler
 from fourbar_ros.extrema.four_bar_rates.input_paths import input_paths as elliptic_paths
 from fourbar_ros.extrema.four_bar_rates.paths import SAMPLES as RATE_SAMPLES
-from fourbar_ros.extrema.four_bar_rates.search import rate_extrema
+from fourbar_ros.extrema.four_bar_rates.search import at_rate, rate_extrema
 from fourbar_ros.extrema.input_paths import input_paths, InputPath
 from fourbar_ros.extrema.path_search import Found, sampled_conditions, search_path
-from fourbar_ros.extrema.sampling import Asked, Sampler
+from fourbar_ros.extrema.sampling import Asked, Sampler, too_large
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import is_published
@@ -141,18 +141,20 @@ class Methods:
         sampler, found = self._sampler(Sampler, self._fast), []
         for row, quantity in enumerate(sampler.quantities):
             order = RATES.index(quantity.name)
-            _, x, value, is_maximum, side, spacing = both[order]
-            factor = self._rates[0]**(order + 1)
+            _, x, *_, side, spacing = both[order]
+            value, is_maximum = at_rate(both[order], self._rates[0], order)
+            if np.isinf(value[side == 0]).any():
+                raise too_large(self._rates)
             conditions = np.full((2, x.size), nan)
             inside = side == 0
             if with_conditions:
                 conditions[:, inside] = sampled_conditions(
                     sampler, x[inside], np.full(inside.sum(), row), spacing[inside])
-            sense = np.where(is_maximum == (factor > 0.0), 1, -1)
+            sense = np.where(is_maximum, 1, -1)
             found += [
                 Found(row, place, value, sense, side, False, condition, value_condition)
                 for place, value, sense, side, condition, value_condition in zip(
-                    *(v.tolist() for v in (fold(x), factor * value, sense, side, *conditions)))]
+                    *(v.tolist() for v in (fold(x), value, sense, side, *conditions)))]
         return found
 
     def proved(self, found: list[list[Found]], with_conditions: bool,

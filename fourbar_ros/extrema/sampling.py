@@ -88,6 +88,11 @@ def not_real(quantity: Asked, found: str) -> InvalidParameter:
                             f'number for each input inside the range, not {found}')
 
 
+def too_large(rates: tuple[float, float]) -> InvalidParameter:
+    """Return the error for rates of the input at which quantities overflow."""
+    return InvalidParameter('rate, acceleration', rates, 'too large: quantities overflow')
+
+
 class Sampler:
     """
     Values and derivatives of some quantities of a mechanism in its mode.
@@ -158,8 +163,7 @@ class Sampler:
             values, slopes = self.sample(path.x)
         self._refuse_nan(path.x, values)
         if np.isinf(values).any() or np.isinf(slopes).any():
-            raise InvalidParameter('rate, acceleration', self.rates,
-                                   'too large: quantities overflow')
+            raise too_large(self.rates)
         state = self.state(path.x)
         return Samples(path, self._continuous(values), slopes, state, self.noise(state))
 

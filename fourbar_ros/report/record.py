@@ -30,7 +30,7 @@ Record = dict[str, Any]        # text, numbers, lists and records
 def record_of(linkage: Mechanism, extrema: Sequence[Extremum], points: Points,
               pose: Pose | None = None) -> Record:
     """
-    Return what a linkage is, its extrema and, if one was asked for, its state at one input.
+    Return the properties of a linkage, its extrema and, with a pose, its state there.
 
     Angles in [rad], all else in SI units too; a value that is not known is NaN, no masses None.
     """

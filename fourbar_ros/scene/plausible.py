@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What is allowed in a scene but hardly meant: millimetres for metres, degrees for radians."""
+"""Warnings of values that a scene may have but hardly means: millimetres, degrees, g/cm^3."""
 from __future__ import annotations
 
 from collections.abc import Iterator
@@ -34,7 +34,7 @@ def _long(scene: Scene) -> Iterator[str]:
     long = [(name, value) for name, value in _lengths(scene).items() if abs(value) > LONGEST]
     if long:
         (name, value), *others = long
-        too = f' ({len(others)} more are as long)' if others else ''
+        too = f' (and {len(others)} more)' if others else ''
         yield f'{name} = {value:g} m: did you mean {value * 1e-3:g}? Lengths are in metres{too}'
 
 

@@ -143,6 +143,21 @@ def test_slides_too(quantity):
             assert (tangent[2] - tangent[0]) / 2e-5 == pytest.approx(1.0, abs=1e-8)
 
 
+@pytest.mark.parametrize('unit', [2.0**-660, 2.0**660])
+@pytest.mark.parametrize('kind', [FourBar, SliderCrank, InvertedSlider])
+def test_the_unit_of_length_does_not_matter(kind, unit):
+    lengths = (0.4, 1.2, 0.8, 1.0) if kind is FourBar else (0.3, 0.8, 0.1)
+    one, other = (kind(*(length * its for length in lengths)) for its in (1.0, unit))
+    angles = [collineation_axis(linkage, linkage.motion(1.0)).angle for linkage in (one, other)]
+    assert angles[0] == pytest.approx(angles[1], abs=1e-14)
+
+
+@pytest.mark.parametrize('theta', [0.0, 1.0])
+def test_a_parallelogram_has_none(theta):
+    linkage = FourBar(1.0, 2.0, 1.0, 2.0)
+    assert np.isnan(collineation_axis(linkage, linkage.motion(theta)).angle)
+
+
 def test_other_mechanisms_have_none():
     slide = SliderCrank(0.3, 0.8, 0.1, input='slide')
     with pytest.raises(InvalidParameter, match='its crank drives'):

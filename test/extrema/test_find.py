@@ -628,3 +628,25 @@ def test_both_ways_to_the_sines_agree_with_the_motion(by_loop):
         assert abs(g[j] / X[j]**3 - motion.alpha4) <= EPS * size**4 / abs(X[j])**5
         compared += 1
     assert compared > 2000
+
+
+@pytest.mark.parametrize('lengths', [PAPER, (1.2, 0.4, 0.8, 1.0)])
+@pytest.mark.parametrize('rate', [1e-200, -1e-200])
+def test_a_rate_whose_square_underflows_leaves_kinds_and_infinities(lengths, rate):
+    linkage = FourBar(*lengths)
+    slow, usual = (find_extrema(linkage, RATES, its) for its in (rate, np.sign(rate)))
+    many = find_extrema_many(*lengths, rate=rate)
+    for one, other in zip(slow, usual):
+        assert (one.kind, one.place, one.theta1) == (other.kind, other.place, other.theta1)
+        assert one.value == other.value if np.isinf(other.value) else abs(one.value) < 1e-199
+    for name in RATES:
+        assert many[name].is_maximum.tolist() == [e.kind == 'maximum' for e in slow
+                                                  if e.quantity == name]
+        assert not np.isnan(many[name].value).any()
+
+
+@pytest.mark.parametrize('rate', [1e160, -1e300])
+def test_a_rate_at_which_quantities_overflow_is_refused(rate):
+    assert len(find_extrema(FourBar(*PAPER), ('omega4',), rate)) == 2
+    with pytest.raises(InvalidParameter, match='overflow'):
+        find_extrema(FourBar(*PAPER), RATES, rate)

@@ -9,7 +9,7 @@ samples. It is looked at closely; then the roots of k and the samples bracket th
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.extrema.four_bar_rates.paths import Path, paths_of, SAMPLES, stacked
 from fourbar_ros.extrema.four_bar_rates.sines import make_sines, sine_constants, Sines
@@ -61,6 +61,20 @@ class RateExtrema(NamedTuple):
 NOTHING = RateExtrema(np.zeros(0, int), np.zeros(0), np.zeros(0), np.zeros(0, bool),
                       np.zeros(0, int), np.zeros(0))
 Both = tuple[RateExtrema, RateExtrema]      # of theta4' and of theta4''
+
+
+def at_rate(found: RateExtrema, rate: Any, order: int) -> tuple[Array, Array]:
+    """
+    Return values of omega4 (order 0) or alpha4 (1), and whether each is a maximum.
+
+    ``found``: at 1 rad/s; ``rate``: a number, or that of each [rad/s]. A square that underflows
+    leaves kinds and infinities as they are.
+    """
+    is_upward = (rate > 0.0) | (order == 1)
+    with np.errstate(over='ignore', under='ignore', invalid='ignore'):
+        value = np.float64(rate)**(order + 1) * found.value
+    value = np.where(np.isinf(found.value), np.where(is_upward, 1.0, -1.0) * found.value, value)
+    return value, found.is_maximum == is_upward
 
 
 class Linkages(NamedTuple):
