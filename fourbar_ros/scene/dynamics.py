@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import MISSING
-from math import inf, isnan
+from math import inf, isfinite, isnan
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
@@ -62,8 +62,12 @@ def of_values(values: ParameterValues, linkage: Mechanism,
         raise InvalidParameter('bodies.crank.mass', None, 'must be given (or bodies.rods): motion '
                                'that follows from torque needs masses')
     from fourbar_ros.dynamics.model.drives import Drive
-    drive = Drive(_source(values), values['motor.gear']**2 * values['motor.rotor_inertia'],
-                  values['flywheel.inertia'], _shaft(values))
+    gear = values[GEAR.name]
+    rotor = gear * gear * values['motor.rotor_inertia']
+    if not isfinite(rotor):
+        raise InvalidParameter(GEAR.name, gear,
+                               'its square times motor.rotor_inertia must be finite')
+    drive = Drive(_source(values), rotor, values['flywheel.inertia'], _shaft(values))
     found = Dynamics(drive, (*(_element(values, name, linkage) for name in springs), *forces),
                      values['drive.start'], values['drive.start_speed'])
     _check_start(found, linkage)

@@ -14,12 +14,13 @@ from fourbar_ros.ros.messages import resolve
 from fourbar_ros.scene.files import folder
 from fourbar_ros.scene.parameters import find, of_name
 from fourbar_ros.scene.scene import from_values, load
-from fourbar_ros.scene.topics import OUTPUTS, PICTURES
+from fourbar_ros.scene.topics import OUTPUTS
 import pytest
 from rcl_interfaces.srv import ListParameters, SetParametersAtomically
 import rclpy
 from rclpy.parameter import Parameter
 from support.harness import ALL_OUTPUTS
+from support.hostile import hostile
 from support.scenes import PAPER, RODS
 
 MINUTES = float(os.environ.get('SOAK_MINUTES', '0'))
@@ -27,18 +28,6 @@ SCENES = sorted(file.stem for file in folder().glob('*.yaml'))
 SOME = 150             # changes at least
 MEMORY = 6 << 30       # [B] more than any change may take
 LIMITED = f'import resource; resource.setrlimit(resource.RLIMIT_AS, ({MEMORY},) * 2)'
-DOUBLES = [0.0, -0.0, 1.0, -1.0, 1e-9, 1e9, -1e9, 5e-324, 1e-300, -1e-300, 1e154, 1e300, -1e300,
-           1.7976931348623157e308, float('inf'), float('-inf'), float('nan')]
-EVERY = [*OUTPUTS, *PICTURES]
-HOSTILE = {
-    'double': [*DOUBLES, 0, 3, 2**63 - 1],
-    'integer': [0, 1, 2, 3, -1, 50, 2**31, 2**63 - 1, -2**63],
-    'string': ['', 'x' * 100_000, '\n', 'ä\0', '../..', 'ground', 'crank', 'hold', 'dc'],
-    'bool': [True, False],
-    'strings': [[], [''], ['x'] * 1000, ['state', 'state'], EVERY, ['robot_description'],
-                ['markers', 'traces', 'tf'], ['loads', 'links', 'reactions'], ['state']],
-    'doubles': [[], [0.0], DOUBLES, [1] * 1000],
-}
 
 
 @pytest.fixture
@@ -77,14 +66,6 @@ def setter(client):
         client.until(future.done, f'the answer to {values}'[:200])
         return future.result().result
     return put
-
-
-def hostile(rng, name):
-    """Return a value that a parameter should not have, now and then of another type."""
-    kind = of_name(name).type if rng.random() < 0.8 else rng.choice([*HOSTILE])
-    if kind == 'double' and rng.random() < 0.3:
-        return rng.choice([-1.0, 1.0]) * 10.0**rng.uniform(-20.0, 20.0)
-    return rng.choice(HOSTILE[kind])
 
 
 def declared_by(client):

@@ -54,6 +54,7 @@ def test_the_source_torque_starts_at_rest_without_a_torque():
     ({**PAPER, **RODS, 'drive.source': 'motor'}, 'motor.stall_torque', 'must be given'),
     ({**MOTOR, 'motor.free_speed': 0.0}, 'motor.free_speed', 'must not be zero'),
     ({**MOTOR, 'motor.gear': 0.0}, 'motor.gear', 'must not be zero'),
+    ({**MOTOR, 'motor.gear': -1e200}, 'motor.gear', 'must be finite'),
     ({**MOTOR, 'motor.kind': 'stepper'}, 'motor.kind', 'must be one of line, dc, '),
     ({**MOTOR, 'motor.kind': 'controller'}, 'motor.speed', 'must be given'),
     ({**DC, 'motor.resistance': 0.0}, 'motor.resistance', 'must be positive'),

@@ -3,16 +3,19 @@
 """Scene files and the parameter table."""
 import json
 import math
+import random
 
-from fourbar_ros import InvalidParameter
+from fourbar_ros import FourBarError, InvalidParameter
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.parameter_table import FAMILIES, LINKS, PARAMETERS, REQUIRED
-from fourbar_ros.scene.parameters import check_value
+from fourbar_ros.scene.parameters import check_value, find
 import pytest
 from support import ROOT
+from support.hostile import hostile
 from support.scenes import PAPER, RODS
 
 CONFIG = ROOT / 'config'
+CHANGES = 100          # of one scene
 
 
 @pytest.mark.parametrize('file', sorted(CONFIG.glob('*.yaml')), ids=lambda file: file.stem)
@@ -160,3 +163,19 @@ def test_every_text_of_a_parameter_reads_alone(parameter):
     words = parameter.text.split()
     assert len(words) >= 3 and words[0] not in ('and', 'or', 'but', 'of', 'so'), parameter.text
     assert not parameter.text.endswith('.') and 'extremes' not in words
+
+
+@pytest.mark.parametrize('file', sorted(CONFIG.glob('*.yaml')), ids=lambda file: file.stem)
+def test_hostile_values_are_taken_or_refused(file):
+    rng, shipped, taken = random.Random(file.stem), scene.load(file).values, 0
+    values, live = shipped, [key for key in shipped if find(key) and find(key).live]
+    for k in range(CHANGES):
+        changed = rng.choice(live)
+        try:
+            values = scene.from_values({**values, changed: hostile(rng, changed)}).values
+            taken += 1
+        except FourBarError as error:
+            assert str(error)
+        if k % 10 == 9:
+            values = shipped
+    assert 0 < taken < CHANGES
