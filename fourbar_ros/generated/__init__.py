@@ -9,11 +9,11 @@ from fourbar_ros.lazy import lazily
 
 if TYPE_CHECKING:
     from fourbar_ros.generated.compiled import Compiled
-    from fourbar_ros.generated.generate import generate, Generated
+    from fourbar_ros.generated.files import generate, Generated
 
 __all__ = ['Compiled', 'Generated', 'generate']
 
 __getattr__, __dir__ = lazily(__name__, {
     'fourbar_ros.generated.compiled': 'Compiled',
-    'fourbar_ros.generated.generate': 'generate, Generated',
+    'fourbar_ros.generated.files': 'generate, Generated',
 })

@@ -109,7 +109,9 @@ class Model:
         zeros = {found.count + i: 0.0 for i, value in enumerate(self.data)
                  if value == 0.0 and i not in self._asked and i < self._own
                  } if mechanism.LEAVES_OUT_ZEROS else {}
-        return found.simplified({**found.literals(), **zeros}) if zeros else found
+        # of points a node leaves nothing out
+        return (found.simplified({**found.literals(), **zeros}, self.end_of_loads) if zeros
+                else found)
 
     @cached_property
     def _traced(self) -> Trace:
@@ -143,12 +145,15 @@ class Model:
 
         def formula(*given: Any) -> Any:
             motion = mechanism.MOTION._make(motion_of(*given))
-            end = len(given[0].trace.steps)
-            object.__setattr__(self, 'end_of_motion', end)
-            return tuple(motion), loads_of(motion), tuple([point(motion) for point in made])
+            trace = given[0].trace
+            object.__setattr__(self, 'end_of_motion', len(trace.steps))
+            loads = loads_of(motion)
+            object.__setattr__(self, 'end_of_loads', trace.begin_apart())
+            return tuple(motion), loads, tuple([point(motion) for point in made])
         return formula
 
-    end_of_motion = 0         # place of the first step that the motion alone does not do
+    # places of the first steps that are not of the motion, not of motion and loads
+    end_of_motion = end_of_loads = 0
 
     # --- names ----------------------------------------------------------------------------------
 

@@ -6,7 +6,7 @@ import math
 import shutil
 import subprocess
 
-from fourbar_ros.generated.generate import generate
+from fourbar_ros.generated.files import generate
 from fourbar_ros.generated.model import Model, word
 from fourbar_ros.mechanisms.points import make_point, PointMotion
 from fourbar_ros.numerics.number_types import REAL
@@ -87,10 +87,10 @@ def random_inputs(mechanism, seed, count, share_unknown=0.02):
     at = some(0.1)                                         # limits, toggles, and beside them
     found[at, 0] = rng.choice(ends, at.sum()) * (1.0 + rng.integers(-6, 7, at.sum()) * EPS / 2)
     at = some(0.05)                                        # huge angles, tiny ones
-    found[at, 0] = rng.normal(size=at.sum()) * 10.0**rng.uniform(-310.0, 305.0, at.sum())
+    found[at, 0] = rng.normal(size=at.sum()) * 10.0**rng.uniform(-307.0, 305.0, at.sum())
     for column in (1, 2):
         at = some(0.1)
-        found[at, column] = rng.normal(size=at.sum()) * 10.0**rng.uniform(-310.0, 308.0, at.sum())
+        found[at, column] = rng.normal(size=at.sum()) * 10.0**rng.uniform(-310.0, 306.0, at.sum())
         found[some(0.1), column] = rng.choice([0.0, -0.0])
     for column, share in ((0, 0.01), (1, share_unknown), (2, share_unknown)):
         at = some(share)
