@@ -228,7 +228,7 @@ class Model:
                             self.trace.results[1], True)
 
     def _wanted(self, names: Sequence[str], places: Any, are_loads: bool) -> tuple[Named, ...]:
-        texts = self._texts
+        texts = self.texts
         given = dict.fromkeys(self.mechanism.input_coordinate)
         return self._with_fields([
             Named(name, '', *texts.get(name, ('', '')), 0.0, place)
@@ -253,7 +253,7 @@ class Model:
         _ = self._asked
 
     @cached_property
-    def _texts(self) -> Mapping[str, tuple[str, str]]:
+    def texts(self) -> Mapping[str, tuple[str, str]]:
         """Return {name of a field: (unit, text)} as far as they are known."""
         mechanism = self.mechanism
         found = {f'{point}.{what}': (unit, f'{what.replace("_", " along ", 1)} of point {point}'
