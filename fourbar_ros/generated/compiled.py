@@ -61,6 +61,7 @@ class Compiled:
     """
 
     def __init__(self, directory: str | Path) -> None:
+        self._directory = directory
         found = sorted(Path(directory).glob('*.json'))
         if len(found) != 1:
             raise NotGenerated(f'{directory}: expected one NAME.json of fourbar generate, found '
@@ -84,6 +85,9 @@ class Compiled:
         self._lack = sorted({*model.mechanism.MOTION._fields} - {one.name for one in model.motion}
                             | ({*model.mechanism.LOADS._fields} if model.loads else set())
                             - {one.name for one in model.loads})
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Compiled, (self._directory,)
 
     def evaluate(self, mechanism: Mechanism, position: float, rate: float, acceleration: float,
                  with_loads: bool) -> Evaluated:

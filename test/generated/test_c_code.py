@@ -21,11 +21,17 @@ import numpy as np
 import pytest
 from support import ROOT
 from support.dyad_reference import random_machines
-from support.generated import Code, COMPILERS, differences, of_python, random_inputs, STRICT
+from support.generated import (
+    Code,
+    COMPILERS,
+    differences,
+    of_python,
+    random_inputs,
+    SCENES,
+    STRICT,
+)
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason='no C compiler')
-SCENES = sorted(path for folder in ('config', 'config/classics')
-                for path in (ROOT / folder).glob('*.yaml'))
 C = (COMPILERS[0], '-std=c99', '-O2') if COMPILERS else ()
 
 

@@ -12,8 +12,11 @@ from fourbar_ros.mechanisms.points import make_point, PointMotion
 from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.pipeline.status import evaluate, OK, RATES_UNKNOWN, TOGGLE
 import numpy as np
+from support import ROOT
 
 EPS = 2.0**-52
+SCENES = sorted(path for folder in ('config', 'config/classics')
+                for path in (ROOT / folder).glob('*.yaml'))
 COMPILERS = tuple(filter(shutil.which, ('gcc', 'clang')))
 STRICT = ('-Wall', '-Wextra', '-Wpedantic', '-Wconversion', '-Wshadow', '-Werror')
 MANY = """
