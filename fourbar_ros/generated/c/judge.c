@@ -22,14 +22,14 @@ static int first_look(double x, double rate, double acceleration)
 static int judged(int status, int refused, double closes, double x, const double *values,
                   int loads)
 {
-  double motion = 0.0, load = 0.0, size = 0.0;
+  double motion = 0.0, load = 0.0, size[4] = {0.0, 0.0, 0.0, 0.0};      /* four at a time */
   int i;
   if (!reaches(x)) return 1;
   if (status == 0 && refused) status = is_at_limit(x) ? 3 : 1;
   if (status != 0) return closes != closes ? 1 : status;
-  for (i = 0; i < SUMMED; ++i) size += fabs(values[i]);
-  for (i = MOTIONS; i < MOTIONS + loads; ++i) size += fabs(values[i]);
-  if (size < 1e300) return 0;
+  for (i = 0; i < SUMMED; ++i) size[i & 3] += fabs(values[i]);
+  for (i = 0; i < loads; ++i) size[i & 3] += fabs(values[MOTIONS + i]);
+  if (size[0] + size[1] + size[2] + size[3] < 1e300) return 0;
   for (i = 0; i < SUMMED; ++i) motion += values[i];
   for (i = MOTIONS; i < MOTIONS + loads; ++i) load += values[i];
   return is_finite(motion + load) ? 0 : 2;
