@@ -25,7 +25,8 @@ MODULES = {file.stem: file for file in sorted(Path(__file__).parent.glob('[a-z]*
 PAGE_OF = {'atlas': 'studies', 'before': 'speed', 'chains': 'node', 'compiled': 'speed',
            'engines': 'dynamics', 'generated': 'speed', 'large_study': 'studies',
            'live_memory': 'live', 'machines': 'speed', 'motor': 'dynamics',
-           'real_time': 'dynamics', 'relay': 'node', 'rivals_balancing': 'studies', 'shaking': 'studies'}
+           'real_time': 'dynamics', 'relay': 'node', 'rivals_balancing': 'studies',
+           'shaking': 'studies'}
 
 
 class Tee(io.StringIO):
