@@ -127,7 +127,7 @@ def make_loaded(linkage: Any, elements: Sequence[Element]) -> Loaded:
                 *(Applied(*_with(applied, curves[link], [force for force in acting
                                                          if force.link == link]))
                   if link in known else applied for link, applied in zip(links, given))))
-        except (ArithmeticError, InvalidParameter):      # the ends of a spring meet, a sum overflows
+        except (ArithmeticError, InvalidParameter):      # ends of a spring meet, a sum overflows
             return None
     return loaded
 
