@@ -38,6 +38,7 @@ from fourbar_lab.live.widgets import CURVES, Elements, EXTREMA, FACTS, FORCES, P
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.pipeline.status import INVALID_INPUT, OK, OUT_OF_RANGE, STATUS_NAMES
+from fourbar_ros.report.axis import AXIS_ANGLE
 from fourbar_ros.report.tables import facts
 from fourbar_ros.scene import files, parameters
 from nicegui import background_tasks, ui
@@ -273,6 +274,9 @@ class Page:
         self.layers = self.layers._replace(**{name: value})
         self._draw_traces()
         self.draw()
+        if name == 'axis':      # with its angle beside the curves
+            others = [quantity for quantity in self.names if quantity != AXIS_ANGLE]
+            self.elements.chosen.set_value(others + [AXIS_ANGLE] * value)
 
     def choose(self, names: list[str]) -> None:
         """Draw the curves of these quantities, and find their extrema."""

@@ -236,7 +236,8 @@ def vectors() -> dict[str, float]:
 
     (1)-(3): C of Example 7.3 on its circle about D; (6): B and C there; (7) and following and
     the acceleration image: Example 7.2, with theta2, theta3 of its crank and coupler; (9)-(11): A
-    and the bar of Example 7.5. The two sides of an equation reach their points over different links.
+    and the bar of Example 7.5. The two sides of an equation reach their points over different
+    links.
     """
     m, four_bar = EXAMPLE_7_3.motion(*GIVEN_7_3), EXAMPLE_7_3
     b, c = point_motion(four_bar, m, 'crank', four_bar.a1), point_motion(four_bar, m, 'output',
