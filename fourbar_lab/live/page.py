@@ -39,6 +39,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.pipeline.status import INVALID_INPUT, OK, OUT_OF_RANGE, STATUS_NAMES
 from fourbar_ros.report.axis import AXIS_ANGLE
+from fourbar_ros.report.mobility import octahedron_svg
 from fourbar_ros.report.tables import facts
 from fourbar_ros.scene import files, parameters
 from nicegui import background_tasks, ui
@@ -402,6 +403,7 @@ class Views:
 
     def _fill_facts(self) -> None:
         rows = [*facts(self.page.shown.linkage), *joint_rows(self.page.shown)]
+        self.elements.octahedron.content = octahedron_svg(self.page.shown.linkage)
         self.elements.facts.rows = [{'name': name, 'text': text} for name, text in rows]
 
 

@@ -214,6 +214,8 @@ class Elements:
             with _panel(FACTS):
                 columns = [{'name': name, 'label': '', 'field': name, 'align': 'left'}
                            for name in ('name', 'text')]
+                self.octahedron = ui.html('', sanitize=False).props(
+                    'role=img aria-label="octahedron of four-bars, this one in it"')
                 self.facts = _table(columns, 'name', 'wrap-cells hide-header').classes('fb-words')
 
     @property
