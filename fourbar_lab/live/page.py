@@ -38,6 +38,8 @@ from fourbar_lab.live.widgets import CURVES, Elements, EXTREMA, FACTS, FORCES, P
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.pipeline.status import INVALID_INPUT, OK, OUT_OF_RANGE, STATUS_NAMES
+from fourbar_ros.report.axis import AXIS_ANGLE
+from fourbar_ros.report.mobility import octahedron_svg
 from fourbar_ros.report.tables import facts
 from fourbar_ros.scene import files, parameters
 from nicegui import background_tasks, ui
@@ -273,6 +275,9 @@ class Page:
         self.layers = self.layers._replace(**{name: value})
         self._draw_traces()
         self.draw()
+        if name == 'axis':      # with its angle beside the curves
+            others = [quantity for quantity in self.names if quantity != AXIS_ANGLE]
+            self.elements.chosen.set_value(others + [AXIS_ANGLE] * value)
 
     def choose(self, names: list[str]) -> None:
         """Draw the curves of these quantities, and find their extrema."""
@@ -398,6 +403,7 @@ class Views:
 
     def _fill_facts(self) -> None:
         rows = [*facts(self.page.shown.linkage), *joint_rows(self.page.shown)]
+        self.elements.octahedron.content = octahedron_svg(self.page.shown.linkage)
         self.elements.facts.rows = [{'name': name, 'text': text} for name, text in rows]
 
 

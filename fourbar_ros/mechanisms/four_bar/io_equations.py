@@ -73,13 +73,17 @@ class IOEquation(NamedTuple):
         """
         Return half the time derivative of :meth:`position`, Eqs.
 
-        (22)-(27) as an equation [m^2/s].
+        (22)-(27) as an equation [m^2/s]. In the paper's chain that of 1 and 4 is Eq. (7).
         """
         by_i, by_j = self._slopes(vi, vj)
         return by_i * dvi + by_j * dvj
 
     def acceleration(self, vi: Any, vj: Any, dvi: Any, dvj: Any, ddvi: Any, ddvj: Any) -> Any:
-        """Return the time derivative of :meth:`velocity`: Eqs. (28)-(33) with "= 0" [m^2/s^2]."""
+        """
+        Return the time derivative of :meth:`velocity`: Eqs. (28)-(33) with "= 0" [m^2/s^2].
+
+        In the paper's chain that of 1 and 4 is Eq. (8).
+        """
         by_i, by_j = self._slopes(vi, vj)
         return (by_i * ddvi + by_j * ddvj + (self.both * vj**2 + self.first) * dvi**2
                 + (self.both * vi**2 + self.second) * dvj**2
