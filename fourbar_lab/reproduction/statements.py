@@ -158,33 +158,33 @@ def last_question() -> dict[str, float]:
     """Return what answers the paper's claim that extreme alpha4 implies extreme shaking."""
     e = 1e-6
     thin, speed = published.THIN, published.PAPER_SPEED
-    weighted = _counterweighted(thin)
+    weighted = counterweighted(thin)
     point, peak, bound = least_moment(thin, speed)
-    at = _largest_alpha4(thin)
+    at = largest_alpha4(thin)
     loads = thin.loads(at, speed)
     rate_loads = thin.loads(max(find_extrema(thin, ('omega4',), speed),
                                 key=lambda extremum: abs(extremum.value)).theta1, speed)
-    return {'share': _share(small_share(e)) / sqrt(e), 'share_limit': 5.0 * sqrt(10.0) / 24.0,
-            'weighted': _share(weighted), 'peak': peak, 'bound': bound, 'point_x': point[0],
+    return {'share': force_share(small_share(e)) / sqrt(e), 'share_limit': 5.0 * sqrt(10.0) / 24.0,
+            'weighted': force_share(weighted), 'peak': peak, 'bound': bound, 'point_x': point[0],
             'point_y': point[1], 'at_alpha4': abs(_moment_about(point, loads)) / peak,
             'at_omega4': abs(_moment_about(point, rate_loads)) / peak}
 
 
-def _share(linkage: FourBar) -> float:
+def force_share(linkage: FourBar) -> float:
     """Return the shaking force at the largest alpha4 over its peak."""
     peak = max(extremum.value for extremum in find_extrema(linkage, ('shaking_force',), 1.0))
-    return float(linkage.loads(_largest_alpha4(linkage), 1.0).shaking_force) / peak
+    return float(linkage.loads(largest_alpha4(linkage), 1.0).shaking_force) / peak
 
 
-def _largest_alpha4(linkage: FourBar) -> float:
+def largest_alpha4(linkage: FourBar) -> float:
     return max(find_extrema(linkage, ('alpha4',), 1.0),
                key=lambda extremum: abs(extremum.value)).theta1
 
 
-def _counterweighted(linkage: FourBar) -> FourBar:
+def counterweighted(linkage: FourBar) -> FourBar:
     """Return a linkage with 5 kg on its crank that cancel the force at its largest alpha4."""
     assert linkage.bodies is not None
-    crank, mass, at = linkage.bodies.crank, 5.0, _largest_alpha4(linkage)
+    crank, mass, at = linkage.bodies.crank, 5.0, largest_alpha4(linkage)
     loads = linkage.loads(at, 1.0)
     force = complex(loads.shaking_force_x, loads.shaking_force_y)
     moment = crank.mass * complex(crank.cg_along, crank.cg_across) - force * np.exp(-1j * at)

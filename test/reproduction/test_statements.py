@@ -50,10 +50,10 @@ def test_the_share_of_the_family_goes_to_zero_as_its_closed_form_says(e):
         assert abs(abs(alpha4) / root - mp.sqrt(2)) < 10 * root
     ours = statements.small_share(float(e))
     # a2 is rounded by up to eps, which counts beside e
-    assert statements._share(ours) == pytest.approx(float(share), abs=EPS / float(e))
+    assert statements.force_share(ours) == pytest.approx(float(share), abs=EPS / float(e))
 
 
-def test_the_largest_alpha4_and_the_peak_of_the_family_are_where_they_are_said_to_be():
+def test_thelargest_alpha4_and_the_peak_of_the_family_are_where_they_are_said_to_be():
     """On samples: of (Q1) and (Q2) no other place has more."""
     linkage, x = statements.small_share(1e-6), np.linspace(-np.pi, np.pi, 20001)
     (alpha4,), loads = linkage.motion(x, 1.0, fields=('alpha4',)), linkage.loads(x, 1.0)
@@ -66,8 +66,8 @@ def test_the_largest_alpha4_and_the_peak_of_the_family_are_where_they_are_said_t
 
 
 def test_a_counterweight_on_the_crank_cancels_the_force_in_one_pose_alone():
-    weighted = statements._counterweighted(published.THIN)
-    at, x = statements._largest_alpha4(published.THIN), np.linspace(-3.0, 3.0, 601)
+    weighted = statements.counterweighted(published.THIN)
+    at, x = statements.largest_alpha4(published.THIN), np.linspace(-3.0, 3.0, 601)
     forces = weighted.loads(x, 1.0).shaking_force
     assert weighted.loads(at, 1.0).shaking_force <= 64.0 * EPS * forces.max()
     assert weighted.bodies.crank.mass > published.THIN.bodies.crank.mass
