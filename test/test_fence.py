@@ -51,7 +51,8 @@ print([m for m in ('rclpy', 'scipy', 'mcap', 'matplotlib') if m in sys.modules])
 def test_nothing_outside_of_ros_needs_ros():
     """Every module, the live page too, is imported without ROS; `pip install` brings none."""
     modules = [str(file.relative_to(ROOT).with_suffix('')).replace('/', '.')
-               for package in ('fourbar_ros', 'fourbar_lab') for file in (ROOT / package).rglob('*.py')
+               for package in ('fourbar_ros', 'fourbar_lab')
+               for file in (ROOT / package).rglob('*.py')
                if 'ros' not in file.relative_to(ROOT / package).parts[:-1]
                and file.name != '__main__.py']
     done = run(f"""
