@@ -108,7 +108,7 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
                         for coordinate, value in zip(
                             (linkage.input_coordinate,
                              *(output.coordinate for output in linkage.outputs)),
-                            (counted(linkage, point[0]), *point[1:])))
+                            (counted(linkage, point[0]), *point[1:]))))
              for point in linkage.dead_points]
     rows += [*_toggles(linkage), *transmission_angles(linkage)]
     rows.append(('change-point margin', f'{linkage.change_point_margin:.6g} of the perimeter'))
