@@ -120,7 +120,7 @@ def line_of(mechanism: Any, with_loads: bool) -> Function:
     return _lines(formula, zeros)(found)
 
 
-def _limits_at_zero(mechanism: Any, rate: float, acceleration: float,
+def limits_at_zero(mechanism: Any, rate: float, acceleration: float,
                     with_loads: bool) -> list[float]:
     """
     Return the fields for an input that falls to 0, a flat position, with zeros and infinities.
@@ -151,7 +151,7 @@ def with_limits(mechanism: Any, line: Function, with_loads: bool) -> Function:
             return line(position, rate, acceleration)
         if (rate, acceleration) not in known:
             known.clear()
-            known[rate, acceleration] = _limits_at_zero(mechanism, rate, acceleration, with_loads)
+            known[rate, acceleration] = limits_at_zero(mechanism, rate, acceleration, with_loads)
         fields = known[rate, acceleration]
         motion, loads = tuple(fields[:count]), tuple(fields[count:])
         if not all(map(isfinite, loads)):
@@ -166,7 +166,7 @@ def _set_limits(mechanism: Any, inputs: list[Any], rows: Any, wanted: Sequence[i
     at = np.flatnonzero(inputs[0] == 0.0)
     rates = np.stack([np.broadcast_to(v, inputs[0].shape)[at] for v in inputs[1:]])
     for rate, acceleration in np.unique(rates[:, np.isfinite(rates).all(axis=0)], axis=1).T:
-        fields = _limits_at_zero(mechanism, float(rate), float(acceleration), with_loads)
+        fields = limits_at_zero(mechanism, float(rate), float(acceleration), with_loads)
         same = at[(rates[0] == rate) & (rates[1] == acceleration)]
         for row, i in zip(rows, wanted):
             row[same] = fields[i]
