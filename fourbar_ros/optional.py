@@ -42,7 +42,7 @@ def _command(name: str, module: str) -> int:
     Return 1 with a one-line message if a package is missing.
     """
     try:
-        return import_module(module).main()
+        return int(import_module(module).main())
     except ModuleNotFoundError as error:
         if not MissingPackage.explains(error):
             raise

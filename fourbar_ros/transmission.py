@@ -32,6 +32,7 @@ from math import inf, pi, tau
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import Array, EPS
 import numpy as np
 
@@ -92,7 +93,7 @@ class Transmission:
 
     """
 
-    def __init__(self, mechanism: Any, start: float):
+    def __init__(self, mechanism: Mechanism, start: float):
         self.mechanism, self.branch = mechanism, branch_of(mechanism, start)
         self._input, self._output = mechanism.input_coordinate, mechanism.outputs[0].coordinate
         self._drive_effort = 'driving_torque' if self._input.unit == 'rad' else 'driving_force'
@@ -241,7 +242,8 @@ class Transmission:
             if (np.abs(new - x) <= 2.0 * EPS * np.maximum(np.abs(x), 1e-300)).all():
                 break
             x = new
-        return new + tau * turns
+        found: Array = new + tau * turns
+        return found
 
     def _counted(self, inputs: Array, outputs: Array) -> Array:
         """Return outputs at inputs, angles by the turns that the branch has there."""
@@ -315,18 +317,18 @@ class Branch(NamedTuple):
         return 1.0 if self.outputs[-1] > self.outputs[0] else -1.0
 
 
-def ratio_of(mechanism: Any, inputs: Any) -> Any:
+def ratio_of(mechanism: Mechanism, inputs: Any) -> Any:
     """Return d output / d input at inputs."""
     coordinate = mechanism.outputs[0].coordinate
     return mechanism.motion(inputs, 1.0, 0.0, fields=(coordinate.rate,))[0]
 
 
-def output_of(mechanism: Any, inputs: Any) -> Any:
+def output_of(mechanism: Mechanism, inputs: Any) -> Any:
     """Return the position of the output at inputs, angles in [-pi, pi]."""
     return mechanism.motion(inputs, fields=(mechanism.outputs[0].coordinate.position,))[0]
 
 
-def branch_of(mechanism: Any, start: float) -> Branch:
+def branch_of(mechanism: Mechanism, start: float) -> Branch:
     """
     Return the :class:`Branch` with an input in it.
 
@@ -366,7 +368,7 @@ def branch_of(mechanism: Any, start: float) -> Branch:
     return Branch(inside, outputs, (ends[0], ends[1]))
 
 
-def _range(mechanism: Any, start: float) -> tuple[Any, Any]:
+def _range(mechanism: Mechanism, start: float) -> tuple[Any, Any]:
     """Return the range of the input around a start; a whole turn has the start in its middle."""
     if mechanism.turns_fully:
         return start - pi, start + pi
@@ -385,7 +387,7 @@ def _changes(inputs: Array, ratios: Array) -> list[tuple[float, float]]:
     return [(float(inputs[one[i]]), float(inputs[other[i]])) for i in found]
 
 
-def _turn(mechanism: Any, low: float, high: float) -> float:
+def _turn(mechanism: Mechanism, low: float, high: float) -> float:
     """Return where the ratio is zero between two inputs, by halving."""
     is_negative = ratio_of(mechanism, low) < 0.0
     for _ in range(HALVINGS):
@@ -399,7 +401,7 @@ def _turn(mechanism: Any, low: float, high: float) -> float:
     return 0.5 * (low + high)
 
 
-def _continuous(mechanism: Any, inputs: Array, start: float) -> Array:
+def _continuous(mechanism: Mechanism, inputs: Array, start: float) -> Array:
     """Return the output along rising inputs, an angle without jumps, in [-pi, pi] at a start."""
     outputs = np.array(output_of(mechanism, inputs))
     if mechanism.outputs[0].coordinate.unit == 'rad':

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Quantity
+from fourbar_ros.mechanisms.parts import NamedFields, Quantity
 from fourbar_ros.mechanisms.points import point_motion, PointMotion
 from fourbar_ros.mechanisms.quantities import Function, is_published, positions, select
 from fourbar_ros.numerics.arrays import Array
@@ -41,15 +41,15 @@ class Cycle:
     """
 
     inputs: Array
-    motion: Any
-    loads: Any
+    motion: NamedFields
+    loads: NamedFields | None
 
 
 class Pose(NamedTuple):
     """Motion and loads in one pose, records of the mechanism's kind; None: no loads."""
 
-    motion: Any
-    loads: Any
+    motion: NamedFields
+    loads: NamedFields | None
 
 
 @dataclass(frozen=True)

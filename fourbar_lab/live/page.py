@@ -162,7 +162,7 @@ class Page:
             self.elements.clear_pose()
             return
         self.pose = pose
-        beside = [(other, *(other.pose(*state) if state else (OUT_OF_RANGE, Pose(None, None))))
+        beside = [(other, *(other.pose(*state) if state else (OUT_OF_RANGE, None)))
                   for other, state in self.playback.others()]
         ghosts = ''.join(ghost_svg(other, its, self.view) for other, status, its in beside
                          if status == OK)

@@ -7,13 +7,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from math import hypot, inf, isfinite
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from fourbar_lab.live import svg
 from fourbar_lab.live.model import Pose, Shown
 from fourbar_lab.live.svg import HEIGHT, MARGIN, STYLE, View, view_of, WIDTH
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Arrow, Diagram, without_repeats
+from fourbar_ros.mechanisms.parts import Arrow, Diagram, NamedFields, without_repeats
 from fourbar_ros.mechanisms.picture import Arm, forces_of, of_kind, picture, Pivot
 from fourbar_ros.mechanisms.points import instant_centre, link_motion, LinkMotion
 from fourbar_ros.numerics.arrays import Array
@@ -62,6 +62,7 @@ def _force_arrows(several: Sequence[Shown]) -> tuple[Array, Array]:
     for shown in several:
         per_newton = force_scale(shown)
         for motion, loads in shown.poses if per_newton else ():
+            assert loads is not None, 'there is a force scale'
             found += [(force.place, per_newton * DOWN * force.vector)
                       for force in forces_of(shown.linkage.diagram(motion), loads)]
     tails, arrows = (np.array([pair[i] for pair in found]).reshape(-1, 2) for i in (0, 1))
@@ -138,7 +139,7 @@ def traces_svg(shown: Shown, view: View) -> str:
                     '</g>'])
 
 
-def _forces(shown: Shown, diagram: Diagram, loads: NamedTuple, view: View, per_newton: float
+def _forces(shown: Shown, diagram: Diagram, loads: NamedFields, view: View, per_newton: float
             ) -> list[tuple[tuple[float, float], tuple[float, float], str]]:
     """Return (start, vector, label) of the forces at the joints, in pixels."""
     found = []
@@ -149,7 +150,7 @@ def _forces(shown: Shown, diagram: Diagram, loads: NamedTuple, view: View, per_n
     return found
 
 
-def _centres(linkage: Mechanism, motion: Any, view: View,
+def _centres(linkage: Mechanism, motion: NamedFields, view: View,
              joints: Iterable[tuple[float, float]]) -> list[str]:
     """Return crosses at the instant centres that are no joints, as far as they are in view."""
     links = [(i + 2, link_motion(linkage, motion, link.name))

@@ -31,11 +31,12 @@ from fourbar_lab.studies.study import Study
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.batch import find_extrema_many
 from fourbar_ros.extrema.methods import has_fast_rates
-from fourbar_ros.extrema.sampling import needs_angles, NoLoads
+from fourbar_ros.extrema.sampling import needs_angles
 from fourbar_ros.mechanisms.contract import OPEN
+from fourbar_ros.mechanisms.parts import NoLoads
 from fourbar_ros.mechanisms.points import link_motion, point_of
 from fourbar_ros.mechanisms.quantities import is_position
-from fourbar_ros.numerics.arrays import Array, Values
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.exact_sums import exact_sum_of_four
 from fourbar_ros.numerics.number_types import (
     ARRAY,
@@ -44,6 +45,7 @@ from fourbar_ros.numerics.number_types import (
     COMPLEX_WITH_ANGLES,
     Function,
     NumberType,
+    Scalar,
 )
 from fourbar_ros.scene.parameters import find
 from fourbar_ros.scene.scene import from_values, Scene
@@ -315,7 +317,7 @@ class Designs:
         """Return {name: quantity} of the points of the scene, with columns."""
         return point_quantities_of(self.scene, self.values, self.many)
 
-    def point(self, name: str) -> tuple[Values, Values]:
+    def point(self, name: str) -> tuple[Scalar, Scalar]:
         """Return along and across of a point."""
         return self.values[f'points.{name}.along'], self.values[f'points.{name}.across']
 
@@ -373,8 +375,9 @@ class Extent:
                 found: Array = (most - least if part == 'span'
                                 else np.maximum(np.abs(most), np.abs(least)))
             return found
-        return {'max': most, 'min': least, 'max_at': most_at, 'min_at': least_at,
-                'extrema': self.counts}[part]
+        result: Array = {'max': most, 'min': least, 'max_at': most_at, 'min_at': least_at,
+                         'extrema': self.counts}[part]
+        return result
 
     def rms(self) -> tuple[Array, Array]:
         """Return root mean squares, and where they are right to rounding."""

@@ -17,8 +17,8 @@ from fourbar_ros.mechanics.bodies import Applied, bar_numbers, Body, rod_numbers
 from fourbar_ros.mechanisms.contract import Constants
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
-from fourbar_ros.numerics.arrays import Values
-from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, Scalar
 from fourbar_ros.scene.linkage import Bodies, external_of
 from fourbar_ros.scene.parameter_table import MACHINE
 from fourbar_ros.scene.scene import Scene
@@ -31,11 +31,11 @@ class _Columns(Bodies):
     body = staticmethod(partial(unchecked, Body))
 
     @staticmethod
-    def rod(length: Values, density: Values, radius: Values) -> Body:
+    def rod(length: Scalar, density: Scalar, radius: Scalar) -> Body:
         return unchecked(Body, *rod_numbers(length, density, radius))
 
     @staticmethod
-    def bar(length: Values, density: Values, width: Values, thickness: Values) -> Body:
+    def bar(length: Scalar, density: Scalar, width: Scalar, thickness: Scalar) -> Body:
         return unchecked(Body, *bar_numbers(length, density, width, thickness))
 
 
@@ -87,7 +87,7 @@ def dimensions_of(scene: Scene) -> tuple[str, ...]:
     return tuple([f'linkage.{name}' for name in scene.linkage.length_names])
 
 
-def with_lengths(linkage: Mechanism, lengths: Sequence[Values]) -> Mechanism:
+def with_lengths(linkage: Mechanism, lengths: Sequence[Scalar | Array]) -> Mechanism:
     """
     Return a linkage whose lengths are any numbers: quantities of points take them from it.
 
@@ -120,7 +120,7 @@ class Formulas(NamedTuple):
 
     motion: Function
     loads: Function | None
-    rate: Values
+    rate: Scalar
     quantities: dict[str, Searched]
 
 

@@ -173,7 +173,7 @@ def _moved(folder: Path, whole: Path, name: str) -> dict[str, Any]:
     file, = folder.glob('*.mcap')
     file.rename(whole / name)
     text = (folder / 'metadata.yaml').read_text(encoding='utf-8')
-    told = yaml.safe_load(text)['rosbag2_bagfile_information']
+    told: dict[str, Any] = yaml.safe_load(text)['rosbag2_bagfile_information']
     shutil.rmtree(folder)
     told['relative_file_paths'], told['files'][0]['path'] = [name], name
     return told

@@ -187,7 +187,7 @@ def merged(parts: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _start(file: Mapping[str, Any]) -> int:
-    return file['starting_time']['nanoseconds_since_epoch']
+    return int(file['starting_time']['nanoseconds_since_epoch'])
 
 
 # --- the folder ----------------------------------------------------------------------------------

@@ -61,12 +61,14 @@ class Model:
     @cached_property
     def weight(self) -> Array:
         """Return the sum of (k + 1) |c_k|."""
-        return self.tails.sum(axis=0)
+        found: Array = self.tails.sum(axis=0)
+        return found
 
     @property
     def norm(self) -> Array:
         """Return a bound of the function on the disc |t| <= 1."""
-        return (self.tails[0] + self.error) * UP
+        found: Array = (self.tails[0] + self.error) * UP
+        return found
 
     @property
     def real(self) -> Middle:
@@ -121,12 +123,14 @@ class Model:
         return self + -model(other)
 
     def __rsub__(self, other: Any) -> Model:
-        return -self + other
+        found: Model = -self + other
+        return found
 
     def __mul__(self, other: Any) -> Model:
         other = model(other)
         if len(self.c) < len(other.c):
-            return other * self
+            found: Model = other * self
+            return found
         if other.is_zero or self.is_zero:
             return ZERO
         error = (self.tails[0] * other.error + other.norm * self.error) * UP
@@ -143,7 +147,8 @@ class Model:
         return self if model(other).is_one else self * model(other).inverse()
 
     def __rtruediv__(self, other: Any) -> Model:
-        return self.inverse() * other
+        found: Model = self.inverse() * other
+        return found
 
     def __pow__(self, exponent: int) -> Model:
         if not isinstance(exponent, int):
@@ -246,10 +251,12 @@ class Middle:
         self.at = at
 
     def __lt__(self, other: Any) -> Array:
-        return self.at < _middle(other)
+        found: Array = self.at < _middle(other)
+        return found
 
     def __gt__(self, other: Any) -> Array:
-        return self.at > _middle(other)
+        found: Array = self.at > _middle(other)
+        return found
 
 
 def _middle(value: Any) -> Any:

@@ -283,7 +283,8 @@ class _Loader(yaml.SafeLoader):
 
 def _plain_or_quoted(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> bool | int | float | str:
     if node.style is not None:
-        return node.value
+        found: bool | int | float | str = node.value
+        return found
     if not node.value:
         raise yaml.MarkedYAMLError(problem='a key without a value', problem_mark=node.start_mark)
     return scalar(node.value)

@@ -128,7 +128,8 @@ class Bag:
 
     def decode(self, raw: Raw) -> SimpleNamespace:
         """Return the message of a :class:`Raw` as nested namespaces."""
-        return self.decoder_of(raw.channel).message(raw.data)
+        found: SimpleNamespace = self.decoder_of(raw.channel).message(raw.data)
+        return found
 
     def raw(self, topics: Iterable[str] | None = None, start: int | None = None,
             follow: bool = False) -> Iterator[Raw]:
@@ -225,7 +226,8 @@ class Bag:
 
     def type_of_channel(self, number: int) -> str:
         """Return the type of a channel."""
-        return self._channels.schema(number).name
+        found: str = self._channels.schema(number).name
+        return found
 
     def qos_of(self, topic: str) -> list[dict[str, Any]]:
         """Return the QoS profiles, as dicts, under which a topic was offered."""
@@ -233,7 +235,8 @@ class Bag:
 
     def hash_of(self, topic: str) -> str:
         """Return the type hash of a topic, empty if the bag does not say."""
-        return self._channels.of(topic).metadata.get(rosbag2.HASH, '')
+        found: str = self._channels.of(topic).metadata.get(rosbag2.HASH, '')
+        return found
 
     def decoder(self, topic: str) -> Decoder:
         """Return the Decoder of a topic, of its first channel if it has several."""

@@ -24,6 +24,7 @@ from fourbar_ros.dynamics.model.system import System
 from fourbar_ros.dynamics.solve.integrators import Part
 from fourbar_ros.dynamics.solve.phase import COMPLETE
 from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 from numpy.typing import NDArray
@@ -85,7 +86,7 @@ class FreeMotion:
             self._middle, self._half = 0.5 * (low + high), 0.5 * (high - low)
             self._cycle = tau
 
-    def _turning_points(self, mechanism: Any, rate: float) -> tuple[float, float] | None:
+    def _turning_points(self, mechanism: Mechanism, rate: float) -> tuple[float, float] | None:
         """Return the ends of the swing, or None for a crank that goes round."""
         if rate == 0.0:      # the start is one of them: which one, the force says
             pushes = self._equation.terms(self._start).force
@@ -101,7 +102,7 @@ class FreeMotion:
             raise InvalidParameter('system', None, 'must not reach a limit of its input')
         return min(one, other), max(one, other)
 
-    def _turning_point(self, mechanism: Any, side: float,
+    def _turning_point(self, mechanism: Mechanism, side: float,
                        at_rest: bool = False) -> float | None:
         """Return the nearest turning point on one side of the start, or None."""
         reach = tau
@@ -124,7 +125,7 @@ class FreeMotion:
     def _phase(self) -> float:
         """Return u at the start."""
         if not self.swings:
-            return self._direction * self._start
+            return float(self._direction * self._start)
         sine = min(max((self._start - self._middle) / self._half, -1.0), 1.0)
         phase = float(np.arcsin(sine))
         if abs(sine) > 0.5:      # near a turning point the rate tells it better, (F2)

@@ -17,6 +17,7 @@ from math import nan, pi, sqrt, tau
 from typing import Any, NamedTuple
 
 from fourbar_ros.dynamics.model.equation import Equation
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.optional import MissingPackage
 import numpy as np
 
@@ -71,7 +72,7 @@ def _jumps(equation: Equation, place: float, drive: float) -> bool:
     return bool(min(abs(below), abs(above)) > 1e3 * bend + 1e-6 * abs(above - below))
 
 
-def _samples(mechanism: Any, turns: int) -> list[Any]:
+def _samples(mechanism: Mechanism, turns: int) -> list[Any]:
     """
     Return inputs in each range.
 

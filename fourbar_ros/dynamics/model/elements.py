@@ -15,6 +15,7 @@ from typing import Any, Union
 
 from fourbar_ros.dynamics.model.force_table import ForceTable
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.given import check_quantities, number, quantity
 import numpy as np
@@ -195,12 +196,12 @@ class PositionForce:
             return 1
         return max(1, round(table.span / tau))
 
-    def is_over_angle(self, mechanism: Any) -> bool:
+    def is_over_angle(self, mechanism: Mechanism) -> bool:
         """Return whether its place is an angle."""
         return (not mechanism.is_driven_by_slide if self.over == INPUT
                 else isinstance(self.over, LinkAngle))
 
-    def make_value(self, mechanism: Any) -> Callable[[Any], Any]:
+    def make_value(self, mechanism: Mechanism) -> Callable[[Any], Any]:
         """
         Return the function s -> F(s), times the factor, of floats and arrays.
 

@@ -76,7 +76,8 @@ class IOEquation(NamedTuple):
         (22)-(27) as an equation [m^2/s].
         """
         by_i, by_j = self._slopes(vi, vj)
-        return by_i * dvi + by_j * dvj
+        found: Array = by_i * dvi + by_j * dvj
+        return found
 
     def acceleration(self, vi: Any, vj: Any, dvi: Any, dvj: Any, ddvi: Any, ddvj: Any) -> Any:
         """Return the time derivative of :meth:`velocity`: Eqs. (28)-(33) with "= 0" [m^2/s^2]."""

@@ -44,9 +44,10 @@ class Base(Node):
     def declare_parameters(self, namespace: str, parameters: Any,
                            ignore_override: bool = False) -> list[Parameter]:
         """Declare parameters; an empty list of a file reaches rclpy without type and value."""
-        return super().declare_parameters(
-            namespace, [(name, [] if value is None else value, *rest)
-                        for name, value, *rest in parameters], ignore_override)
+        found: list[Parameter] = super().declare_parameters(
+                              namespace, [(name, [] if value is None else value, *rest)
+                                          for name, value, *rest in parameters], ignore_override)
+        return found
 
     def set_parameters_atomically(self, parameter_list: Sequence[Parameter]
                                   ) -> SetParametersResult:

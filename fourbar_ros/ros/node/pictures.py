@@ -99,7 +99,7 @@ class Pictures:
         return qos.create(self._node, 'publisher', resolve(topic.type), topic.topic, profile)
 
     def _is_subscribed(self, name: str) -> bool:
-        return self._publishers[name].get_subscription_count() > 0
+        return bool(self._publishers[name].get_subscription_count() > 0)
 
     def _send(self, name: str, data: bytes) -> None:
         self._publishers[name].publish(data)

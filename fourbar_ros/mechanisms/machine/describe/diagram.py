@@ -6,12 +6,21 @@ from __future__ import annotations
 from typing import Any
 
 from fourbar_ros.mechanisms.machine.describe.layout import BASE, SLIDES, Stage
-from fourbar_ros.mechanisms.parts import around, Arrow, Bar, Block, Diagram, ORIGIN, total
+from fourbar_ros.mechanisms.parts import (
+    around,
+    Arrow,
+    Bar,
+    Block,
+    Diagram,
+    NamedFields,
+    ORIGIN,
+    total,
+)
 from fourbar_ros.mechanisms.points import point_motion, point_of, vector
 import numpy as np
 
 
-def places_of(mechanism: Any, motion: Any) -> dict[str, Any]:
+def places_of(mechanism: Any, motion: NamedFields) -> dict[str, Any]:
     """Return {joint: place [m]} in one pose; a slide is where its block is."""
     links = mechanism.layout.links
     found = {BASE: _at(mechanism, motion, links[1], 0.0, 0.0)}
@@ -21,7 +30,7 @@ def places_of(mechanism: Any, motion: Any) -> dict[str, Any]:
     return found
 
 
-def _place(mechanism: Any, motion: Any, stage: Stage, dyad: Any, place: str) -> Any:
+def _place(mechanism: Any, motion: NamedFields, stage: Stage, dyad: Any, place: str) -> Any:
     """Return where a joint of a dyad is."""
     slides = SLIDES[stage.kind]
     if place in slides:
@@ -33,7 +42,7 @@ def _place(mechanism: Any, motion: Any, stage: Stage, dyad: Any, place: str) -> 
     return _at(mechanism, motion, *getattr(dyad, place))
 
 
-def _at(mechanism: Any, motion: Any, link: str, along: float, across: float) -> Any:
+def _at(mechanism: Any, motion: NamedFields, link: str, along: float, across: float) -> Any:
     """Return the place of a point of a link or the ground."""
     if link == mechanism.layout.links[0]:
         return np.array((along, across))
@@ -41,7 +50,7 @@ def _at(mechanism: Any, motion: Any, link: str, along: float, across: float) -> 
     return vector(x, y)
 
 
-def diagram(mechanism: Any, motion: Any) -> Diagram:
+def diagram(mechanism: Any, motion: NamedFields) -> Diagram:
     """
     Return the :class:`Diagram` of one pose.
 
@@ -67,7 +76,7 @@ def diagram(mechanism: Any, motion: Any) -> Diagram:
                    {name: name for name in joints}, _angles(mechanism, joints))
 
 
-def _direction(motion: Any, link: str) -> Any:
+def _direction(motion: NamedFields, link: str) -> Any:
     return vector(getattr(motion, f'cos_{link}'), getattr(motion, f'sin_{link}'))
 
 
@@ -78,7 +87,7 @@ def _bars_of(stage: Stage, joints: Any, names: Any) -> list[Bar]:
     return [Bar(joints[names[one]], joints[names[other]]) for one, other in ends]
 
 
-def _bars_of_parents(mechanism: Any, motion: Any, joints: Any) -> list[Bar]:
+def _bars_of_parents(mechanism: Any, motion: NamedFields, joints: Any) -> list[Bar]:
     """Return bars from the first joint of a link to the points on it at which dyads hang."""
     found = []
     for stage, dyad in zip(mechanism.layout.stages, mechanism.stages):
@@ -91,7 +100,7 @@ def _bars_of_parents(mechanism: Any, motion: Any, joints: Any) -> list[Bar]:
     return found
 
 
-def _third_sides(mechanism: Any, motion: Any, joints: Any) -> list[Bar]:
+def _third_sides(mechanism: Any, motion: NamedFields, joints: Any) -> list[Bar]:
     """Return the sides of links with three joints and more that do not begin at the first."""
     layout = mechanism.layout
     on_link: dict[str, list[Any]] = {link: [] for link in layout.moving}
@@ -125,13 +134,13 @@ def _angles(mechanism: Any, joints: Any) -> dict[str, str]:
     return found
 
 
-def velocity_polygon(mechanism: Any, motion: Any) -> list[Arrow]:
+def velocity_polygon(mechanism: Any, motion: NamedFields) -> list[Arrow]:
     """Return the arrows of the velocities of all moving joints [m/s]; the pole is the origin."""
     return [total(point.velocity, f'V_{{{name}}}')
             for name, _, point in _moving(mechanism, motion)]
 
 
-def acceleration_polygon(mechanism: Any, motion: Any) -> list[Arrow]:
+def acceleration_polygon(mechanism: Any, motion: NamedFields) -> list[Arrow]:
     """Return the arrows of the accelerations of all moving joints, with those of the crank."""
     found = []
     for name, link, point in _moving(mechanism, motion):
@@ -141,7 +150,7 @@ def acceleration_polygon(mechanism: Any, motion: Any) -> list[Arrow]:
     return found
 
 
-def _moving(mechanism: Any, motion: Any) -> list[tuple[str, Any, Any]]:
+def _moving(mechanism: Any, motion: NamedFields) -> list[tuple[str, Any, Any]]:
     """Return (name, motion of the crank if it is on that, PointMotion) of joints that move."""
     found = []
     for stage, dyad in zip(mechanism.layout.stages, mechanism.stages):

@@ -24,10 +24,11 @@ from fourbar_ros.mechanisms.machine.describe.description import (
     RRR,
 )
 from fourbar_ros.mechanisms.machine.describe.layout import Layout, Stage
-from fourbar_ros.mechanisms.machine.solve.dyads import Curve, turned
+from fourbar_ros.mechanisms.machine.solve.dyads import turned
 from fourbar_ros.mechanisms.machine.solve.frames import Frames
 from fourbar_ros.mechanisms.machine.solve.motion import make_driver
 from fourbar_ros.mechanisms.machine.solve.pairs import Closure, make_moves
+from fourbar_ros.mechanisms.points import Curve
 from fourbar_ros.numerics.number_types import converted, Function, NumberType, Scalar
 
 CLOSING = (RRR, RRP, RPR, PRP)     # kinds that do not close at any input

@@ -175,7 +175,9 @@ class _Path(NamedTuple):
         """Return phi in equal steps; without a toggle at either end, where it is singular."""
         if self.is_closed:
             return np.linspace(-pi, pi, PIECES + 1) + SEAM
-        return 0.5 * pi * np.sin(0.5 * pi * np.linspace(-1.0, 1.0, PIECES + 1)) * (1.0 - 1e-7)
+        way = np.linspace(-1.0, 1.0, PIECES + 1)
+        phi: Array = 0.5 * pi * np.sin(0.5 * pi * way) * (1.0 - 1e-7)
+        return phi
 
 
 def flat_place(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float], number: int,

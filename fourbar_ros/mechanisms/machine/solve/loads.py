@@ -67,8 +67,8 @@ from fourbar_ros.mechanisms.machine.describe.layout import (
     Stage,
     travel,
 )
-from fourbar_ros.mechanisms.machine.solve.dyads import Curve
 from fourbar_ros.mechanisms.machine.solve.pairs import Place, slides_of
+from fourbar_ros.mechanisms.points import Curve
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
 
