@@ -17,6 +17,7 @@ from fourbar_ros.mechanisms.parts import Arrow, Diagram, NamedFields, without_re
 from fourbar_ros.mechanisms.picture import Arm, forces_of, of_kind, picture, Pivot
 from fourbar_ros.mechanisms.points import instant_centre, link_motion, LinkMotion
 from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.report.axis import axis_angle, axis_parts
 from fourbar_ros.report.mechanism_panel import renamed
 from fourbar_ros.report.significant import significant
 import numpy as np
@@ -34,6 +35,7 @@ class Layers(NamedTuple):
     curves: bool = True
     forces: bool = True
     centres: bool = False
+    axis: bool = False
 
 
 def mechanism_view(*several: Shown) -> View:
@@ -115,6 +117,8 @@ def mechanism_svg(shown: Shown, pose: Pose, view: View, per_newton: float,
     parts += [svg.arrow('force', *force, room) for force in forces]
     if layers.centres:
         parts += _centres(linkage, motion, view, at.values())
+    if layers.axis and shown.has_axis:
+        parts += _axis(linkage, motion, view)
     return f'<g class="fb">{"".join(parts)}</g>'
 
 
@@ -168,6 +172,20 @@ def _centres(linkage: Mechanism, motion: NamedFields, view: View,
                       svg.line('centre', (x - 6.0, y + 6.0), (x + 6.0, y - 6.0)),
                       svg.text('centre', (x + 9.0, y + 18.0), f'P_{{{i}{j}}}')]
     return found
+
+
+def _axis(linkage: Mechanism, motion: NamedFields, view: View) -> list[str]:
+    """Return the collineation axis, its poles and the lines through them, as far as in view."""
+    lines, poles = axis_parts(linkage, motion, np.array(view.place(0.0, HEIGHT)),
+                              np.array(view.place(WIDTH, 0.0)))
+    found = [svg.line('sum' if name == 'axis' else 'through', *map(view.at, ends))
+             for name, ends in lines.items()]
+    for letter, place in poles.items():
+        x, y = view.at(place)
+        found += [svg.circle('sum', (x, y), 4.0), svg.text('sum', (x + 9.0, y - 9.0), letter)]
+    angle = axis_angle(linkage).of(motion, None)
+    return [*found, svg.text('sum', (WIDTH - 8.0, 18.0),
+                             f'axis at {angle:.2f}\N{DEGREE SIGN} to the coupler', 'end')]
 
 
 # --- polygons ------------------------------------------------------------------------------------

@@ -9,6 +9,7 @@ computed in SI units and converted back at the end.
 """
 from __future__ import annotations
 
+from cmath import phase
 from math import degrees, hypot, pi, radians
 
 from fourbar_ros.extrema.find import find_extrema
@@ -235,27 +236,38 @@ def vectors() -> dict[str, float]:
     """
     Return the symbols of the slides' vector equations.
 
-    (6): B and C of Example 7.3; (7) and following: Example 7.2, with theta2, theta3 of its crank
-    and coupler; (9)-(11): A and the bar of Example 7.5. The two sides of an equation reach their
-    points over different links.
+    (1)-(3): C of Example 7.3 on its circle about D; (6): B and C there; (7) and following and
+    the acceleration image: Example 7.2, with theta2, theta3 of its crank and coupler; (9)-(11): A
+    and the bar of Example 7.5. The two sides of an equation reach their points over different
+    links.
     """
     m, four_bar = EXAMPLE_7_3.motion(*GIVEN_7_3), EXAMPLE_7_3
     b, c = point_motion(four_bar, m, 'crank', four_bar.a1), point_motion(four_bar, m, 'output',
                                                                          four_bar.a3)
     found = {'omega': m.omega_beta, 'alpha': m.alpha_beta}
     found |= _components(p=c.acceleration, q=b.acceleration, r=c.place - b.place)
+    along = point_motion(four_bar, m, 'coupler', four_bar.a2)
+    found |= {'speed': m.omega4 * four_bar.a3, 'growth': m.alpha4 * four_bar.a3,
+              'radius': four_bar.a3, 'omega4': m.omega4}
+    found |= _components(v_c=along.velocity, a_c=along.acceleration,
+                         tangent=np.array([-m.sin_y, m.cos_y]))
     m, slider = EXAMPLE_7_2.motion(*GIVEN_7_2), EXAMPLE_7_2
     found |= {'r2': slider.a1, 'r3': slider.a2, 's2': m.sin_x, 'c2': m.cos_x, 's3': m.sin_b,
               'c3': m.cos_b,
               'w2': m.omega1, 'al2': m.alpha1, 'w3': m.omega_beta, 'al3': m.alpha_beta,
               'v4': m.slide_velocity,
               'acc4': m.slide_acceleration}
+    b, c = (point_motion(slider, m, 'coupler', part * slider.a2) for part in (0.0, 1.0))
+    image = (complex(m.slide_acceleration - b.acceleration[0], -b.acceleration[1])
+             / complex(*(c.place - b.place)))
+    found |= {'image': abs(image), 'delta': degrees(phase(image)) % 360.0}
     m, inverted = EXAMPLE_7_5.motion(*GIVEN_7_5), EXAMPLE_7_5
     a, q = point_motion(inverted, m, 'crank', inverted.a1), point_motion(inverted, m, 'output',
                                                                          m.slide)
     bar = link_motion(inverted, m, 'output')
-    found |= {'bar_omega': m.omega4, 'bar_alpha': m.alpha4}
-    return found | _components(a=a.acceleration, bar=q.acceleration,
+    found |= {'bar_omega': m.omega4, 'bar_alpha': m.alpha4,
+              'crank_omega': m.omega1, 'coriolis': 2.0 * abs(m.omega4 * m.slide_velocity)}
+    return found | _components(crank=a.place, a=a.acceleration, bar=q.acceleration,
                                arm=a.place - (inverted.a4, 0.0),
                                v=m.slide_velocity * bar.direction,
                                rel=m.slide_acceleration * bar.direction)

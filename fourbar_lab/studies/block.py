@@ -47,7 +47,7 @@ from fourbar_ros.numerics.number_types import (
     NumberType,
     Scalar,
 )
-from fourbar_ros.scene.parameters import find
+from fourbar_ros.scene.parameters import find, ParameterValues
 from fourbar_ros.scene.scene import from_values, Scene
 import numpy as np
 
@@ -107,7 +107,7 @@ class Block:
             alike = np.nonzero((keys == key) & self.is_done)[0]
             values = {name: column[alike[0]].item() for name, column in self.drawn.items()}
             try:
-                names[alike] = from_values(self.study.values | values).linkage.classification
+                names[alike] = from_values({**self.study.values, **values}).linkage.classification
             except InvalidParameter:
                 self.is_done[alike] = False
         return names.astype(str)
@@ -132,7 +132,7 @@ class Block:
 
     def _compute_rates(self, rows: Array) -> None:
         """Compute extrema of rates alone, of any four-bars: their own search is much faster."""
-        values = {name: np.broadcast_to(self.drawn.get(name, self.study.values[name]),
+        values = {name: np.broadcast_to(np.asarray(self.drawn.get(name, self.study.values[name])),
                                         self.size)[rows]
                   for name in ('linkage.a1', 'linkage.a2', 'linkage.a3', 'linkage.a4',
                                'linkage.mode', 'drive.speed')}
@@ -261,14 +261,14 @@ class Designs:
 
     """
 
-    def __init__(self, scene: Scene, values: dict[str, Any], drawn: dict[str, Array],
+    def __init__(self, scene: Scene, values: ParameterValues, drawn: dict[str, Array],
                  with_angles: bool = True):
         self.scene = scene
         self._with_angles = with_angles
         self._complex = COMPLEX_WITH_ANGLES if with_angles else COMPLEX
         self.size = len(next(iter(drawn.values())))
         columns = {name: np.asarray(column, float)[:, None] for name, column in drawn.items()}
-        self.values = values | columns
+        self.values = {**values, **columns}
         constants = constants_of(scene, self.values)
         lengths = tuple([np.broadcast_to(length, (self.size, 1)) for length in constants.lengths])
         self._constants = constants._replace(

@@ -23,7 +23,7 @@ arithmetic, 1975).
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 import heapq
@@ -33,6 +33,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING, Union
 
 from fourbar_ros.numerics.duals import Derivatives, derivatives_of, Dual, duals_of, value_of
 from fourbar_ros.numerics.number_types import choose, Function, INFINITESIMAL, NumberType, Scalar
+from fourbar_ros.scene.parameters import ParameterValues
 
 if TYPE_CHECKING:      # an optional package
     from flint import arb
@@ -76,7 +77,7 @@ class Bounds(NamedTuple):
     high: float
 
 
-def enclosing(make: Make, values: Mapping[str, Any], widths: dict[str, float],
+def enclosing(make: Make, values: ParameterValues, widths: dict[str, float],
               references: Sequence[Reference]) -> Evaluate:
     """
     Return the function that encloses quantities over pieces of the input and a box.

@@ -21,6 +21,7 @@ from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, Scalar
 from fourbar_ros.scene.linkage import Bodies, external_of
 from fourbar_ros.scene.parameter_table import MACHINE
+from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 
@@ -44,7 +45,7 @@ def is_machine(scene: Scene) -> bool:
     return bool(scene.values['linkage.kind'] == MACHINE)
 
 
-def constants_of(scene: Scene, values: dict[str, Any], numbers: NumberType = ARRAY) -> Constants:
+def constants_of(scene: Scene, values: ParameterValues, numbers: NumberType = ARRAY) -> Constants:
     """
     Return what the formulas of a scene's mechanism are made for.
 
@@ -101,7 +102,7 @@ def with_lengths(linkage: Mechanism, lengths: Sequence[Scalar | Array]) -> Mecha
     return many
 
 
-def point_quantities_of(scene: Scene, values: dict[str, Any], many: Mechanism
+def point_quantities_of(scene: Scene, values: ParameterValues, many: Mechanism
                         ) -> dict[str, Searched]:
     """Return {name: quantity} of the points of a scene, whose parameters are any numbers."""
     found: dict[str, Searched] = {}
@@ -124,7 +125,7 @@ class Formulas(NamedTuple):
     quantities: dict[str, Searched]
 
 
-def formulas_of(scene: Scene, numbers: NumberType, values: dict[str, Any]) -> Formulas:
+def formulas_of(scene: Scene, numbers: NumberType, values: ParameterValues) -> Formulas:
     """Return the :class:`Formulas` of a scene for values of its parameters of any type."""
     linkage, constants = scene.linkage, constants_of(scene, values, numbers)
     many = with_lengths(linkage, constants.lengths)

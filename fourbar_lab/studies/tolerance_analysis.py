@@ -33,6 +33,7 @@ from fourbar_ros.mechanisms.quantities import is_position
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.duals import Dual, whole_of
 from fourbar_ros.numerics.number_types import NumberType, Scalar
+from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import from_values, Scene
 import numpy as np
 
@@ -109,7 +110,7 @@ def tolerances(study: Study, prove: bool = True) -> list[Toleranced]:
 
     """
     box = box_of(study)
-    scene = from_values(study.values | {one.name: one.centre for one in box})
+    scene = from_values({**study.values, **{one.name: one.centre for one in box}})
     derivatives = Derivatives(scene, [one.name for one in box], study.acceleration)
     measures = [measure for measure in study.measures if measure.part != CLASS]
     found = sensitivities(derivatives, measures)
@@ -232,7 +233,7 @@ def _angles_of(scene: Scene) -> tuple[str, ...]:
 
 def make_of(scene: Scene, names: Sequence[str], acceleration: float) -> Make:
     """Return what makes, of a number type and parameters, the function of some quantities."""
-    def make(numbers: NumberType, values: dict[str, Any]) -> Callable[[Dual], Sequence[Dual]]:
+    def make(numbers: NumberType, values: ParameterValues) -> Callable[[Dual], Sequence[Dual]]:
         formulas = formulas_of(scene, numbers, {**scene.values, **values})
         quantities = [formulas.quantities[name] for name in names]
         linkage, needs_loads = scene.linkage, any(one.is_load for one in quantities)

@@ -3,10 +3,12 @@
 """The stroke of a driven slide: the part of its range that a cylinder or actuator reaches."""
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import nan
 from typing import Any
 
 from fourbar_ros.mechanisms.parts import Ranges
+from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.number_types import Function, NumberType, REAL
 import numpy as np
 
@@ -29,12 +31,13 @@ def motion_within(motion: Function, reaches: Function | None, numbers: NumberTyp
     if reaches is None:
         return motion
 
-    def within_one(position: float, rate: float, acceleration: float) -> Any:
+    def within_one(position: float, rate: float, acceleration: float) -> Sequence[float]:
         if not reaches(position):
             raise ValueError
-        return motion(position, rate, acceleration)
+        fields: Sequence[float] = motion(position, rate, acceleration)
+        return fields
 
-    def within(position: Any, rate: Any, acceleration: Any) -> Any:
+    def within(position: Array, rate: Values, acceleration: Values) -> Any:
         fields = motion(position, rate, acceleration)
         outside = ~reaches(position)
         given = position, rate, acceleration

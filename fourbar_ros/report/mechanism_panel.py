@@ -113,12 +113,16 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields,
 
 
 def draw_plainly(axes: Axes, mechanism: Mechanism, motion: NamedFields, points: Points,
-                 paths: Sequence[Array]) -> None:
-    """Draw links, joints, points, and paths of shape (n, 2) [m]; neither angles nor forces."""
+                 paths: Sequence[Array], others: Sequence[Array] = ()) -> Sheet:
+    """
+    Draw links, joints, points, and paths of shape (n, 2) [m]; neither angles nor forces.
+
+    Returns the sheet, which has room for other places too.
+    """
     diagram, parts = mechanism.diagram(motion), picture(mechanism, motion, points)
     arms, places = of_kind(Arm, parts), np.array(list(diagram.joints.values()))
     ends = [*places, *(end for bar in diagram.bars for end in bar[:2]), *(arm.end for arm in arms),
-            *np.concatenate([np.empty((0, 2)), *paths])]
+            *np.concatenate([np.empty((0, 2)), *paths]), *others]
     ends = [end for end in ends if np.isfinite(end).all()]
     size = max(np.ptp(np.array(ends), axis=0))
     below = [at - (0.0, 0.06 * size) for at in places]
@@ -136,6 +140,7 @@ def draw_plainly(axes: Axes, mechanism: Mechanism, motion: NamedFields, points: 
         sheet.label(name, sheet.around(at), 'k')
     _label_points(sheet, arms)
     sheet.scale('m')
+    return sheet
 
 
 # --- what is drawn -------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.quantities import positions
+from fourbar_ros.report.mobility import mobility_rows
 from fourbar_ros.report.poses import in_degrees, number, shown
 from fourbar_ros.report.terminal import plain_table, PlainTable
 import numpy as np
@@ -85,7 +86,7 @@ def what_it_is(linkage: Mechanism, title: object) -> PlainTable:
     """Return the table of a linkage's own properties."""
     table = plain_table(str(title), ('', ''))
     table.show_header = False
-    for row in facts(linkage):
+    for row in (*facts(linkage), *mobility_rows(linkage)):
         table.add_row(*row)
     return table
 

@@ -7,18 +7,18 @@ from collections.abc import Iterator
 import contextlib
 import json
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 from fourbar_ros.bag.mcap.records import Damaged, HEAD, parse
 from fourbar_ros.bag.mcap.scan import ending, Scan
 from fourbar_ros.bag.rosbag2 import KEY, NUMBERS, RECORD, repeated
-from fourbar_ros.bag.yaml_text import loaded
+from fourbar_ros.bag.yaml_text import loaded, Told
 from fourbar_ros.errors import BagError
 from mcap.opcode import Opcode
 from mcap.records import Metadata, MetadataIndex, Statistics
 
 
-def metadata_in(path: str | Path) -> dict[str, Any] | None:
+def metadata_in(path: str | Path) -> Told | None:
     """Return the rosbag2 metadata of a file, None if it has none."""
     found = None
     with open(path, 'rb') as file:

@@ -24,6 +24,7 @@ from fourbar_ros.bag.mcap.records import (
 )
 from fourbar_ros.bag.mcap.scan import chunk_index, Found, Scan
 from fourbar_ros.bag.read.records import Message, Progress
+from fourbar_ros.bag.yaml_text import Told
 from fourbar_ros.errors import BagError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
@@ -254,7 +255,7 @@ class Channels:
             raise BagError(f'{self._path}: {channel.topic} has no schema')
         return schema
 
-    def qos(self, topic: str) -> list[dict[str, Any]]:
+    def qos(self, topic: str) -> list[Told]:
         """Return the QoS profiles under which a topic was offered."""
         return rosbag2.profiles_of(self.of(topic).metadata.get(rosbag2.QOS, ''))
 

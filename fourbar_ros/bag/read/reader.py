@@ -23,6 +23,7 @@ from fourbar_ros.bag.mcap.metadata import metadata_in
 from fourbar_ros.bag.mcap.scan import ending
 from fourbar_ros.bag.read.part import Channels, PartReader
 from fourbar_ros.bag.read.records import behind, Columns, Message, Progress, Raw, Record
+from fourbar_ros.bag.yaml_text import Told
 from fourbar_ros.errors import BagError
 from mcap.reader import make_reader, Summary
 import numpy as np
@@ -94,7 +95,7 @@ class Bag:
             return None if end is None or end.damage else make_reader(file).get_summary()
         return None
 
-    def metadata(self) -> dict[str, Any]:
+    def metadata(self) -> Told:
         """
         Return the rosbag2 metadata kept in the file itself; the last undamaged record wins.
 
@@ -229,7 +230,7 @@ class Bag:
         found: str = self._channels.schema(number).name
         return found
 
-    def qos_of(self, topic: str) -> list[dict[str, Any]]:
+    def qos_of(self, topic: str) -> list[Told]:
         """Return the QoS profiles, as dicts, under which a topic was offered."""
         return self._channels.qos(topic)
 

@@ -25,9 +25,9 @@ from fourbar_ros.dynamics.solve.integrators import Part
 from fourbar_ros.dynamics.solve.phase import COMPLETE
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.arrays import Array, Value
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
 MOST_SAMPLES, MOST_TO_FOLLOW = 2**17, 2**13      # with more, other methods are as fast
@@ -134,7 +134,7 @@ class FreeMotion:
             phase = 0.5 * pi - beside if sine > 0.0 else beside - 0.5 * pi
         return phase if self._rate >= 0.0 else pi - phase
 
-    def _input(self, u: Any) -> Any:
+    def _input(self, u: Value) -> Value:
         return self._middle + self._half * np.sin(u) if self.swings else self._direction * u
 
     def _slope(self, u: Array) -> Array:
@@ -202,7 +202,7 @@ class FreeMotion:
         time, slope = (np.concatenate(rows) for rows in zip(*found))
         return time.reshape(np.shape(u)), slope.reshape(np.shape(u))
 
-    def states(self, times: Any) -> Array:
+    def states(self, times: ArrayLike) -> Array:
         """Return input and rate at these times: [rad] or [m], [rad/s] or [m/s]."""
         times = np.asarray(times, float)
         start = self._time(np.array(self._phase))[0]
@@ -222,12 +222,12 @@ class FreeMotion:
                               self._direction / slope])
         return found
 
-    def position(self, times: Any) -> Array:
+    def position(self, times: ArrayLike) -> Array:
         """Return the input at these times [rad] or [m]."""
         position: Array = self.states(times)[0]
         return position
 
-    def rate(self, times: Any) -> Array:
+    def rate(self, times: ArrayLike) -> Array:
         """Return the rate of the input at these times [rad/s] or [m/s]."""
         rate: Array = self.states(times)[1]
         return rate

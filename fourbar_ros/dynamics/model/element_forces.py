@@ -122,14 +122,14 @@ def make_loaded(linkage: Mechanism, elements: Sequence[Element]) -> Loaded:
         curves[GROUND] = FIXED
         try:
             acting = all_acting(curves, position)
-        except (ArithmeticError, InvalidParameter):      # the ends of a spring meet
+            if not all(isfinite(number) for force in acting for number in force[1:]):
+                return None
+            return linkage.with_external(on_links(
+                *(Applied(*_with(applied, curves[link], [force for force in acting
+                                                         if force.link == link]))
+                  if link in known else applied for link, applied in zip(links, given))))
+        except (ArithmeticError, InvalidParameter):      # ends of a spring meet, a sum overflows
             return None
-        if not all(isfinite(number) for force in acting for number in force[1:]):
-            return None
-        return linkage.with_external(on_links(
-            *(Applied(*_with(applied, curves[link], [force for force in acting
-                                                     if force.link == link]))
-              if link in known else applied for link, applied in zip(links, given))))
     return loaded
 
 

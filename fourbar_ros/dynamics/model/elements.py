@@ -17,6 +17,7 @@ from fourbar_ros.dynamics.model.force_table import ForceTable
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import check_quantities, number, quantity
 import numpy as np
 
@@ -218,9 +219,10 @@ class PositionForce:
                 return factor * number('value', value(place), f'at {place!r} must be a finite '
                                                               'number')
 
-            def of_many(places: Any) -> Any:
-                return np.vectorize(lambda place: factor * value(float(place)),
-                                    otypes=[float])(places)
+            def of_many(places: Array) -> Array:
+                found: Array = np.vectorize(lambda place: factor * value(float(place)),
+                                            otypes=[float])(places)
+                return found
             return lambda place: (of_one if isinstance(place, float) else of_many)(place)
         is_angle = self.is_over_angle(mechanism)
         _require_fitting(value, is_angle, mechanism.turns_fully and self.over == INPUT)
