@@ -13,20 +13,22 @@ from collections.abc import Awaitable, Callable, Sequence
 import os
 from pathlib import Path
 import socket
-from typing import Any
+from typing import Any, TYPE_CHECKING
 
 from fourbar_lab.live.page import Page
 from fourbar_lab.live.playback import NodePlayback, Run
 from fourbar_ros.bag.read.origin import origin_of
 from fourbar_ros.bag.read.reader import Bag
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.ros.clients.watched import Watched
 from fourbar_ros.scene.message_fields import driven_of
 from fourbar_ros.scene.parameters import ParameterValues
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import DRIVEN
 from nicegui import app, run, ui
 import numpy as np
+
+if TYPE_CHECKING:      # needs ROS 2
+    from fourbar_ros.ros.clients.watched import Watched
 
 HOST = '127.0.0.1'
 NAMES = (HOST, 'localhost')
