@@ -13,7 +13,7 @@ MODULES = {'.'.join(path.relative_to(ROOT).with_suffix('').parts).removesuffix('
            for path in sorted((ROOT / package).rglob('*.py'))}
 
 # From the bottom up; a folder imports from no other folder of its own layer.
-LAYERS = (('errors', 'lazy'), ('optional',), ('numerics',), ('mechanics',), ('mechanisms',),
+LAYERS = (('errors',), ('optional',), ('numerics',), ('mechanics',), ('mechanisms',),
           ('extrema', 'dynamics', 'transmission', 'machine'),
           ('scene',), ('pipeline',),
           ('report', 'bag', 'description'),

@@ -28,9 +28,9 @@ from fourbar_ros.mechanisms.parts import (
     Quantity,
     Ranges,
     Reaction,
+    within_stroke,
 )
 from fourbar_ros.mechanisms.points import LinkMotion
-from fourbar_ros.mechanisms.stroke import within_stroke
 from fourbar_ros.numerics.laurent import Laurent, quarter_turns
 from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two, Scalar
 import numpy as np

@@ -12,12 +12,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
 from functools import cache, lru_cache
-from math import isfinite, prod
+from math import isfinite, nan, prod
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.contract import Constants
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.given import array
 from fourbar_ros.numerics.laurent import LAURENT, Laurent, limit, many_digits, series
 from fourbar_ros.numerics.number_types import (
@@ -27,6 +27,7 @@ from fourbar_ros.numerics.number_types import (
     Function,
     numbers_of,
     NumberType,
+    REAL,
     Scalar,
 )
 from fourbar_ros.numerics.program import program
@@ -248,3 +249,31 @@ def _complex_rows(mechanism: Formulas, inputs: list[Array], shape: tuple[int, ..
         fields += mechanism.make_loads(COMPLEX)(fields)
     fields = fields if wanted is None else [fields[i] for i in wanted]
     return [np.array(np.broadcast_to(field, inputs[0].shape), complex) for field in fields]
+
+
+def motion_within(motion: Function, reaches: Function | None, numbers: NumberType) -> Function:
+    """
+    Return a function of motion that has no pose where the mechanism does not reach.
+
+    There it gives NaN, or ValueError where numbers are floats. ``reaches``: as
+    :attr:`~fourbar_ros.mechanisms.mechanism.Described.reaches`; None: the motion as it is.
+    """
+    if reaches is None:
+        return motion
+
+    def within_one(position: float, rate: float, acceleration: float) -> Sequence[float]:
+        if not reaches(position):
+            raise ValueError
+        fields: Sequence[float] = motion(position, rate, acceleration)
+        return fields
+
+    def within(position: Array, rate: Values, acceleration: Values) -> Any:
+        fields = motion(position, rate, acceleration)
+        outside = ~reaches(position)
+        given = position, rate, acceleration
+        if not outside.any():
+            return fields
+        make = getattr(fields, '_make', tuple)
+        return make([field if any(field is value for value in given)
+                     else np.where(outside, nan, field) for field in fields])
+    return within_one if numbers is REAL else within

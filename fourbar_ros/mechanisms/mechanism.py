@@ -21,10 +21,16 @@ from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies, Ou
 from fourbar_ros.mechanics.bodies import External
 from fourbar_ros.mechanisms.checks import checked, checked_stroke
 from fourbar_ros.mechanisms.contract import Described, of_geometry, OPEN
-from fourbar_ros.mechanisms.evaluation import evaluate, line_of, Recorded, recorded, with_limits
+from fourbar_ros.mechanisms.evaluation import (
+    evaluate,
+    line_of,
+    motion_within,
+    Recorded,
+    recorded,
+    with_limits,
+)
 from fourbar_ros.mechanisms.parts import NamedFields, Ranges
 from fourbar_ros.mechanisms.points import Coefficients, Curve, LinkMotion
-from fourbar_ros.mechanisms.stroke import motion_within
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import Function, NumberType, REAL, Scalar

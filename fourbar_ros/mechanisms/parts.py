@@ -20,6 +20,14 @@ import numpy as np
 Ranges = tuple[tuple[float, float], ...]        # (low, high) of an input [rad or m]
 
 
+def within_stroke(ranges: Ranges, stroke: tuple[float, float] | None) -> Ranges:
+    """Return the parts of ranges of the input that lie in the stroke, if there is one."""
+    if stroke is None:
+        return ranges
+    parts = ((max(low, stroke[0]), min(high, stroke[1])) for low, high in ranges)
+    return tuple((low, high) for low, high in parts if low < high)
+
+
 class Coordinate(NamedTuple):
     """Names of a joint's position, rate and acceleration among the fields of a motion."""
 

@@ -19,9 +19,8 @@ from typing import Any
 from fourbar_ros.bag import rosbag2
 from fourbar_ros.bag.cdr import Decoder
 from fourbar_ros.bag.file_system import is_being_written
-from fourbar_ros.bag.mcap.metadata import metadata_in
 from fourbar_ros.bag.mcap.scan import ending
-from fourbar_ros.bag.read.part import Channels, PartReader
+from fourbar_ros.bag.read.part import Channels, metadata_in, PartReader
 from fourbar_ros.bag.read.records import behind, Columns, Message, Progress, Raw, Record
 from fourbar_ros.bag.yaml_text import Told
 from fourbar_ros.errors import BagError

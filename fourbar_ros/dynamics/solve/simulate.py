@@ -4,7 +4,7 @@
 Motion over time, with the result checked: no wrong answer is called a success.
 
 A motion without drive and dampers that goes round or swings is periodic: a Fourier series
-(:mod:`fourbar_ros.dynamics.analysis.free_motion`). That of a crank that goes round under a
+(:mod:`fourbar_ros.dynamics.free_motion`). That of a crank that goes round under a
 constant torque follows from its energy (:mod:`fourbar_ros.dynamics.solve.by_energy`). Scipy
 integrates all others over time, by DOP853, and from where a system turns out to be stiff by LSODA.
 
@@ -22,7 +22,7 @@ from functools import cached_property
 from math import inf, isfinite, nan
 from typing import TYPE_CHECKING
 
-from fourbar_ros.dynamics.analysis import free_motion
+from fourbar_ros.dynamics import free_motion
 from fourbar_ros.dynamics.model.element_forces import loads_with
 from fourbar_ros.dynamics.model.system import System
 from fourbar_ros.dynamics.solve import by_energy

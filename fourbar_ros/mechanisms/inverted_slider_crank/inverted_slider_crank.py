@@ -23,7 +23,6 @@ from fourbar_ros.mechanisms.inverted_slider_crank.motion import (
     make_crank_motion,
     make_slide_motion,
 )
-from fourbar_ros.mechanisms.offset_slide import OffsetSlide
 from fourbar_ros.mechanisms.parts import (
     around,
     Arrow,
@@ -55,7 +54,7 @@ from fourbar_ros.mechanisms.points import (
     point_motion,
     point_of,
 )
-from fourbar_ros.mechanisms.slide_dyad import reach, singular_slides, slide_ranges
+from fourbar_ros.mechanisms.slide_dyad import OffsetSlide, reach, singular_slides, slide_ranges
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar

@@ -33,7 +33,7 @@ from fourbar_ros.mechanisms.machine.describe.description import (
 )
 from fourbar_ros.mechanisms.machine.describe.layout import layout_of
 from fourbar_ros.mechanisms.machine.describe.names import lengths_of, names_of
-from fourbar_ros.mechanisms.machine.limits.limits import WithLimits
+from fourbar_ros.mechanisms.machine.limits import WithLimits
 from fourbar_ros.mechanisms.machine.solve.loads import make_loads
 from fourbar_ros.mechanisms.machine.solve.motion import make_motion
 from fourbar_ros.mechanisms.machine.solve.pairs import shaped, with_pairs

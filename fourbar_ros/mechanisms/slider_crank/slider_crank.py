@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 from fourbar_ros.mechanics.bodies import Bodies, External
 from fourbar_ros.mechanisms.contract import Constants, CRANK, of_geometry, OPEN, SLIDE
-from fourbar_ros.mechanisms.offset_slide import OffsetSlide
 from fourbar_ros.mechanisms.parts import (
     around,
     Arrow,
@@ -46,7 +45,7 @@ from fourbar_ros.mechanisms.points import (
     point_motion,
     point_of,
 )
-from fourbar_ros.mechanisms.slide_dyad import reach, singular_slides, slide_ranges
+from fourbar_ros.mechanisms.slide_dyad import OffsetSlide, reach, singular_slides, slide_ranges
 from fourbar_ros.mechanisms.slider_crank.loads import make_loads
 from fourbar_ros.mechanisms.slider_crank.motion import (
     make_crank_motion,

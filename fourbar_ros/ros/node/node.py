@@ -11,12 +11,12 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros.node import parameters, services
+from fourbar_ros.ros.node.base import Running
 from fourbar_ros.ros.node.circles import Circles
 from fourbar_ros.ros.node.diagnostics import Diagnostics
 from fourbar_ros.ros.node.drives import Drive, SimulatedTimerDrive, TimerDrive
 from fourbar_ros.ros.node.quiet_log import QuietLog
 from fourbar_ros.ros.node.recording import Recording
-from fourbar_ros.ros.node.running import Running
 from fourbar_ros.ros.node.steady import SteadyTimers
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.ros.node.worker import Worker

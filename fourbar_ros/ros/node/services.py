@@ -27,8 +27,8 @@ from fourbar_ros.pipeline.status import (
     TOGGLE,
 )
 from fourbar_ros.ros.messages import filler, Message, resolve, sec_nanosec, set_constants
+from fourbar_ros.ros.node.base import Running
 from fourbar_ros.ros.node.extrema import Search
-from fourbar_ros.ros.node.running import Running
 from fourbar_ros.scene.message_fields import mode_number
 from fourbar_ros.scene.topics import SERVICES
 

@@ -18,11 +18,11 @@ from functools import cached_property
 from math import pi, tau
 from typing import Any
 
-from fourbar_ros.dynamics.analysis.statics import roots_of
 from fourbar_ros.dynamics.model.smooth import flat_positions
 from fourbar_ros.dynamics.model.system import System
 from fourbar_ros.dynamics.solve.integrators import Part
 from fourbar_ros.dynamics.solve.phase import COMPLETE
+from fourbar_ros.dynamics.statics import roots_of
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import Array, Value

@@ -27,15 +27,15 @@ from math import inf, nextafter, pi
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanisms.machine.describe.description import CYLINDER, Numbers, PRP
-from fourbar_ros.mechanisms.machine.describe.layout import Layout
-from fourbar_ros.mechanisms.machine.limits.closings import (
+from fourbar_ros.mechanisms.machine.closings import (
     Closing,
     has_toggles,
     make_closings,
     make_places,
     make_squares,
 )
+from fourbar_ros.mechanisms.machine.describe.description import CYLINDER, Numbers, PRP
+from fourbar_ros.mechanisms.machine.describe.layout import Layout
 from fourbar_ros.mechanisms.machine.solve.pairs import Closure, other_of
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.laurent import FIRST_TERMS, LAURENT, Laurent, many_digits, series

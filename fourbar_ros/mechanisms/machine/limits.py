@@ -22,6 +22,7 @@ from typing import ClassVar, NamedTuple, NoReturn, TypeVar
 from fourbar_ros.errors import FourBarError, InvalidParameter, Toggle
 from fourbar_ros.mechanisms.checks import STROKE, two_numbers
 from fourbar_ros.mechanisms.contract import CRANK, CROSSED, of_geometry, OPEN, SLIDE
+from fourbar_ros.mechanisms.machine.closings import make_closings
 from fourbar_ros.mechanisms.machine.describe.description import (
     Dyad,
     Numbers,
@@ -29,8 +30,7 @@ from fourbar_ros.mechanisms.machine.describe.description import (
     RRR,
 )
 from fourbar_ros.mechanisms.machine.describe.layout import Layout
-from fourbar_ros.mechanisms.machine.limits.closings import make_closings
-from fourbar_ros.mechanisms.machine.limits.ranges import (
+from fourbar_ros.mechanisms.machine.ranges import (
     Bound,
     Closings,
     DOUBLE,
