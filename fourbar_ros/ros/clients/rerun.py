@@ -132,7 +132,8 @@ class _Changes:
 
 
 def _is_same(a: Any, b: Any) -> bool:
-    return a == b or (a != a and b != b)                 # NaN: not given
+    found: bool = a == b or (a != a and b != b)                 # NaN: not given
+    return found
 
 
 class _Live(Client):

@@ -8,7 +8,7 @@ import time
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from fourbar_ros.pipeline.status import OK, STATUS_NAMES
-from fourbar_ros.ros.node.running import Running
+from fourbar_ros.ros.node.base import Running
 
 PERIOD = 1.0               # [s]
 NEAR_TOGGLE = 0.05         # |sin| of the transmission angle below which a warning is due

@@ -11,12 +11,12 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros.node import parameters, services
+from fourbar_ros.ros.node.base import Running
 from fourbar_ros.ros.node.circles import Circles
 from fourbar_ros.ros.node.diagnostics import Diagnostics
 from fourbar_ros.ros.node.drives import Drive, SimulatedTimerDrive, TimerDrive
 from fourbar_ros.ros.node.quiet_log import QuietLog
 from fourbar_ros.ros.node.recording import Recording
-from fourbar_ros.ros.node.running import Running
 from fourbar_ros.ros.node.steady import SteadyTimers
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.ros.node.worker import Worker
@@ -206,7 +206,7 @@ def warn_of_shared_frames(nodes: Sequence[FourBarNode]) -> None:
     movers = [node for node in nodes if 'tf' in node.stream.scene.outputs]
     if len(movers) < 2:
         return
-    from fourbar_ros.ros.pictures.transforms import frames_of
+    from fourbar_ros.ros.node.transforms import frames_of
     moved: dict[str, str] = {}
     for node in movers:
         frames = frames_of(node.stream.scene)
