@@ -25,11 +25,17 @@ TAG = re.compile(r'\(([A-Z]\d+[a-z]?)\)')
 CITED = re.compile(r'Eqs?\. (\(\d+\)(?:(?:, | and |, and |-)\(\d+\))*)')
 SPAN = re.compile(r'\((\d+)\)(?:-\((\d+)\))?')
 
-SUBJECTS = {        # (first, last, subject) of the equations that the package computes
+# (first, last, subject) of every numbered equation; where none of the package's docstrings names
+# it, the subject says why
+SUBJECTS = {
     'slides': (
+        (1, 1, 'velocity along a path; `fourbar reproduce` checks it'),
         (2, 2, 'acceleration along a path: tangential and normal'),
+        (3, 3, 'turning of the tangent, summed up in (2)'),
+        (4, 5, 'not in our copy'),
         (6, 6, 'acceleration of a point of a rigid link'),
         (7, 7, 'loop of the slider-crank'),
+        (8, 8, 'not in our copy'),
         (9, 9, 'acceleration in a moving frame: the five terms, Coriolis among them'),
         (10, 10, 'the same, with the relative acceleration in its parts'),
         (11, 11, 'the same from the coincident point of the link'),
@@ -41,12 +47,22 @@ SUBJECTS = {        # (first, last, subject) of the equations that the package c
         (28, 33, 'their second time derivatives: angular accelerations'),
         (34, 34, 'rate of v = tan(θ/2)'), (35, 35, 'rate of θ = 2 atan v'),
         (36, 36, 'acceleration of v'), (37, 37, 'acceleration of θ'),
+        (38, 38, '(16) of Example 7.7'),
     ),
     'paper': (
         (1, 6, 'the six input-output equations of the closed Denavit-Hartenberg chain'),
+        (7, 7, 'rate of θ4: (22) of the slides'),
+        (8, 8, 'acceleration of θ4: (28) of the slides'),
         (9, 9, '9×9 system of Newton-Euler equations: joint reactions and driving torque'),
+        (10, 10, 'its solution'),
     ),
 }
+ALGORITHMS = {
+    'slides': ('extreme angular accelerations, steps 1 to 9',),
+    'paper': ('extreme angular velocities, steps 1 to 3',
+              'extreme angular accelerations, steps 1 to 5'),
+}
+NAMED = 'algorithms of extreme values'      # in the docstrings of what does their work
 
 
 class Module(NamedTuple):
@@ -163,6 +179,9 @@ def source(document):
         rows.append((numbers, subject, places(where)))
     if found:
         raise SystemExit(f'docs/formulas.py: SUBJECTS lacks {sorted(found)} of the {document}')
+    where = places((module.path, name) for module in modules() for name, text in module.texts
+                   if NAMED in ' '.join(text.split()))
+    rows += [('algorithm', subject, where) for subject in ALGORITHMS[document]]
     return table(('equation', 'subject', 'where'), rows)
 
 

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Draw conventions and sliders, .svg and .png, in docs: ``python docs/pictures.py``.
+Draw conventions, sliders and the axis, .svg and .png, in docs: ``python docs/pictures.py``.
 
 Poses come from the core; black and white; the same bytes on every run with the same matplotlib.
 """
@@ -17,7 +17,9 @@ import matplotlib.pyplot as plt  # noqa: E402
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT), str(ROOT / 'docs')]
 
-import conventions  # noqa: E402, I100
+import axis  # noqa: E402, I100
+import conventions  # noqa: E402
+from fourbar_ros.report.mobility import octahedron_svg  # noqa: E402, I100
 import sliders  # noqa: E402
 
 STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 12,
@@ -26,8 +28,9 @@ STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 
 
 def main():
     """Draw and save."""
+    (ROOT / 'docs' / 'mobility.svg').write_text(octahedron_svg(axis.published.PAPER))
     with plt.rc_context({**plt.rcParamsDefault, **STYLE, 'backend': 'agg'}):
-        for picture in (conventions, sliders):
+        for picture in (axis, conventions, sliders):
             figure = plt.figure(figsize=picture.SIZE)
             picture.draw(figure)
             save(figure, picture.__name__)

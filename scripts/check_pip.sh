@@ -70,6 +70,14 @@ step 'with pictures'
 runs 0 fourbar draw paper --at 60 -o x.png
 runs 0 fourbar reproduce --html x.html
 
+step 'with the page'
+"$pip" -q install "$wheel[live]"
+fourbar live paper --no-browser --port 8437 >out 2>err &
+for _ in $(seq 60); do grep -q http out && break; sleep 0.5; done
+python -c 'import urllib.request; assert b"fourbar live" in urllib.request.urlopen("http://127.0.0.1:8437").read()' ||
+  { cat out err >&2; fail 'no page'; }
+kill $!
+
 step 'tests of the unpacked sdist'
 tar xzf "$sdist"
 "$pip" -q install "$wheel[test]"

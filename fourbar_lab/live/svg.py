@@ -47,6 +47,7 @@ paint-order:stroke;stroke:var(--fb-paper,#fff);stroke-width:3px;stroke-linejoin:
 .fb .sum{stroke:var(--fb-sum,#1f4e8c);fill:var(--fb-sum,#1f4e8c);stroke-width:2.6}
 .fb text.sum{stroke:var(--fb-paper,#fff);stroke-width:3px}
 .fb .ghost{opacity:.42} .fb .ghost .core{stroke:var(--fb-point,#8a5200)}
+.fb .through{stroke:var(--fb-ink,#1c1c1c);stroke-dasharray:6 5;stroke-width:.8;opacity:.6}
 .fb .centre{stroke:var(--fb-part,#a02c2c);stroke-width:1.8}
 .fb text.centre{stroke:var(--fb-paper,#fff);stroke-width:3px;fill:var(--fb-part,#a02c2c)}
 """

@@ -65,7 +65,8 @@ border-left:1.5px solid {CURSOR};pointer-events:none}}
 </style>"""
 CURVES, FORCES, POLYGONS, EXTREMA, FACTS = TABS = (
     'Curves', 'Forces', 'Polygons', 'Extrema', 'Facts')
-LAYERS = {'curves': 'coupler curves', 'forces': 'forces', 'centres': 'instant centres'}
+LAYERS = {'curves': 'coupler curves', 'forces': 'forces', 'centres': 'instant centres',
+          'axis': 'collineation axis'}
 
 
 # A place in the table of extrema: a button, so that the keyboard reaches it.
@@ -169,7 +170,8 @@ class Elements:
                 pace, 'value').style('width:8rem').props(f'label aria-label="{pace.label}"')
         for name, text in LAYERS.items():
             ui.checkbox(text, value=getattr(page.layers, name),
-                        on_change=lambda event, name=name: page.set_layer(name, event.value))
+                        on_change=lambda event, name=name: page.set_layer(name, event.value)
+                        ).set_visibility(name != 'axis' or page.shown.has_axis)
 
     def _views(self) -> None:
         page = self.page
@@ -180,9 +182,10 @@ class Elements:
         with ui.tab_panels(self.tabs, value=TABS[0], animated=False, keep_alive=True).classes(
                 'full-width bg-transparent'):
             with _panel(CURVES):
-                ui.select(list(page.shown.quantities), value=page.names, multiple=True,
-                          label='quantities', on_change=lambda event: page.choose(event.value)
-                          ).props('dense use-chips aria-label="quantities"').classes('full-width')
+                self.chosen = ui.select(
+                    list(page.shown.quantities), value=page.names, multiple=True,
+                    label='quantities', on_change=lambda event: page.choose(event.value)).props(
+                    'dense use-chips aria-label="quantities"').classes('full-width')
                 if len(page.playback.beside) == 1:
                     ui.checkbox('difference of the two runs',
                                 on_change=lambda event: page.set_difference(event.value))
@@ -211,6 +214,8 @@ class Elements:
             with _panel(FACTS):
                 columns = [{'name': name, 'label': '', 'field': name, 'align': 'left'}
                            for name in ('name', 'text')]
+                self.octahedron = ui.html('', sanitize=False).props(
+                    'role=img aria-label="octahedron of four-bars, this one in it"')
                 self.facts = _table(columns, 'name', 'wrap-cells hide-header').classes('fb-words')
 
     @property

@@ -4,14 +4,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import isnan, nan
+from math import atan, degrees, isnan, nan, sqrt
 from pathlib import Path
 from typing import Any, NamedTuple, TYPE_CHECKING, Union
 
-from fourbar_lab.reproduction import published
+from fourbar_lab.reproduction import published, statements
 from fourbar_lab.reproduction.verdicts import (
     AGREES,
+    ANSWERED,
     ASSUMED,
+    DEFINED,
     DIFFERS,
     DRAWN,
     GARBLED,
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
 DOCUMENTS = Path(__file__).with_name('published.yaml')
 Entry = Mapping[str, Any]       # of published.yaml
 Term = Union[str, float]        # an expression
+FUNCTIONS: dict[str, Any] = {'__builtins__': {}, 'atan': atan, 'degrees': degrees, 'sqrt': sqrt}
 EXACT = 1e-12      # of the sum of the terms: more than rounding, less than any slip
 
 
@@ -63,11 +66,18 @@ def reproduce(path: str | Path = DOCUMENTS) -> list[Section]:
 
 
 def _section(entry: Entry) -> Section:
-    values = getattr(published, entry.get('values', 'symbols'))() if 'values' in entry else {}
-    symbols = getattr(published, entry['symbols'])() if 'symbols' in entry else {}
-    rows = [_equation(row, symbols) if 'key' not in row and symbols else _number(row, values)
+    values, symbols = (_computed(entry[name]) if name in entry else {}
+                       for name in ('values', 'symbols'))
+    rows = [_equation(row, symbols) if 'terms' in row or 'value' in row else _number(row, values)
             for row in entry['rows']]
     return Section(entry['title'], rows, entry.get('figure', ''))
+
+
+def _computed(name: str) -> Mapping[str, float]:
+    """Return the dict of a function of published.py or statements.py."""
+    found: Mapping[str, float] = getattr(statements if hasattr(statements, name) else published,
+                                         name)()
+    return found
 
 
 def _number(row: Entry, values: Mapping[str, float]) -> Row:
@@ -89,7 +99,7 @@ def _verdict(row: Entry, ours: float) -> str:
 
     DIFFERS also if published.yaml gives a reason that does not explain the difference.
     """
-    for name, verdict in (('missing', MISSING), ('assumed', ASSUMED)):
+    for name, verdict in (('missing', MISSING), ('assumed', ASSUMED), ('defined', DEFINED)):
         if name in row:
             return verdict
     difference = abs(ours - float(row['printed']))
@@ -112,8 +122,8 @@ def _reason(row: Entry) -> str:
     """Return the footnote that a row refers to."""
     if 'copies' in row:
         return f'the copy has {" and ".join(repr(text.strip()) for text in row["copies"])}'
-    return next((row[name] for name in ('missing', 'assumed', 'garbled', 'misprint', 'wrong',
-                                        'why') if name in row), '')
+    return next((row[name] for name in ('missing', 'assumed', 'defined', 'answered', 'garbled',
+                                        'misprint', 'wrong', 'why') if name in row), '')
 
 
 def is_reading(text: str, copies: Sequence[str]) -> bool:
@@ -145,17 +155,20 @@ def _equation(row: Entry, symbols: Mapping[str, float]) -> Row:
     form = row.get('terms', row.get('value'))
     must, printed = _evaluate(row.get('ours', '0.0'), symbols), of(form)
     scale = max(1.0, abs(must))
-    is_right = abs(printed - must) <= EXACT * scale
+    is_right = abs(printed - must) <= row.get('within', EXACT) * scale
     verdict = AGREES if is_right else DIFFERS
     if 'misprint' in row and not is_right and abs(of(row['correct']) - must) <= EXACT * scale:
         verdict = MISPRINT      # and the correction is one
-    return Row(row['what'], '', f'{printed:.6g}' if not is_right or 'value' in row else '0', must,
-               must - printed, verdict, _reason(row))
+    if 'answered' in row:       # nothing is printed: two sides of ours
+        return Row(row['what'], row.get('unit', ''), '', printed, nan,
+                   ANSWERED if is_right else DIFFERS, row['answered'])
+    text = f'{printed:.6g}' if not is_right or 'value' in row else '0'
+    return Row(row['what'], row.get('unit', ''), text, must, must - printed, verdict, _reason(row))
 
 
 def _evaluate(expression: Term, symbols: Mapping[str, float]) -> float:
     """Return the value of an expression in published.yaml; it knows these symbols only."""
-    return float(eval(str(expression), {'__builtins__': {}}, symbols))
+    return float(eval(str(expression), FUNCTIONS, symbols))
 
 
 # --- as tables -----------------------------------------------------------------------------------

@@ -9,6 +9,7 @@ computed in SI units and converted back at the end.
 """
 from __future__ import annotations
 
+from cmath import phase
 from math import degrees, hypot, pi, radians
 
 from fourbar_ros.extrema.find import find_extrema
@@ -17,13 +18,13 @@ from fourbar_ros.mechanics.moving_frames import acceleration_terms
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
 from fourbar_ros.mechanisms.four_bar.io_equations import io_equation, to_half_angle
-from fourbar_ros.mechanisms.four_bar.loads import Loads
-from fourbar_ros.mechanisms.four_bar.motion import Motion
 from fourbar_ros.mechanisms.half_angle import bilinear_factors
 from fourbar_ros.mechanisms.inverted_slider_crank.inverted_slider_crank import InvertedSlider
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.points import acceleration_image, link_motion, point_motion
 from fourbar_ros.mechanisms.slider_crank.slider_crank import SliderCrank
-from fourbar_ros.numerics.arrays import Array, Values
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
 
 INCH, FOOT = 0.0254, 0.3048
@@ -162,14 +163,16 @@ def paper_table_3() -> dict[str, float]:
                      'rate_at': table_2['mode2_omega4_min_at']}
 
 
-def literal_moment(motion: Motion, loads: Loads) -> Values:
+def literal_moment(motion: NamedFields, loads: NamedFields) -> Scalar:
     """
     Return T14 + r34 x F34 [N m] with the arm r34 of the paper's Fig. 2.
 
     That arm runs from the centre of gravity of link 3 to joint 4.
     """
     along = THIN_RODS.output.cg_along
-    return along * (motion.cos_y * loads.f43_y - motion.sin_y * loads.f43_x) - loads.driving_torque
+    moment: Scalar = along * (motion.cos_y * loads.f43_y - motion.sin_y * loads.f43_x)
+    found: Scalar = moment - loads.driving_torque
+    return found
 
 
 def wrong_curves() -> tuple[Array, Array, Array, Array]:
@@ -189,7 +192,7 @@ def wrong_curves() -> tuple[Array, Array, Array, Array]:
     return theta1, np.hypot(*(f41 + f43).T), np.abs(-torque - 0.01 * f43[:, 1]), np.abs(literal)
 
 
-def solve_eq_9(linkage: FourBar, motion: Motion, with_velocities: bool = False) -> Array:
+def solve_eq_9(linkage: FourBar, motion: NamedFields, with_velocities: bool = False) -> Array:
     """
     Return the nine unknowns of the paper's Eq. (9), shape (n, 9).
 
@@ -233,27 +236,38 @@ def vectors() -> dict[str, float]:
     """
     Return the symbols of the slides' vector equations.
 
-    (6): B and C of Example 7.3; (7) and following: Example 7.2, with theta2, theta3 of its crank
-    and coupler; (9)-(11): A and the bar of Example 7.5. The two sides of an equation reach their
-    points over different links.
+    (1)-(3): C of Example 7.3 on its circle about D; (6): B and C there; (7) and following and
+    the acceleration image: Example 7.2, with theta2, theta3 of its crank and coupler; (9)-(11): A
+    and the bar of Example 7.5. The two sides of an equation reach their points over different
+    links.
     """
     m, four_bar = EXAMPLE_7_3.motion(*GIVEN_7_3), EXAMPLE_7_3
     b, c = point_motion(four_bar, m, 'crank', four_bar.a1), point_motion(four_bar, m, 'output',
                                                                          four_bar.a3)
     found = {'omega': m.omega_beta, 'alpha': m.alpha_beta}
     found |= _components(p=c.acceleration, q=b.acceleration, r=c.place - b.place)
+    along = point_motion(four_bar, m, 'coupler', four_bar.a2)
+    found |= {'speed': m.omega4 * four_bar.a3, 'growth': m.alpha4 * four_bar.a3,
+              'radius': four_bar.a3, 'omega4': m.omega4}
+    found |= _components(v_c=along.velocity, a_c=along.acceleration,
+                         tangent=np.array([-m.sin_y, m.cos_y]))
     m, slider = EXAMPLE_7_2.motion(*GIVEN_7_2), EXAMPLE_7_2
     found |= {'r2': slider.a1, 'r3': slider.a2, 's2': m.sin_x, 'c2': m.cos_x, 's3': m.sin_b,
               'c3': m.cos_b,
               'w2': m.omega1, 'al2': m.alpha1, 'w3': m.omega_beta, 'al3': m.alpha_beta,
               'v4': m.slide_velocity,
               'acc4': m.slide_acceleration}
+    b, c = (point_motion(slider, m, 'coupler', part * slider.a2) for part in (0.0, 1.0))
+    image = (complex(m.slide_acceleration - b.acceleration[0], -b.acceleration[1])
+             / complex(*(c.place - b.place)))
+    found |= {'image': abs(image), 'delta': degrees(phase(image)) % 360.0}
     m, inverted = EXAMPLE_7_5.motion(*GIVEN_7_5), EXAMPLE_7_5
     a, q = point_motion(inverted, m, 'crank', inverted.a1), point_motion(inverted, m, 'output',
                                                                          m.slide)
     bar = link_motion(inverted, m, 'output')
-    found |= {'bar_omega': m.omega4, 'bar_alpha': m.alpha4}
-    return found | _components(a=a.acceleration, bar=q.acceleration,
+    found |= {'bar_omega': m.omega4, 'bar_alpha': m.alpha4,
+              'crank_omega': m.omega1, 'coriolis': 2.0 * abs(m.omega4 * m.slide_velocity)}
+    return found | _components(crank=a.place, a=a.acceleration, bar=q.acceleration,
                                arm=a.place - (inverted.a4, 0.0),
                                v=m.slide_velocity * bar.direction,
                                rel=m.slide_acceleration * bar.direction)

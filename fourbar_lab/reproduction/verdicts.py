@@ -11,7 +11,10 @@ VERDICTS = {
                 'checked',
     'wrong computation': 'the document computed something else; the reason is given',
     'assumption of ours': 'not printed; what we took for it',
+    'definition': 'of symbols, or a step that a numbered equation sums up',
+    'answered here': 'the document asks; what must hold for the answer was computed',
     'not compared': 'and why',
     'DIFFERS': 'without a known reason',
 }
-(AGREES, DRAWN, ROUNDED, GARBLED, MISPRINT, WRONG, ASSUMED, MISSING, DIFFERS) = VERDICTS
+(AGREES, DRAWN, ROUNDED, GARBLED, MISPRINT, WRONG, ASSUMED, DEFINED, ANSWERED, MISSING,
+ DIFFERS) = VERDICTS

@@ -20,6 +20,7 @@ examples:
   fourbar draw paper --over paths -o paths.pdf       coupler curves of the points
   fourbar draw paper --over hodographs -o hodographs.pdf
   fourbar draw paper --over forces -o polar.svg      shaking force and bearing loads as vectors
+  fourbar draw slides_7_7 --over axis -o axis.svg    why omega4 is extreme: the collineation axis
 """
 
 
@@ -33,9 +34,11 @@ def add(verbs: Verbs) -> None:
     add_pose(draw, 'input angle [degrees], or slide [m]')
     draw.add_argument('--animate', action='store_true',
                       help='instead of one pose: a cycle, as .gif, or as .mp4 if ffmpeg is there')
-    draw.add_argument('--over', choices=('paths', 'hodographs', 'forces'),
+    draw.add_argument('--over', choices=('paths', 'hodographs', 'forces', 'axis'),
                       help='instead of one pose, over a cycle: the paths of the points, their '
-                           'velocities as vectors, or the forces on the ground as vectors')
+                           'velocities as vectors, or the forces on the ground as vectors; axis: '
+                           'the collineation axis with its poles, at --at or where the output is '
+                           'fastest, and its angle to the coupler over a cycle')
     draw.add_argument('-o', '--out', metavar='FILE', required=True, help=PICTURE_HELP)
     draw.set_defaults(run=_draw)
 
@@ -53,6 +56,11 @@ def _draw(arguments: Namespace) -> None:
     if arguments.animate:
         from fourbar_ros.report.animation import animate
         print(animate(linkage, speed, points, arguments.out))
+    elif arguments.over == 'axis':
+        from fourbar_ros.report.axis import make_axis_figure
+        from fourbar_ros.report.drawing import save
+        at = None if arguments.at is None else position_of(linkage, arguments.at)
+        print(save(make_axis_figure(linkage, speed, at), arguments.out))
     elif arguments.over:
         from fourbar_ros.report.cycles import make_cycle_figure
         from fourbar_ros.report.drawing import save

@@ -111,7 +111,7 @@ def _print(shown: Shown, found: list[Extremum], with_proofs: bool) -> None:
                                           if shown.acceleration else '')
     tables: list[PlainTable | str | None] = [
         what_it_is(linkage, shown.path),
-        extrema_table(found, f'extrema at {driven}, mode {mode_name(linkage)}'),
+        extrema_table(linkage, found, f'extrema at {driven}, mode {mode_name(linkage)}'),
         proofs_in_words(found) if with_proofs else None, shown.why_no_loads]
     if pose:
         tables += [motion_table(linkage, pose),

@@ -32,6 +32,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -47,6 +48,9 @@ class CollineationAxis(NamedTuple):
         w = 0.
     along, across : float or ndarray
         The axis along the coupler line and square to it, in a common unit.
+    lines : dict
+        {name: line (a, b, c), of the points a x + b y + c w = 0 over the longest link}, shaped as
+        the poles: ``ground``, ``coupler``, ``crank``, ``output`` and the ``axis``.
 
     """
 
@@ -54,6 +58,7 @@ class CollineationAxis(NamedTuple):
     p24: Array
     along: Any
     across: Any
+    lines: dict[str, Array]
 
     @property
     def angle(self) -> Any:
@@ -67,7 +72,7 @@ class CollineationAxis(NamedTuple):
         return np.where(is_none, np.nan, np.arctan2(sense * self.across, sense * self.along))[()]
 
 
-def collineation_axis(linkage: Mechanism, motion: Any) -> CollineationAxis:
+def collineation_axis(linkage: Mechanism, motion: NamedFields) -> CollineationAxis:
     """
     Return the collineation axis of a four-bar or a slider-crank that its crank drives.
 
@@ -91,11 +96,13 @@ def collineation_axis(linkage: Mechanism, motion: Any) -> CollineationAxis:
     scales = [unit if w else 1.0 for *_, w in corners]       # a direction has no unit
     o1, a, b, o4 = (np.stack(np.broadcast_arrays(x / scale, y / scale, w, motion.theta1)[:-1])
                     for (x, y, w), scale in zip(corners, scales))
-    coupler = _cross(a, b)
-    p13, p24 = _cross(_cross(o1, o4), coupler), _cross(_cross(o1, a), _cross(o4, b))
-    axis = _cross(p13, p24)
+    lines = {'ground': _cross(o1, o4), 'coupler': _cross(a, b), 'crank': _cross(o1, a),
+             'output': _cross(o4, b)}
+    p13 = _cross(lines['ground'], coupler := lines['coupler'])
+    p24 = _cross(lines['crank'], lines['output'])
+    lines['axis'] = axis = _cross(p13, p24)
     return CollineationAxis(p13, p24, coupler[0] * axis[0] + coupler[1] * axis[1],
-                            coupler[0] * axis[1] - coupler[1] * axis[0])
+                            coupler[0] * axis[1] - coupler[1] * axis[0], lines)
 
 
 def _cross(one: Array, other: Array) -> Array:

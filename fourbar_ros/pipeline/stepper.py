@@ -6,9 +6,10 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import partial
 from math import nan, nextafter
-from typing import NamedTuple, Union
+from typing import Union
 
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.points import link_fields, LinkFields, make_point, PointMotion
 from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.pipeline.joints import Joints
@@ -55,7 +56,7 @@ class Stepper:
                  by: Evaluate = evaluate) -> None:
         self._scene, self._evaluate = scene, by
         self.linkage, self._policy = scene.linkage, scene.drive.out_of_range
-        self._parts: list[tuple[str, Callable[[NamedTuple], Iterable[float]],
+        self._parts: list[tuple[str, Callable[[NamedFields], Iterable[float]],
                                 tuple[float, ...]]] = [
             (f'points/{name}', make_point(REAL, scene.linkage, *point), _NO_POINT)
             for name, point in scene.points.items()]
@@ -124,7 +125,7 @@ class Stepper:
             values += self._drive_wrench(values)
         return values + self._joints.of(values) if self._joints else values
 
-    def _of_parts(self, motion: NamedTuple, wanted: Wanted) -> list[float]:
+    def _of_parts(self, motion: NamedFields, wanted: Wanted) -> list[float]:
         return [value for name, part, unknown in self._parts
                 for value in (part(motion) if wanted is True or wanted and name in wanted
                               else unknown)]

@@ -12,13 +12,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
+from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import known, positions, UnknownQuantity
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.optional import MissingPackage
 from fourbar_ros.report.cycles import cycles
 from fourbar_ros.report.drawing import need_matplotlib, STYLE
+from fourbar_ros.report.page import CannotWrite, write_page
 import numpy as np
 
 if TYPE_CHECKING:
@@ -26,20 +27,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TABLES, PICTURES = ('.csv', '.xlsx', '.parquet'), ('.png', '.svg', '.pdf', '.html')
-PAGE = """\
-<!DOCTYPE html>
-<html lang="en">
-<head><meta charset="utf-8"><title>{title}</title>
-<style>body {{ font-family: sans-serif; margin: 2em auto; max-width: 60em }} svg {{ width: 100% }}
-</style></head>
-<body><h1>{title}</h1>
-{picture}
-</body></html>
-"""
-
-
-class CannotWrite(FourBarError, ValueError):
-    """A file cannot be written in the format of its suffix; the message says which ones are."""
 
 
 class Curves(NamedTuple):
@@ -103,6 +90,8 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     of_points = {quantity.name: quantity for quantity in scene.point_quantities}
     needs_loads = any(name in linkage.LOADS._fields for name in wanted)
     for inputs in cycles(linkage, samples):
+        if linkage.turns_fully:      # from 0, as extrema are counted
+            inputs = inputs - inputs[0]
         motion = linkage.motion(inputs, speed, acceleration)
         loads = linkage.loads(inputs, speed, acceleration) if needs_loads else None
         rows = [inputs] + [
@@ -194,12 +183,18 @@ def _checked(path: str | Path, suffixes: Sequence[str]) -> Path:
     return path
 
 
-def make_figure(curves: Curves) -> Figure:
-    """Return a figure with one pair of axes for each unit, over the same input."""
+def make_figure(curves: Curves, extrema: Sequence[tuple[str, float, float]] = ()) -> Figure:
+    """
+    Return a figure with one pair of axes for each unit, over the same input.
+
+    ``extrema``: (name, input, value) of points to mark, in the units of the curves, in any turn.
+    """
     need_matplotlib('plot')
     import matplotlib
     from matplotlib.figure import Figure
-    units = list(dict.fromkeys(curves.units[1:]))
+    units, low = list(dict.fromkeys(curves.units[1:])), np.nanmin(curves.values[0])
+    if curves.units[0] == 'deg':
+        extrema = [(name, low + (place - low) % 360.0, value) for name, place, value in extrema]
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(9.0, 0.6 + 2.4 * len(units)), layout='constrained')
         axes = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
@@ -207,7 +202,10 @@ def make_figure(curves: Curves) -> Figure:
             for name, its_unit, values in zip(curves.names[1:], curves.units[1:],
                                               curves.values[1:]):
                 if its_unit == unit:
-                    axis.plot(curves.values[0], values, label=name)
+                    line, = axis.plot(curves.values[0], values, label=name)
+                    marked = [(place, value) for of, place, value in extrema if of == name]
+                    if marked:
+                        axis.plot(*zip(*marked), 'o', color=line.get_color(), markersize=4)
             axis.set_ylabel(f'[{unit}]' if unit else '')
             axis.grid(alpha=0.3)
             axis.legend(loc='center left', bbox_to_anchor=(1.0, 0.5), frameon=False)
@@ -223,14 +221,4 @@ def write_picture(curves: Curves, path: str | Path) -> Path:
     figure: Any = make_figure(curves)
     if path.suffix != '.html':
         return save(figure, path)
-    from html import escape
-    from io import StringIO
-    text = StringIO()
-    figure.savefig(text, format='svg')
-    try:
-        path.write_text(PAGE.format(title=escape(curves.title),
-                                    picture=text.getvalue().partition('<!DOCTYPE')[2]
-                                    .partition('>')[2]), encoding='utf-8')
-    except OSError as error:
-        raise CannotWrite(f'{path}: {error.strerror or error}') from None
-    return path
+    return write_page(path, curves.title, {'': figure})

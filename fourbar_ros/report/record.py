@@ -14,9 +14,11 @@ from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.pipeline.status import STATUS_NAMES
+from fourbar_ros.report.mobility import AXES, mobility
 from fourbar_ros.report.poses import Pose
 from fourbar_ros.report.tables import (
     class_name,
+    counted,
     input_of,
     known_output_ranges,
     mode_name,
@@ -34,7 +36,7 @@ def record_of(linkage: Mechanism, extrema: Sequence[Extremum], points: Points,
 
     Angles in [rad], all else in SI units too; a value that is not known is NaN, no masses None.
     """
-    driven = linkage.input_coordinate
+    driven, seen = linkage.input_coordinate, mobility(linkage)
     found: Record = {
         'lengths': dict(zip(linkage.length_names, linkage.lengths)),
         'class': class_name(linkage), 'mode': linkage.mode, 'mode_name': mode_name(linkage),
@@ -49,9 +51,12 @@ def record_of(linkage: Mechanism, extrema: Sequence[Extremum], points: Points,
                         'worst': band.worst.value, 'worst_at': input_of(linkage, band.worst)}
             for band in transmission_bands(linkage)},
         'change_point_margin': linkage.change_point_margin,
+        'mobility': seen and {'factors': seen.factors._asdict(), 'place': seen.place,
+                              'nearest_change_point': AXES[seen.nearest]},
         'bodies': linkage.bodies and {name: asdict(body)
                                       for name, body in linkage.bodies._asdict().items()},
-        'extrema': [extremum._asdict() for extremum in extrema]}
+        'extrema': [extremum._asdict() | {'theta1': counted(linkage, extremum.theta1)}
+                    for extremum in extrema]}
     if pose:
         found['pose'] = _pose(linkage, pose, points)
     return found
@@ -64,7 +69,8 @@ def _with_ranges(coordinate: Coordinate, ranges: Sequence[tuple[float, float]]) 
 
 def _dead_point(linkage: Mechanism, point: Any) -> Record:
     coordinates = linkage.input_coordinate, *(output.coordinate for output in linkage.outputs)
-    places: Record = {its.position: value for its, value in zip(coordinates, point)}
+    values = counted(linkage, point[0]), *point[1:]
+    places: Record = {its.position: value for its, value in zip(coordinates, values)}
     if hasattr(point, 'stretched'):
         places['stretched'] = bool(point.stretched)
     return places

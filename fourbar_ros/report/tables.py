@@ -11,6 +11,7 @@ from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.quantities import positions
+from fourbar_ros.report.mobility import mobility_rows
 from fourbar_ros.report.poses import in_degrees, number, shown
 from fourbar_ros.report.terminal import plain_table, PlainTable
 import numpy as np
@@ -85,7 +86,7 @@ def what_it_is(linkage: Mechanism, title: object) -> PlainTable:
     """Return the table of a linkage's own properties."""
     table = plain_table(str(title), ('', ''))
     table.show_header = False
-    for row in facts(linkage):
+    for row in (*facts(linkage), *mobility_rows(linkage)):
         table.add_row(*row)
     return table
 
@@ -107,7 +108,7 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
                         for coordinate, value in zip(
                             (linkage.input_coordinate,
                              *(output.coordinate for output in linkage.outputs)),
-                            point)))
+                            (counted(linkage, point[0]), *point[1:]))))
              for point in linkage.dead_points]
     rows += [*_toggles(linkage), *transmission_angles(linkage)]
     rows.append(('change-point margin', f'{linkage.change_point_margin:.6g} of the perimeter'))
@@ -157,7 +158,17 @@ def transmission_bands(linkage: Mechanism) -> list[Band]:
 
 def input_of(linkage: Mechanism, extremum: Extremum) -> float:
     """Return the driven joint at an extremum [rad] or [m]."""
-    return extremum.slide if linkage.is_driven_by_slide else extremum.theta1
+    return counted(linkage, extremum.slide if linkage.is_driven_by_slide else extremum.theta1)
+
+
+def counted(linkage: Mechanism, theta1: float) -> float:
+    """Return an input as it is counted: a crank's angle from 0 to 2 pi, or within its range."""
+    if linkage.is_driven_by_slide:
+        return theta1
+    if linkage.turns_fully:
+        return theta1 % tau
+    return min((theta1 + turns * tau for turns in (-1, 0, 1)), key=lambda angle: min(
+        max(low - angle, angle - high) for low, high in linkage.input_ranges))
 
 
 def transmission_angles(linkage: Mechanism) -> list[tuple[str, str]]:
@@ -175,7 +186,7 @@ def transmission_angles(linkage: Mechanism) -> list[tuple[str, str]]:
     return rows
 
 
-def extrema_table(extrema: Sequence[Extremum], title: str) -> PlainTable:
+def extrema_table(linkage: Mechanism, extrema: Sequence[Extremum], title: str) -> PlainTable:
     """Return the table of a list of Extremum."""
     slides = any(extremum.slide == extremum.slide for extremum in extrema)
     table = plain_table(title, ('quantity', 'kind', '', 'value>', 'unit',
@@ -185,11 +196,12 @@ def extrema_table(extrema: Sequence[Extremum], title: str) -> PlainTable:
     for extremum in extrema:
         if last not in (None, extremum.quantity):
             table.add_section()
+        theta1 = counted(linkage, extremum.theta1)
         table.add_row('' if extremum.quantity == last else extremum.quantity, str(extremum.kind),
                       'global' if extremum.is_global else '', number(extremum.value),
                       extremum.unit,
                       *((f'{extremum.slide:.8f}',) if slides else ()),
-                      f'{extremum.theta1:.8f}', f'{degrees(extremum.theta1):.4f}',
+                      f'{theta1:.8f}', f'{degrees(theta1):.4f}',
                       SIDES[extremum.side])
         last = extremum.quantity
     return table

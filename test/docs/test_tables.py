@@ -26,6 +26,13 @@ def test_the_list_of_formulas_finds_the_equations_of_both_documents():
     import formulas
     slides, paper = formulas.cited('slides'), formulas.cited('paper')
     assert {2, 6, *range(9, 38)} <= set(slides) and {*range(1, 7), 9} <= set(paper)
+    for document, last in (('slides', 38), ('paper', 10)):
+        rows = [number for first, end, _ in formulas.SUBJECTS[document]
+                for number in range(first, end + 1)]
+        assert rows == list(range(1, last + 1)), document
+        algorithm, = {row.split('|')[3] for row in formulas.source(document).splitlines()
+                      if row.startswith('| algorithm')}
+        assert 'search.py' in algorithm
     assert any(name == 'IOEquation.velocity' for _, name in slides[24])
 
 

@@ -3,7 +3,12 @@
 """Loads with springs against the equation of motion, which knows them as energies."""
 from fourbar_ros import Bodies, FourBar, InvertedSlider, round_rod, SliderCrank
 from fourbar_ros.dynamics.model.element_forces import forces_of, make_loaded
-from fourbar_ros.dynamics.model.elements import Attachment, Spring, TorsionSpring
+from fourbar_ros.dynamics.model.elements import (
+    Attachment,
+    PositionForce,
+    Spring,
+    TorsionSpring,
+)
 from fourbar_ros.dynamics.model.equation import Equation
 from fourbar_ros.mechanics.bodies import Applied, External
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
@@ -186,3 +191,11 @@ def test_a_scene_publishes_loads_with_its_springs():
     equation = there.dynamics.system(there.linkage).equation
     assert status == OK and torque == pytest.approx(equation.torque(0.4, 2.0, 1.0), rel=1e-11)
     assert Stepper(there).step(float('nan'), 2.0, 1.0, True, False)[0] != OK
+
+
+def test_forces_that_overflow_together_are_none():
+    """Each is finite, their couple is not."""
+    pushes = [PositionForce(Attachment('output', 0.5), lambda _: 1.5e308, direction=None)] * 2
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES)
+    assert make_loaded(linkage, pushes[:1])(0.7, 0.0) is not None
+    assert make_loaded(linkage, pushes)(0.7, 0.0) is None

@@ -6,7 +6,6 @@ from math import inf, nan, pi
 import pickle
 
 from fourbar_ros import Bodies, Body, FourBar, InvalidParameter
-from fourbar_ros.dynamics.analysis.statics import equilibria
 from fourbar_ros.dynamics.model.drives import (
     ConstantTorque,
     Drive,
@@ -27,6 +26,7 @@ from fourbar_ros.dynamics.solve.simulate import (
     simulate,
     STOPPED,
 )
+from fourbar_ros.dynamics.statics import equilibria
 from fourbar_ros.dynamics.step.mover import Mover, NOT_FINITE, OK
 from fourbar_ros.scene.scene import load
 import mpmath as mp
@@ -244,7 +244,12 @@ def test_long_linear_tables_against_their_double_integral(kind):
 
 
 def test_a_smooth_table_of_many_points_costs_about_what_its_interpolation_does():
-    """Bends too small to see need no restart: 1e5 points, and numpy's interpolation of them."""
+    """
+    Bends too small to see need no restart: 1e5 points, and numpy's interpolation of them.
+
+    Between points the torque is off by up to h^2 w^2 3/8 = 7e-9 N m, the position after 2 s by
+    3e-8 rad at an inertia of 0.5 kg m^2: no step that passes over points is better.
+    """
     times = np.linspace(0.0, 2.0, 100_001)
     torques = 5.0 + 3.0 * np.sin(7.0 * times)
 
@@ -254,11 +259,11 @@ def test_a_smooth_table_of_many_points_costs_about_what_its_interpolation_does()
         def torque(self, time, speed, state):
             """Return it."""
             return float(np.interp(time, times, torques)), ()
-    run, other = (simulate(System(HEAVY, 0.3, 2.0, drive=Drive(source, 0.5)), 2.0, 1e-8)
+    run, other = (simulate(System(HEAVY, 0.3, 2.0, drive=Drive(source, 0.5)), 2.0, 1e-7)
                   for source in (TorqueTable(times, torques, True), Interpolated()))
     assert run.status == other.status == REACHED
     assert run.evaluations <= 2 * other.evaluations
-    assert abs(run.position[-1] - other.position[-1]) <= 2e-8
+    assert abs(run.position[-1] - other.position[-1]) <= 2e-7
 
 
 # --- free motion --------------------------------------------------------------------------------

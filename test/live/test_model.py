@@ -71,7 +71,7 @@ def test_pictures_are_svg_with_every_joint_where_it_is(name):
         inputs = found.cycles[0].inputs
         _, (motion, loads) = found.pose(float(inputs[int(share * (len(inputs) - 1))]))
         root = ElementTree.fromstring(document(mechanism_svg(
-            found, (motion, loads), view, per_newton, Layers(True, True, True))))
+            found, (motion, loads), view, per_newton, Layers(True, True, True, True))))
         pins = [(float(pin.get('cx')), float(pin.get('cy'))) for pin in root.iter(
             '{http://www.w3.org/2000/svg}circle') if pin.get('class') == 'pin']
         joints = found.linkage.diagram(motion).joints.values()

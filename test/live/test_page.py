@@ -252,7 +252,8 @@ def test_the_picture_takes_half_of_a_window_and_crops_nothing(laptop, driver, ad
 def test_layers_and_views(tab):
     tab.write('input value', '160')
     tab.until(lambda: tab.now().get('theta1') == '160', 'a pose with centres in view')
-    for label, sign in (('instant centres', 'class="centre"'), ('forces', 'class="force"')):
+    for label, sign in (('instant centres', 'class="centre"'), ('forces', 'class="force"'),
+                        ('collineation axis', 'class="through"')):
         had = sign in tab.picture()
         tab.tick(label)
         tab.until(lambda: (sign in tab.picture()) != had, f'{label} switched')

@@ -7,6 +7,7 @@ Each verdict is earned, and Table 3 is what was said to have made it.
 """
 from html.parser import HTMLParser
 from math import pi, radians
+import re
 import subprocess
 import sys
 
@@ -22,7 +23,9 @@ from fourbar_lab.reproduction.documents import (
 )
 from fourbar_lab.reproduction.verdicts import (
     AGREES,
+    ANSWERED,
     ASSUMED,
+    DEFINED,
     DIFFERS,
     DRAWN,
     GARBLED,
@@ -63,8 +66,8 @@ def test_nothing_differs_without_a_reason(sections):
     for section in sections:
         for row in section.rows:
             assert row.reason or row.verdict in (AGREES, DRAWN, ROUNDED), row
-            assert (row.verdict in (AGREES, MISPRINT, MISSING) or 'Example 7.' in section.title
-                    or 'Table' in section.title)
+            assert (row.verdict in (AGREES, ANSWERED, DEFINED, MISPRINT, MISSING)
+                    or 'Example 7.' in section.title or 'Table' in section.title)
 
 
 def verdicts(sections, title):
@@ -105,9 +108,61 @@ def test_what_is_assumed_and_what_is_not_compared_is_listed(sections):
     for title, what in (('Example 7.2 -', 'crank angle'), ('Example 7.3 -', 'ground AD'),
                         ('Example 7.5 -', 'crank angle')):
         assert verdicts(sections, title)[what] == ASSUMED
-    missing = ' '.join(verdicts(sections, 'Not compared'))
-    for name in ('(1)-(5)', '(12)', '(13)-(15)', '7.1', 'Figures 1 and 2'):
-        assert name in missing
+    assert [row.what for section in sections for row in section.rows
+            if row.verdict == MISSING] == [
+        'acceleration of D', 'Slides, Eqs. (4), (5), (8)', 'Slides, Example 7.1']
+
+
+# {what a document numbers: how often, as its pages have it}; the paper's steps: of both algorithms
+NUMBERED = {'Slides': {'Eq.': 38, 'Eq. E': 4, 'Example 7': 7, 'step': 9, 'item': 17},
+            'Paper': {'Eq.': 10, 'Table': 3, 'Figure': 4, 'velocity, step': 3,
+                      'acceleration, step': 5}}
+NAMED = re.compile(r'(Eq|Example 7|Table|Figure|velocity, step|acceleration, step|step|item)s?'
+                   r'\.? ?(\(?E?\d+\)?(?:(?:, | and |-)\(?E?\d+\)?)*)')
+
+
+def numbers_in(text):
+    for name, found in NAMED.findall(text):
+        for letter, first, last in re.findall(r'\(?(E?)(\d+)\)?(?:-\(?E?(\d+))?', found):
+            kind = f'Eq. {letter}'.strip() if name == 'Eq' else name
+            yield from ((kind, number) for number in range(int(first), int(last or first) + 1))
+
+
+def test_every_numbered_thing_of_both_documents_has_its_row(sections):
+    """Equations, steps and items by the names of rows; figures of tables may be in titles."""
+    found = {document: set() for document in NUMBERED}
+    for section in sections:
+        for row in section.rows:
+            document = row.what.split(',')[0] if 'Definitions' in section.title else (
+                section.title.split(',')[0])
+            found[document] |= set(numbers_in(row.what))
+            found[document] |= {named for named in numbers_in(section.title)
+                                if named[0] in ('Table', 'Figure')
+                                or document == 'Slides' and named[0] == 'Example 7'}
+    for document, kinds in NUMBERED.items():
+        expected = {(kind, i) for kind, count in kinds.items() for i in range(1, count + 1)}
+        assert expected == found[document], document
+
+
+def test_the_open_questions_are_answered_by_what_holds(sections):
+    answers = {row.what: row for section in sections for row in section.rows
+               if row.verdict == ANSWERED}
+    assert sum('item 16' in what for what in answers) == 4 and any('item 17' in what
+                                                                   for what in answers)
+    square = [row.ours for what, row in answers.items() if 'extrema of omega4' in what]
+    np.testing.assert_allclose(square, 90.0, rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize('title, what, change', [
+    ('items 16 and 17', 'item 16: the same', {'ours': '89.999999'}),
+    ('Eq. (12)', 'Eq. (15), square', {'correct': ['p2_y', '-c_y', '-w**2']})])
+def test_an_answer_that_fails_is_seen(tmp_path, title, what, change):
+    document = yaml.safe_load(DOCUMENTS.read_text())
+    entry, = (entry for entry in document if title in entry['title'])
+    row = next(row for row in entry['rows'] if row['what'].startswith(what))
+    file = tmp_path / 'wrong.yaml'
+    file.write_text(yaml.safe_dump([dict(entry, rows=[dict(row, **change)])]))
+    assert reproduce(file)[0].rows[0].verdict == DIFFERS
 
 
 def test_the_moment_with_the_arm_of_fig_2_from_eq_9():

@@ -19,6 +19,7 @@ import numpy as np
 
 if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 WIDTH, HEIGHT, DPI = 9.0, 2.4, 100      # [in] a picture, and each of its axes; pixels an inch
 # stretches of a curve that are drawn by their extrema: two a pixel
@@ -126,7 +127,8 @@ def thinned(places: Array, values: Array, stretches: int) -> Array:
     low = np.lexsort((np.where(unknown, np.inf, values), stretch))[begins]
     high = np.lexsort((-np.where(unknown, -np.inf, values), stretch))[begins]
     gaps = np.lexsort((~unknown, stretch))[begins]       # a gap in the curve stays one
-    return np.unique(np.concatenate((low, high, gaps[unknown[gaps]], [0, count - 1])))
+    found: Array = np.unique(np.concatenate((low, high, gaps[unknown[gaps]], [0, count - 1])))
+    return found
 
 
 def _starts(bag: Bag) -> tuple[int, int | None]:
@@ -193,7 +195,8 @@ def _column(columns: Columns, field: str) -> Array | None:
         return None
     elements, joints = records[element[1]].T, columns.layout.texts.get('name', [])
     if len(joints) == len(elements) and element[2] in joints:
-        return elements[joints.index(element[2])]
+        found: Array | None = elements[joints.index(element[2])]
+        return found
     index = int(element[2]) if element[2].isdecimal() else len(elements)
     return elements[index] if index < len(elements) else None
 
@@ -253,15 +256,14 @@ def _turns(x: Array, values: Array, unit: str) -> tuple[Array, Array]:
     return np.insert(x, jumps, np.nan), np.insert(values.astype(float), jumps, np.nan)
 
 
-def plot(path: str | Path, names: Sequence[str], out: str | Path, progress: Progress | None = None,
-         x: str | None = None) -> None:
+def make_figure(path: str | Path, names: Sequence[str], progress: Progress | None = None,
+                x: str | None = None) -> Figure:
     """
-    Draw fields into a file (.png, .svg, .pdf); those of one unit share an axis.
+    Return a figure of fields; those of one unit share an axis.
 
     They are drawn over time or, if ``x`` is given, over that field.
     """
     try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
     except ImportError:
         raise BagError('plot requires matplotlib: pip install matplotlib') from None
@@ -272,12 +274,18 @@ def plot(path: str | Path, names: Sequence[str], out: str | Path, progress: Prog
         label = f'{x} [{unit}]' if unit else x
     units = list(dict.fromkeys(unit or name for name, (_, _, unit) in found.items()))
     figure = Figure(figsize=(WIDTH, HEIGHT * len(units) + 0.6), dpi=DPI, layout='constrained')
-    FigureCanvasAgg(figure)
     axes = figure.subplots(len(units), 1, sharex=True, squeeze=False)[:, 0]
     for axis, unit in zip(axes, units):
         _draw(axis, {name: curve for name, curve in found.items() if (curve[2] or name) == unit})
     axes[-1].set_xlabel(label)
     figure.suptitle(str(path), fontsize='medium')
+    return figure
+
+
+def plot(path: str | Path, names: Sequence[str], out: str | Path, progress: Progress | None = None,
+         x: str | None = None) -> None:
+    """Draw fields into a file (.png, .svg, .pdf), as :func:`make_figure`."""
+    figure = make_figure(path, names, progress, x)
     try:
         figure.savefig(out)
     except (OSError, ValueError) as error:

@@ -308,7 +308,8 @@ def _restarts(system: System, until: float, is_finer: bool) -> Array:
     breaks = breaks[(breaks > 0.0) & (breaks < until)]
     if is_finer and 0 < breaks.size <= MOST_STOPS:
         ends = np.concatenate([[0.0], breaks, [until]])
-        return np.unique(np.concatenate([breaks, 0.5 * (ends[1:] + ends[:-1])]))
+        found: Array = np.unique(np.concatenate([breaks, 0.5 * (ends[1:] + ends[:-1])]))
+        return found
     return breaks
 
 
@@ -398,11 +399,16 @@ def _run_compiled(task: Task) -> Part:
             end = _ends_at(task, times, state)
         return 0 if end == COMPLETE else -1
 
-    solver = ode(counted).set_integrator(task.compiled, rtol=task.tolerance, atol=task.tolerance,
-                                         nsteps=MOST_STEPS, first_step=task.step,
-                                         max_step=task.last - task.first)  # scipy 1.17.0: else 1 s
-    solver.set_solout(keep)
-    solver.set_initial_value(task.start, task.first)
+    solver = ode(counted)
+
+    def begin(time: float, state: Sequence[float] | Array, step: float) -> None:
+        """Begin with a first step: without one, scipy 1.17 guesses, too long behind a bend."""
+        solver.set_integrator(task.compiled, rtol=task.tolerance, atol=task.tolerance,
+                              nsteps=MOST_STEPS, first_step=step,
+                              max_step=task.last - task.first)      # scipy 1.17.0: else 1 s
+        solver.set_solout(keep)
+        solver.set_initial_value(state, time)
+    begin(task.first, task.start, task.step)
     stops = np.unique(np.concatenate([task.stops, [task.last]]))
     latest = stops[np.searchsorted(stops, task.asked)] if task.asked.size else task.asked
     with warnings.catch_warnings():
@@ -411,10 +417,13 @@ def _run_compiled(task: Task) -> Part:
                                   *zip(task.asked.tolist(), latest.tolist())}):
             counted.stop_at(stop)
             if times and time <= times[-1] * (1.0 + SHORTEST):      # one time, differently rounded
-                solver.set_initial_value(solver.y, time)
+                begin(time, solver.y, task.step)
                 keep(time, solver.y)
-            else:
-                solver.integrate(time)
+                continue
+            if len(times) > 2:      # the last step, or the one before a rest up to the stop
+                begin(times[-1], solver.y,
+                      max(times[-1] - times[-2], times[-2] - times[-3], 100.0 * EPS * times[-1]))
+            solver.integrate(time)
             if not solver.successful() and end == COMPLETE:
                 end = STIFF if solver.get_return_code() == -4 else FAILED
             if end != COMPLETE:

@@ -46,6 +46,23 @@ def count_extrema(lengths: Sequence[float]) -> list[int | None]:
     ratios = [float(length).as_integer_ratio() for length in lengths]
     unit = max(denominator for _, denominator in ratios)
     a1, a2, a3, a4 = (numerator * (unit // denominator) for numerator, denominator in ratios)
+    R2, M2, P6, P11 = rate_polynomials(a1, a2, a3, a4)
+    low, high = max((a1 - a4)**2, (a2 - a3)**2), min((a1 + a4)**2, (a2 + a3)**2)
+    # both signs of theta1 for each root, and theta4''' is also zero at theta1 = pi
+    if a1 == a4:
+        numbers = [count_roots(P, low, high) for P in (R2, M2)]
+        through_pi = high < (a2 + a3)**2
+        return [number if number is None else 2 * number + extra
+                for number, extra in zip(numbers, (0, through_pi))]
+    rates, accelerations = (count_roots(P, low, high) for P in (P6, P11))
+    passed = ((a1 - a4)**2, (a2 - a3)**2 < (a1 - a4)**2), ((a1 + a4)**2,
+                                                           (a1 + a4)**2 < (a2 + a3)**2)
+    extra = sum(is_passed and R2(at) == 0 for at, is_passed in passed)
+    return [rates if rates is None else rates + extra, accelerations]
+
+
+def rate_polynomials(a1: int, a2: int, a3: int, a4: int) -> tuple[Polynomial, ...]:
+    """Return 2 R, 2 M, 4 q^2 P6 and 4 q^3 P11 of a linkage with lengths of integers."""
     e, f = (a1 - a4) * (a1 + a4), (a2 - a3) * (a2 + a3)
     q, q_plus_f = Polynomial([0, 1]), Polynomial([f, 1])
     S = Polynomial([(a1 + a4)**2, -1]) * Polynomial([-(a1 - a4)**2, 1])
@@ -53,21 +70,9 @@ def count_extrema(lengths: Sequence[float]) -> list[int | None]:
     S_q, T_q = S.derivative, T.derivative
     R2 = -2 * f * (S * T) + q * q_plus_f * (S_q * T - S * T_q)            # 2 R
     M2 = 2 * (q * T * R2.derivative) - R2 * (4 * T + 3 * (q * T_q))       # 2 M
-    low, high = max((a1 - a4)**2, (a2 - a3)**2), min((a1 + a4)**2, (a2 + a3)**2)
-    # both signs of theta1 for each root, and theta4''' is also zero at theta1 = pi
-    if e == 0:
-        numbers = [count_roots(P, low, high) for P in (R2, M2)]
-        through_pi = high < (a2 + a3)**2
-        return [number if number is None else 2 * number + extra
-                for number, extra in zip(numbers, (0, through_pi))]
     W = 4 * S - q * S_q
-    P6 = 4 * e * e * (S * T**3) - R2 * R2
-    P11 = 4 * e * e * (W * W * T**5) - S * M2 * M2
-    rates, accelerations = (count_roots(P, low, high) for P in (P6, P11))
-    passed = ((a1 - a4)**2, (a2 - a3)**2 < (a1 - a4)**2), ((a1 + a4)**2,
-                                                           (a1 + a4)**2 < (a2 + a3)**2)
-    extra = sum(is_passed and R2(at) == 0 for at, is_passed in passed)
-    return [rates if rates is None else rates + extra, accelerations]
+    return (R2, M2, 4 * e * e * (S * T**3) - R2 * R2,
+            4 * e * e * (W * W * T**5) - S * M2 * M2)
 
 
 class Polynomial:

@@ -4,7 +4,8 @@
 All extrema of theta4' and theta4'' of four-bars at constant input rate, many linkages at once.
 
 Between two roots of g (:mod:`.sines`) lies one of k, so only k can hide a pair of roots between
-samples. It is looked at closely; then the roots of k and the samples bracket those of g.
+samples. It is looked at closely; then the roots of k and the samples bracket those of g. This does
+the work of both documents' algorithms of extreme values, on arrays and without a root taken twice.
 """
 from __future__ import annotations
 

@@ -3,10 +3,10 @@
 """
 Joint reactions, driving torque and shaking wrench: Newton-Euler in closed form.
 
-The paper's 9x9 system, Eq. (9), solved once by hand. F1, F2, F3 and M1, M2, M3 are what the joints
-of crank, coupler and output link must give: M2 about A, M3 about O4, and M1 about O1 of crank and
-coupler together less M2; (N1) to (N5) of :mod:`fourbar_ros.mechanics.newton_euler`. The two moment
-equations give the force at B directly,
+The paper's 9x9 system, Eq. (9), solved once by hand as Eq. (10) does by an inverse. F1, F2, F3 and
+M1, M2, M3 are what the joints of crank, coupler and output link must give: M2 about A, M3 about
+O4, and M1 about O1 of crank and coupler together less M2; (N1) to (N5) of
+:mod:`fourbar_ros.mechanics.newton_euler`. The two moment equations give the force at B directly,
 
     (L1)  F32 = (M3/a3 e_b + M2/a2 e_y) / sin(mu),     e_b, e_y: directions of coupler and output
     link,

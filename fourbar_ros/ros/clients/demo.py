@@ -16,15 +16,17 @@ from typing import Any
 from fourbar_msgs.msg import Extremum
 from fourbar_ros.bag.comparison.recompute import recompute
 from fourbar_ros.errors import FourBarError
+from fourbar_ros.mechanisms.quantities import select
 from fourbar_ros.pipeline.status import STATUS_NAMES
+from fourbar_ros.report.page import write_page
 from fourbar_ros.report.tables import mode_name, rate_unit, what_it_is
 from fourbar_ros.report.terminal import make_console, plain_table, PlainTable
 from fourbar_ros.ros.clients.client import Client, NODE, opened
-from fourbar_ros.ros.messages import Message, to_stamp
+from fourbar_ros.ros.messages import Message, resolve, to_stamp
 from fourbar_ros.scene.arguments import Parser, positive
 from fourbar_ros.scene.files import find
 from fourbar_ros.scene.scene import load, Scene
-from fourbar_ros.scene.topics import INPUTS
+from fourbar_ros.scene.topics import INPUTS, OUTPUTS
 from rclpy.node import Node
 from rich.console import Console
 from rich.live import Live
@@ -140,13 +142,14 @@ def published_for(path: str | Path) -> list[dict[str, Any]]:
     return yaml.safe_load(file.read_text(encoding='utf-8')) if file.exists() else []
 
 
-def compare_extrema(client: Driver, published: Sequence[dict[str, Any]], console: Console) -> None:
-    """Request all extrema; print the global ones beside the published values."""
+def compare_extrema(client: Driver, published: Sequence[dict[str, Any]],
+                    console: Console) -> Sequence[Message]:
+    """Request all extrema, print the global ones beside the published values; return all."""
     linkage, speed = client.scene.linkage, client.scene.drive.speed
     answer = client.call('find_extrema', velocity=speed)
     if answer.result != answer.RESULT_OK:
         console.print(f'find_extrema: {answer.message}')
-        return
+        return ()
     table = plain_table(f'global extrema at {speed:g} {rate_unit(linkage)}, mode '
                         f'{mode_name(linkage)}, from {NODE}/find_extrema',
                         ('quantity', '', 'value>', 'unit', f'{linkage.input_coordinate.position}>',
@@ -171,6 +174,8 @@ def compare_extrema(client: Driver, published: Sequence[dict[str, Any]], console
     for note in notes:
         console.print(note)
     console.print()
+    extrema: Sequence[Message] = answer.extrema
+    return extrema
 
 
 def compare_poses(client: Driver, published: Sequence[dict[str, Any]], console: Console) -> None:
@@ -201,6 +206,31 @@ def check_bag(path: str | Path, console: Console) -> bool:
     return bool(messages) and worst == 0.0
 
 
+def write_page_of(scene: Scene, extrema: Sequence[Message], bag: Path) -> Path:
+    """Write a page beside a bag: the mechanism, its curves with extrema, the recorded run."""
+    from fourbar_ros.bag.exports import plot
+    from fourbar_ros.report import curves, drawing
+    linkage, speed = scene.linkage, scene.drive.speed
+    position = scene.drive.start if linkage.turns_fully else 0.5 * sum(linkage.input_ranges[-1])
+    motion = linkage.motion(position, speed, 0.0)
+    points = {name: (point.link, point.along, point.across)
+              for name, point in scene.points.items()}
+    names = [quantity.name for quantity in select((), linkage, scene.point_quantities)]
+    over_input = curves.curves_of(scene, linkage, names, speed)
+    of_turn = degrees(1.0) if linkage.input_coordinate.unit == 'rad' else 1.0
+    marks = [(found.quantity, of_turn * (found.theta1 if isnan(found.slide) else found.slide),
+              found.value) for found in extrema if found.kind != Extremum.KIND_CONSTANT]
+    recorded = [f'{topic}.{name}' for name in names for topic in ('state', 'loads')
+                if topic in scene.outputs
+                and name in resolve(OUTPUTS[topic].type).get_fields_and_field_types()]
+    loads = linkage.loads(position, speed, 0.0) if linkage.bodies is not None else None
+    figures = {'Mechanism': drawing.make_figure(linkage, motion, loads, points=points),
+               'Over the input, with all extrema': curves.make_figure(over_input, marks)}
+    if recorded:
+        figures['Recorded'] = plot.make_figure(bag, recorded)
+    return write_page(bag / 'page.html', bag.name, figures)
+
+
 def run(path: str | Path, seconds: float, directory: str | Path, console: Console) -> bool:
     """Run the whole demonstration; return whether all of it succeeded."""
     path = find(path)
@@ -216,7 +246,7 @@ def run(path: str | Path, seconds: float, directory: str | Path, console: Consol
         with opened(lambda own: Driver(own, scene), 'fourbar_demo') as client:
             watch(client, node, seconds, console)
             compare_poses(client, published, console)
-            compare_extrema(client, [p for p in published if 'quantity' in p], console)
+            extrema = compare_extrema(client, [p for p in published if 'quantity' in p], console)
     finally:
         node.send_signal(signal.SIGTERM)
         code = node.wait()
@@ -225,6 +255,10 @@ def run(path: str | Path, seconds: float, directory: str | Path, console: Consol
     good = check_bag(bag, console)
     console.print(f'bag: {bag}\nfor Foxglove and PlotJuggler: {bag / (name + "_0.mcap")}',
                   soft_wrap=True)
+    try:
+        console.print(f'to look at: {write_page_of(scene, extrema, bag)}', soft_wrap=True)
+    except FourBarError as error:
+        console.print(f'no page: {error}', soft_wrap=True)
     return good and code == 0
 
 

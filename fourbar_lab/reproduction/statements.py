@@ -1,0 +1,220 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+What the two documents say in words and steps, as numbers: the method, its items, their questions.
+
+Each function returns a dict by name for published.yaml, as those of
+:mod:`fourbar_lab.reproduction.published`.
+"""
+from __future__ import annotations
+
+from dataclasses import replace
+from math import degrees, sqrt, tau
+
+from fourbar_lab.reproduction import published
+from fourbar_ros.extrema import collineation_axis
+from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.extrema.four_bar_rates.exact_count import count_extrema, rate_polynomials
+from fourbar_ros.mechanics.bodies import Bodies, Body, round_rod
+from fourbar_ros.mechanics.moving_frames import rolling_contact
+from fourbar_ros.mechanisms.contract import CROSSED, OPEN
+from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
+from fourbar_ros.mechanisms.four_bar.io_equations import io_equation
+from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.numerics.arrays import Values
+import numpy as np
+
+STEP = 1e-30                                # of derivatives by the complex step
+DISC = {'radius': 0.3, 'w': 4.0, 'al': 2.0}      # of our own, on flat ground
+FOUR_EXTREMA = (1, 2, 2, 2)                 # a crank-rocker whose alpha4 has four in each mode
+
+
+def contact() -> dict[str, float]:
+    """
+    Return the symbols of Eqs. (12)-(15) of the slides.
+
+    (12): crank 2, coupler 3 of Example 7.6. (13)-(15): the rolling disc, ``p2`` the acceleration
+    of its contact from the cycloid r (phi - sin phi, 1 - cos phi), phi clockwise, at phi = 0.
+    """
+    m = published.EXAMPLE_7_6.motion(*published.GIVEN_7_6)
+    radius, w, al = DISC.values()
+    found = rolling_contact(w, al, radius, (0.0, 1.0))
+    (c_x, c_y), (rolling_x, rolling_y) = found.centre_acceleration, found.contact_acceleration
+    return {**DISC, 'al2': m.alpha1, 'al3': m.alpha_beta, 'apparent': m.alpha2, 'p1_y': 0.0,
+            'p2_x': 0.0, 'p2_y': radius * w**2, 'c_x': float(c_x), 'c_y': float(c_y),
+            'rolling_x': float(rolling_x), 'rolling_y': float(rolling_y)}
+
+
+def method() -> dict[str, float]:
+    """Return what the slides' steps 1 to 9 and items 1 to 15 of Example 7.7 say."""
+    linkage, speed = published.EXAMPLE_7_7, 10.0
+    theta1 = np.linspace(-3.0, 3.0, 61)
+    mirrored = linkage.in_mode(CROSSED).motion(-theta1, speed)
+    motion = linkage.motion(theta1, speed)
+    polynomial = rate_polynomials(*map(int, linkage.lengths))[-1]
+    degree = len(polynomial.c) - 1 - next(i for i, c in enumerate(polynomial.c) if c)
+    by_rate, by_acceleration = (_at_extrema(linkage, name, speed)
+                                for name in ('omega4', 'alpha4'))
+    return {'turns': float(linkage.turns_fully),
+            'mirror': _largest(motion.omega4 - mirrored.omega4) / _largest(motion.omega4),
+            'mirror_bend': _largest(motion.alpha4 + mirrored.alpha4) / _largest(motion.alpha4),
+            'degree': 2.0 * degree,      # theta1 and -theta1 for each root
+            'in_a_mode': float(count_extrema(linkage.lengths)[1] or 0),
+            'most': float(count_extrema(FOUR_EXTREMA)[1] or 0),
+            'at_rate': _largest(by_rate.alpha4) / _largest(motion.alpha4),
+            **_steps(linkage, speed), 'slope': _slope(linkage, 'alpha4', by_acceleration.theta1)}
+
+
+def algorithms() -> dict[str, float]:
+    """Return the paper's two algorithms on its linkage, step by step."""
+    linkage, speed = published.PAPER, published.PAPER_SPEED
+    by_rate, by_acceleration = (_at_extrema(linkage, name, speed)
+                                for name in ('omega4', 'alpha4'))
+    return {**_steps(linkage, speed), 'rate_slope': _slope(linkage, 'omega4', by_rate.theta1),
+            'slope': _slope(linkage, 'alpha4', by_acceleration.theta1),
+            'position_slope': _largest(by_acceleration.omega4) / speed}
+
+
+def _steps(linkage: FourBar, speed: float) -> dict[str, float]:
+    """Return how far the method's theta4, omega4, alpha4 of theta1 alone miss our motion."""
+    theta1 = np.linspace(-3.0, 3.0, 61)
+    equation, motion = io_equation(linkage.lengths, 1, 4), linkage.motion(theta1, speed)
+    theta4 = equation.solve(theta1)[linkage.mode - 1]                          # step 1
+    omega4 = speed * equation.ratio(theta1, theta4)                            # step 2
+    alpha4 = speed**2 * equation.second_ratio(theta1, theta4)                  # steps 3 and 4
+    return {'step_1': _largest(np.sin(0.5 * (theta4 - motion.theta4))),
+            'step_2': _largest(omega4 - motion.omega4) / _largest(omega4),
+            'step_4': _largest(alpha4 - motion.alpha4) / _largest(alpha4)}
+
+
+def _at_extrema(linkage: FourBar, quantity: str, speed: float) -> NamedFields:
+    found = [extremum.theta1 for extremum in find_extrema(linkage, (quantity,), speed)]
+    return linkage.motion(found, speed)
+
+
+def _slope(linkage: FourBar, quantity: str, theta1: Values) -> float:
+    """Return the largest slope over theta1 of a quantity there, over its largest in the turn."""
+    turn, = linkage.motion(np.linspace(-3.0, 3.0, 61), 1.0, fields=(quantity,))
+    complex_, = linkage.motion(np.asarray(theta1) + 1j * STEP, 1.0, fields=(quantity,))
+    return _largest(complex_.imag / STEP) / _largest(turn)
+
+
+def _largest(values: Values) -> float:
+    return float(np.max(np.abs(values)))
+
+
+def axis() -> dict[str, float]:
+    """
+    Return what the collineation axis says at every extremum of both documents.
+
+    ``square_7_7``, ``square_paper``: the angle at the extrema of omega4 that is farthest from a
+    right one [deg]; ``bend_...``: at those of alpha4 d(tan l)/d(theta1) + 2 R - 1, over its terms.
+    """
+    found: dict[str, float] = {}
+    for name, linkage in (('7_7', published.EXAMPLE_7_7), ('paper', published.PAPER)):
+        square, bend = [90.0], [0.0]
+        for mode in (CROSSED, OPEN):
+            its = linkage.in_mode(mode)
+            for extremum in find_extrema(its, ('omega4', 'alpha4'), 1.0):
+                motion = its.motion(np.array([extremum.theta1 + 1j * STEP]), 1.0)
+                seen = collineation_axis(its, motion)
+                if extremum.quantity == 'omega4':
+                    tilt = float((seen.along / seen.across).real[0])
+                    square.append(90.0 - degrees(np.arctan(tilt)))
+                else:
+                    slope = float((seen.across / seen.along).imag[0]) / STEP
+                    ratio = float(motion.omega4.real[0])
+                    bend.append((slope + 2.0 * ratio - 1.0) / (abs(slope) + 1.0 + abs(ratio)))
+        found |= {f'square_{name}': max(square, key=lambda angle: abs(angle - 90.0)),
+                  f'bend_{name}': max(bend, key=abs)}
+    return found
+
+
+def small_share(e: float) -> FourBar:
+    """
+    Return the family whose shaking force at its largest alpha4 is a share sqrt(e) of its peak.
+
+    The paper's rods, 1, 2 - 1.5 e, 1 m long, on a ground of e: a double-crank near a change point.
+    With theta4 = theta1 + pi - u its loop gives, as e goes to 0,
+
+        (Q1)  u = sqrt(e) g,   g = 2 sqrt(3/2 - cos(theta1))
+
+    and the rods, 7750 kg/m^3 and l kg/m, their shaking force at unit rate
+
+        (Q2)  F = 3/2 l sqrt(e) (2 g' + i (g - g'')) e^{i theta1}
+
+    alpha4 = -u'' is largest at theta1 = 0. There g' = 0 and g = g'' = sqrt(2), so F vanishes in
+    this order; the next one leaves 15/4 l e. F peaks at pi: 18/sqrt(10) l sqrt(e). The share is
+
+        (Q3)  5 sqrt(10)/24 sqrt(e)
+    """
+    lengths = (1.0, 2.0 - 1.5 * e, 1.0)
+    return FourBar(*lengths, e, bodies=Bodies(*(round_rod(length, 7750.0, 0.01)
+                                                for length in lengths)))
+
+
+def last_question() -> dict[str, float]:
+    """Return what answers the paper's claim that extreme alpha4 implies extreme shaking."""
+    e = 1e-6
+    thin, speed = published.THIN, published.PAPER_SPEED
+    weighted = counterweighted(thin)
+    point, peak, bound = least_moment(thin, speed)
+    at = largest_alpha4(thin)
+    loads = thin.loads(at, speed)
+    rate_loads = thin.loads(max(find_extrema(thin, ('omega4',), speed),
+                                key=lambda extremum: abs(extremum.value)).theta1, speed)
+    return {'share': force_share(small_share(e)) / sqrt(e), 'share_limit': 5.0 * sqrt(10.0) / 24.0,
+            'weighted': force_share(weighted), 'peak': peak, 'bound': bound, 'point_x': point[0],
+            'point_y': point[1], 'at_alpha4': abs(_moment_about(point, loads)) / peak,
+            'at_omega4': abs(_moment_about(point, rate_loads)) / peak}
+
+
+def force_share(linkage: FourBar) -> float:
+    """Return the shaking force at the largest alpha4 over its peak."""
+    peak = max(extremum.value for extremum in find_extrema(linkage, ('shaking_force',), 1.0))
+    return float(linkage.loads(largest_alpha4(linkage), 1.0).shaking_force) / peak
+
+
+def largest_alpha4(linkage: FourBar) -> float:
+    return max(find_extrema(linkage, ('alpha4',), 1.0),
+               key=lambda extremum: abs(extremum.value)).theta1
+
+
+def counterweighted(linkage: FourBar) -> FourBar:
+    """Return a linkage with 5 kg on its crank that cancel the force at its largest alpha4."""
+    assert linkage.bodies is not None
+    crank, mass, at = linkage.bodies.crank, 5.0, largest_alpha4(linkage)
+    loads = linkage.loads(at, 1.0)
+    force = complex(loads.shaking_force_x, loads.shaking_force_y)
+    moment = crank.mass * complex(crank.cg_along, crank.cg_across) - force * np.exp(-1j * at)
+    total = crank.mass + mass
+    body = Body(total, moment.real / total, moment.imag / total, crank.inertia)
+    return replace(linkage, bodies=linkage.bodies._replace(crank=body))
+
+
+def least_moment(linkage: FourBar, speed: float, samples: int = 1440
+                 ) -> tuple[tuple[float, float], float, float]:
+    """
+    Return the point [m] about which the largest shaking moment over a turn is least.
+
+    With that peak [N m], and a bound below which no point's peak is: the dual of the linear
+    programme, which weighs the poses. Both are of evenly spaced poses.
+    """
+    from scipy.optimize import linprog
+    theta1 = np.linspace(0.0, tau, samples, endpoint=False)
+    x, y, moment = linkage.step(theta1, speed, 0.0, fields=(
+        'shaking_force_x', 'shaking_force_y', 'shaking_moment'))
+    force, size = np.hypot(x, y).max(), np.abs(moment).max()
+    of_point, one = np.stack((y, -x), axis=-1) / force, np.ones((samples, 1))
+    sides = np.concatenate((-moment, moment)) / size
+    found = linprog([0.0, 0.0, 1.0], np.block([[-of_point, -one], [of_point, -one]]), sides,
+                    bounds=[(None, None), (None, None), (0.0, None)])
+    point = (found.x[:2] * size / force).tolist()
+    return ((point[0], point[1]), found.fun * size,
+            float(found.ineqlin.marginals @ sides) * size)
+
+
+def _moment_about(point: tuple[float, float], loads: NamedFields) -> float:
+    """Return the shaking moment about a point [N m]."""
+    return float(loads.shaking_moment - (point[0] * loads.shaking_force_y
+                                         - point[1] * loads.shaking_force_x))

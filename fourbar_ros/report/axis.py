@@ -1,0 +1,180 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The collineation axis as a picture: poles and lines as far as they lie in a window, and its angle.
+
+Only the functions that draw import matplotlib.
+"""
+from __future__ import annotations
+
+from math import degrees, hypot, inf, remainder, tau
+from typing import NamedTuple, TYPE_CHECKING
+
+from fourbar_ros.extrema.collineation import collineation_axis
+from fourbar_ros.extrema.find import find_extrema, INTERIOR
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.mechanisms.quantities import Function
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.number_types import Scalar
+from fourbar_ros.report.cycles import cycles
+from fourbar_ros.report.drawing import CannotDraw, need_matplotlib, STYLE
+from fourbar_ros.report.mechanism_panel import draw_plainly
+import numpy as np
+
+if TYPE_CHECKING:      # drawings alone need it
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+NEAR = 1.6       # sizes of the mechanism from its middle: farther poles are not in the picture
+POLES = {'p13': 'P_{13}', 'p24': 'P_{24}'}
+AXIS_ANGLE = 'axis_angle'       # it jumps by a half turn: no extrema are searched for
+AXIS, LINE = '#1f4e8c', '0.55'
+
+
+class AxisParts(NamedTuple):
+    """
+    What a window shows of the axis, in [m].
+
+    Parameters
+    ----------
+    lines : dict
+        {name of the line: its two ends at the edges of the window, shape (2, 2)}.
+    poles : dict
+        {letter: place}.
+
+    """
+
+    lines: dict[str, Array]
+    poles: dict[str, Array]
+
+
+def axis_parts(linkage: Mechanism, motion: NamedFields, low: Array, high: Array) -> AxisParts:
+    """Return the :class:`AxisParts` in one pose; ``low``, ``high``: corners of the window [m]."""
+    axis, unit = collineation_axis(linkage, motion), max(map(abs, linkage.lengths))
+    clipped = {name: _clipped(line, low / unit, high / unit) for name, line in axis.lines.items()}
+    with np.errstate(divide='ignore', invalid='ignore'):
+        places = {letter: unit * getattr(axis, name)[:2] / getattr(axis, name)[2]
+                  for name, letter in POLES.items()}
+    return AxisParts({name: unit * ends for name, ends in clipped.items() if ends is not None},
+                     {letter: place for letter, place in places.items()
+                      if (low <= place).all() and (place <= high).all()})
+
+
+def _clipped(line: Array, low: Array, high: Array) -> Array | None:
+    """Return the ends, shape (2, 2), of a line (a, b, c) in a window, or None."""
+    size = hypot(line[0], line[1])
+    if not size > 0.0:
+        return None
+    foot, direction = -line[2] / size**2 * line[:2], np.array([-line[1], line[0]]) / size
+    first, last = -inf, inf
+    for at, way, bottom, top in zip(foot, direction, low, high):
+        if way == 0.0 and not bottom <= at <= top:
+            return None
+        if way != 0.0:
+            one, other = sorted(((bottom - at) / way, (top - at) / way))
+            first, last = max(first, one), min(last, other)
+    return np.array([foot + first * direction, foot + last * direction]) if first < last else None
+
+
+def axis_angle(linkage: Mechanism) -> Function:
+    """Return the angle from coupler to axis in [0, 180) deg: smooth where it is square."""
+    def angle(motion: NamedFields, loads: NamedFields) -> Scalar:
+        degrees: Scalar = np.degrees(collineation_axis(linkage, motion).angle) % 180.0
+        return degrees
+    return Function(AXIS_ANGLE, 'deg', 'angle from the coupler to the collineation axis', angle)
+
+
+def with_gaps(angle: Array) -> Array:
+    """Return angles over the input with NaN where they jump by a half turn, for a curve."""
+    return np.where(np.abs(np.diff(angle, prepend=angle[0])) > 90.0, np.nan, angle)
+
+
+def draw_axis(axes: Axes, linkage: Mechanism, motion: NamedFields, title: str = '') -> None:
+    """Draw a linkage with its poles, its axis and the four lines through them."""
+    places = np.array(list(linkage.diagram(motion).joints.values()))
+    size, middle = max(np.ptp(places, axis=0)), 0.5 * (places.min(axis=0) + places.max(axis=0))
+    reach = NEAR * np.array([size, size])
+    poles = axis_parts(linkage, motion, middle - reach, middle + reach).poles
+    sheet = draw_plainly(axes, linkage, motion, {}, [], list(poles.values()))
+    axes.set_title(title, loc='left', fontsize=12, fontweight='bold')
+    low, high = np.array([sheet.left, sheet.bottom]), sheet.high
+    lines, poles = axis_parts(linkage, motion, low, high)
+    for name, ends in lines.items():
+        axes.plot(*ends.T, color=AXIS if name == 'axis' else LINE, zorder=1,
+                  lw=1.8 if name == 'axis' else 0.8, ls='-' if name == 'axis' else (0, (5, 3)))
+        sheet.occupy(*ends)
+    for letter, place in poles.items():
+        axes.plot(*place, 'o', ms=5, color=AXIS, zorder=7)
+        sheet.label(letter, sheet.around(place), AXIS)
+    angle = axis_angle(linkage).of(motion, None)
+    axes.annotate(f'axis at {angle:.4f}\N{DEGREE SIGN} to the coupler', (0.98, 0.01), ha='right',
+                  xycoords='axes fraction', color=AXIS, fontsize=11, zorder=8,
+                  bbox={'fc': 'w', 'ec': 'none', 'pad': 1.0})
+
+
+def largest_rate(linkage: Mechanism, rate: float) -> float:
+    """Return the input [rad] at which the output is fastest, of all its extrema in a range."""
+    name = linkage.outputs[0].coordinate.rate
+    found = [extremum for extremum in find_extrema(linkage, (name,), rate)
+             if extremum.place == INTERIOR]
+    if not found:
+        raise CannotDraw(f'{name} has no extremum inside a range: give --at')
+    return max(found, key=lambda extremum: abs(extremum.value)).theta1
+
+
+def _in_range(linkage: Mechanism, theta1: float) -> float:
+    """Return an angle in the turn that brings it nearest to the middle of a range."""
+    middle, away = min(((middle, remainder(theta1 - middle, tau)) for middle in (
+        0.5 * (low + high) for low, high in linkage.input_ranges)), key=lambda pair: abs(pair[1]))
+    return middle + away
+
+
+def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = None) -> Figure:
+    """
+    Return a matplotlib Figure: the axis in a pose, and rate and angle over the input.
+
+    Parameters
+    ----------
+    linkage : FourBar, SliderCrank or InvertedSlider
+    rate : float
+        Of the crank [rad/s].
+    position : float, optional
+        Of the crank [rad]; not given: where the output is fastest.
+
+    Raises
+    ------
+    InvalidParameter
+        Another mechanism, or one that its slide drives.
+
+    """
+    need_matplotlib('draw')
+    import matplotlib
+    from matplotlib.figure import Figure
+    coordinate = linkage.outputs[0].coordinate
+    collineation_axis(linkage, linkage.motion(cycles(linkage)[0][1], rate))
+    at = largest_rate(linkage, rate) if position is None else position
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(12.6, 5.6))
+        left = figure.add_axes((0.01, 0.02, 0.5, 0.9))
+        draw_axis(left, linkage, linkage.motion(at, rate),
+                  f'{linkage.description}, theta1 {degrees(at):.4f} deg')
+        upper, lower = (figure.add_axes((0.6, bottom, 0.38, 0.38)) for bottom in (0.56, 0.1))
+        for inputs in cycles(linkage):
+            motion = linkage.motion(inputs, rate)
+            angle = with_gaps(axis_angle(linkage).of(motion, None))
+            upper.plot(np.degrees(inputs), getattr(motion, coordinate.rate), color='C0')
+            lower.plot(np.degrees(inputs), angle, color=AXIS)
+        for extremum in find_extrema(linkage, (coordinate.rate,), rate):
+            if extremum.place == INTERIOR:
+                x = degrees(_in_range(linkage, extremum.theta1))
+                upper.plot(x, extremum.value, 'o', ms=6, mfc='none', mec='k')
+                lower.plot(x, 90.0, 'o', ms=6, mfc='none', mec='k')
+        unit = 'm/s' if coordinate.unit == 'm' else 'rad/s'
+        upper.set(ylabel=f'{coordinate.rate} [{unit}]')
+        lower.set(ylabel='coupler to axis [deg]', xlabel='theta1 [deg]', ylim=(0.0, 180.0),
+                  yticks=(0, 45, 90, 135, 180))
+        for axes in (upper, lower):
+            axes.grid(alpha=0.3)
+            axes.axvline(degrees(_in_range(linkage, at)), color='0.6', lw=0.8)
+    return figure
