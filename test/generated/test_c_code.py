@@ -36,14 +36,15 @@ pytestmark = pytest.mark.skipif(not COMPILERS, reason='no C compiler')
 C = (COMPILERS[0], '-std=c99', '-O2') if COMPILERS else ()
 
 
-def compared(scene, folder, name, count, commands, seed=1):
+def compared(scene, folder, name, count, commands, seed=1, is_strict=True):
     """Fail where the C of a scene differs from Python, for any of some compilers."""
     code = Code(scene, folder, name)
     mechanism = scene.known_linkage
     inputs = random_inputs(mechanism, seed, count)
     expected = of_python(mechanism, scene.points, inputs)
     for command in commands:
-        said = differences(code.compiled(*command)(inputs), expected, len(code.model.motion))
+        said = differences(code.compiled(*command)(inputs), expected, len(code.model.motion),
+                           is_strict)
         assert not said, f'{name}, {" ".join(command)}: {said}'
     return code
 
@@ -86,7 +87,7 @@ def test_every_shipped_scene_with_every_compiler(path, tmp_path):
 def test_200_machines_at_random(seed, tmp_path):
     for i, (machine, _) in enumerate(random_machines(seed, 10, dyads=(1, 5), least_sine=0.1)):
         compared(with_linkage(machine), tmp_path / str(i), f'random_{i}', 100_000,
-                 EVERY[2:3] + EVERY[-1:], seed)
+                 EVERY[2:3] + EVERY[-1:], seed, is_strict=False)
 
 
 @pytest.mark.slow
