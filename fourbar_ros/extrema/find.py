@@ -18,10 +18,9 @@ from typing import Any, NamedTuple
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.methods import Methods
 from fourbar_ros.extrema.path_search import Found
-from fourbar_ros.extrema.sampling import Asked
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Quantity
-from fourbar_ros.mechanisms.quantities import Function, select, UnknownQuantity
+from fourbar_ros.mechanisms.quantities import Asked, Function, select, UnknownQuantity
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.roots import fold
@@ -203,4 +202,5 @@ def _crank_angles(linkage: Mechanism, found: Sequence[Found]) -> list[float]:
     places = linkage.input_unit * np.array([part.place for part in found])
     inward = np.array([part.side for part in found]) * 4.0 * EPS * np.abs(places)
     angles, inside = (linkage.crank_angle(linkage.motion(at)) for at in (places, places + inward))
-    return fold(np.where(np.isnan(angles), inside, angles)).tolist()
+    result: list[float] = fold(np.where(np.isnan(angles), inside, angles)).tolist()
+    return result

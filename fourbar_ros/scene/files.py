@@ -7,13 +7,14 @@ They are ROS 2 parameter files, read here without ROS.
 """
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from math import inf, isinf, nan
 from pathlib import Path
 import re
 from typing import Any
 
 from fourbar_ros.errors import FourBarError, nearest
+from fourbar_ros.scene.parameters import ParameterValues
 import yaml
 
 NODE = '/fourbar'
@@ -105,16 +106,20 @@ def read_values(path: str | Path, node: str | None = None) -> dict[str, Any]:
     values: dict[str, Any] = {}
     for tree in found:
         values |= flatten(tree, path)
+    others = [key for key in there if not is_for(key, node)]
+    if node is None and others and not any(name.startswith('linkage.') for name in values):
+        raise NotForNode(f'{path}: has the nodes {", ".join(others)}; name one: '
+                         f'{path}:{others[0].lstrip("/*")}')
     return beside(values, path)
 
 
-def table_files(values: Mapping[str, Any]) -> list[str]:
+def table_files(values: ParameterValues) -> list[str]:
     """Return the names of the parameters of a scene that name the file of a table."""
     return [name for name, value in values.items()
             if TABLE.fullmatch(name) and isinstance(value, str) and value]
 
 
-def beside(values: Mapping[str, Any], scene: Path) -> dict[str, Any]:
+def beside(values: ParameterValues, scene: Path) -> dict[str, Any]:
     """Return values with the files of tables, which stand beside a scene, as paths from here."""
     return {**values, **{name: str(scene.parent / values[name]) for name in table_files(values)}}
 
@@ -250,7 +255,7 @@ def scalar(text: str) -> bool | int | float | str:
     return NAMED.get(text.lower(), text)
 
 
-def as_text(values: dict[str, Any]) -> str:
+def as_text(values: ParameterValues) -> str:
     """
     Return a flat dict of parameters as the text of a ROS 2 parameter file for any node.
 
@@ -283,7 +288,8 @@ class _Loader(yaml.SafeLoader):
 
 def _plain_or_quoted(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> bool | int | float | str:
     if node.style is not None:
-        return node.value
+        found: bool | int | float | str = node.value
+        return found
     if not node.value:
         raise yaml.MarkedYAMLError(problem='a key without a value', problem_mark=node.start_mark)
     return scalar(node.value)

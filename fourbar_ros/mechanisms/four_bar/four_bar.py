@@ -17,6 +17,7 @@ The picture of a 4R linkage and its velocity and acceleration polygons.
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import acos, asin, asinh, atan2, fsum, pi, sqrt
 from typing import Any, NamedTuple
@@ -38,6 +39,7 @@ from fourbar_ros.mechanisms.parts import (
     Joint,
     Length,
     Link,
+    NamedFields,
     ORIGIN,
     Output,
     Ranges,
@@ -49,14 +51,16 @@ from fourbar_ros.mechanisms.parts import (
     total,
 )
 from fourbar_ros.mechanisms.points import (
+    Coefficients,
     crank_motion,
+    Curve,
     link_motion,
     LinkMotion,
     point_motion,
     point_of,
 )
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
-from fourbar_ros.numerics.number_types import Function, NumberType
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 import numpy as np
 
 # Signs of (a4 - a1 + a3 - a2, a4 - a1 - a3 + a2, a2 + a3 - a4 - a1) for the eight basic planar 4R
@@ -223,7 +227,7 @@ class FourBar(Mechanism):
         return {'theta4': self.output_ranges}
 
     @of_geometry
-    def dead_points(self) -> tuple[Any, ...]:
+    def dead_points(self) -> tuple[DeadPoint, ...]:
         """
         Return where theta4 turns back in this mode: its rate is zero at any speed of the crank.
 
@@ -263,7 +267,7 @@ class FourBar(Mechanism):
                 Connection('coupler', 'output', (self.a2, 0.0), (self.a3, 0.0), turn=pi),
                 Connection(GROUND, 'output', (self.a4, 0.0)))
 
-    def link_motion(self, motion: Any, link: str) -> LinkMotion:
+    def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
         """Return the LinkMotion of a link by name."""
         if link == 'output':
             return LinkMotion(self.a4, 0.0, 0.0, 0.0, 0.0, 0.0, motion.cos_y, motion.sin_y,
@@ -279,23 +283,25 @@ class FourBar(Mechanism):
         mirrored = replace(self, a1=self.a3, a3=self.a1, bodies=None, external=External())
         return tuple(SeenFromOutput(mirrored.in_mode(mode), self.a1) for mode in self.MODES)
 
-    def transmission_sine(self, motion: Any) -> Any:
+    def transmission_sine(self, motion: NamedFields) -> Scalar:
         """Return a number that is zero where the dyad is in line, at most one: sin(mu)."""
-        return motion.sin_mu
+        found: Scalar = motion.sin_mu
+        return found
 
-    def term_sizes(self, motion: Any, rate: Any, acceleration: Any) -> dict[str, Any]:
+    def term_sizes(self, motion: NamedFields, rate: Scalar, acceleration: Scalar
+                   ) -> dict[str, Scalar]:
         """Return {unit: size} of the terms of rates and accelerations, for noise bounds."""
         gain = min(1.0, self.a1 / min(self.a2, self.a3))
         return {'rad/s': gain * abs(rate), 'rad/s^2': gain * (abs(acceleration) + rate**2)}
 
-    def corners(self, motion: Any) -> tuple[tuple[Any, Any, float], ...]:
+    def corners(self, motion: NamedFields) -> tuple[tuple[Scalar, Scalar, float], ...]:
         """Return O1, A, B, O4, homogeneous."""
         return ((0.0, 0.0, 1.0),
                 (self.a1 * np.cos(motion.theta1), self.a1 * np.sin(motion.theta1), 1.0),
                 (self.a4 + self.a3 * np.cos(motion.theta4), self.a3 * np.sin(motion.theta4), 1.0),
                 (self.a4, 0.0, 1.0))
 
-    def diagram(self, motion: Any) -> Diagram:
+    def diagram(self, motion: NamedFields) -> Diagram:
         """Return the :class:`Diagram` of one pose."""
         joints = {'O_1': ORIGIN, 'A': point_motion(self, motion, 'crank', self.a1).place,
                   'B': point_motion(self, motion, 'output', self.a3).place,
@@ -306,13 +312,13 @@ class FourBar(Mechanism):
                                                           'f43': 'O_4'},
                        {'theta1': 'O_1', 'theta4': 'O_4'})
 
-    def velocity_polygon(self, motion: Any) -> list[Arrow]:
+    def velocity_polygon(self, motion: NamedFields) -> list[Arrow]:
         """Return the arrows of V_B = V_A + V_B/A [m/s]."""
         v_a = point_motion(self, motion, 'crank', self.a1).velocity
         v_b = point_motion(self, motion, 'coupler', self.a2).velocity
         return [total(v_a, 'V_A'), total(v_b, 'V_B'), Arrow(v_a, v_b - v_a, 'V_{B/A}', False)]
 
-    def acceleration_polygon(self, motion: Any) -> list[Arrow]:
+    def acceleration_polygon(self, motion: NamedFields) -> list[Arrow]:
         """Return the arrows of A_B = A_A + A_B/A, with normal and tangential parts [m/s^2]."""
         crank, coupler, output = (link_motion(self, motion, link)
                                   for link in ('crank', 'coupler', 'output'))
@@ -381,11 +387,11 @@ class SeenFromOutput:
         """Return the same in another assembly mode."""
         return SeenFromOutput(self.mirrored.in_mode(mode), self._crank)
 
-    def make_coefficients(self, numbers: NumberType) -> Function:
+    def make_coefficients(self, numbers: NumberType) -> Coefficients:
         """Return p -> coefficients of crank, coupler and output, as those of a mechanism."""
         mirrored, crank, ground = self.mirrored.make_coefficients(numbers), self._crank, self.a4
 
-        def coefficients(position: Any) -> list[tuple[Any, ...]]:
+        def coefficients(position: Scalar) -> list[Curve]:
             (*_, cos_p, sin_p, _, _), (*_, cos_b, sin_b, d_b, dd_b), (
                 *_, cos_x, sin_x, d_x, dd_x) = mirrored(position)
             first = LinkMotion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -cos_x, sin_x, -d_x, -dd_x)
@@ -393,7 +399,8 @@ class SeenFromOutput:
                     (ground, 0.0, 0.0, 0.0, 0.0, 0.0, -cos_p, sin_p, -1.0, 0.0)]
         return coefficients
 
-    def read_coordinate(self, numbers: NumberType, curves: Any) -> tuple[Any, Any, Any]:
+    def read_coordinate(self, numbers: NumberType,
+                        curves: Sequence[Curve]) -> tuple[Scalar, Scalar, Scalar]:
         """Return p in (-pi, pi] and its two derivatives from coefficients of the links."""
         *_, cosine, sine, turn, bend = curves[2]
         return pi - numbers.atan2(sine, cosine), -turn, -bend

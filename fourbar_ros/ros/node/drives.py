@@ -150,7 +150,7 @@ class TimerDrive(Drive):
         self._angle += settings.speed * elapsed
 
     def _offset(self) -> int:
-        return self._node.get_clock().now().nanoseconds - time.monotonic_ns()
+        return int(self._node.get_clock().now().nanoseconds - time.monotonic_ns())
 
     def _follow_clock(self, offset: int) -> int:
         """Return the offset from monotonic to wall clock; a new one if the wall clock was set."""

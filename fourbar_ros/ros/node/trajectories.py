@@ -316,7 +316,7 @@ def _begin(data: bytes) -> tuple[int, int]:
 
 def _after_text(data: bytes, at: int) -> int:
     at += -at % 4
-    return at + 4 + unpack_from('<I', data, at)[0]
+    return int(at + 4 + unpack_from('<I', data, at)[0])
 
 
 def _blocks(data: bytes, at: int, count: int) -> list[Array]:
@@ -375,7 +375,8 @@ class Counted(NamedTuple):
     @property
     def positions(self) -> Array:
         """Return the positions with their turns [rad]."""
-        return self.samples.positions + tau * self.turns
+        found: Array = self.samples.positions + tau * self.turns
+        return found
 
 
 def count(samples: Samples, last: Counted | None = None) -> Counted:
