@@ -16,7 +16,7 @@ MODULES = {'.'.join(path.relative_to(ROOT).with_suffix('').parts).removesuffix('
 LAYERS = (('errors',), ('optional',), ('numerics',), ('mechanics',), ('mechanisms',),
           ('extrema', 'dynamics', 'transmission', 'machine'),
           ('scene',), ('pipeline',),
-          ('report', 'bag', 'description'),
+          ('report', 'bag', 'description', 'generated'),
           ('ros',), ('cli',),
           ('studies', 'balancing', 'reproduction'), ('live',), ('lab',))
 LEVEL = {folder: level for level, folders in enumerate(LAYERS) for folder in folders}

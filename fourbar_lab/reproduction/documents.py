@@ -155,7 +155,7 @@ def _equation(row: Entry, symbols: Mapping[str, float]) -> Row:
     form = row.get('terms', row.get('value'))
     must, printed = _evaluate(row.get('ours', '0.0'), symbols), of(form)
     scale = max(1.0, abs(must))
-    is_right = abs(printed - must) <= EXACT * scale
+    is_right = abs(printed - must) <= row.get('within', EXACT) * scale
     verdict = AGREES if is_right else DIFFERS
     if 'misprint' in row and not is_right and abs(of(row['correct']) - must) <= EXACT * scale:
         verdict = MISPRINT      # and the correction is one

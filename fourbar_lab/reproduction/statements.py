@@ -8,12 +8,14 @@ Each function returns a dict by name for published.yaml, as those of
 """
 from __future__ import annotations
 
-from math import degrees
+from dataclasses import replace
+from math import degrees, sqrt, tau
 
 from fourbar_lab.reproduction import published
 from fourbar_ros.extrema import collineation_axis
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.extrema.four_bar_rates.exact_count import count_extrema, rate_polynomials
+from fourbar_ros.mechanics.bodies import Bodies, Body, round_rod
 from fourbar_ros.mechanics.moving_frames import rolling_contact
 from fourbar_ros.mechanisms.contract import CROSSED, OPEN
 from fourbar_ros.mechanisms.four_bar.four_bar import FourBar
@@ -126,3 +128,93 @@ def axis() -> dict[str, float]:
         found |= {f'square_{name}': max(square, key=lambda angle: abs(angle - 90.0)),
                   f'bend_{name}': max(bend, key=abs)}
     return found
+
+
+def small_share(e: float) -> FourBar:
+    """
+    Return the family whose shaking force at its largest alpha4 is a share sqrt(e) of its peak.
+
+    The paper's rods, 1, 2 - 1.5 e, 1 m long, on a ground of e: a double-crank near a change point.
+    With theta4 = theta1 + pi - u its loop gives, as e goes to 0,
+
+        (Q1)  u = sqrt(e) g,   g = 2 sqrt(3/2 - cos(theta1))
+
+    and the rods, 7750 kg/m^3 and l kg/m, their shaking force at unit rate
+
+        (Q2)  F = 3/2 l sqrt(e) (2 g' + i (g - g'')) e^{i theta1}
+
+    alpha4 = -u'' is largest at theta1 = 0. There g' = 0 and g = g'' = sqrt(2), so F vanishes in
+    this order; the next one leaves 15/4 l e. F peaks at pi: 18/sqrt(10) l sqrt(e). The share is
+
+        (Q3)  5 sqrt(10)/24 sqrt(e)
+    """
+    lengths = (1.0, 2.0 - 1.5 * e, 1.0)
+    return FourBar(*lengths, e, bodies=Bodies(*(round_rod(length, 7750.0, 0.01)
+                                                for length in lengths)))
+
+
+def last_question() -> dict[str, float]:
+    """Return what answers the paper's claim that extreme alpha4 implies extreme shaking."""
+    e = 1e-6
+    thin, speed = published.THIN, published.PAPER_SPEED
+    weighted = counterweighted(thin)
+    point, peak, bound = least_moment(thin, speed)
+    at = largest_alpha4(thin)
+    loads = thin.loads(at, speed)
+    rate_loads = thin.loads(max(find_extrema(thin, ('omega4',), speed),
+                                key=lambda extremum: abs(extremum.value)).theta1, speed)
+    return {'share': force_share(small_share(e)) / sqrt(e), 'share_limit': 5.0 * sqrt(10.0) / 24.0,
+            'weighted': force_share(weighted), 'peak': peak, 'bound': bound, 'point_x': point[0],
+            'point_y': point[1], 'at_alpha4': abs(_moment_about(point, loads)) / peak,
+            'at_omega4': abs(_moment_about(point, rate_loads)) / peak}
+
+
+def force_share(linkage: FourBar) -> float:
+    """Return the shaking force at the largest alpha4 over its peak."""
+    peak = max(extremum.value for extremum in find_extrema(linkage, ('shaking_force',), 1.0))
+    return float(linkage.loads(largest_alpha4(linkage), 1.0).shaking_force) / peak
+
+
+def largest_alpha4(linkage: FourBar) -> float:
+    return max(find_extrema(linkage, ('alpha4',), 1.0),
+               key=lambda extremum: abs(extremum.value)).theta1
+
+
+def counterweighted(linkage: FourBar) -> FourBar:
+    """Return a linkage with 5 kg on its crank that cancel the force at its largest alpha4."""
+    assert linkage.bodies is not None
+    crank, mass, at = linkage.bodies.crank, 5.0, largest_alpha4(linkage)
+    loads = linkage.loads(at, 1.0)
+    force = complex(loads.shaking_force_x, loads.shaking_force_y)
+    moment = crank.mass * complex(crank.cg_along, crank.cg_across) - force * np.exp(-1j * at)
+    total = crank.mass + mass
+    body = Body(total, moment.real / total, moment.imag / total, crank.inertia)
+    return replace(linkage, bodies=linkage.bodies._replace(crank=body))
+
+
+def least_moment(linkage: FourBar, speed: float, samples: int = 1440
+                 ) -> tuple[tuple[float, float], float, float]:
+    """
+    Return the point [m] about which the largest shaking moment over a turn is least.
+
+    With that peak [N m], and a bound below which no point's peak is: the dual of the linear
+    programme, which weighs the poses. Both are of evenly spaced poses.
+    """
+    from scipy.optimize import linprog
+    theta1 = np.linspace(0.0, tau, samples, endpoint=False)
+    x, y, moment = linkage.step(theta1, speed, 0.0, fields=(
+        'shaking_force_x', 'shaking_force_y', 'shaking_moment'))
+    force, size = np.hypot(x, y).max(), np.abs(moment).max()
+    of_point, one = np.stack((y, -x), axis=-1) / force, np.ones((samples, 1))
+    sides = np.concatenate((-moment, moment)) / size
+    found = linprog([0.0, 0.0, 1.0], np.block([[-of_point, -one], [of_point, -one]]), sides,
+                    bounds=[(None, None), (None, None), (0.0, None)])
+    point = (found.x[:2] * size / force).tolist()
+    return ((point[0], point[1]), found.fun * size,
+            float(found.ineqlin.marginals @ sides) * size)
+
+
+def _moment_about(point: tuple[float, float], loads: NamedFields) -> float:
+    """Return the shaking moment about a point [N m]."""
+    return float(loads.shaking_moment - (point[0] * loads.shaking_force_y
+                                         - point[1] * loads.shaking_force_x))

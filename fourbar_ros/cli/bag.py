@@ -191,6 +191,9 @@ def _add_recompute(actions: Verbs) -> None:
     recompute.add_argument('--rounding', action='store_true',
                            help='accept differences that rounding explains (exit code 0)')
     add_node(recompute)
+    recompute.add_argument('--with', dest='by', metavar='DIR',
+                           help='compute motion and loads with the C code of this folder, as '
+                                'fourbar generate wrote it')
     recompute.set_defaults(run=_recompute)
 
 
@@ -203,10 +206,14 @@ def _recompute(arguments: Namespace) -> int:
         recomputed_row,
     )
     tolerance, accept_rounding = arguments.tolerance, arguments.rounding
+    work = partial(compare, node=arguments.node)
+    if arguments.by:
+        from fourbar_ros.generated import Compiled
+        work = partial(work, by=Compiled(arguments.by).evaluate)
 
     def problems(found: Recomputed) -> list[str]:
         return found.problems(tolerance, accept_rounding)
-    return _run(arguments, partial(compare, node=arguments.node), 'recomputing', Report(
+    return _run(arguments, work, 'recomputing', Report(
         lambda bag, found: json_of_recomputed(bag, found, tolerance, accept_rounding),
         lambda found: print_recomputed(found, tolerance, problems(found)), RECOMPUTED_COLUMNS,
         lambda found: recomputed_row(found, problems(found)), lambda found: not problems(found)))

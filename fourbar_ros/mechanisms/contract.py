@@ -265,6 +265,16 @@ class Described(Contract):
         return tuple([length.name for length in self.LENGTHS])
 
     @property
+    def numbers_of_lengths(self) -> tuple[str | tuple[int, int], ...]:
+        """
+        Return for each number of ``constants.lengths`` the name of the length that it is.
+
+        Empty: it is none, or other numbers follow from it in more ways than this one: (i, j), the
+        size of the vector of numbers i and j.
+        """
+        return self.length_names
+
+    @property
     def change_point_margin(self) -> float:
         """
         Return the least size of :attr:`margins` over the sum of all lengths.

@@ -127,7 +127,7 @@ def line_of(mechanism: Formulas, with_loads: bool) -> Function:
     return _lines(formula, zeros)(found)
 
 
-def _limits_at_zero(mechanism: Formulas, rate: float, acceleration: float,
+def limits_at_zero(mechanism: Formulas, rate: float, acceleration: float,
                     with_loads: bool) -> list[float]:
     """
     Return the fields for an input that falls to 0, a flat position, with zeros and infinities.
@@ -158,7 +158,7 @@ def with_limits(mechanism: Formulas, line: Function, with_loads: bool) -> Functi
             return line(position, rate, acceleration)
         if (rate, acceleration) not in known:
             known.clear()
-            known[rate, acceleration] = _limits_at_zero(mechanism, rate, acceleration, with_loads)
+            known[rate, acceleration] = limits_at_zero(mechanism, rate, acceleration, with_loads)
         fields = known[rate, acceleration]
         motion, loads = tuple(fields[:count]), tuple(fields[count:])
         if not all(map(isfinite, loads)):
@@ -173,7 +173,7 @@ def _set_limits(mechanism: Formulas, inputs: list[Array], rows: Sequence[Array],
     at = np.flatnonzero(inputs[0] == 0.0)
     rates = np.stack([np.broadcast_to(v, inputs[0].shape)[at] for v in inputs[1:]])
     for rate, acceleration in np.unique(rates[:, np.isfinite(rates).all(axis=0)], axis=1).T:
-        fields = _limits_at_zero(mechanism, float(rate), float(acceleration), with_loads)
+        fields = limits_at_zero(mechanism, float(rate), float(acceleration), with_loads)
         same = at[(rates[0] == rate) & (rates[1] == acceleration)]
         for row, i in zip(rows, wanted):
             row[same] = fields[i]

@@ -217,6 +217,11 @@ class Trace:
             return tuple([self._of(value) for value in results])
         return self._place(results)
 
+    def begin_apart(self) -> int:
+        """Return the number of steps; those that follow repeat none of them."""
+        self._places.clear()
+        return len(self.steps)
+
     # --- what is known of it --------------------------------------------------------------------
 
     @property
@@ -265,12 +270,13 @@ class Trace:
         return {place: step.value for place, step in enumerate(self.steps)
                 if step.operation == 'constant'}
 
-    def simplified(self, known: Mapping[int, float]) -> Trace:
+    def simplified(self, known: Mapping[int, float], end: int | None = None) -> Trace:
         """
         Return the same trace, of the same places, with what some known numbers make needless.
 
         Operations on known numbers become constants; products and sums of zero, factors of one
-        and choices that are made are passed by. An operation that refuses its arguments stays.
+        and choices that are made are passed by. An operation that refuses its arguments stays,
+        and so do all from place ``end`` on.
         """
         other = object.__new__(Trace)
         other.steps, other.count, other.size = list(self.steps), self.count, self.size
@@ -282,6 +288,9 @@ class Trace:
             if step.is_given:
                 continue
             step = step._replace(arguments=tuple([same[i] for i in step.arguments]))
+            if end is not None and place >= end:
+                other.steps[place] = step
+                continue
             same_as = _passed(step, values)
             if same_as is None:
                 try:

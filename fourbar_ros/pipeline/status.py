@@ -3,6 +3,7 @@
 """One evaluation that never raises: its status qualifies the numbers."""
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from math import isfinite, isinf, isnan, nan
 from typing import Any, NamedTuple
@@ -19,6 +20,7 @@ STATUS_NAMES = ('ok', 'out of range', 'invalid input', 'toggle', 'rates unknown'
 
 
 Evaluated = tuple[int, NamedFields, NamedFields]      # status, MOTION and LOADS of the mechanism
+Evaluate = Callable[[Mechanism, float, float, float, bool], Evaluated]     # as evaluate()
 
 
 @cache

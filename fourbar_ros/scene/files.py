@@ -109,6 +109,10 @@ def read_values(path: str | Path, node: str | None = None) -> Tree:
     values: Tree = {}
     for tree in found:
         values |= flatten(tree, path)
+    others = [key for key in there if not is_for(key, node)]
+    if node is None and others and not any(name.startswith('linkage.') for name in values):
+        raise NotForNode(f'{path}: has the nodes {", ".join(others)}; name one: '
+                         f'{path}:{others[0].lstrip("/*")}')
     return beside(values, path)
 
 

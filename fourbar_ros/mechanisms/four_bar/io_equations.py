@@ -12,7 +12,8 @@ Each equation is
 
 with products of two bilinear factors for coefficients. Functions of v are the textbook's;
 functions of angles use the same polynomial homogeneous in sin and cos(theta/2), where v infinite
-(theta = pi) is an ordinary point.
+(theta = pi) is an ordinary point. With slides in place of pivots it is the same equation:
+:mod:`fourbar_ros.mechanisms.four_bar.slide_equations`.
 
 >>> import math
 >>> equation = io_equation((8.0, 14.0, 9.0, 17.0), 1, 4)
@@ -23,11 +24,12 @@ functions of angles use the same polynomial homogeneous in sin and cos(theta/2),
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 import math
-from typing import NamedTuple
+from typing import NamedTuple, overload
 
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanisms.four_bar.slide_equations import equation_of_slides, SlideEquation
 from fourbar_ros.mechanisms.half_angle import bilinear_factors
 from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.given import array, number
@@ -185,7 +187,17 @@ class IOEquation(NamedTuple):
                 + self.mixed * one[2] * other[2])
 
 
-def io_equation(lengths: Sequence[float], i: int, j: int) -> IOEquation:
+@overload
+def io_equation(lengths: Sequence[float], i: int, j: int) -> IOEquation: ...
+
+
+@overload
+def io_equation(lengths: Sequence[float], i: int, j: int,
+                slides: Mapping[int, float]) -> SlideEquation: ...
+
+
+def io_equation(lengths: Sequence[float], i: int, j: int,
+                slides: Mapping[int, float] | None = None) -> IOEquation | SlideEquation:
     """
     Return the :class:`IOEquation` between theta_i and theta_j.
 
@@ -195,6 +207,9 @@ def io_equation(lengths: Sequence[float], i: int, j: int) -> IOEquation:
         a1, a2, a3, a4 [m].
     i, j : int
         Two different of 1, 2, 3, 4, in any order: theta_i is the first variable.
+    slides : mapping, optional
+        {joint: direction of its slide [rad]}: the :class:`SlideEquation` of RRRP or PRRP, see
+        :func:`~fourbar_ros.mechanisms.four_bar.slide_equations.equation_of_slides`.
 
     Raises
     ------
@@ -202,6 +217,8 @@ def io_equation(lengths: Sequence[float], i: int, j: int) -> IOEquation:
         For any other pair.
 
     """
+    if slides:
+        return equation_of_slides(lengths, slides, i, j)
     if (min(i, j), max(i, j)) not in _TERMS:
         raise InvalidParameter('pair', (i, j), 'must be two different of the joints 1 to 4: '
                                                f'{PAIRS}')

@@ -20,12 +20,14 @@ from fourbar_ros.mechanisms.checks import two_numbers
 from fourbar_ros.mechanisms.contract import Constants, CRANK, of_geometry, SLIDE
 from fourbar_ros.mechanisms.machine.describe import diagram
 from fourbar_ros.mechanisms.machine.describe.description import (
+    ANGLES,
     by_link,
     checked_cylinder,
     checked_dyads,
     connections_of,
     CYLINDER,
     Cylinder,
+    DIMENSIONS,
     Dyad,
     Numbers,
     RPR,
@@ -157,6 +159,23 @@ class Machine(WithLimits):
         cylinder = self.cylinder._replace(base=own.second, pin=own.first, mode=own.mode)
         return self._copy(stages=tuple(stages), dyads=tuple(stages[1:]), layout=layout,
                           cylinder=cylinder)
+
+    @property
+    def numbers_of_lengths(self) -> tuple[str | tuple[int, int], ...]:
+        """Return the name of each number of its dyads; of closed forms of kinds no length is."""
+        found: list[str | tuple[int, int]] = []
+        is_free = not any(stage.pair for stage in self.layout.stages)
+        for dyad, own in zip(self.stages, self.numbers):
+            first = len(found)
+            reach = (first, first + 1), (first + 2, first + 3)
+            found += [f'{dyad.name}.{place}.{name}' for place in ('first', 'second')
+                      for name in ('along', 'across')]
+            for name in DIMENSIONS[dyad.kind]:
+                found += ('', '') if name in ANGLES else (f'{dyad.name}.{name}',)
+            found += reach + reach[:len(own.shape)] * (dyad.name == CYLINDER)
+            if not is_free:
+                found[first:] = [''] * sum(map(len, own))
+        return tuple(found)
 
     @property
     def signs(self) -> tuple[float, ...]:

@@ -170,7 +170,8 @@ class _Live(Client):
 
     def wait_until_found(self) -> None:
         """Wait for the node's input and outputs."""
-        what = f'{self._name}: no node with drive.source: motion and the outputs of the bag'
+        what = (f'{self._name}: no node with drive.source: motion and the outputs of the bag; '
+                '"fourbar bag scene BAG > FILE" writes the parameters of one')
 
         def is_found() -> bool:
             if not self.tick(0):

@@ -47,6 +47,9 @@ class Diagnostics:
 
         problems += [f'{count} {name.replace("_", " ")}' for name, count in grown.items()
                      if count and name not in HARMLESS]
+        if node.get_node_names_and_namespaces().count(
+                (node.get_name(), node.get_namespace())) > 1:
+            problems.append('another node has this name: services and parameters reach either')
         if stream.bad_steps - bad:
             problems.append(f'{stream.bad_steps - bad} steps not ok')
         if stream.status != OK:

@@ -23,6 +23,7 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
+SILENT = 2.0           # [s] without a first message after which the diagnostics warn
 FUTURE = 1.0           # [s] a stamp further ahead of our clock is counted as of the future
 UNHEARD = 20           # messages of a relay without the driven joint before it says so
 
@@ -94,6 +95,8 @@ class TopicDrive(Drive):
             values['lost'] = 'unknown: the middleware gives no numbers'
         if self._is_relay and self.counts['of_other_joints'] and not self.counts['received']:
             problems.append(f'joint {self.settings.joint!r} never came')
+        elif not self.counts['received'] and self.age() > SILENT:
+            problems.append(f'no input yet: {self._where_it_comes()}')
         if isnan(self.estimator.lag) or not self._estimated:
             return values, problems
         unit = 'm/s^2' if self._stream.scene.linkage.is_driven_by_slide else 'rad/s^2'
@@ -102,6 +105,17 @@ class TopicDrive(Drive):
                  'unknown' if isnan(noise) else f'{noise:.3g}',
                  'lag of the estimated acceleration [s]': f'{self.estimator.lag:.3g}'},
                 problems + ['the estimated acceleration is noise'] * self.estimator.is_noise)
+
+    def _where_it_comes(self) -> str:
+        """Return who publishes the input, or on which topics its type comes instead."""
+        name = self._subscription.topic_name
+        if self._subscription.get_publisher_count():
+            return f'the publisher of {name} is silent'
+        others = [other for other, types in self._node.get_topic_names_and_types()
+                  if self._topic.type in types and other != name
+                  and self._node.count_publishers(other)]
+        return f'{name} has no publisher' + (
+            f'; {self._topic.type} comes on {", ".join(sorted(others))}' if others else '')
 
     def _receive(self, data: bytes, info: Info) -> None:
         try:
