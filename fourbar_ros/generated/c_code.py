@@ -29,7 +29,7 @@ STATUS = ('ok', 'out_of_range', 'invalid_input', 'toggle', 'rates_unknown')    #
 
 def snippet(name: str) -> str:
     """Return a C text of this package."""
-    return files(__package__).joinpath('c', name).read_text(encoding='utf-8')
+    return (files(__package__) / 'c' / name).read_text(encoding='utf-8')
 
 
 def literal(value: float) -> str:
@@ -102,7 +102,9 @@ class Formulas:
         return self._literal(place)
 
     def _literal(self, place: int) -> str:
-        return literal(self._values[place])
+        value = self._values[place]
+        assert value is not None, 'it depends on an input'
+        return literal(value)
 
     def _statement(self, place: int, name_of: object) -> list[str]:
         assert callable(name_of)

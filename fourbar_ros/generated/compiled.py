@@ -97,7 +97,7 @@ class Compiled:
         NotGenerated where the code is not of this mechanism.
         """
         self._take(mechanism, with_loads)
-        self._input[:] = position, rate, acceleration
+        self._input[:] = [position, rate, acceleration]
         if with_loads:
             status = self._of['step'](self._constants, self._input, self._motion, self._loads)
         else:

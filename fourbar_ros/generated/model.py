@@ -219,13 +219,13 @@ class Model:
         motion, points = self.mechanism.MOTION._fields, self.scene.points
         return self._wanted([*motion, *(f'{point}.{what}' for point in points
                                         for what in PointMotion._fields)],
-                            (self.trace.results[0], self.trace.results[2]), False)
+                            (self.trace.part(0), self.trace.part(2)), False)
 
     @cached_property
     def loads(self) -> tuple[Named, ...]:
         """Return the wanted fields of the loads."""
         return self._wanted(self.mechanism.LOADS._fields if self.mechanism.bodies else (),
-                            self.trace.results[1], True)
+                            self.trace.part(1), True)
 
     def _wanted(self, names: Sequence[str], places: Any, are_loads: bool) -> tuple[Named, ...]:
         texts = self.texts
@@ -337,7 +337,7 @@ class Model:
                 found[place] |= found[i]
         names = [*self.mechanism.MOTION._fields, *(
             f'{point}.{what}' for point in self.scene.points for what in PointMotion._fields)]
-        places = dict(zip(names, flat((trace.results[0], trace.results[2]))))
+        places = dict(zip(names, flat((trace.part(0), trace.part(2)))))
         return [found[places[one.name]] for one in self.motion]
 
     def sample(self) -> tuple[tuple[float, float, float], dict[str, float]]:
@@ -373,8 +373,8 @@ class Model:
     @property
     def transmission(self) -> int:
         """Return the place of the transmission angle, which is a number where the links close."""
-        fields_of_motion = flat(self.trace.results[0])       # type: ignore[index]
-        return fields_of_motion[self.mechanism.MOTION._fields.index('transmission_angle')]
+        number: int = self.mechanism.MOTION._fields.index('transmission_angle')
+        return flat(self.trace.part(0))[number]
 
 
 def word(name: str) -> str:
