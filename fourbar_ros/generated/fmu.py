@@ -149,7 +149,8 @@ def _binary(name: str, source: str, version: int) -> dict[str, bytes]:
 
 def _as_text(element: ElementTree.Element) -> bytes:
     ElementTree.indent(element)
-    return ElementTree.tostring(element, 'utf-8', xml_declaration=True)
+    text: bytes = ElementTree.tostring(element, 'utf-8', xml_declaration=True)
+    return text
 
 
 def _element(under: ElementTree.Element | None, tag: str, **attributes: object
